@@ -30,6 +30,12 @@ double steady_speed_rad_per_s(const RotorData& rotor, double thrust_coefficient,
   return 2 * voltage_v / (emf + std::sqrt(emf * emf + 4 * square * voltage_v));
 }
 
+SupplyLoad supply_load(const ElectricMotor& motor, double duty, double speed_rad_per_s, double supply_v) {
+  const double emf_v = motor.back_emf_vs_per_rad * speed_rad_per_s;
+  if (duty * supply_v <= emf_v) return {};
+  return {duty * duty / motor.resistance_ohm, duty * emf_v / motor.resistance_ohm};
+}
+
 RotorStep advance_motor(const RotorData& rotor, const RotorDrive& drive, double speed_rad_per_s, double duration_s) {
   MEBOTS_ASSERT(rotor.motor && speed_rad_per_s >= 0 && duration_s > 0);
   const ElectricMotor& motor = *rotor.motor;
@@ -42,17 +48,19 @@ RotorStep advance_motor(const RotorData& rotor, const RotorDrive& drive, double 
     const SpeedCourse coasting({0, quadratic}, speed, 0);
     const double end = std::max(coasting.speed(duration_s), 0.0);
     const double energy_j = drive.driven ? ripple_power_w(motor, drive) * duration_s : 0;
-    if (!drive.driven || end >= no_current_above) return {end, energy_j};
+    if (!drive.driven || end >= no_current_above) return {end, energy_j, 0};
     left_s = std::max(duration_s - coasting.time_to(no_current_above), 0.0);
     speed = no_current_above;
   }
   const double emf = motor.back_emf_vs_per_rad;
   const SpeedLaw law{emf * emf / (motor.resistance_ohm * rotor.inertia_kg_m2), quadratic};
   const SpeedCourse course(law, speed, drive.steady_speed_rad_per_s);
-  const double charge_c = (drive.voltage_v * left_s - emf * course.speed_integral(left_s)) / motor.resistance_ohm;
   // The current is not negative, its rounded integral may be.
-  const double energy_j = drive.voltage_v * std::max(charge_c, 0.0) + ripple_power_w(motor, drive) * duration_s;
-  return {std::max(course.speed(left_s), 0.0), drive.driven ? energy_j : 0};
+  const double charge_c =
+      std::max((drive.voltage_v * left_s - emf * course.speed_integral(left_s)) / motor.resistance_ohm, 0.0);
+  const double end = std::max(course.speed(left_s), 0.0);
+  if (!drive.driven) return {end, 0, 0};
+  return {end, drive.voltage_v * charge_c + ripple_power_w(motor, drive) * duration_s, charge_c};
 }
 
 }  // namespace mebots::motors

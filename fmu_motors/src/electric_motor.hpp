@@ -9,6 +9,14 @@ namespace mebots::motors {
 /// c = torque_per_thrust k.
 double steady_speed_rad_per_s(const RotorData& rotor, double thrust_coefficient, double voltage_v);
 
+/// Conductance [S] and counter current [A] of one motor as its supply sees them: it draws conductance V - counter
+/// current from a supply of V volts, means over the PWM's period. Both are 0 if `supply_v` drives no current.
+struct SupplyLoad {
+  double conductance_s = 0;
+  double counter_current_a = 0;
+};
+SupplyLoad supply_load(const ElectricMotor& motor, double duty, double speed_rad_per_s, double supply_v);
+
 /// Advances a rotor whose data have `motor` by `duration_s`:
 ///   i        = max(0, (v - K w) / R)                  the driver's diode blocks braking currents
 ///   J dw/dt  = K i - c w^2

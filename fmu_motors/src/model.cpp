@@ -53,7 +53,9 @@ Model::Model(const Parameters& parameters, const std::filesystem::path& resource
       power_model_(checked(parameters.power_model)),
       avionics_base_power_w_(parameters.avionics_base_power_w),
       inflow_(parameters.inflow),
-      inflow_radius_m_(parameters.inflow_radius_m) {
+      inflow_radius_m_(parameters.inflow_radius_m),
+      bus_resistance_ohm_(parameters.bus_resistance_ohm) {
+  check(bus_resistance_ohm_, "bus.resistance", "Ohm", data::Limits::between(0, kMost));
   check(inflow_radius_m_, "inflow.radius", "m", data::Limits::at_least(0.001));
   check(avionics_base_power_w_, "avionics.base_power", "W", data::Limits::at_least(0));
 }
@@ -68,16 +70,21 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   const double duration_s = static_cast<double>(duration_ns) * 1e-9;
   MEBOTS_ASSERT(duration_ns > 0);
   double bench_j = 0;
+  double motor_c = 0;
   bool driven = false;
+  const double supply_v = supply_voltage_v(inputs);
   for (std::size_t i = 0; i < rotor::kCount; ++i) {
-    const RotorDrive drive = drive_of(inputs, i);
+    const RotorDrive drive = drive_of(inputs, supply_v, i);
     const RotorStep step = rotor_.motor ? advance_motor(rotor_, drive, speed_rad_per_s_[i], duration_s)
                                         : advance_rotor(rotor_, drive, speed_rad_per_s_[i], duration_s);
     MEBOTS_ASSERT(step.energy_j >= 0 && step.speed_rad_per_s >= 0);
     speed_rad_per_s_[i] = step.speed_rad_per_s;
     bench_j += step.energy_j;
+    motor_c += drive.duty * step.charge_c;
     driven = driven || drive.driven;
   }
+  earlier_current_a_ = last_current_a_;
+  last_current_a_ = motor_c / duration_s;
   outputs.bench_power_w = bench_j / duration_s;
   outputs.hover_power_w = driven ? hover_power_w(rotor_, inputs.body_mass_kg, inputs.air_density_kg_per_m3) : 0;
   outputs.propel_power_w = driven ? propel_power_w(rotor_, inputs.body_mass_kg, inputs.body_speed_m_per_s) : 0;
@@ -89,10 +96,25 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   write(inputs, outputs);
 }
 
-RotorDrive Model::drive_of(const Inputs& inputs, std::size_t i) const {
+/// Motors and battery step at the same time, so that bus.voltage belongs to the current of the step before the last
+/// one. The change of current since then lowers it by bus.resistance.
+double Model::supply_voltage_v(const Inputs& inputs) const {
+  const double bus_v = inputs.bus_voltage_v;
+  if (!rotor_.motor || bus_resistance_ohm_ == 0 || bus_v == 0) return bus_v;
+  SupplyLoad all;
+  for (std::size_t i = 0; i < rotor::kCount; ++i) {
+    const SupplyLoad one = supply_load(*rotor_.motor, inputs.rotor_command[i], speed_rad_per_s_[i], bus_v);
+    all.conductance_s += one.conductance_s;
+    all.counter_current_a += one.counter_current_a;
+  }
+  return (bus_v + bus_resistance_ohm_ * (earlier_current_a_ + all.counter_current_a)) /
+         (1 + bus_resistance_ohm_ * all.conductance_s);
+}
+
+RotorDrive Model::drive_of(const Inputs& inputs, double supply_v, std::size_t i) const {
   RotorDrive drive;
   drive.duty = inputs.rotor_command[i];
-  drive.voltage_v = effective_voltage_v(inputs, i);
+  drive.voltage_v = drive.duty * supply_v;
   drive.driven = drive.voltage_v > 0;
   drive.thrust_coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
   drive.steady_speed_rad_per_s = rotor_.motor
@@ -130,6 +152,8 @@ void Model::write(const Inputs& inputs, Outputs& outputs) const {
 void Model::visit(state::Visitor& v) {
   v("speed_rad_per_s", speed_rad_per_s_);
   v("energy_j", energy_j_);
+  v("last_current_a", last_current_a_);
+  v("earlier_current_a", earlier_current_a_);
 }
 
 }  // namespace mebots::motors

@@ -33,16 +33,21 @@ class Model {
  private:
   void write(const Inputs& inputs, Outputs& outputs) const;
   double inflow_power_w(const Inputs& inputs) const;
-  RotorDrive drive_of(const Inputs& inputs, std::size_t i) const;
+  RotorDrive drive_of(const Inputs& inputs, double supply_v, std::size_t i) const;
+  double supply_voltage_v(const Inputs& inputs) const;
 
   RotorData rotor_;
   PowerModel power_model_;
   double avionics_base_power_w_;
   bool inflow_;
   double inflow_radius_m_;
+  double bus_resistance_ohm_;
 
   std::array<double, rotor::kCount> speed_rad_per_s_{};
   double energy_j_ = 0;
+  // From the bus through the windings, means of the last step and of the one before.
+  double last_current_a_ = 0;
+  double earlier_current_a_ = 0;
 };
 
 }  // namespace mebots::motors

@@ -43,16 +43,16 @@ RotorStep advance_rotor(const RotorData& rotor, const RotorDrive& drive, double 
   const SpeedCourse course(law, speed_rad_per_s, drive.steady_speed_rad_per_s);
   // The closed form may end a rounding error under zero.
   const double end = std::max(course.speed(duration_s), 0.0);
-  if (!drive.driven) return {end, 0};
+  if (!drive.driven) return {end, 0, 0};
 
   const double powered_below = slowing ? speed_of_zero_power(rotor, drive, law) : HUGE_VAL;
   if (speed_rad_per_s <= powered_below) {
-    return {end, energy_j(rotor, drive, course, speed_rad_per_s, end, duration_s)};
+    return {end, energy_j(rotor, drive, course, speed_rad_per_s, end, duration_s), 0};
   }
-  if (end >= powered_below) return {end, 0};
+  if (end >= powered_below) return {end, 0, 0};
   const double unpowered_s = std::min(course.time_to(powered_below), duration_s);
   const SpeedCourse rest(law, powered_below, drive.steady_speed_rad_per_s);
-  return {end, energy_j(rotor, drive, rest, powered_below, end, duration_s - unpowered_s)};
+  return {end, energy_j(rotor, drive, rest, powered_below, end, duration_s - unpowered_s), 0};
 }
 
 }  // namespace mebots::motors

@@ -17,6 +17,7 @@ struct RotorDrive {
 struct RotorStep {
   double speed_rad_per_s = 0;  // at the end of the step
   double energy_j = 0;         // electrical, taken during the step, >= 0
+  double charge_c = 0;         // through the winding of an electric motor, >= 0
 };
 
 /// Moves one rotor on by `duration_s`. The electrical power is
