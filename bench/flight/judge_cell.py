@@ -67,12 +67,14 @@ def judge(name, flights, judged):
         own = flown.errors(cell, flown.best_factor(cell, START_S))[:, round(START_S / data.STEP_S):]
         long_enough = (~np.isnan(own)).sum(axis=1) > 10 / data.STEP_S
         factors = Set([p for p in partners if p], flown.rotors).best_factor(cell)
+        growth = np.median(flown.subset(have).best_factor(cell) / factors)
         prior = flown.subset(have).errors(cell, factors)
         print(f"| {cell_name} | {spread(rms(blind))} | {spread(rms(own[long_enough]))} ({long_enough.sum()} flights) | "
               f"{spread(rms(prior))} ({have.sum()} flights) |")
         print(f"{cell_name}: median {sag_and_slope(blind + flown.voltage_v, flown.rest_v)}; mean error "
               f"{1e3 * np.nanmean(blind):+.0f} mV; share of flights within 50 mV: blind {100 * np.mean(rms(blind) < 0.05):.0f} %, "
-              f"own start {100 * np.mean(rms(own[long_enough]) < 0.05):.0f} %, flight before {100 * np.mean(rms(prior) < 0.05):.0f} %")
+              f"own start {100 * np.mean(rms(own[long_enough]) < 0.05):.0f} %, flight before {100 * np.mean(rms(prior) < 0.05):.0f} %; "
+              f"resistance over that of the flight before, median {growth:.2f}")
 
 
 def main():

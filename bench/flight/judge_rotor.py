@@ -97,27 +97,6 @@ def drone_models_table(models):
             f"{100 * (m.thrust_coefficient * (rpm * np.pi / 30)**2 / thrust - 1):+.1f}" for m in models) + " |")
 
 
-def climb_loss(folder):
-    """Relative loss of thrust per speed of climb, from flights whose first rotor's sensor fails: rotors 2 to 4 stand for all."""
-    rise, share = [], []
-    for name in data.CLIMBING_FLIGHTS:
-        f = data.flight(folder, name)
-        speed = f.speed_rad_per_s[1:]
-        for at in np.arange(f.time_s[0] + 1, f.time_s[-1] - 1, 0.25):
-            s = slice(*np.searchsorted(f.time_s, (at, at + 0.25)))
-            if not (speed[:, s] > 500).all():
-                continue
-            acceleration = (f.climb_m_per_s[s][-1] - f.climb_m_per_s[s][0]) / np.ptp(f.time_s[s])
-            pull = 4 / 3 * np.mean((speed[:, s]**2).sum(axis=0) * f.upright[s])
-            rise.append(f.climb_m_per_s[s].mean())
-            share.append(f.mass_kg * (data.GRAVITY + acceleration) / pull)
-    slope, at_rest = np.polyfit(rise, share, 1)
-    doubt = np.std(np.polyval((slope, at_rest), rise) - share) / np.std(rise) / np.sqrt(len(rise))
-    weight = data.JANA_MASS_KG * data.GRAVITY
-    print(f"climb: {100 * slope / at_rest:+.1f} +- {100 * doubt / at_rest:.1f} % of thrust per m/s, {len(rise)} quarters of a second; as a drag "
-          f"{-weight * slope / at_rest:.4f} N s/m (fmu_world's drone has 0.0128 along z)")
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("fmu")
@@ -134,8 +113,6 @@ def main():
     stand_table(data.stand(given.folder, data.JUDGED_STAND), models)
     print()
     drone_models_table(models)
-    print()
-    climb_loss(given.folder)
 
 
 if __name__ == "__main__":
