@@ -89,6 +89,29 @@ class Isolation : public testing::Test {
   modeldesc::TemporaryFolder folder{"mebots-test"};
 };
 
+/// The exit code of `mebots run two.json --isolate` below a limit of open files, and its error.
+ProgramResult run_below(const std::string& limit, const std::filesystem::path& folder) {
+  const auto command = fmt::format("cd '{0}' && {{ ulimit {1} && '{2}' run two.json --isolate --quiet; }} 2>'{0}/err'",
+                                   folder.string(), limit, MEBOTS_PROGRAM);
+  const int status = std::system(command.c_str());  // NOLINT(concurrency-mt-unsafe): no other thread is there
+  return {WEXITSTATUS(status), "", read_file(folder / "err")};
+}
+
+TEST_F(Isolation, NeedsTwoDescriptorsForEachInstance) {
+  std::string instances;
+  for (int i = 0; i < 100; ++i)
+    instances += fmt::format(R"({}"i{}": {{"fmu": "{}"}})", i == 0 ? "" : ", ", i, PASSTHROUGH_FMU);
+  write_file(folder.path() / "two.json",
+             fmt::format(R"({{"step": 1, "stop_time": 1, "instances": {{{}}}, "connections": []}})", instances));
+  EXPECT_EQ(run_below("-n 250", folder.path()).code, 0);
+  EXPECT_EQ(run_below("-Sn 64", folder.path()).code, 0) << "the limit can be raised";
+  const auto refused = run_below("-n 200", folder.path());
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.err,
+              testing::ContainsRegex("100 isolated instances need 2[34][0-9] open files .* hard limit is 200"));
+  EXPECT_THAT(refused.err, Not(HasSubstr("Too many open files")));
+}
+
 TEST_F(Isolation, OwnProcessesGiveTheSameBits) {
   ASSERT_EQ(run({}).code, 0);
   const auto csv = result("results.csv");

@@ -8,6 +8,8 @@
 
 #include "engine/initial_values.hpp"
 #include "engine/slave_factory.hpp"
+#include "slave/isolation/child_process.hpp"
+#include "slave/isolation/isolated_slave.hpp"
 #include "slave/process_watch.hpp"
 
 #include <fmt/format.h>
@@ -33,6 +35,13 @@ auto as_input(Work work) {
   } catch (const SlaveError& error) {
     throw InputError(error.code(), error.what());
   }
+}
+
+/// Raises the limit of open files for the isolated instances, before an FMU or a process starts.
+void reserve_descriptors(const ResolvedSystem& system) {
+  const auto count =
+      std::ranges::count_if(system.instances, [](const auto& instance) { return instance.isolation.alone(); });
+  isolation::reserve_descriptors(static_cast<std::size_t>(count), isolation::IsolatedSlave::kDescriptors);
 }
 
 }  // namespace
@@ -100,6 +109,7 @@ Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const Sl
       messages_(&messages),
       interrupted_(options.interrupted != nullptr ? options.interrupted : &kNeverInterrupted),
       grid_(system.description->grid()) {
+  reserve_descriptors(system);
   ProcessWatch watch(system, messages);
   auto slaves = as_input([&] { return make_slaves(system, messages, options); });
   watch.look("in fmi2Instantiate", system.description->start_time_ns);

@@ -21,6 +21,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <thread>
 
 namespace mebots::master::isolation {
@@ -43,7 +44,29 @@ struct SpawnSettings {
   SpawnSettings& operator=(const SpawnSettings&) = delete;
 };
 
+std::size_t open_descriptors() {
+  std::error_code ignored;
+  const std::filesystem::directory_iterator entries("/proc/self/fd", ignored);
+  return static_cast<std::size_t>(std::distance(begin(entries), end(entries)));
+}
+
 }  // namespace
+
+void reserve_descriptors(std::size_t count, std::size_t each) {
+  if (count == 0) return;
+  constexpr std::size_t kOthers = 32;  // result files, a process that starts, and what the C library opens
+  const auto open = open_descriptors();
+  const rlim_t needed = open + count * each + kOthers;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= needed) return;
+  const rlimit raised{needed, limit.rlim_max};
+  if (needed <= limit.rlim_max && setrlimit(RLIMIT_NOFILE, &raised) == 0) return;
+  throw Error(
+      ErrorCode::system_failure,
+      fmt::format("{} isolated instances need {} open files ({} each, {} are open, {} for others), and the hard "
+                  "limit is {}. Raise it (`ulimit -Hn {}`), or isolate fewer instances",
+                  count, needed, each, open, kOthers, limit.rlim_max, needed));
+}
 
 ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                            const std::array<int, 4>& descriptors) {

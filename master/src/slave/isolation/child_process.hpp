@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -41,6 +42,10 @@ class ChildProcess {
   pid_t pid_ = -1;
   std::optional<ProcessEnd> end_;
 };
+
+/// Raises the limit of open files (RLIMIT_NOFILE) if `count` isolated instances, of `each` descriptors in this process,
+/// need it. Throws Error with the number that they need if the hard limit is lower.
+void reserve_descriptors(std::size_t count, std::size_t each);
 
 /// "signal 11 (SIGSEGV, invalid memory access)"
 std::string signal_text(int signal);

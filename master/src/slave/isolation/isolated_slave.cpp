@@ -58,7 +58,7 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       control_buffer_("mebots-control"),
       command_buffer_("mebots-commands"),
       answer_buffer_("mebots-answers"),
-      log_buffer_("mebots-log"),
+      log_buffer_("mebots-log", kMostLogBytes),
       control_(new (control_buffer_.data()) Control),
       commands_(command_buffer_),
       triples_(osmp_triples(*instance.model)),
@@ -67,6 +67,9 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       std::make_unique<ChildProcess>(find_fmu_host(), host_arguments(),
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
                                                         answer_buffer_.descriptor(), log_buffer_.descriptor()});
+  // The sizes of these two are final, so the process needs its own descriptors only.
+  control_buffer_.close_descriptor();
+  log_buffer_.close_descriptor();
   open(grid);
 }
 

@@ -24,6 +24,9 @@ namespace mebots::master::isolation {
 /// is one hand-over. When the process ends, or a call takes longer than its deadline, every call throws SlaveError.
 class IsolatedSlave final : public Slave {
  public:
+  /// Descriptors that the master keeps for each instance.
+  static constexpr std::size_t kDescriptors = 2;
+
   /// Starts the process and instantiates. `instance` and `messages` must outlive the slave; so must `interrupted`,
   /// which ends a call that does not come back once it is true (null = nothing does).
   IsolatedSlave(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted,

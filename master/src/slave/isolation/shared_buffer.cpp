@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <bit>
 #include <cerrno>
+#include <utility>
 
 namespace mebots::master::isolation {
 namespace {
@@ -28,12 +29,13 @@ constexpr int kLowestDescriptor = 16;
 
 }  // namespace
 
-SharedBuffer::SharedBuffer(const char* name) {
+SharedBuffer::SharedBuffer(const char* name, std::size_t size) {
   const int made = memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
   if (made < 0) fail("it cannot be made");
   descriptor_ = fcntl(made, F_DUPFD_CLOEXEC, kLowestDescriptor);
   ::close(made);
   if (descriptor_ < 0 || fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_SEAL) != 0) fail("it cannot be set up");
+  if (size > kFirstSize && ftruncate(descriptor_, static_cast<off_t>(size)) != 0) fail("it cannot grow");
   reserve(kFirstSize);
 }
 
@@ -44,29 +46,37 @@ SharedBuffer::SharedBuffer(int descriptor) : descriptor_(descriptor) {
 
 SharedBuffer::~SharedBuffer() {
   if (data_ != nullptr) munmap(data_, mapped_);
-  ::close(descriptor_);
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void SharedBuffer::close_descriptor() {
+  final_length_ = length();
+  ::close(std::exchange(descriptor_, -1));
 }
 
 void SharedBuffer::reserve(std::size_t size) {
   if (size <= mapped_) return;
+  MEBOTS_ASSERT(descriptor_ >= 0, "a buffer without its descriptor cannot grow");
   const auto wanted = std::bit_ceil(std::max(size, kFirstSize));
-  struct stat info {};
-  if (fstat(descriptor_, &info) != 0) fail("its size cannot be read");
-  if (static_cast<std::size_t>(info.st_size) < wanted && ftruncate(descriptor_, static_cast<off_t>(wanted)) != 0) {
-    fail("it cannot grow");
-  }
+  if (length() < wanted && ftruncate(descriptor_, static_cast<off_t>(wanted)) != 0) fail("it cannot grow");
   map(wanted);
 }
 
 std::span<const std::byte> SharedBuffer::bytes(std::size_t size) {
   if (size > mapped_) {
-    struct stat info {};
-    if (fstat(descriptor_, &info) != 0 || static_cast<std::size_t>(info.st_size) < size) {
+    const auto there = length();
+    if (there < size)
       throw DamagedMemory("the shared memory between master and FMU process is damaged: it is shorter than it says");
-    }
-    map(std::min(std::bit_ceil(size), static_cast<std::size_t>(info.st_size)));  // the file may be longer than memory
+    map(std::min(std::bit_ceil(size), there));  // the file may be longer than memory
   }
   return {data_, size};
+}
+
+std::size_t SharedBuffer::length() const {
+  if (descriptor_ < 0) return final_length_;
+  struct stat info {};
+  if (fstat(descriptor_, &info) != 0) fail("its size cannot be read");
+  return static_cast<std::size_t>(info.st_size);
 }
 
 void SharedBuffer::map(std::size_t size) {

@@ -25,8 +25,9 @@ class DamagedMemory : public Error {
 /// shrinks, so that neither side can pull it from under the other.
 class SharedBuffer {
  public:
-  /// Makes one. Throws Error when the system has no memory for it.
-  explicit SharedBuffer(const char* name);
+  /// Makes one of at least `size` bytes, which take memory once they are written. Throws Error when the system has no
+  /// memory for it.
+  explicit SharedBuffer(const char* name, std::size_t size = 0);
   /// Maps one that another process made and handed over.
   explicit SharedBuffer(int descriptor);
   ~SharedBuffer();
@@ -36,6 +37,8 @@ class SharedBuffer {
   std::byte* data() { return data_; }
   std::size_t size() const { return mapped_; }
   int descriptor() const { return descriptor_; }
+  /// Closes the descriptor after another process has got it. The file's length is then taken as final.
+  void close_descriptor();
 
   /// Makes the first `size` bytes usable, and the file longer where it must be. Addresses may change.
   void reserve(std::size_t size);
@@ -44,8 +47,10 @@ class SharedBuffer {
 
  private:
   void map(std::size_t size);
+  std::size_t length() const;
 
-  int descriptor_;
+  int descriptor_;  // -1 after close_descriptor()
+  std::size_t final_length_ = 0;
   std::byte* data_ = nullptr;
   std::size_t mapped_ = 0;
 };
