@@ -3,9 +3,9 @@
 
 #include "base/time.hpp"
 #include "engine/algorithm/algorithm.hpp"
-#include "fmi/fmu.hpp"
 #include "io/config/load_system.hpp"
 #include "io/config/system_file.hpp"
+#include "io/fmu_archive.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "model/system_description.hpp"
@@ -170,10 +170,10 @@ void info(const std::filesystem::path& file) {
   if (master::may_be_system(file)) {
     print_system(master::read_config(file));
   } else {
-    const master::Fmu opened(file);
-    print_description(opened.description());
+    const auto description = master::read_fmu_description(file);
+    print_description(description);
     fmt::print("\n");
-    print_variables(opened.description());
+    print_variables(description);
   }
   print_product("");  // all of it is out
 }

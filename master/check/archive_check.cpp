@@ -71,14 +71,15 @@ class ArchiveCheck {
   }
 
   void check_name(const std::string& name) {
-    const auto path = fs::path(name).lexically_normal().generic_string();
+    const auto normal = modeldesc::normal_entry_name(name);
+    const bool climbs = !normal;
+    const auto& path = normal ? *normal : name;
     if (name.empty()) findings_.error("an entry has no name", "pack the FMU again");
     if (name.find('\\') != std::string::npos)
       findings_.error(fmt::format("\"{}\" has a backslash; zip demands forward slashes", name),
                       "pack with a tool that writes forward slashes");
     if (name.starts_with('/') || (name.size() >= 2 && name[1] == ':'))
       findings_.error(fmt::format("\"{}\" is an absolute path", name), "pack relative paths");
-    const bool climbs = std::ranges::any_of(fs::path(name), [](const fs::path& part) { return part == ".."; });
     if (climbs)
       findings_.error(fmt::format("\"{}\" would leave the folder it is unpacked to", name), "pack without \"..\"");
     if (std::ranges::any_of(name, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))

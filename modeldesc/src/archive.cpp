@@ -5,13 +5,16 @@
 #include "mebots/file_kind.hpp"
 #include "mebots/modeldesc/archive_reader.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #include <zip.h>
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
+#include <cerrno>
+#include <cstring>
 #include <utility>
 
 namespace mebots::modeldesc {
@@ -27,13 +30,47 @@ void make_folder(const fs::path& folder) {
                 fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()));
 }
 
+[[noreturn]] void cannot_write(const fs::path& file) {
+  throw Error(ErrorCode::file_unwritable,
+              fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+}
+
+/// A new file. Costs less than a stream does, which counts in an archive of many small files.
+class NewFile {
+ public:
+  explicit NewFile(const fs::path& path) : path_(&path) {
+    constexpr mode_t kReadableByAll = 0666;
+    descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadableByAll);
+    if (descriptor_ < 0) cannot_write(path);
+  }
+  ~NewFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+
+  void write(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      const auto count = ::write(descriptor_, bytes.data(), bytes.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) cannot_write(*path_);
+      bytes.remove_prefix(static_cast<std::size_t>(count));
+    }
+  }
+  /// Linux has closed a descriptor also if a signal interrupted the call.
+  void close() {
+    if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) cannot_write(*path_);
+  }
+
+ private:
+  const fs::path* path_;
+  int descriptor_ = -1;
+};
+
 void write_entry(const ArchiveReader& archive, const ArchiveReader::Entry& entry, const fs::path& target) {
-  std::ofstream out(target, std::ios::binary | std::ios::trunc);
-  archive.read(entry, [&](std::string_view part) { out.write(part.data(), std::ssize(part)); });
+  NewFile out(target);
+  archive.read(entry, [&](std::string_view part) { out.write(part); });
   out.close();
-  if (!out)
-    throw Error(ErrorCode::file_unwritable,
-                fmt::format("{}: cannot be written; check permissions and free space", target.string()));
 }
 
 ZipHandle create_archive(const fs::path& path) {
@@ -52,10 +89,13 @@ ZipHandle create_archive(const fs::path& path) {
 std::vector<std::string> unpack(const fs::path& archive, const fs::path& folder, const UnpackLimits& limits) {
   const ArchiveReader reader(open_zip(archive), archive.string(), limits);
   make_folder(folder);
+  std::string made;  // the folder of the entry before, which often is that of the next
   for (const auto& entry : reader.entries()) {
-    const fs::path target = folder / entry.name;
-    make_folder(entry.is_folder ? target : target.parent_path());
-    if (!entry.is_folder) write_entry(reader, entry, target);
+    if (auto parent = entry.name.substr(0, entry.name.rfind('/') + 1); parent != made) {
+      make_folder(folder / parent);
+      made = std::move(parent);
+    }
+    if (!entry.is_folder) write_entry(reader, entry, folder / entry.name);
   }
   if (reader.backslashes() == 0) return {};
   return {

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <set>
+#include <unordered_set>
 #include <utility>
 
 namespace mebots::modeldesc {
@@ -122,13 +122,30 @@ ZipHandle open_zip(std::string_view bytes, std::string_view name) {
   cannot_open(name, error.text(), bytes);
 }
 
+std::optional<std::string> normal_entry_name(std::string_view name) {
+  std::string normal;
+  normal.reserve(name.size());
+  while (!name.empty()) {
+    const auto end = name.find('/');
+    const auto part = name.substr(0, end);
+    name.remove_prefix(end == std::string_view::npos ? name.size() : end + 1);
+    if (part == "..") return std::nullopt;
+    if (part.empty() || part == ".") continue;
+    normal += part;
+    if (end != std::string_view::npos) normal += '/';
+  }
+  return normal;
+}
+
 ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLimits& limits)
     : archive_(std::move(archive)), name_(std::move(name)), limits_(limits) {
   const zip_int64_t count = zip_get_num_entries(archive_.get(), 0);
   if (count < 0 || static_cast<std::uint64_t>(count) > limits_.entries)
     throw Error(ErrorCode::archive_damaged,
                 fmt::format("{}: {} entries are more than the limit of {}", name_, count, limits_.entries));
-  std::set<std::string> names;
+  std::unordered_set<std::string> names;
+  names.reserve(static_cast<std::size_t>(count));
+  entries_.reserve(static_cast<std::size_t>(count));
   std::uint64_t total = 0;
   for (zip_int64_t i = 0; i < count; ++i) {
     zip_stat_t stat;
@@ -139,13 +156,13 @@ ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLi
     std::ranges::replace(entry_name, '\\', '/');
     if (entry_name != stat.name) ++backslashes_;
     const bool is_folder = entry_name.ends_with('/');
-    const Entry entry{index, std::move(entry_name), stat.size, is_folder};
-    check_name(entry.name);
+    Entry entry{index, std::move(entry_name), stat.size, is_folder};
+    auto normal = checked_name(entry.name);
     check_kind(entry);
-    check_storage(entry);
-    if (!names.insert(fs::path(entry.name).lexically_normal()).second) refuse(entry.name, "is there twice");
+    check_storage(entry, stat);
+    if (!names.insert(std::move(normal)).second) refuse(entry.name, "is there twice");
     check_size(entry, stat.comp_size, total);
-    entries_.push_back(entry);
+    entries_.push_back(std::move(entry));
   }
 }
 
@@ -154,12 +171,13 @@ void ArchiveReader::refuse(std::string_view name, std::string_view why) const {
               fmt::format("{}: the entry \"{}\" {}; the archive is refused", name_, name, why));
 }
 
-void ArchiveReader::check_name(std::string_view name) const {
+std::string ArchiveReader::checked_name(std::string_view name) const {
   if (name.empty()) refuse(name, "has no name");
   if (name.front() == '/') refuse(name, "is an absolute path");
   if (name.size() >= 2 && name[1] == ':') refuse(name, "starts with a drive letter");
-  for (const fs::path& part : fs::path(name))
-    if (part == "..") refuse(name, "would leave the target folder");
+  auto normal = normal_entry_name(name);
+  if (!normal) refuse(name, "would leave the target folder");
+  return *std::move(normal);
 }
 
 void ArchiveReader::check_kind(const Entry& entry) const {
@@ -172,9 +190,7 @@ void ArchiveReader::check_kind(const Entry& entry) const {
   if (kind != 0 && kind != S_IFREG && kind != S_IFDIR) refuse(entry.name, "is neither file nor folder");
 }
 
-void ArchiveReader::check_storage(const Entry& entry) const {
-  zip_stat_t stat;
-  if (zip_stat_index(archive_.get(), entry.index, 0, &stat) != 0) return;
+void ArchiveReader::check_storage(const Entry& entry, const zip_stat_t& stat) const {
   if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE)
     refuse(entry.name, "is encrypted; pack the archive again without a password");
   if ((stat.valid & ZIP_STAT_COMP_METHOD) == 0 || zip_compression_method_supported(stat.comp_method, 0) != 0) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/modeldesc/archive.hpp"
 #include "mebots/error.hpp"
+#include "mebots/modeldesc/archive_reader.hpp"
 #include "pack_fmu.hpp"
 
 #include <gmock/gmock.h>
@@ -118,6 +118,18 @@ TEST_F(ArchiveTest, EntriesThatWouldLeaveTheFolderAreRefusedByName) {
   expect_refused(with_entry(".\\honest.txt", "x"), "is there twice");
   expect_refused(with_entry("link", "/etc/passwd", S_IFLNK), "the entry \"link\" is a symbolic link");
   expect_refused(with_entry("pipe", "", S_IFIFO), "neither file nor folder");
+  expect_refused(with_entry("./honest.txt", "x"), "is there twice");
+}
+
+TEST(EntryName, LosesEmptyPartsAndDots) {
+  EXPECT_EQ(normal_entry_name("a/b"), "a/b");
+  EXPECT_EQ(normal_entry_name(".//a/./b//"), "a/b/");
+  EXPECT_EQ(normal_entry_name("..a/b.."), "..a/b..");
+  EXPECT_EQ(normal_entry_name("a/.."), std::nullopt);
+  EXPECT_EQ(normal_entry_name("../a"), std::nullopt);
+}
+
+TEST_F(ArchiveTest, TwoSpellingsOfOneNameAreRefused) {
   expect_refused(with_entry("./honest.txt", "x"), "is there twice");
 }
 

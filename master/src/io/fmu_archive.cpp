@@ -14,25 +14,50 @@
 namespace mebots::master {
 namespace {
 
+constexpr const char* kDescription = "modelDescription.xml";
+
+/// Returns the text of modelDescription.xml without unpacking the rest; null if the archive has none at its root.
+std::optional<std::string> description_text(const std::filesystem::path& archive) {
+  const modeldesc::ArchiveReader reader(modeldesc::open_zip(archive), archive.string());
+  const auto entry = std::ranges::find(reader.entries(), kDescription, &modeldesc::ArchiveReader::Entry::name);
+  if (entry == reader.entries().end()) return std::nullopt;
+  std::string text;
+  reader.read(*entry, [&](std::string_view part) { text += part; });
+  return text;
+}
+
 std::optional<modeldesc::ModelDescription> read_description(const std::filesystem::path& archive) {
   try {
-    const modeldesc::ArchiveReader reader(modeldesc::open_zip(archive), archive.string());
-    const auto entry =
-        std::ranges::find(reader.entries(), "modelDescription.xml", &modeldesc::ArchiveReader::Entry::name);
-    if (entry == reader.entries().end()) return std::nullopt;
-    std::string text;
-    reader.read(*entry, [&](std::string_view part) { text += part; });
-    return modeldesc::read_xml_text(text, archive.string());
+    const auto text = description_text(archive);
+    if (!text) return std::nullopt;
+    return modeldesc::read_xml_text(*text, archive.string());
   } catch (const Error&) {
     return std::nullopt;
   }
+}
+
+modeldesc::ModelDescription require_fmi2(modeldesc::ModelDescription description,
+                                         const std::filesystem::path& archive) {
+  if (description.fmi_version == "2.0") return description;
+  throw InputError(ErrorCode::fmu_unsupported, fmt::format("{}: this FMU is of FMI version '{}'; FMI 2.0 is supported",
+                                                           archive.string(), description.fmi_version));
+}
+
+/// Throws the error as one of the archive, rather than of the temporary copy of a file in it.
+[[noreturn]] void throw_as_input(const Error& error, const std::filesystem::path& archive,
+                                 const std::filesystem::path& file) {
+  std::string what = error.what();
+  const auto at = what.find(file.string());
+  if (at != std::string::npos) what.replace(at, file.string().size(), kDescription);
+  if (what.find(archive.string()) == std::string::npos) what = fmt::format("{}: {}", archive.string(), what);
+  throw InputError(error.code(), what);
 }
 
 }  // namespace
 
 modeldesc::ModelDescription unpack_fmu(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                        std::vector<std::string>& notices) {
-  const auto file = folder / "modelDescription.xml";
+  const auto file = folder / kDescription;
   try {
     notices = modeldesc::unpack(archive, folder);
     if (!is_there(file)) {
@@ -40,26 +65,24 @@ modeldesc::ModelDescription unpack_fmu(const std::filesystem::path& archive, con
                        fmt::format("{}: this is not an FMU: {}", archive.string(),
                                    modeldesc::why_missing(folder, file.filename().string())));
     }
-    auto description = modeldesc::read_xml(file);
-    if (description.fmi_version != "2.0") {
-      throw InputError(ErrorCode::fmu_unsupported,
-                       fmt::format("{}: this FMU is of FMI version '{}'; FMI 2.0 is supported", archive.string(),
-                                   description.fmi_version));
-    }
-    return description;
+    return require_fmi2(modeldesc::read_xml(file), archive);
   } catch (const InputError&) {
     throw;
   } catch (const Error& error) {
-    // Name the archive rather than the temporary copy of the file inside it.
-    std::string what = error.what();
-    const auto at = what.find(file.string());
-    if (at != std::string::npos) what.replace(at, file.string().size(), "modelDescription.xml");
-    if (what.find(archive.string()) == std::string::npos) what = fmt::format("{}: {}", archive.string(), what);
-    throw InputError(error.code(), what);
+    throw_as_input(error, archive, file);
   }
 }
 
 modeldesc::ModelDescription read_fmu_description(const std::filesystem::path& archive) {
+  try {
+    if (const auto text = description_text(archive))
+      return require_fmi2(modeldesc::read_xml_text(*text, kDescription), archive);
+  } catch (const InputError&) {
+    throw;
+  } catch (const Error& error) {
+    throw_as_input(error, archive, kDescription);
+  }
+  // The error that this throws depends on the names of the other files.
   const modeldesc::TemporaryFolder folder("mebots");
   std::vector<std::string> notices;
   return unpack_fmu(archive, folder.path(), notices);

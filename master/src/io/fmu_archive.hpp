@@ -16,7 +16,7 @@ namespace mebots::master {
 modeldesc::ModelDescription unpack_fmu(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                        std::vector<std::string>& notices);
 
-/// The same into a temporary folder that is gone afterwards.
+/// Reads the description of an FMU of version 2.0 without unpacking the rest. Throws InputError for any other file.
 modeldesc::ModelDescription read_fmu_description(const std::filesystem::path& archive);
 
 /// Descriptions of FMUs, read from their archives without unpacking them. Each is read once.

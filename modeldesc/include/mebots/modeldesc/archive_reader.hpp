@@ -5,8 +5,10 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 struct zip;  // libzip's zip_t
+struct zip_stat;
 
 namespace mebots::modeldesc {
 
@@ -19,6 +21,10 @@ using ZipHandle = std::unique_ptr<zip, DiscardZip>;
 ZipHandle open_zip(const std::filesystem::path& archive);
 /// The same from memory, which must outlive the handle; `name` stands for the archive in messages.
 ZipHandle open_zip(std::string_view bytes, std::string_view name);
+
+/// Returns the name of an entry without parts that are empty or ".", with a slash at its end if it is a folder; null if
+/// a part is "..".
+std::optional<std::string> normal_entry_name(std::string_view name);
 
 /// An archive whose names, kinds and declared sizes have passed: see unpack().
 class ArchiveReader {
@@ -42,9 +48,9 @@ class ArchiveReader {
 
  private:
   [[noreturn]] void refuse(std::string_view name, std::string_view why) const;
-  void check_name(std::string_view name) const;
+  std::string checked_name(std::string_view name) const;
   void check_kind(const Entry& entry) const;
-  void check_storage(const Entry& entry) const;
+  void check_storage(const Entry& entry, const zip_stat& stat) const;
   void check_size(const Entry& entry, std::uint64_t packed, std::uint64_t& total) const;
 
   ZipHandle archive_;
