@@ -60,6 +60,13 @@ Path package_folder(const std::string& command) {
                                command, fmt::join(master::as_texts(places), ", ")));
 }
 
+/// Sets PATH if the environment has none. Without it Python does not find its own program, which a study starts for its
+/// missions.
+void ensure_path() {
+  const char* path = std::getenv("PATH");
+  if (path == nullptr || *path == '\0') setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);
+}
+
 }  // namespace
 
 void become_python(const std::string& command, const std::string& module, const std::vector<std::string>& words) {
@@ -67,6 +74,7 @@ void become_python(const std::string& command, const std::string& module, const 
   if (const char* given = std::getenv("PYTHONPATH"); given != nullptr && *given != '\0')
     path += ":" + std::string(given);
   setenv("PYTHONPATH", path.c_str(), 1);
+  ensure_path();
   const char* named = std::getenv("MEBOTS_PYTHON");
   std::string python = named != nullptr && *named != '\0' ? named : "python3";
   std::vector<std::string> all = {python, "-c", fmt::format(kStart, module)};

@@ -559,6 +559,18 @@ class Python(StudyCase):
         self.assertEqual(self.bytes_of("missions.csv"), self.bytes_of("missions.csv", "python"))
         self.assertEqual(result.designs(), self.rows("designs.csv"))
 
+    def test_an_empty_environment_gives_the_same_bytes(self):
+        """Python finds its own program by PATH."""
+        self.study()
+        self.sweep()
+        packages = os.pathsep.join(path for path in sys.path if path.endswith(("site-packages", "dist-packages")))
+        command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "empty")]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=170, env={"PYTHONPATH": packages})
+        if "cannot load the package" in done.stderr:
+            self.skipTest("python3 of /usr/bin is of another version than this one")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.bytes_of("missions.csv"), self.bytes_of("missions.csv", "empty"))
+
     def test_any_executor_flies_them(self):
         import concurrent.futures
         import multiprocessing
