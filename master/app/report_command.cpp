@@ -31,10 +31,7 @@ std::filesystem::path write_page(const std::vector<std::filesystem::path>& folde
   runs.reserve(folders.size());
   for (const auto& folder : folders) runs.push_back(report::read_run_folder(folder, whole));
   if (file.empty()) file = folders.front() / "flight.html";
-  OutputFile page(file.string() + ".new");
-  page.append(report::make_page(parts, runs));
-  page.close();
-  page.rename(file);
+  write_whole(file, report::make_page(parts, runs));
   return file;
 }
 

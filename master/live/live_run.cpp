@@ -170,9 +170,8 @@ std::string LiveRun::set(const std::string& variable, const std::string& value) 
 }
 
 void LiveRun::save_scenario() const {
-  master::OutputFile file(run_->options().out / "live_scenario.json");
-  file.append(Json({{"text", "What was set by hand while it ran"}, {"scenario", scenario_}}).dump(2) + "\n");
-  file.close();
+  master::write_whole(run_->options().out / "live_scenario.json",
+                      Json({{"text", "What was set by hand while it ran"}, {"scenario", scenario_}}).dump(2) + "\n");
 }
 
 }  // namespace mebots::live

@@ -50,12 +50,11 @@ ParameterRecorder::ParameterRecorder(const ResolvedSystem& system, Ensemble& ens
 
 std::optional<std::string> ParameterRecorder::reached(const Point& point) {
   if (point.step != 0) return std::nullopt;
-  OutputFile file(file_);
-  file.append("parameter,unit,value\n");
+  std::string text = "parameter,unit,value\n";
   for (const auto& [name, unit, value] : read_parameters(*system_, *ensemble_)) {
-    file.append(fmt::format("{},{},{}\n", csv_text(name), csv_text(unit), csv_text(value)));
+    text += fmt::format("{},{},{}\n", csv_text(name), csv_text(unit), csv_text(value));
   }
-  file.close();
+  write_whole(file_, text);
   return std::nullopt;
 }
 

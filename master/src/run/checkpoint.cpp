@@ -11,9 +11,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 
 namespace mebots::master {
@@ -28,14 +25,6 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// Makes a rename survive a power failure.
-void sync_folder(const std::filesystem::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;  // the folder takes files but shows nothing: then it is as good as it gets
-  ::fsync(descriptor);
-  ::close(descriptor);
-}
-
 }  // namespace
 
 RunOptions with_absolute_paths(RunOptions options) {
@@ -48,15 +37,10 @@ RunOptions with_absolute_paths(RunOptions options) {
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
   const auto bytes = state::save(checkpoint);
   const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const auto path = folder / kCheckpointFile;
-  OutputFile file(path.string() + ".new");
-  file.append(kMagic);
-  file.append(sha256(content));
-  file.append(content);
-  file.sync();
-  file.close();
-  file.rename(path);
-  sync_folder(folder);
+  std::string text(kMagic);
+  text += sha256(content);
+  text += content;
+  write_whole(folder / kCheckpointFile, text, Durable::yes);
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& folder) {

@@ -33,8 +33,13 @@ void refuse_as_input(const std::filesystem::path& folder, const std::filesystem:
 }  // namespace
 
 std::optional<std::string> ResultFiles::KeepResults::reached(const Point& point) {
-  if (point.step == 0) folder_->keep(kOutdated);
+  if (point.step == 0) files_->keep(kOutdated);
   return std::nullopt;
+}
+
+void ResultFiles::keep(std::span<const std::string_view> outdated) {
+  folder_.keep(outdated);
+  if (hdf5_ != nullptr) hdf5_->renamed(folder() / "results.h5");
 }
 
 ResultFiles::ResultFiles(const std::filesystem::path& folder, const ResolvedSystem& system, const Checkpoint* resumed)
@@ -105,7 +110,7 @@ void ResultFiles::started(Ensemble& ensemble) {
   if (resumed_ != nullptr) {
     log_->truncate(resumed_->log_bytes);
     logging_ = true;
-    folder_.keep({});
+    keep({});
   }
   if (hdf5_ != nullptr && !system_->description->record.parameters.empty()) {
     hdf5_->put_parameters(read_parameters(*system_, ensemble));
@@ -139,17 +144,7 @@ void ResultFiles::log_after_close(std::span<const std::string> lines) {
 }
 
 void ResultFiles::write_summary(const std::string& text) {
-  const auto waiting = folder() / "summary.json.new";
-  try {
-    OutputFile file(waiting);
-    file.append(text);
-    file.close();
-    file.rename(folder() / "summary.json");
-  } catch (const Error&) {
-    std::error_code ignored;
-    std::filesystem::remove(waiting, ignored);
-    throw;
-  }
+  write_whole(folder() / "summary.json", text);
 }
 
 bool ResultFiles::has_checkpoint() const {

@@ -65,17 +65,19 @@ class ResultFiles {
   /// Puts this run's files in the place of an earlier run's, once it has come to t = 0.
   class KeepResults final : public Observer {
    public:
-    explicit KeepResults(ResultFolder& folder) : folder_(&folder) {}
+    explicit KeepResults(ResultFiles& files) : files_(&files) {}
     std::optional<std::string> reached(const Point& point) override;
 
    private:
-    ResultFolder* folder_;
+    ResultFiles* files_;
   };
+
+  void keep(std::span<const std::string_view> outdated);
 
   const ResolvedSystem* system_;
   const Checkpoint* resumed_;
   ResultFolder folder_;
-  KeepResults keep_{folder_};
+  KeepResults keep_{*this};
   OutputFile* results_ = nullptr;  // null without results.csv
   OutputFile* log_ = nullptr;
   bool logging_ = false;

@@ -23,10 +23,10 @@ ResultFolder::ResultFolder(std::filesystem::path path) : path_(std::move(path)) 
 }
 
 ResultFolder::~ResultFolder() {
-  if (kept_) return;
-  lock_.reset();  // its file would keep the folder
   std::error_code ignored;
   for (const auto& waiting : waiting_) std::filesystem::remove(waiting.now, ignored);
+  if (kept_) return;
+  lock_.reset();                                                              // its file would keep the folder
   for (const auto& folder : made_) std::filesystem::remove(folder, ignored);  // only where it is empty
 }
 
@@ -61,12 +61,9 @@ void ResultFolder::keep(std::span<const std::string_view> outdated) {
   for (const auto& [now, later, file] : waiting_) {
     if (file != nullptr) {
       file->rename(later);
-      continue;
+    } else {
+      rename_file(now, later);
     }
-    std::filesystem::rename(now, later, error);
-    if (error)
-      throw InputError(ErrorCode::file_unwritable,
-                       fmt::format("{}: the file cannot be replaced: {}", later.string(), error.message()));
   }
   waiting_.clear();
 }

@@ -98,12 +98,6 @@ Json view_json(const ResolvedSystem& system) {
   return json;
 }
 
-void write(const std::filesystem::path& path, std::string_view text) {
-  OutputFile file(path);
-  file.append(text);
-  file.close();
-}
-
 }  // namespace
 
 Json system_json(const ResolvedSystem& system) {
@@ -134,12 +128,12 @@ SystemFileWriter::SystemFileWriter(const ResolvedSystem& system, Ensemble& ensem
 
 std::optional<std::string> SystemFileWriter::reached(const Point& point) {
   if (point.step != 0) return std::nullopt;
-  write(folder_ / kSystemFile, system_text_);
+  write_whole(folder_ / kSystemFile, system_text_);
   if (!scene_) return std::nullopt;
   std::string text;
   const auto reference = scene_->variable->value_reference;
   ensemble_->slave(scene_->instance).get_strings(std::span(&reference, 1), std::span(&text, 1));
-  write(folder_ / kSceneFile, gzipped(valid_utf8(text), Packing::fast));
+  write_whole(folder_ / kSceneFile, gzipped(valid_utf8(text), Packing::fast));
   return std::nullopt;
 }
 

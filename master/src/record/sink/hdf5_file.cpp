@@ -112,7 +112,7 @@ H5FD_t* open_file(const char* name, unsigned, hid_t access, haddr_t) {
 herr_t close_file(H5FD_t* file) {
   auto& self = as_file(file);
   // Some file systems report a full disk only now.
-  if (::close(self.descriptor) != 0 && *self.error_number == 0) *self.error_number = errno;
+  if (::close(self.descriptor) != 0 && errno != EINTR && *self.error_number == 0) *self.error_number = errno;
   delete &self;  // NOLINT(cppcoreguidelines-owning-memory): see open_file
   return 0;
 }
@@ -256,7 +256,10 @@ void File::fail() const {
 void File::close() {
   if (id_ < 0) return;
   const bool closed = H5Fclose(std::exchange(id_, H5I_INVALID_HID)) >= 0;
-  if (!closed || error_number_ != 0) fail();
+  if (closed && error_number_ == 0) return;
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+  fail();
 }
 
 }  // namespace mebots::master::hdf5

@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <filesystem>
+#include <utility>
 
 namespace mebots::master::hdf5 {
 
@@ -16,8 +17,7 @@ namespace mebots::master::hdf5 {
 /// Hold library() during each call, construction and destruction included.
 class File {
  public:
-  /// Makes or empties the file. Throws InputError when it cannot be opened, Error when its first bytes cannot be
-  /// written.
+  /// Makes or empties the file. Throws InputError when it cannot be opened; check() tells of its first bytes.
   explicit File(std::filesystem::path path);
   /// Closes the file and ignores errors: call close() first to learn of them.
   ~File();
@@ -26,11 +26,14 @@ class File {
 
   hid_t id() const { return id_; }
   const std::filesystem::path& path() const { return path_; }
+  /// Takes the name that the file has now.
+  void renamed(std::filesystem::path path) { path_ = std::move(path); }
   /// Throws Error if a write has failed since the file was made.
   void check() const;
   /// Throws Error with the system's reason, or without one if no write has failed and HDF5 itself refused the call.
   [[noreturn]] void fail() const;
-  /// Writes the rest and closes the file; close its data sets first. Throws Error if any write has failed.
+  /// Writes the rest and closes the file; close its data sets first. If any write has failed, removes the file, which
+  /// cannot be read, and throws Error.
   void close();
 
  private:

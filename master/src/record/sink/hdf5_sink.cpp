@@ -172,6 +172,11 @@ void Hdf5Sink::flush() {
   file_->file.check();
 }
 
+void Hdf5Sink::renamed(const std::filesystem::path& file) {
+  const std::lock_guard lock(library());
+  file_->file.renamed(file);
+}
+
 void Hdf5Sink::close() {
   const std::lock_guard lock(library());
   file_->columns.clear();

@@ -25,7 +25,10 @@ class Hdf5Sink final : public RowSink {
   void put_parameters(const std::vector<ParameterValue>& parameters);
   void write(const RowBlock& block) override;
   void flush() override;
-  /// Writes the rest and closes the file; nothing may be written afterwards. Throws Error if any write has failed.
+  /// Takes the name that the file has now.
+  void renamed(const std::filesystem::path& file);
+  /// Writes the rest and closes the file; nothing may be written afterwards. If any write has failed, removes the file,
+  /// which cannot be read, and throws Error.
   void close();
   /// To fewer rows than there are. Throws Error for more.
   void visit(state::Visitor& v) override;

@@ -10,9 +10,41 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <utility>
 
 namespace mebots::master {
+namespace {
+
+/// Repeats a call that a signal interrupts. Returns its last result.
+template <typename Call>
+auto uninterrupted(Call call) {
+  auto result = call();
+  while (result < 0 && errno == EINTR) result = call();
+  return result;
+}
+
+/// Linux has closed the descriptor also if a signal interrupted the call. Returns false with errno after another error.
+bool close_descriptor(int descriptor) {
+  return ::close(descriptor) == 0 || errno == EINTR;
+}
+
+bool cannot_be_synced(int error_number) {
+  return error_number == EINVAL || error_number == EROFS;  // a pipe or a device, which needs no synchronisation
+}
+
+/// Makes a rename in this folder survive a power failure.
+void sync_folder(const std::filesystem::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;  // a folder that takes files and cannot be read cannot be synchronised either
+  const bool synced = uninterrupted([&] { return ::fsync(descriptor); }) == 0 || cannot_be_synced(errno);
+  const int error_number = errno;
+  ::close(descriptor);
+  if (!synced) throw write_error(folder, error_number);
+}
+
+}  // namespace
 
 Error write_error(const std::filesystem::path& path, int error_number) {
   const bool full = error_number == ENOSPC || error_number == EDQUOT;
@@ -21,6 +53,28 @@ Error write_error(const std::filesystem::path& path, int error_number) {
                       full ? "Free some space, or choose another folder with --out; fewer columns or a longer interval "
                              "under 'record' need less"
                            : "Choose another folder with --out")};
+}
+
+void rename_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (uninterrupted([&] { return std::rename(from.c_str(), to.c_str()); }) == 0) return;
+  throw InputError(ErrorCode::file_unwritable,
+                   fmt::format("{}: the file cannot be replaced: {}", to.string(), std::strerror(errno)));
+}
+
+void write_whole(const std::filesystem::path& path, std::string_view content, Durable durable) {
+  const std::filesystem::path beside = path.string() + ".new";
+  try {
+    OutputFile file(beside);
+    file.append(content);
+    if (durable == Durable::yes) file.sync();
+    file.close();
+    file.rename(path);
+  } catch (const Error&) {
+    std::error_code ignored;
+    std::filesystem::remove(beside, ignored);
+    throw;
+  }
+  if (durable == Durable::yes) sync_folder(path.parent_path().empty() ? "." : path.parent_path());
 }
 
 OutputFile::OutputFile(std::filesystem::path path, Mode mode) : path_(std::move(path)) {
@@ -56,7 +110,8 @@ void OutputFile::flush() {
       const int error_number = errno;
       buffer_.clear();
       // Half a row would not be readable: back to where the last piece, which ended with a row, was whole.
-      if (::ftruncate(descriptor_, before) == 0) written_bytes_ = static_cast<std::uint64_t>(before);
+      if (uninterrupted([&] { return ::ftruncate(descriptor_, before); }) == 0)
+        written_bytes_ = static_cast<std::uint64_t>(before);
       fail(error_number);
     }
     left.remove_prefix(static_cast<std::size_t>(count));
@@ -67,8 +122,7 @@ void OutputFile::flush() {
 
 void OutputFile::sync() {
   flush();
-  // A pipe or a device cannot be synchronised and need not be.
-  if (::fdatasync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail(errno);
+  if (uninterrupted([&] { return ::fdatasync(descriptor_); }) != 0 && !cannot_be_synced(errno)) fail(errno);
 }
 
 void OutputFile::close() {
@@ -80,17 +134,12 @@ void OutputFile::close() {
     descriptor_ = -1;
     throw;
   }
-  const int status = ::close(descriptor_);
-  descriptor_ = -1;
-  if (status != 0) fail(errno);  // some file systems report a full disk only now
+  // Some file systems report a full disk only now.
+  if (!close_descriptor(std::exchange(descriptor_, -1))) fail(errno);
 }
 
 void OutputFile::rename(std::filesystem::path path) {
-  std::error_code error;
-  std::filesystem::rename(path_, path, error);
-  if (error)
-    throw InputError(ErrorCode::file_unwritable,
-                     fmt::format("{}: the file cannot be replaced: {}", path.string(), error.message()));
+  rename_file(path_, path);
   path_ = std::move(path);
 }
 
@@ -98,7 +147,9 @@ void OutputFile::truncate(std::uint64_t size) {
   flush();
   const auto length = static_cast<off_t>(size);
   MEBOTS_ASSERT(descriptor_ >= 0);
-  if (::ftruncate(descriptor_, length) != 0 || ::lseek(descriptor_, length, SEEK_SET) != length) fail(errno);
+  if (uninterrupted([&] { return ::ftruncate(descriptor_, length); }) != 0 ||
+      ::lseek(descriptor_, length, SEEK_SET) != length)
+    fail(errno);
   written_bytes_ = size;
 }
 

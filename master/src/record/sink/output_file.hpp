@@ -13,6 +13,15 @@ namespace mebots::master {
 /// Describes a write to `path` that failed with this errno, and what to do about it.
 Error write_error(const std::filesystem::path& path, int error_number);
 
+/// Renames a file on the same disk, in the place of any file of the new name. Throws InputError.
+void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// True if a file that is replaced must survive a power failure.
+enum class Durable : bool { no, yes };
+
+/// Writes a file under another name and renames it, so that the file is whole or as it was before. Throws Error.
+void write_whole(const std::filesystem::path& path, std::string_view content, Durable durable = Durable::no);
+
 /// A file that is written in large pieces and says so when a piece did not arrive.
 class OutputFile {
  public:

@@ -66,9 +66,7 @@ std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width) {
 }
 
 void write_png(const std::filesystem::path& file, std::span<const std::uint8_t> pixels, std::size_t width) {
-  OutputFile output(file);
-  output.append(png_of(pixels, width));
-  output.close();
+  write_whole(file, png_of(pixels, width));
 }
 
 std::optional<GreyPicture> read_png(std::string_view bytes) {

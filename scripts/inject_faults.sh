@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Lets each call fail in turn that writes a file of a run, a page or a study: full disk, broken disk, interrupted call, short
+# write; once, and from that call on. Prints a table of what came of it, and ends with 1 if a fault did not end as
+# docs/exploration.md requires.
+#
+# Usage: scripts/inject_faults.sh [BUILD_FOLDER]   build/ci by default; about a quarter of an hour
+set -euo pipefail
+cd "$(dirname "$0")/.."
+build=$(realpath "${1:-build/ci}")
+python=$PWD/.venv/bin/python
+status=0
+"$python" tests/master/io_fault_test.py "$build/bin/mebots" "$build/test_fmus/probe.fmu" --all || status=1
+env MEBOTS_FAULTS=all MEBOTS_BUILD="$build" MEBOTS_SOURCE="$PWD" MEBOTS_PYTHON="$python" PYTHONPATH="$build/python" \
+  "$python" tests/exploration/io_fault_test.py EachCall || status=1
+exit $status

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds the library of io_faults.c, and runs programs whose calls on files of a folder fail."""
+
+import array
+import errno
+import os
+import pathlib
+import shutil
+import subprocess
+
+KINDS = ("write", "pwrite", "fsync", "fdatasync", "rename", "link", "close", "ftruncate")
+"""Kinds of calls, in the order of io_faults.c."""
+SHORT = -1
+FAULTS = {"ENOSPC": errno.ENOSPC, "EIO": errno.EIO, "EINTR": errno.EINTR, "short write": SHORT}
+HARMLESS = ("EINTR", "short write")
+"""Faults after which the program must go on as if nothing was."""
+STICKY = " from then on"
+
+
+def faults_of(kind):
+    """The names of the faults that calls of a kind can have. A call that EINTR ends each time would never end."""
+    once = [name for name in FAULTS if name != "short write" or kind in ("write", "pwrite")]
+    return once + [name + STICKY for name in once if name != "EINTR"]
+
+
+def library(folder):
+    """Compiles the library; returns its path, or None without a C compiler."""
+    compiler = shutil.which("cc")
+    if compiler is None:
+        return None
+    file = pathlib.Path(folder) / "io_faults.so"
+    source = pathlib.Path(__file__).with_name("io_faults.c")
+    subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", str(file), str(source), "-ldl"], check=True)
+    return file
+
+
+def run(preload, command, folder, kind="", fault="", nth=0):
+    """Runs a command with one fault, or without. Returns what subprocess does, and the number of calls of each kind."""
+    counts = pathlib.Path(preload).with_suffix(".counts")
+    counts.write_bytes(bytes(8 * len(KINDS)))
+    environment = os.environ | {
+        "LD_PRELOAD": str(preload),
+        "IO_FAULTS_COUNTS": str(counts),
+        "IO_FAULTS_FOLDER": str(folder),
+        "IO_FAULTS_KIND": str(KINDS.index(kind) if kind else 0),
+        "IO_FAULTS_ERROR": str(FAULTS[fault.removesuffix(STICKY)] if fault else 0),
+        "IO_FAULTS_STICKY": str(int(fault.endswith(STICKY))),
+        "IO_FAULTS_NTH": str(nth),
+    }
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
+    numbers = array.array("l", counts.read_bytes())
+    return done, dict(zip(KINDS, numbers, strict=True))
+
+
+def numbers(count, most):
+    """Which calls of so many fail: all, or a few that include the first and the last."""
+    return range(1, count + 1) if count <= most else sorted({1 + round(at * (count - 1) / (most - 1)) for at in range(most)})
+
+
+def table_row(files, kind, fault, count, ends):
+    """A row of the table of faults. ``ends``: how often a fault ended in a way; an empty text is the required one."""
+    others = "; ".join(f"{number}: {text}" for text, number in ends.items() if text)
+    return f"| {files} | {kind} | {fault} | {ends.total()} of {count} | {ends['']} | {others} |"
+
+
+TABLE_HEAD = "| files | call | fault | calls | as required | otherwise |\n|---|---|---|---|---|---|"
