@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Lets each call fail in turn that writes a file of a run, a page or a study: full disk, broken disk, interrupted call, short
-# write; once, and from that call on. Prints a table of what came of it, and ends with 1 if a fault did not end as
+# write; once, and from that call on. Prints a table of the outcomes, and ends with 1 if a fault did not end as
 # docs/exploration.md requires.
 #
 # Usage: scripts/inject_faults.sh [BUILD_FOLDER]   build/ci by default; about a quarter of an hour

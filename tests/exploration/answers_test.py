@@ -32,9 +32,7 @@ class Intervals(unittest.TestCase):
             self.assertAlmostEqual(t_quantile(p, freedom), value, 3 if value > 10 else 4)
 
     def test_the_sequence_of_a_mean_is_where_its_evidence_is_one_over_the_error(self):
-        moments = Moments()
-        for value in (1.0, 2.5, 3.0, 0.5, 2.0, 1.5, 2.2, 0.9):
-            moments.add(value)
+        moments = Moments().add((1.0, 2.5, 3.0, 0.5, 2.0, 1.5, 2.2, 0.9))
         low, high = mean_sequence(moments, 0.05)
         n = moments.count
         for edge in (low, high):
@@ -49,8 +47,7 @@ class Intervals(unittest.TestCase):
     def test_of_nothing_everything_is_possible(self):
         self.assertEqual(share_sequence(0, 0, 0.05), (0, 1))
         self.assertEqual(wilson(0, 0, 0.05), (0, 1))
-        one = Moments()
-        one.add(1.0)
+        one = Moments().add([1.0])
         for interval in (student(one, 0.05), mean_sequence(one, 0.05)):
             self.assertEqual(interval, (-math.inf, math.inf))
 
@@ -128,7 +125,7 @@ class Sequences(unittest.TestCase):
             def finds(chance, draw=draw):
                 moments = Moments()
                 for _ in range(FLIGHTS):
-                    moments.add(draw(chance))
+                    moments.add([draw(chance)])
                     if moments.count >= 5:
                         low, high = mean_sequence(moments, 0.05)
                         if not low <= 0 <= high:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mebots.sweep` through Dask distributed: two workers on this machine, of which one is killed."""
 
-import json
+import pickle
 import os
 import signal
 import sys
@@ -12,8 +12,9 @@ import distributed
 
 import mebots
 from mebots.exploration import flying
-from mebots.exploration.journal import record_of
-from mebots.exploration.missions import Missions, packed
+from mebots.exploration.missions import Missions
+from mebots.exploration.orders import Orders, packed
+from mebots.exploration.replies import reply_from
 from mebots.exploration.study import read_study
 from support import StudyCase
 
@@ -45,7 +46,7 @@ class Files(StudyCase):
         os.environ["XDG_CACHE_HOME"] = str(self.folder / "cache")
         order = Missions(read_study(self.study())).order({"a.gain": 1, "a.real_in": 2})
         def fly(order, **more):
-            return flying.fly_all(json.loads(json.dumps(packed([order]))) | more)
+            return flying.fly_all(pickle.loads(pickle.dumps(packed([Orders.of([order])]))) | more)
 
         here = fly(order)
         (digest, (path, name)), = order["files"].items()
@@ -54,10 +55,9 @@ class Files(StudyCase):
         with open(path, "rb") as file:
             there = fly(away, contents={digest: file.read()})
         again = fly(away)
-        for answer in (here, there, again):
-            answer.pop("duration_s")
-            answer["lines"] = [record_of(line) for line in answer["lines"]]
-            answer["lines"][0].pop("processor_time")
+        here, there, again = (reply_from(answer).records() for answer in (here, there, again))
+        for (record,) in (here, there, again):
+            record.pop("processor_time")
         self.assertEqual(there, here)
         self.assertEqual(again, here)
         flying.close_all()

@@ -47,7 +47,7 @@ class Lines(JournalCase):
         self.assertEqual(len(journal), 3000)
         self.assertEqual(journal.find(f"{1234:064x}"), record(1234))
         self.assertIsNone(journal.find(f"{3000:064x}"))
-        self.assertEqual(journal.may_have([f"{number:064x}" for number in (0, 2999)]).tolist(), [True, True])
+        self.assertEqual(journal.may_have([number.to_bytes(32, "big") for number in (0, 2999)]).tolist(), [True, True])
         self.assertEqual((journal.of_other_builds(BUILD), journal.of_other_builds("other")), (0, 3000))
 
     def test_missions_whose_hashes_begin_alike_are_told_apart(self):

@@ -188,6 +188,7 @@ def main():
         cases = {"CSV, HDF5 and checkpoints, 100 rows": Run(mebots, config("usual", 10, "both"), "--checkpoint-every", "4")}
         if most == sys.maxsize:
             cases["CSV alone, 100 rows"] = Run(mebots, config("csv", 10, "csv"))
+            cases["CSV alone, 20,000 rows"] = Run(mebots, config("long", 2000, "csv", ["a.real_out", "b.integral"]))
             cases["HDF5 alone, 2 rows"] = Run(mebots, config("tiny", 0.1, "hdf5"))
             cases["HDF5 alone, 20,000 rows"] = Run(mebots, config("large", 2000, "hdf5", ["a.real_out", "b.integral"]))
         results = folder / "results"

@@ -53,7 +53,7 @@ def run(preload, command, folder, kind="", fault="", nth=0):
 
 
 def numbers(count, most):
-    """Which calls of so many fail: all, or a few that include the first and the last."""
+    """The numbers of the calls that fail: all of them, or a few that include the first and the last."""
     return range(1, count + 1) if count <= most else sorted({1 + round(at * (count - 1) / (most - 1)) for at in range(most)})
 
 

@@ -11,13 +11,16 @@ A mission never knows that it is part of a study. Each module has one subject:
 ``designs``    which designs there are, by kind
 ``space``      designs, draws and the order of each mission
 ``missions``   a mission as an order for a worker, and the hash of all it depends on
+``orders``     orders of many missions as columns, and batches of them
+``replies``    results of a batch: lines for the journal, and columns for the tables
 ``pasts``      states that missions begin with, which others left
 ``worker``     flies orders in a process of its own
 ``flying``     such a process from outside: its limits, crashes and hangs; ``fly_all`` for executors
 ``outcomes``   tells a mission's outcome from a full disk, too little memory or a killed process
-``dispatch``   gives batches of orders to an executor, takes records back and counts attempts
+``dispatch``   gives batches of orders to an executor, takes results back and counts attempts
 ``journal``    results on disk, with checksums
 ``files``      files that are complete or absent
+``results``    what is known of each mission, and its row of missions.csv
 ``objectives`` from a mission's values to the numbers that the study asks for
 ``answers``    intervals and confidence sequences
 ``rounds``     what is flown next, and which designs need no more

@@ -19,7 +19,7 @@ import dataclasses
 import functools
 import math
 import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 Interval = tuple[float, float]
 
@@ -82,11 +82,16 @@ class Moments:
     mean: float = 0.0
     squares: float = 0.0
 
-    def add(self, value: float) -> None:
-        self.count += 1
-        step = value - self.mean
-        self.mean += step / self.count
-        self.squares += step * (value - self.mean)
+    def add(self, values: Iterable[float]) -> Moments:
+        """Adds values in their order. Returns itself."""
+        count, mean, squares = self.count, self.mean, self.squares
+        for value in values:
+            count += 1
+            step = value - mean
+            mean += step / count
+            squares += step * (value - mean)
+        self.count, self.mean, self.squares = count, mean, squares
+        return self
 
     @property
     def deviation(self) -> float:

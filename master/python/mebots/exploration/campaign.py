@@ -3,19 +3,18 @@
 
 from __future__ import annotations
 
-import array
 import collections
 import concurrent.futures
 import dataclasses
 import functools
 import gc
-import itertools
 import json
-import math
 import pathlib
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
+
+import numpy as np
 
 from mebots import _mebots
 from mebots.errors import Error, InputError
@@ -24,9 +23,12 @@ from mebots.exploration.comparison import Evidence
 from mebots.exploration.dispatch import Dispatcher, Unfinished
 from mebots.exploration.files import csv_text, write_csv, write_lines
 from mebots.exploration.journal import Journal, Record
-from mebots.exploration.missions import Order, build
+from mebots.exploration.missions import build
 from mebots.exploration.objectives import Measurer, has_all
-from mebots.exploration.rounds import Flight, Flights, Rounds
+from mebots.exploration.orders import Order, Orders
+from mebots.exploration.replies import Reply
+from mebots.exploration.results import Results
+from mebots.exploration.rounds import Flights, Rounds
 from mebots.exploration.search import Search
 from mebots.exploration.space import MOST_DRAWS_KEPT, Space
 from mebots.exploration.study import Study, Values
@@ -155,7 +157,7 @@ class Campaign:
         problems: dict[str, str] = {}
 
         def take() -> None:
-            found.update((record["mission"], record) for record, _ in self._dispatcher.take())
+            found.update((record["mission"], record) for reply in self._dispatcher.take() for record in reply.records())
 
         for what, values in self._trials():
             try:
@@ -168,7 +170,7 @@ class Campaign:
             tried[order["mission"]] = what, values
             while self._dispatcher.is_full:
                 take()
-            self._dispatcher.give(order | {"check": True})
+            self._dispatcher.give(Orders.of([order | {"check": True}]))
         while len(found) < len(tried):
             self._dispatcher.flush()
             take()
@@ -267,7 +269,7 @@ class Campaign:
     def _fly_rounds(self, folder: pathlib.Path, journal: Journal, others: list[Journal], tell: Callable[[Progress], None]) -> Sweep:
         evidence = Evidence(self.study, len(self.space.designs))
         rounds = self._rounds(evidence)
-        results = _Results(evidence, self._measurer, self.study.replicates)
+        results = Results(evidence, self._measurer, self.study.replicates)
         try:
             while flights := rounds.next():
                 results.begin(flights)
@@ -302,7 +304,7 @@ class Campaign:
 
     def _fly(
         self,
-        results: _Results,
+        results: Results,
         rounds: Rounds | Search,
         journal: Journal,
         others: list[Journal],
@@ -313,62 +315,75 @@ class Campaign:
         left = rounds.most_left() - len(flights)
         likely_left = rounds.likely_left() - len(flights)
         flying = len(rounds.flying())
-        waiting: dict[str, list[int]] = {}
-        queue = self._unknown(flights, journal, others, results)
-        ahead = self._unknown(rounds.ahead(), journal, others, None)
+        repeated: dict[bytes, list[int]] = {}
+        queue = self._unknown(flights, journal, others, results, repeated)
+        ahead = self._unknown(rounds.ahead(), journal, others, None, {})
         while results.open > 0 and not self._too_many(results.settle(self.study.most_failures)):
-            self._fill(queue, ahead, waiting, len(flights))
+            self._fill(queue, ahead, len(flights))
             if results.open == 0:
                 break
-            records = self._take(journal)
-            for record, place in records:
-                indices = waiting.pop(record["mission"], ())
-                for index in indices:
-                    results.note(index, record, place)
-                if not indices:
-                    self._flown_ahead.add(record["mission"])
-            self._note([record for record, _ in records])
+            for reply, places in self._take(journal):
+                results.note_all(reply, places)
+                self._note_others(results, reply, places, repeated)
             self.failed = results.failed_so_far
             tell(self._progress(left + results.open, likely_left + results.open, flying))
         self.failed = results.settle(self.study.most_failures)
 
+    def _note_others(self, results: Results, reply: Reply, places: np.ndarray, repeated: dict[bytes, list[int]]) -> None:
+        """Notes missions that occur again in the round, and those that were flown ahead and not asked for yet."""
+        if not repeated and -1 not in reply.indices:
+            return
+        records: list[Record] = []
+        for at, (digest, index) in enumerate(zip(reply.digests, reply.indices, strict=True)):
+            again = repeated.pop(digest, ())
+            if again:
+                records = records or reply.records()
+            for one in again:
+                results.note(one, records[at], int(places[at]))
+            if index < 0 and not again:
+                self._flown_ahead.add(digest.hex())
+
     def _unknown(
-        self, flights: Iterable[Flight], journal: Journal, others: list[Journal], results: _Results | None
-    ) -> Iterator[tuple[int, Order]]:
-        """Yields the missions that no journal has, with their numbers. Notes the others as results."""
-        numbered = enumerate(flights)
-        while chunk := [(index, self.space.order(flight)) for index, flight in itertools.islice(numbered, _CHUNK)]:
-            may_be_known = journal.may_have([order["mission"] for _, order in chunk])
+        self, flights: Flights, journal: Journal, others: list[Journal], results: Results | None, repeated: dict[bytes, list[int]]
+    ) -> Iterator[tuple[Sequence[int], Orders]]:
+        """Yields the missions that no journal has and that are not out, with their numbers in the round. Notes those in a
+        journal as results, and the numbers of those that are out in ``repeated``."""
+        for first, orders in self.space.orders(flights, _CHUNK):
+            digests = orders.digests
+            may_be_known = journal.may_have(digests)
             if others:
                 may_be_known[:] = True
-            seen: set[str] = set()
-            for (index, order), known in zip(chunk, may_be_known.tolist(), strict=True):
-                mission = order["mission"]
-                # One that is out, or that comes twice, may have come home since the chunk was looked up.
-                known = known or mission in seen or self._dispatcher.has(mission)
-                seen.add(mission)
-                found = self._known(order, journal, others) if known else None
+            if not may_be_known.any() and self._dispatcher.has_none_of(digests) and len(set(digests)) == len(digests):
+                yield range(first, first + len(orders)) if results is not None else [-1] * len(orders), orders
+                continue
+            fresh: list[int] = []
+            seen: set[bytes] = set()
+            for at, digest in enumerate(digests):
+                if digest in seen or not self._dispatcher.has_none_of((digest,)):
+                    repeated.setdefault(digest, []).append(first + at)
+                    continue
+                found = self._known(orders[at], journal, others) if may_be_known[at] else None
                 if found is None:
-                    yield index, order
+                    seen.add(digest)
+                    fresh.append(at)
                 elif results is not None:
-                    results.note(index, *found)
+                    results.note(first + at, *found)
                     self._count_taken(*found)
+            if fresh:
+                yield [first + at for at in fresh] if results is not None else [-1] * len(fresh), orders.only(fresh)
 
-    def _fill(
-        self, queue: Iterator[tuple[int, Order]], ahead: Iterator[tuple[int, Order]], waiting: dict[str, list[int]], most: int
-    ) -> None:
+    def _fill(self, queue: Iterator[tuple[Sequence[int], Orders]], ahead: Iterator[tuple[Sequence[int], Orders]], most: int) -> None:
         """Gives orders out, of the round first, until all workers have enough."""
         while not self._dispatcher.is_full:
             found = next(queue, None)
             if found is not None:
-                index, order = found
-                waiting.setdefault(order["mission"], []).append(index)
-                self._dispatcher.give(order, most - index - 1)
+                indices, orders = found
+                self._dispatcher.give(orders, indices, most - indices[-1] - 1)
                 continue
             found = next(ahead, None)
             if found is None:
                 break
-            self._dispatcher.give(found[1])
+            self._dispatcher.give(found[1], found[0])
         self._dispatcher.flush()
 
     def _bring(
@@ -380,24 +395,23 @@ class Campaign:
         left = len(missing)
         while left > 0:
             while not self._dispatcher.is_full and (order := next(queue, None)) is not None:
-                self._dispatcher.give(order, left)
+                self._dispatcher.give(Orders.of([order]), left=left)
             self._dispatcher.flush()
-            records = [record for record, _ in self._take(journal)]
-            left -= len(records)
-            self._note(records)
-            self.failed += sum(bool(record["error"]) for record in records)
+            for reply, _ in self._take(journal):
+                left -= len(reply)
+                self.failed += int(reply.failed.sum())
             tell(self._progress(left + later, left + later, len(self.space.designs)))
         return journal
 
-    def _take(self, journal: Journal) -> list[tuple[Record, int]]:
-        """Waits for results and appends them to the journal. Returns records with their places there."""
-        found = self._dispatcher.take()
-        places = journal.append_lines([(record["mission"], line) for record, line in found])
-        return [(record, place) for (record, _), place in zip(found, places, strict=True)]
-
-    def _note(self, records: list[Record]) -> None:
-        self.flown += len(records)
-        self._outcomes.update(record["outcome"] for record in records)
+    def _take(self, journal: Journal) -> list[tuple[Reply, np.ndarray]]:
+        """Waits for results, appends them to the journal and counts them. Returns them with their places there."""
+        found = []
+        for reply in self._dispatcher.take():
+            found.append((reply, journal.append_lines(reply.digests, reply.lines, reply.lengths)))
+            self.flown += len(reply)
+            counts = np.bincount(reply.outcomes, minlength=len(reply.outcome_names)).tolist()
+            self._outcomes.update(dict(zip(reply.outcome_names, counts, strict=True)))
+        return found
 
     def _progress(self, most_left: int, likely_left: float, flying: int) -> Progress:
         return Progress(self.flown, self.taken, self.failed, most_left, likely_left, flying, self._rate(), self._answer(), self.of_other_builds)
@@ -447,7 +461,7 @@ class Campaign:
 
     # What came of it.
 
-    def _write_tables(self, folder: pathlib.Path, journal: Journal, results: _Results, rounds: Rounds | Search) -> None:
+    def _write_tables(self, folder: pathlib.Path, journal: Journal, results: Results, rounds: Rounds | Search) -> None:
         write_lines(folder / "missions.csv", self._mission_lines(journal, results))
         self._places = front.places(results.evidence)
         write_csv(folder / "designs.csv", self._design_rows(results, rounds))
@@ -455,7 +469,7 @@ class Campaign:
         if self.study.design["kind"] == "sensitivity":
             sensitivity.write(folder / "sensitivity.csv", self.study, results.evidence)
 
-    def _write_report(self, folder: pathlib.Path, results: _Results, rounds: Rounds | Search) -> None:
+    def _write_report(self, folder: pathlib.Path, results: Results, rounds: Rounds | Search) -> None:
         space = self.space
         told = [
             {"failed": results.failures[number], "status": rounds.status[number], "front": self._places[number]}
@@ -468,144 +482,38 @@ class Campaign:
             folder / "report.html", self.study, space.factors, space.designs, results.evidence, told, commands, space.provenance(self.example())
         )
 
-    def _design_rows(self, results: _Results, rounds: Rounds | Search) -> Iterator[list[str]]:
+    def _design_rows(self, results: Results, rounds: Rounds | Search) -> Iterator[list[str]]:
         yield tables.design_head(self.space.factors, self.study)
         for number, values in enumerate(self.space.designs):
             yield tables.design_row(
                 number, values, self.space.factors, results.evidence, results.failures[number], rounds.status[number], self._places[number]
             )
 
-    def _mission_lines(self, journal: Journal, results: _Results) -> Iterator[str]:
-        """Yields the lines of missions.csv, from what ``results`` keep: reading the journal again would take longer."""
+    def _mission_lines(self, journal: Journal, results: Results) -> Iterator[str]:
+        """Yields the lines of missions.csv, many at a time, from what ``results`` keep: reading the journal again would take
+        longer."""
         space, evidence = self.space, results.evidence
         yield csv_text(tables.mission_head(space.factors, self.study)) + "\n"
-        drawn: dict[int, str] = {}
+        drawn: dict[int, list[str]] = {}
         for design, values in enumerate(space.designs):
             factors = tables.values_text({name: values[name] for name in space.factors})
-            for replicate in range(evidence.counts[design]):
-                draws = drawn.get(replicate)
-                if draws is None:
-                    draws = tables.values_text(space.draw(replicate))
-                    if len(drawn) < MOST_DRAWS_KEPT:
-                        drawn[replicate] = draws
-                found = results.found(design, replicate)
-                if found is None:
-                    mission, outcome, time_s = space.order((design, replicate))["mission"], tables.MISSING, math.nan
-                    message = tables.MISSING_MESSAGE
-                else:
-                    mission, outcome, time_s, place = found
-                    message = csv_text([journal.at(place)["error"]]) if place is not None else ""
-                measures = "".join([tables.number_text(one) + "," for one in evidence.numbers(design, replicate)])
-                yield f"{design},{replicate},{factors}{draws}{outcome},{measures}{tables.number_text(time_s)},{message},{mission}\n"
-
-
-class _Results:
-    """What is known of the missions of all rounds so far, and of each mission of this round whether it has a result."""
-
-    def __init__(self, evidence: Evidence, measurer: Measurer, replicates: int) -> None:
-        self.evidence = evidence
-        self.failures: collections.Counter[int] = collections.Counter()
-        self.failed = 0
-        """Failed missions of earlier rounds."""
-        self._measurer = measurer
-        self._replicates = replicates
-        # Of each mission, by design: 32 bytes of its hash, the number of its outcome, its simulated time.
-        self._hashes: collections.defaultdict[int, bytearray] = collections.defaultdict(bytearray)
-        self._outcomes: collections.defaultdict[int, array.array[int]] = collections.defaultdict(lambda: array.array("H"))
-        self._times_s: collections.defaultdict[int, array.array[float]] = collections.defaultdict(lambda: array.array("d"))
-        self._names: list[str] = [tables.MISSING]
-        self._numbers: dict[str, int] = {tables.MISSING: _MISSING}
-        self._failed_places: dict[tuple[int, int], int] = {}
-        self.begin(Flights([], 0, 0))
-
-    def begin(self, flights: Flights) -> None:
-        """Begins a round. All missions of the one before are in the evidence."""
-        self.flights = flights
-        self._states = bytearray(len(flights))
-        self.open = len(flights)
-        self._settled = 0
-        self.failed_so_far = self.failed
-        """With those of this round before the first mission without a result."""
-
-    def note(self, index: int, record: Record, place: int) -> None:
-        """Stores the result of a mission of this round."""
-        design, replicate = self.flights[index]
-        self.evidence.put(design, replicate, self._measurer(record, design * self._replicates + replicate))
-        self._store(design, replicate, record)
-        if record["error"]:
-            self._failed_places[design, replicate] = place
-        self.open -= self._states[index] == _OPEN
-        self._states[index] = _FAILED if record["error"] else _SOUND
-
-    def _store(self, design: int, replicate: int, record: Record) -> None:
-        hashes, outcomes, times_s = self._hashes[design], self._outcomes[design], self._times_s[design]
-        lacking = replicate + 1 - len(outcomes)
-        if lacking > 0:
-            hashes.extend(bytes(32 * lacking))
-            outcomes.extend([_MISSING] * lacking)
-            times_s.extend([math.nan] * lacking)
-        number = self._numbers.get(record["outcome"])
-        if number is None:
-            number = self._numbers[record["outcome"]] = len(self._names)
-            self._names.append(csv_text([record["outcome"]]))
-        hashes[32 * replicate : 32 * replicate + 32] = bytes.fromhex(record["mission"])
-        outcomes[replicate] = number
-        times_s[replicate] = record.get("simulated_time", math.nan)
-
-    def found(self, design: int, replicate: int) -> tuple[str, str, float, int | None] | None:
-        """Returns hash, outcome, simulated time [s] and, for a failed mission, the place of its record in the journal; None for
-        a mission without a result."""
-        outcomes = self._outcomes[design]
-        if replicate >= len(outcomes) or outcomes[replicate] == _MISSING:
-            return None
-        mission = self._hashes[design][32 * replicate : 32 * replicate + 32].hex()
-        place = self._failed_places.get((design, replicate)) if self._failed_places else None
-        return mission, self._names[outcomes[replicate]], self._times_s[design][replicate], place
-
-    def settle(self, most_failures: int | None) -> int:
-        """Moves the end of the missions that count up to the first one without a result, or with which there are too many
-        failures. Returns the failures up to there."""
-        end = self._states.find(_OPEN, self._settled)
-        end = len(self._states) if end < 0 else end
-        if most_failures is None:
-            self.failed_so_far += self._states.count(_FAILED, self._settled, end)
-            self._settled = end
-            return self.failed_so_far
-        while self.failed_so_far < most_failures and self._settled < end:
-            at = self._states.find(_FAILED, self._settled, end)
-            self.failed_so_far += at >= 0
-            self._settled = end if at < 0 else at + 1
-        return self.failed_so_far
-
-    def end(self) -> bool:
-        """Lets the missions count that are settled. Returns whether the round was cut short."""
-        self._count(self._settled)
-        self.failed = self.failed_so_far
-        return self._settled < len(self._states)
-
-    def end_unfinished(self) -> int:
-        """Lets the missions of this round count that have a result, and notes the others as missing. Returns their number."""
-        missing = 0
-        for index, state in enumerate(self._states):
-            if state == _OPEN:
-                missing += 1
-                design, replicate = self.flights[index]
-                self.evidence.miss(design, replicate)
-        self._count(len(self._states))
-        return missing
-
-    def _count(self, settled: int) -> None:
-        each = self.flights.end - self.flights.begin
-        for at, design in enumerate(self.flights.designs):
-            count = min(each, settled - at * each)
-            if count <= 0:
-                break
-            self.failures[design] += self._states.count(_FAILED, at * each, at * each + count)
-            self.evidence.count_to(design, self.flights.begin + count)
-
-
-_OPEN, _SOUND, _FAILED = 0, 1, 2
-_MISSING = 0
+            for begin in range(0, evidence.counts[design], _CHUNK):
+                end = min(begin + _CHUNK, evidence.counts[design])
+                draws = drawn.get(begin)
+                if draws is None or len(draws) < end - begin:
+                    draws = [tables.values_text(space.draw(replicate)) for replicate in range(begin, end)]
+                    if begin < MOST_DRAWS_KEPT:
+                        drawn[begin] = draws
+                rows = results.rows(design, begin, end)
+                missing = [at for at, mission in enumerate(rows.missions) if mission is None]
+                for at in missing:
+                    rows.missions[at] = space.order((design, begin + at))["mission"]
+                    rows.messages[at] = tables.MISSING_MESSAGE
+                for at, place in rows.failed_places.items():
+                    rows.messages[at] = csv_text([journal.at(place)["error"]])
+                cells = zip(draws, rows.outcomes, *rows.measures, rows.times, rows.messages, rows.missions)  # noqa: B905 - draws may go on
+                head = f"{design},%d,{factors.replace('%', '%%')}%s%s{',%s' * (len(rows.measures) + 3)}\n"
+                yield "".join([head % (begin + at, *row) for at, row in enumerate(cells)])
 
 
 def _labels(flat_summary: dict[str, Any]) -> list[str]:

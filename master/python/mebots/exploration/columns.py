@@ -4,6 +4,7 @@ the CSV files, which are what counts."""
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import pathlib
 import re
@@ -44,13 +45,14 @@ def read(file: pathlib.Path) -> dict[str, list[Any]]:
 
 
 def _typed(cells: Sequence[str]) -> list[Any]:
-    for kind in (int, lambda cell: float(cell) if cell else float("nan")):
-        try:
-            values = [kind(cell) for cell in cells]
-        except ValueError:
-            continue
-        if any(cells) and not (kind is int and any(abs(value) >= 1 << 63 for value in values)):
-            return values
+    if not any(cells):
+        return list(cells)
+    with contextlib.suppress(ValueError):
+        whole = list(map(int, cells))
+        if max(whole) < 1 << 63 and min(whole) > -(1 << 63):
+            return whole
+    with contextlib.suppress(ValueError):
+        return list(map(float, cells if "" not in cells else [cell or "nan" for cell in cells]))
     return list(cells)
 
 

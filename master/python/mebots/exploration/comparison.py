@@ -63,6 +63,20 @@ class Evidence:
             own.extend([math.nan] * ((replicate + 1) * width - len(own)))
         own[replicate * width : (replicate + 1) * width] = array.array("d", values)
 
+    def put_rows(self, design: int, replicate: int, rows: np.ndarray) -> None:
+        """As ``put`` for consecutive replicates: a row of measures for each, NaN where there is none."""
+        width, own = len(self.index), self._measures[design]
+        begin, end = replicate * width, (replicate + len(rows)) * width
+        if len(own) < begin:
+            own.extend([math.nan] * (begin - len(own)))
+        values = array.array("d", rows.tobytes())
+        if len(own) == begin:
+            own.extend(values)
+            return
+        if len(own) < end:
+            own.extend([math.nan] * (end - len(own)))
+        own[begin:end] = values
+
     def count_to(self, design: int, replicates: int) -> None:
         """Lets the first replicates of a design count."""
         self.counts[design] = replicates
@@ -84,10 +98,10 @@ class Evidence:
         width = len(self.index)
         return [_known(one) for one in self._measures[design][replicate * width : (replicate + 1) * width]]
 
-    def numbers(self, design: int, replicate: int) -> array.array[float]:
-        """Returns the measures of a mission, with NaN where there is none."""
+    def columns(self, design: int, begin: int, end: int) -> list[array.array[float]]:
+        """Returns each measure of the replicates from ``begin`` to ``end``, with NaN where there is none."""
         width = len(self.index)
-        return self._measures[design][replicate * width : (replicate + 1) * width]
+        return [self._measures[design][begin * width + at : end * width : width] for at in range(width)]
 
     def column(self, design: int, at: int) -> array.array[float]:
         """Returns a measure of all missions of a design, with NaN where there is none."""
@@ -119,9 +133,7 @@ class Evidence:
             interval = (share_sequence if sequence else wilson)(successes, len(values), error)
             found = Estimate(len(values), successes / len(values) if values else None, interval, successes)
         else:
-            moments = Moments()
-            for value in values:
-                moments.add(value)
+            moments = Moments().add(values)
             interval = (mean_sequence if sequence else student)(moments, error)
             found = Estimate(len(values), moments.mean if values else None, interval)
         self._estimates[key] = (count, found)
@@ -174,10 +186,7 @@ class Evidence:
             wins = sum(1 for one in differences if one > 0)
             decided = sum(1 for one in differences if one != 0)
             return math.ulp(0.0) if share_sequence(wins, decided, self._pair_error)[0] > 0.5 else -math.inf
-        moments = Moments()
-        for one in differences:
-            moments.add(one)
-        return mean_sequence(moments, self._pair_error)[0]
+        return mean_sequence(Moments().add(differences), self._pair_error)[0]
 
     def dominates(self, design: int, other: int) -> bool:
         """Surely better than ``other`` in one objective, and in none worse by more than its tolerance."""

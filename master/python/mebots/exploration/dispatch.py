@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gives batches of orders to an executor and takes records back. Sends the files that a worker lacks. Counts the attempts
+"""Gives batches of orders to an executor and takes results back. Sends the files that a worker lacks. Counts the attempts
 of missions that ended without a result: a full disk, too little memory, a killed process, a lost worker."""
 
 from __future__ import annotations
@@ -9,12 +9,13 @@ import concurrent.futures
 import dataclasses
 import pathlib
 import queue
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from mebots.errors import Error
 from mebots.exploration import flying, interrupts
-from mebots.exploration.journal import Record, record_of
-from mebots.exploration.missions import Order, packed
+from mebots.exploration.orders import Order, Orders, packed
+from mebots.exploration.replies import Reply, reply_from
 
 ATTEMPTS = 3
 """How often a mission may end without a result before the study stops."""
@@ -36,9 +37,26 @@ class Unfinished(Error):
 
 
 @dataclasses.dataclass
+class _Group:
+    """Orders, and the number of each mission in the round that asks for it; -1 for none."""
+
+    orders: Orders
+    indices: Sequence[int]
+
+    def part(self, begin: int, end: int) -> _Group:
+        return _Group(self.orders.part(begin, end), self.indices[begin:end])
+
+
+@dataclasses.dataclass
 class _Task:
-    orders: list[Order]
+    groups: list[_Group]
     sends: int = 0
+
+    def __len__(self) -> int:
+        return sum(len(group.orders) for group in self.groups)
+
+    def __iter__(self) -> Iterator[tuple[Order, int]]:
+        return ((group.orders[number], index) for group in self.groups for number, index in enumerate(group.indices))
 
 
 class Dispatcher:
@@ -48,10 +66,11 @@ class Dispatcher:
         self._executor = executor
         self._most = most
         self._size = 1
-        self._next: list[Order] = []
+        self._waiting: collections.deque[_Group] = collections.deque()
+        self._left = 0
         self._out: dict[Future, _Task] = {}
         self._done: queue.SimpleQueue[Future] = queue.SimpleQueue()
-        self._missions: set[str] = set()
+        self._missions: set[bytes] = set()
         self._attempts: collections.Counter[str] = collections.Counter()
         self._unfinished: Unfinished | None = None
 
@@ -59,29 +78,50 @@ class Dispatcher:
     def is_full(self) -> bool:
         return len(self._out) >= self._most
 
-    def has(self, mission: str) -> bool:
-        """True for a mission that was given out and has no result yet."""
-        return mission in self._missions
+    def has_none_of(self, digests: Iterable[bytes]) -> bool:
+        """True if no mission of these was given out and has no result yet."""
+        return self._missions.isdisjoint(digests)
 
-    def give(self, order: Order, left: int = _MOST_IN_BATCH) -> None:
-        """Adds an order to the next batch, unless its mission is out. ``left``: how many orders follow at most; near the end
-        batches are small, so that all workers have one."""
-        if order["mission"] in self._missions:
-            return
-        self._missions.add(order["mission"])
-        self._next.append(order)
-        if len(self._next) >= min(self._size, 1 + left // self._most):
-            self.flush()
+    def give(self, orders: Orders, indices: Sequence[int] | None = None, left: int = _MOST_IN_BATCH) -> None:
+        """Adds orders to the next batches, except those of missions that are out. ``indices``: the missions' numbers in the
+        round. ``left``: how many orders follow at most; near the end batches are small, so that all workers have one."""
+        if indices is None:
+            indices = [-1] * len(orders)
+        if not self.has_none_of(orders.digests):
+            fresh = [at for at, digest in enumerate(orders.digests) if digest not in self._missions]
+            orders, indices = orders.only(fresh), [indices[at] for at in fresh]
+        if orders.digests:
+            self._missions.update(orders.digests)
+            self._waiting.append(_Group(orders, indices))
+        self._left = left
+        self._send(whole=True)
 
     def flush(self) -> None:
         """Sends the orders that are waiting for a full batch."""
-        if self._next:
-            orders, self._next = self._next, []
-            self._submit(_Task(orders))
+        self._send(whole=False)
 
-    def take(self) -> list[tuple[Record, bytes]]:
-        """Waits for at least one answer of the executor. Returns records of finished missions with their lines, perhaps none. Raises
-        Unfinished at the call after the one that returned the last records, Error for an executor that failed."""
+    def _send(self, *, whole: bool) -> None:
+        """Sends batches while there is place. ``whole``: none that more orders could fill."""
+        waiting = sum(len(group.orders) for group in self._waiting)
+        while waiting and len(self._out) < self._most:
+            size = max(1, min(self._size, (waiting + self._left) // self._most))
+            if whole and waiting < size:
+                return
+            groups = []
+            while size and self._waiting:
+                group = self._waiting.popleft()
+                count = len(group.orders)
+                if count > size:
+                    self._waiting.appendleft(group.part(size, count))
+                    group = group.part(0, size)
+                groups.append(group)
+                size -= len(group.orders)
+                waiting -= len(group.orders)
+            self._submit(_Task(groups))
+
+    def take(self) -> list[Reply]:
+        """Waits for the executor. Returns the results of missions that ended, perhaps none. Raises Unfinished at the call
+        after the one that returned the last results, Error for an executor that failed."""
         if self._unfinished is not None:
             raise self._unfinished
         if not self._out:
@@ -90,48 +130,57 @@ class Dispatcher:
         done = [self._done.get()]
         while not self._done.empty():
             done.append(self._done.get())
-        records: list[tuple[Record, bytes]] = []
-        for future in done:
-            records += self._records(self._out.pop(future), future)
-        if self._unfinished is not None and not records:
+        replies = [reply for future in done if (reply := self._reply(self._out.pop(future), future)) is not None]
+        if self._unfinished is not None and not replies:
             raise self._unfinished
-        return records
+        self._send(whole=True)
+        return replies
 
-    def _records(self, task: _Task, future: Future) -> list[tuple[Record, bytes]]:
+    def _reply(self, task: _Task, future: Future) -> Reply | None:
         problem = _problem_of(future)
         if isinstance(problem, (AssertionError, TypeError, AttributeError, ImportError)):
             raise problem  # a mistake of the program: another attempt would end in the same way
         if problem is not None:
-            for order in task.orders:
-                self._repeat(order, f"the executor lost it: {str(problem) or type(problem).__name__}")
-            return []
+            for order, index in task:
+                self._repeat(order, index, f"the executor lost it: {str(problem) or type(problem).__name__}")
+            return None
         answer = future.result()
         if "build" in answer:
+            own = next(iter(task))[0]["build"]
             raise Error(
-                f"a worker has another build of MEbots ({answer['build'][:12]} in place of "
-                f"{task.orders[0]['build'][:12]}): install the same one on all machines",
+                f"a worker has another build of MEbots ({answer['build'][:12]} in place of {own[:12]}): install the same one on all machines",
                 "not_offered",
             )
         if "lacks" in answer:
             if task.sends == _MOST_SENDS:
                 raise Error(f"a worker does not keep the files that are sent to it: {answer['lacks']}", "system_failure")
-            self._submit(_Task(task.orders, task.sends + 1), answer["lacks"])
-            return []
-        self._adapt(len(task.orders), answer["duration_s"])
-        unfinished = answer["unfinished"]
-        for order in task.orders if unfinished else ():
-            if order["mission"] in unfinished:
-                self._repeat(order, unfinished[order["mission"]])
-        records = [(record_of(line), line) for line in answer["lines"]]
-        self._missions.difference_update([record["mission"] for record, _ in records])
-        return records
+            self._submit(_Task(task.groups, task.sends + 1), answer["lacks"])
+            return None
+        self._adapt(len(task), answer["duration_s"])
+        try:
+            reply = reply_from(answer)
+        except ValueError as damage:
+            for order, index in task:
+                self._repeat(order, index, str(damage))
+            return None
+        reply.indices = [index for group in task.groups for index in group.indices]
+        if unfinished := answer["unfinished"]:
+            ended = []
+            for order, index in task:
+                if order["mission"] in unfinished:
+                    self._repeat(order, index, unfinished[order["mission"]])
+                else:
+                    ended.append(index)
+            reply.indices = ended
+        self._missions.difference_update(reply.digests)
+        return reply if reply.digests else None
 
-    def _repeat(self, order: Order, why: str) -> None:
+    def _repeat(self, order: Order, index: int, why: str) -> None:
         """Gives a mission without a result out again, alone: no other one suffers if it ends its worker."""
         mission = order["mission"]
         self._attempts[mission] += 1
         if self._attempts[mission] < ATTEMPTS:
-            self._submit(_Task([order]))
+            self._submit(_Task([_Group(Orders.of([order]), [index])]))
         elif self._unfinished is None:
             self._unfinished = Unfinished(
                 f"the mission {mission} had no result in {ATTEMPTS} attempts: {why}. This is no property of the mission: mend the cause, "
@@ -143,7 +192,7 @@ class Dispatcher:
         self._size = max(1, min(ideal, self._size * _GROWTH, _MOST_IN_BATCH))
 
     def _submit(self, task: _Task, lacking: list[str] | None = None) -> None:
-        batch = packed(task.orders)
+        batch = packed([group.orders for group in task.groups])
         if lacking:
             batch["contents"] = {digest: pathlib.Path(batch["files"][digest][0]).read_bytes() for digest in lacking}
         with interrupts.held():

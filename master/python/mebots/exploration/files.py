@@ -4,14 +4,12 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 import os
 import pathlib
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 _BLOCK_BYTES = 1 << 20
-_LINES = 4096
 _QUOTE = '"'
 _SPECIAL = re.compile('[,"\r\n]')
 
@@ -75,9 +73,22 @@ def write_csv(file: pathlib.Path, rows: Iterable[Sequence[str]]) -> None:
 
 
 def write_lines(file: pathlib.Path, lines: Iterable[str]) -> None:
-    """Writes lines in UTF-8, with bounded memory."""
-    rest = iter(lines)
-    write_whole(file, iter(lambda: "".join(itertools.islice(rest, _LINES)).encode(), b""))
+    """Writes texts of one or more lines in UTF-8, with bounded memory."""
+    write_whole(file, _blocks(lines))
+
+
+def _blocks(texts: Iterable[str]) -> Iterator[bytes]:
+    part: list[str] = []
+    size = 0
+    for text in texts:
+        part.append(text)
+        size += len(text)
+        if size >= _BLOCK_BYTES:
+            yield "".join(part).encode()
+            part.clear()
+            size = 0
+    if part:
+        yield "".join(part).encode()
 
 
 def csv_text(cells: Iterable[str]) -> str:

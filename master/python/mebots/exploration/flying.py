@@ -19,8 +19,9 @@ import time
 from typing import Any
 
 from mebots.exploration import outcomes
-from mebots.exploration.journal import line_of
-from mebots.exploration.missions import Batch, Order, build, digest_of_file, unpacked, without_paths
+from mebots.exploration.missions import build, digest_of_file, without_paths
+from mebots.exploration.orders import Batch, Order, unpacked
+from mebots.exploration.replies import reply_of
 
 ATTEMPTS = 3
 """How often a mission is tried whose process crashed: a crash may come by chance."""
@@ -223,8 +224,8 @@ def _folder() -> str:
 
 
 def fly_all(batch: Batch) -> dict[str, Any]:
-    """Runs a batch in the calling thread's mission process, for executors. Returns the ``lines`` of the missions for the
-    journal, those ``unfinished`` with the reason, and ``duration_s``. If files
+    """Runs a batch in the calling thread's mission process, for executors. Returns the missions' results (``replies.py``),
+    those ``unfinished`` with the reason, and ``duration_s``. If files
     are not on this machine, returns ``{"lacks": [their hashes]}``; a batch may bring them under ``contents``. Another build
     of MEbots might give other results: it returns its own ``build``."""
     if batch["shared"]["build"] != build():
@@ -234,9 +235,9 @@ def fly_all(batch: Batch) -> dict[str, Any]:
         return {"lacks": lacking}
     begun_s = time.monotonic()
     records = [fly(order) for order in unpacked(batch)]
-    lines = [line_of(record) for record in records if "unfinished" not in record]
     unfinished = {record["mission"]: record["unfinished"] for record in records if "unfinished" in record}
-    return {"lines": lines, "unfinished": unfinished, "duration_s": time.monotonic() - begun_s}
+    reply = reply_of([record for record in records if "unfinished" not in record])
+    return reply | {"unfinished": unfinished, "duration_s": time.monotonic() - begun_s}
 
 
 def fly(order: Order) -> dict[str, Any]:

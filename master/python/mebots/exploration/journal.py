@@ -11,7 +11,6 @@ import collections
 import contextlib
 import errno
 import fcntl
-import itertools
 import json
 import os
 import pathlib
@@ -24,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from mebots.errors import Error, InputError
-from mebots.exploration.files import write_all
+from mebots.exploration import files
 
 NAME = "journal.jsonl"
 
@@ -70,56 +69,48 @@ def key_of(mission: str) -> int:
 
 
 class Places:
-    """Where the line of each mission begins: 16 bytes for each, sorted by key, and a table of the latest ones. Several
-    missions may share a key; all their places are returned, the latest first."""
+    """Where the line of each mission begins: 16 bytes for each, in runs sorted by key, the latest run last. A run is merged with
+    the one before it unless that is more than twice as long. Several missions may share a key; all their places are returned,
+    the latest first."""
 
     def __init__(self) -> None:
-        self._keys = np.empty(0, np.uint64)
-        self._places = np.empty(0, np.uint64)
-        self._recent: dict[int, int | list[int]] = {}
+        self._runs: list[tuple[np.ndarray, np.ndarray]] = []
         self.count = 0
 
     def add_all(self, keys: np.ndarray, places: np.ndarray) -> None:
         if not len(keys):
             return
-        self._merge()
-        merged = np.concatenate([self._keys, keys])
-        order = np.argsort(merged, kind="stable")  # the latest of equal keys stays last
-        self._keys, self._places = merged[order], np.concatenate([self._places, places])[order]
-        self.count = len(self._keys)
-
-    def add(self, key: int, place: int) -> None:
-        before = self._recent.get(key)
-        self._recent[key] = place if before is None else [*(before if isinstance(before, list) else [before]), place]
-        self.count += 1
-        if len(self._recent) > max(1 << 16, len(self._keys) // 8):
-            self._merge()
+        self._runs.append(_sorted(keys, places))
+        while len(self._runs) > 1 and len(self._runs[-2][0]) <= 2 * len(self._runs[-1][0]):
+            last = self._runs.pop()
+            before = self._runs.pop()
+            self._runs.append(_sorted(*(np.concatenate(pair) for pair in zip(before, last, strict=True))))
+        self.count += len(keys)
 
     def find(self, key: int) -> Iterator[int]:
-        recent = self._recent.get(key, [])
-        yield from reversed(recent) if isinstance(recent, list) else [recent]
-        at = int(np.searchsorted(self._keys, np.uint64(key), side="right")) - 1
-        while at >= 0 and self._keys[at] == key:
-            yield int(self._places[at])
-            at -= 1
+        for keys, places in reversed(self._runs):
+            at = int(np.searchsorted(keys, np.uint64(key), side="right")) - 1
+            while at >= 0 and keys[at] == key:
+                yield int(places[at])
+                at -= 1
 
-    def may_have(self, keys: Sequence[int]) -> np.ndarray:
+    def may_have(self, wanted: np.ndarray) -> np.ndarray:
         """Returns for each key whether there is a line with it."""
-        wanted = np.array(keys, np.uint64)
-        at = np.searchsorted(self._keys, wanted)
         found = np.zeros(len(wanted), bool)
-        inside = at < len(self._keys)
-        found[inside] = self._keys[at[inside]] == wanted[inside]
-        if self._recent:
-            found |= np.fromiter((key in self._recent for key in keys), bool, len(wanted))
+        for keys, _ in self._runs:
+            at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+            found |= keys[at] == wanted
         return found
 
-    def _merge(self) -> None:
-        recent, self._recent = self._recent, {}
-        if recent:
-            pairs = [(key, place) for key, found in recent.items() for place in (found if isinstance(found, list) else [found])]
-            keys, places = (np.array(column, np.uint64) for column in zip(*pairs, strict=True))
-            self.add_all(keys, places)
+
+def _sorted(keys: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    order = np.argsort(keys, kind="stable")  # the latest of equal keys stays last
+    return keys[order], places[order]
+
+
+def keys_of(digests: Sequence[bytes]) -> np.ndarray:
+    """Returns ``key_of`` for each mission."""
+    return np.frombuffer(b"".join(digests), ">u8")[::4].astype(np.uint64)
 
 
 class Journal:
@@ -145,10 +136,10 @@ class Journal:
             if writable:
                 os.ftruncate(self._descriptor, self._end)
         except OSError as error:
-            self.close()
+            self._abandon()
             raise Error(f"{self.file}: {error.strerror}", "file_unreadable") from None
         except Error:
-            self.close()
+            self._abandon()
             raise
 
     def __len__(self) -> int:
@@ -170,9 +161,9 @@ class Journal:
                 return place
         return None
 
-    def may_have(self, missions: Sequence[str]) -> np.ndarray:
+    def may_have(self, digests: Sequence[bytes]) -> np.ndarray:
         """Returns for each mission False if the journal has no record of it; much faster than ``find`` for many."""
-        return self._places.may_have([key_of(mission) for mission in missions])
+        return self._places.may_have(keys_of(digests))
 
     def at(self, place: int) -> Record:
         """Returns the record whose line begins at a place."""
@@ -186,22 +177,25 @@ class Journal:
 
     def append(self, records: Iterable[Record]) -> list[int]:
         """As ``append_lines``."""
-        return self.append_lines([(record["mission"], line_of(record)) for record in records])
+        records = list(records)
+        lines = [line_of(record) for record in records]
+        digests = [bytes.fromhex(record["mission"]) for record in records]
+        return self.append_lines(digests, b"".join(lines), np.array([len(line) for line in lines], np.int64)).tolist()
 
-    def append_lines(self, lines: Sequence[tuple[str, bytes]]) -> list[int]:
+    def append_lines(self, digests: Sequence[bytes], lines: bytes, lengths: np.ndarray) -> np.ndarray:
         """Appends lines of missions. Returns their places when a kill of this process cannot undo them. Raises Error when they
         cannot be written; then the journal ends where it did."""
         try:
             os.lseek(self._descriptor, self._end, os.SEEK_SET)
-            write_all(self._descriptor, b"".join([line for _, line in lines]))
+            files.write_all(self._descriptor, lines)
         except OSError as error:
             with contextlib.suppress(OSError):  # the next call cuts an incomplete line off
                 os.ftruncate(self._descriptor, self._end)
             raise Error(f"{self.file}: {error.strerror}", "file_unwritable") from None
-        places = list(itertools.accumulate([len(line) for _, line in lines], initial=self._end))
-        self._end = places.pop()
-        for (mission, _), place in zip(lines, places, strict=True):
-            self._places.add(int(mission[:16], 16), place)
+        ends = self._end + np.cumsum(lengths)
+        places = ends - lengths
+        self._end += len(lines)
+        self._places.add_all(keys_of(digests), places.astype(np.uint64))
         if time.monotonic() - self._synced_s > _SYNC_EVERY_S:
             self.sync()
         return places
@@ -215,7 +209,16 @@ class Journal:
         self._synced_s = time.monotonic()
 
     def close(self) -> None:
-        with contextlib.suppress(OSError):  # append() and sync() report what could not be written
+        """Raises Error: some file systems report a full disk only now. A second call does nothing."""
+        descriptor, self._descriptor = self._descriptor, -1
+        try:
+            if descriptor >= 0:
+                files.close(descriptor)
+        except OSError as error:
+            raise Error(f"{self.file}: {error.strerror}", "file_unwritable") from None
+
+    def _abandon(self) -> None:
+        with contextlib.suppress(OSError):
             os.close(self._descriptor)
 
     def _lock(self) -> None:

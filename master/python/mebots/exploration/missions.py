@@ -17,11 +17,12 @@ import os
 import pathlib
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import Any
 
 from mebots import _mebots
 from mebots.errors import InputError
+from mebots.exploration.orders import DIGEST_BYTES, Order, Orders
 from mebots.exploration.study import Study, Values
 
 FILE_MARK = "mebots-file:"
@@ -43,39 +44,6 @@ _NOT_OF_A_MISSION = ("text", "record", "pictures", "view", "log", "threads")  # 
 _OF_RESULTS = ("record", "pictures", "view", "log")
 
 _PATH = re.compile(r"(?<![\w.~/])/(?:[^\s/:;,'\"]+/)+([^\s/:;,'\"]*)")
-
-Order = dict[str, Any]
-"""``config``: JSON text, ``digest``: its hash, ``settings``: variable -> value, ``files``: hash -> [path, name], ``finals`` and ``series``:
-what is wanted beyond the summary, ``processor_time``: limit [s] or None, ``mission``: the hash, ``build``: of MEbots, as
-part of it, ``course``: a list of {``place``, ``writes``, ``past``: hash of the state there}. Of a mission that is flown up
-to a place only: ``until``: that place, ``keeps``: hash of the state there. Of a study that keeps results: ``out``: the
-mission's folder."""
-
-
-Batch = dict[str, Any]
-"""Orders for one task of an executor. What all share is in it once: ``configs``: hash -> JSON text, ``shared``: the other
-parts. ``missions`` has the rest of each order, with its config's hash in place of the text."""
-
-_SHARED = ("build", "finals", "series", "processor_time")
-
-
-def packed(orders: list[Order]) -> Batch:
-    """Returns a batch of orders, which are of one study."""
-    return {
-        "configs": {order["digest"]: order["config"] for order in orders},
-        "shared": {key: orders[0][key] for key in _SHARED},
-        "files": {digest: place for order in orders for digest, place in order["files"].items()},
-        "missions": [
-            {key: value for key, value in order.items() if key not in _SHARED and key not in ("config", "files")} for order in orders
-        ],
-    }
-
-
-def unpacked(batch: Batch) -> Iterator[Order]:
-    """Yields the orders of a batch. All of them have the files of all."""
-    for mission in batch["missions"]:
-        yield batch["shared"] | {"files": batch["files"], "config": batch["configs"][mission["digest"]]} | mission
-
 
 def digest_of_file(path: str | os.PathLike[str]) -> str:
     with open(path, "rb") as stream:
@@ -123,6 +91,7 @@ class Missions:
         self._found: dict[str, str] = {}  # where texts that name files are
         self._plain: dict[tuple[str, ...], bool] = {}
         self._names: dict[tuple[str, ...], list[tuple[str, str]]] = {}
+        self._drawn: dict[str, tuple[list[Any], list[bytes]]] = {}
         self._hash_begin = f'{{"build":{canonical(build())},"config":"'
         self._hash_end = f',"version":{canonical(_mebots.__version__)}}}'
         self._variants: dict[str, _Variant] = {}
@@ -195,6 +164,45 @@ class Missions:
         if self.folder is not None:
             order["out"] = str(self.folder / digest[:2] / digest)
         return order
+
+    def orders(self, fixed: Values, drawn: Sequence[Values]) -> Orders:
+        """The missions with these values of factors, each with its own draws."""
+        if not drawn or not self._are_columns(fixed, drawn[0]):
+            return Orders.of([self.order(fixed | draws) for draws in drawn])
+        common = self._order(fixed | drawn[0], ())
+        columns = {name: [draws[name] for draws in drawn] for name in drawn[0]}
+        pieces, texts = self._pieces(common, columns)
+        begin, end = f"{self._hash_begin}{common['digest']}\",\"settings\":{{".encode(), f"}}{self._hash_end}".encode()
+        form = begin + b",".join(pieces) + end
+        rows = zip(*texts, strict=True)
+        sha256 = hashlib.sha256
+        digests = [sha256(form % row).digest() for row in rows]
+        assert len(digests[0]) == DIGEST_BYTES and digests[0].hex() == common["mission"]
+        return Orders(digests, common, columns)
+
+    def _are_columns(self, fixed: Values, draws: Values) -> bool:
+        """True if missions that differ in draws alone have the same config, files and course."""
+        numbers = all(isinstance(value, (int, float)) for value in draws.values())
+        return bool(draws) and numbers and self._study.fork is None and self.folder is None and self._is_plain((*fixed, *draws))
+
+    def _pieces(self, common: Order, columns: dict[str, list[Any]]) -> tuple[list[bytes], list[list[bytes]]]:
+        """The members of ``settings`` for a hash, with ``%b`` in place of values that differ, and the texts of those."""
+        pieces, texts = [], []
+        for name in sorted(common["settings"]):
+            title = f"{canonical(name)}:".replace("%", "%%").encode()
+            if name in columns:
+                pieces.append(title + b"%b")
+                texts.append(self._texts(name, columns[name]))
+            else:
+                pieces.append(title + canonical(common["settings"][name]).replace("%", "%%").encode())
+        return pieces, texts
+
+    def _texts(self, name: str, values: list[Any]) -> list[bytes]:
+        """As ``canonical``, and keeps those of the last draws: all designs have the same ones."""
+        known = self._drawn.get(name)
+        if known is None or known[0] != values:
+            known = self._drawn[name] = values, [_canonical_of(value).encode() for value in values]
+        return known[1]
 
     def shell_line(self, values: Values, out: str) -> str:
         """The command that flies the mission again, with all its results and pictures; "" where only another config

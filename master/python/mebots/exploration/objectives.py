@@ -10,8 +10,11 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+import numpy as np
+
 from mebots.errors import InputError
 from mebots.exploration.journal import Record
+from mebots.exploration.replies import Reply, number_of
 from mebots.exploration.study import Objective, Study
 
 Measures = tuple[float | None, ...]
@@ -61,6 +64,33 @@ class Measurer:
                 values[one.label] = found
         return tuple(measured[one.label] for one in self._objectives)
 
+    def columns(self, reply: Reply) -> np.ndarray:
+        """Returns the measures of missions, a row for each, with NaN where there is none."""
+        if self._formulas:
+            rows = [self(record, index) for record, index in zip(reply.records(), reply.indices, strict=True)]
+            return np.array([[math.nan if one is None else one for one in row] for row in rows], float).reshape(len(rows), -1)
+        sound = ~reply.failed
+        self._sound += int(sound.sum())
+        measured = np.full((len(self._objectives), len(reply)), math.nan)
+        known: dict[str, np.ndarray] = {}
+        for one, column in zip(self._objectives, measured, strict=True):
+            if one.is_share:
+                column[:] = np.array([name in one.what for name in reply.outcome_names], float)[reply.outcomes]
+            else:
+                column[sound] = self._column(one, reply)[sound]
+            if one.where in known:
+                column[known[one.where] != 1.0] = math.nan
+            known[one.label] = column
+            if not np.isnan(column).all():
+                self._valued.add(one.label)
+        return measured.T
+
+    @staticmethod
+    def _column(one: Objective, reply: Reply) -> np.ndarray:
+        keys = {"summary": ("values", one.what), "final": ("finals", one.what), "series": ("series", f"{one.what} {one.reduction}")}
+        none = np.full(len(reply), math.nan)
+        return reply.numbers.get(keys[one.source], none)
+
     def without_value(self) -> list[str]:
         """Of each expression that had no value in any of the missions so far, because its arithmetic has none: what to
         tell. One of values that a mission may lack, or restricted by ``where``, is none of them."""
@@ -109,9 +139,8 @@ def has_all(record: Record, order: Mapping[str, Any]) -> bool:
 
 
 def _number(value: Any) -> float | None:
-    if isinstance(value, bool):
-        return float(value)
-    return float(value) if isinstance(value, (int, float)) and math.isfinite(value) else None
+    found = number_of(value)
+    return None if math.isnan(found) else found
 
 
 _OPERATORS: dict[type, Callable[..., float]] = {

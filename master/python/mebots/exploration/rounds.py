@@ -57,9 +57,9 @@ class Rounds:
         """Returns the missions of the next round in the study's order; none when the study is done."""
         return self._missions(self._flown)
 
-    def ahead(self) -> Iterator[Flight]:
+    def ahead(self) -> Flights:
         """What the round after this one would fly if all designs went on, for workers that would wait otherwise."""
-        return iter(self._missions(self._flown + self._size))
+        return self._missions(self._flown + self._size)
 
     def most_left(self) -> int:
         """How many missions there are from here on, if no design is done before its last replicate."""

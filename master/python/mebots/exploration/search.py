@@ -4,13 +4,12 @@ same missions come for any number of workers, and an interrupted search repeats 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 from mebots.errors import InputError
 from mebots.exploration.comparison import Evidence
 from mebots.exploration.extras import extra
-from mebots.exploration.rounds import FLYING, Flight, Flights
+from mebots.exploration.rounds import FLYING, Flights
 from mebots.exploration.study import Study, Values
 
 
@@ -51,9 +50,9 @@ class Search:
         self._evidence.add_designs(len(self._designs))
         return Flights(range(first, len(self._designs)), 0, self._study.replicates)
 
-    def ahead(self) -> Iterator[Flight]:
+    def ahead(self) -> Flights:
         """Nothing: what comes depends on this round."""
-        return iter(())
+        return Flights([], 0, 0)
 
     def most_left(self) -> int:
         return (self._study.design["rounds"] - self._round) * self._study.design["points"] * self._study.replicates

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import Any
 
 from mebots.exploration import chance, designs
-from mebots.exploration.missions import Missions, Order
-from mebots.exploration.rounds import Flight
+from mebots.exploration.missions import Missions
+from mebots.exploration.orders import Order, Orders
+from mebots.exploration.rounds import Flight, Flights
 from mebots.exploration.study import Study, Values
 
 MOST_DRAWS_KEPT = 100_000
@@ -44,6 +46,13 @@ class Space:
 
     def order(self, flight: Flight) -> Order:
         return self.missions.order(self.values(flight))
+
+    def orders(self, flights: Flights, most: int) -> Iterator[tuple[int, Orders]]:
+        """Yields orders of at most ``most`` missions of one design, with the number of the first one."""
+        for at, design in enumerate(flights.designs):
+            for begin in range(flights.begin, flights.end, most):
+                drawn = [self.draw(replicate) for replicate in range(begin, min(begin + most, flights.end))]
+                yield at * (flights.end - flights.begin) + begin - flights.begin, self.missions.orders(self.designs[design], drawn)
 
     def provenance(self, example: Values) -> dict[str, str]:
         """Returns what the study ran and with what, for people. ``example``: the values of any mission."""

@@ -22,7 +22,8 @@ from mebots.exploration import chance, columns, rare_report, tables
 from mebots.exploration.answers import Moments, student
 from mebots.exploration.files import write_csv
 from mebots.exploration.journal import Journal, Record
-from mebots.exploration.missions import Course, Order, Turn
+from mebots.exploration.missions import Course, Turn
+from mebots.exploration.orders import Order
 from mebots.exploration.space import Space
 from mebots.exploration.study import Splitting, Study, Values
 
@@ -268,9 +269,7 @@ def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], *, ans
 
 def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
     """Mean, its interval, and its standard error as a share of it."""
-    moments = Moments()
-    for one in estimates:
-        moments.add(one.probability(study))
+    moments = Moments().add(one.probability(study) for one in estimates)
     low, high = student(moments, study.error)
     relative = moments.deviation / math.sqrt(moments.count) / moments.mean if moments.mean > 0 and moments.count > 1 else None
     return [moments.mean, max(low, 0.0), min(high, 1.0), relative]

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import array
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -43,6 +44,20 @@ def values_text(values: Values) -> str:
 def number_text(value: float) -> str:
     """Returns the cell of a number; empty for NaN."""
     return "" if value != value else cell(value)
+
+
+def number_texts(values: array.array[float]) -> list[str]:
+    """Returns ``number_text`` of each value."""
+    plain = [repr(value) for value in values]
+    known: dict[float, str] = {}
+    for at, text in enumerate(plain):
+        if text[-1] in "0fn" and (text[-2:] == ".0" or text[-1] != "0"):  # a whole number, inf or nan
+            value = values[at]
+            found = known.get(value)
+            if found is None:
+                found = known[value] = number_text(value)
+            plain[at] = found
+    return plain
 
 
 def design_head(factors: Sequence[str], study: Study) -> list[str]:

@@ -34,7 +34,8 @@ from typing import Any, NoReturn
 
 from mebots import Error, Mission
 from mebots.exploration import outcomes
-from mebots.exploration.missions import FILE_MARK, Order, without_paths
+from mebots.exploration.missions import FILE_MARK, without_paths
+from mebots.exploration.orders import Order
 from mebots.exploration.pasts import Pasts
 
 _MOST_OPEN = 4  # configs whose FMUs stay loaded
