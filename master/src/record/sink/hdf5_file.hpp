@@ -17,7 +17,8 @@ namespace mebots::master::hdf5 {
 /// Hold library() during each call, construction and destruction included.
 class File {
  public:
-  /// Makes or empties the file. Throws InputError when it cannot be opened; check() reports a failed write of its first bytes.
+  /// Makes or empties the file. Throws InputError when it cannot be opened; check() reports a failed write of its first
+  /// bytes.
   explicit File(std::filesystem::path path);
   /// Closes the file and ignores errors: call close() first to learn of them.
   ~File();
