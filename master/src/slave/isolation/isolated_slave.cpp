@@ -4,6 +4,7 @@
 #include "base/interrupt.hpp"
 #include "base/time.hpp"
 #include "fmi/call/callback_text.hpp"
+#include "fmi/fmu.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"
 #include "message/plain_text.hpp"
