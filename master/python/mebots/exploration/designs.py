@@ -13,7 +13,7 @@ from typing import Any
 from mebots import _mebots
 from mebots.errors import InputError
 from mebots.exploration import chance, sensitivity
-from mebots.exploration.extras import extra
+from mebots.extras import extra
 from mebots.exploration.study import Study, Values
 
 MOST = 10_000_000

@@ -157,5 +157,5 @@ function estimate(design, counts) {
     return box;
   });
 }
-showProvenance();
+showProvenance("What was flown");
 redraws.forEach((redraw) => redraw());

@@ -260,7 +260,7 @@ if (designs.some((one) => one.flights.length)) {
   });
 }
 
-showProvenance();
+showProvenance("What was flown");
 
 // The chosen design.
 {

@@ -8,9 +8,9 @@ from typing import Any
 
 from mebots.errors import InputError
 from mebots.exploration.comparison import Evidence
-from mebots.exploration.extras import extra
 from mebots.exploration.rounds import FLYING, Flights
 from mebots.exploration.study import Study, Values
+from mebots.extras import extra
 
 
 class Search:

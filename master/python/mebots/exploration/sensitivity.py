@@ -8,7 +8,7 @@ from typing import Any
 
 from mebots.exploration import tables
 from mebots.exploration.comparison import Evidence
-from mebots.exploration.extras import extra
+from mebots.extras import extra
 from mebots.exploration.files import write_csv
 from mebots.exploration.study import Study
 
