@@ -6,6 +6,8 @@
 #include "description.hpp"
 #include "io/config/load_system.hpp"
 #include "io/config/schemas.hpp"
+#include "io/flight/airframe_file.hpp"
+#include "io/flight/log_mapping.hpp"
 #include "io/study/study_file.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/input_error.hpp"
@@ -51,6 +53,8 @@ constexpr FileKind kKinds[] = {
     {"config", &master::config::check},
     {"scenario", &master::config::check_scenario},
     {"cases", [](const Path& file) { static_cast<void>(master::cases::read_cases(file)); }},
+    {"airframe", [](const Path& file) { static_cast<void>(master::flight::read_airframe(file)); }},
+    {"log-mapping", [](const Path& file) { static_cast<void>(master::flight::read_log_mapping(file)); }},
     {"study", [](const Path& file) { static_cast<void>(master::study::read(file)); }},
     {"description", [](const Path& file) { static_cast<void>(modeldesc::read_description(file)); }},
 #ifdef MEBOTS_HAS_battery

@@ -3,6 +3,9 @@
 // mebots/*.py.
 #include "base/input_text.hpp"
 #include "cases/run_case.hpp"
+#include "io/find_fmu.hpp"
+#include "io/flight/airframe_file.hpp"
+#include "io/flight/log_mapping.hpp"
 #include "io/study/ground.hpp"
 #include "io/study/study_file.hpp"
 #include "mebots/data/csv.hpp"
@@ -227,6 +230,24 @@ PYBIND11_MODULE(_mebots, module) {
     return names;
   });
   module.def("run_case", &cases::run_case_as_json, py::call_guard<py::gil_scoped_release>());
+
+  // For mebots.flight: texts are JSON.
+  namespace flight = mebots::master::flight;
+  module.def("read_airframe", [](const std::filesystem::path& file) {
+    return mebots::master::refused_as_input([&] { return flight::read_airframe(file); }).dump();
+  });
+  module.def("read_log_mapping", [](const std::filesystem::path& file) {
+    return mebots::master::refused_as_input([&] { return flight::read_log_mapping(file); }).dump();
+  });
+  module.def("find_fmu", [](const std::string& name) { return mebots::master::find_fmu(name, {}); });
+  module.def("log_signals", [] {
+    std::vector<std::pair<std::string_view, std::string_view>> found;
+    for (const auto& signal : flight::log_signals()) found.emplace_back(signal.name, signal.unit);
+    return found;
+  });
+  module.def("log_unit_factor", [](const std::string& from, const std::string& to) {
+    return mebots::master::refused_as_input([&] { return flight::log_unit_factor(from, to); });
+  });
 
   // For mebots.sweep: texts are JSON.
   namespace study = mebots::master::study;

@@ -228,6 +228,8 @@ SHIPPED = {
     "converters": (["fmu_battery/params/converters.json"], "fmu_battery/params/converters.json"),
     "rotor": (["fmu_motors/params/rotors/*.json"], "fmu_motors/params/rotors/crazyflie_l250.json"),
     "drone": (["fmu_world/params/drones/*.json"], "fmu_world/params/drones/crazyflie.json"),
+    "airframe": (["configs/airframes/*.json"], "configs/airframes/crazyflie_21.json"),
+    "log-mapping": (["configs/logs/*.json"], "configs/logs/nanobench.json"),
     "scene": (["fmu_world/params/scenes/*.json"], "fmu_world/params/scenes/gate_easy.json"),
     "cases": (["fmu_*/reference/*.mebots-test.json"], None),
     "study": (
