@@ -7,6 +7,7 @@
         mission.run()
         print(mission.outcome, mission["battery.cell.voltage"].min(), mission.unit("battery.cell.voltage"))
 
+    replayed = mebots.replay("log00", "configs/airframes/crazyflie_21.json")  # a recorded flight on our models
     mebots.sweep("study.json", "results/study")  # as `mebots sweep` does
 
     results = mebots.read("results/gate_easy")
@@ -18,7 +19,7 @@ from mebots.errors import Error, InputError
 from mebots.mission import Mission
 from mebots.results import Results, read
 
-__all__ = ["Error", "InputError", "Mission", "Results", "read", "sweep", "__version__"]
+__all__ = ["Error", "InputError", "Mission", "Results", "read", "replay", "sweep", "__version__"]
 
 
 def __getattr__(name: str):
@@ -26,4 +27,8 @@ def __getattr__(name: str):
         from mebots.exploration.command import sweep
 
         return sweep
+    if name == "replay":
+        from mebots.flight.replay import replay
+
+        return replay
     raise AttributeError(f"module 'mebots' has no attribute '{name}'")

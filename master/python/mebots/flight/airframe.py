@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Airframe files, and the data files that they name."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import pathlib
+import zipfile
+from collections.abc import Sequence
+from typing import Any
+
+from mebots import _mebots
+from mebots.errors import InputError
+
+_SHIPPED = {"rotor": ("fmu_motors", "rotors"), "cell": ("fmu_battery", "cells"), "drone": ("fmu_world", "drones")}
+
+
+@dataclasses.dataclass(frozen=True)
+class Airframe:
+    """A drone as it flew. ``rotor``, ``cell`` and ``drone``: name of a shipped file, or a path."""
+
+    file: pathlib.Path
+    content: dict[str, Any]
+    decks: tuple[str, ...]
+    weighed_kg: float | None
+    """The whole drone on a scale, if somebody weighed it."""
+
+    @property
+    def name(self) -> str:
+        return self.content["name"]
+
+    def part(self, kind: str) -> str:
+        return self.content[kind]
+
+    def data(self, kind: str) -> dict[str, Any]:
+        """The content of the data file ``rotor``, ``cell`` or ``drone``."""
+        name = self.part(kind)
+        if name.endswith(".json"):
+            return json.loads(pathlib.Path(name).read_text(encoding="utf-8"))
+        return shipped(kind, name)
+
+    @property
+    def avionics_power_w(self) -> float:
+        return self.content["avionics_power"]["value"]
+
+    @property
+    def mass_kg(self) -> float:
+        """The drone with its cell and its decks."""
+        if self.weighed_kg is not None:
+            return self.weighed_kg
+        decks = sum(self.content["decks"][deck]["value"] for deck in self.decks)
+        return self.content["mass_without_cell"]["value"] + decks + self.data("cell")["mass"]["value"]
+
+    @property
+    def mass_text(self) -> str:
+        if self.weighed_kg is not None:
+            return f"{1e3 * self.mass_kg:.1f} g, weighed"
+        return f"{1e3 * self.mass_kg:.1f} g: {' + '.join(['drone', 'cell', *self.decks])} of {self.file.name}"
+
+    @property
+    def vertical_drag_ns_per_m(self) -> float:
+        return self.data("drone")["drag"]["values"][2]
+
+
+def read_airframe(file: str | os.PathLike[str], decks: Sequence[str] | None = None, mass_kg: float | None = None) -> Airframe:
+    """Reads an airframe file. Raises InputError with all mistakes of the file.
+
+    :param decks: decks that the drone carries, in place of the file's ``fitted_decks``.
+    :param mass_kg: mass of the whole drone, in place of the sum.
+    """
+    path = pathlib.Path(file)
+    content = json.loads(_mebots.read_airframe(path))
+    known = content.get("decks", {})
+    fitted = tuple(content.get("fitted_decks", ()) if decks is None else decks)
+    for deck in fitted:
+        if deck not in known:
+            raise InputError(f"{path}: there is no deck '{deck}'. The file has: {', '.join(known) or 'none'}", "unknown_name")
+    if mass_kg is not None and not 0 < mass_kg < 1e3:
+        raise InputError(f"--mass {mass_kg}: the mass of the whole drone is expected, in kg", "invalid_value")
+    airframe = Airframe(path, content, fitted, mass_kg)
+    for kind in _SHIPPED:
+        airframe.data(kind)
+    return airframe
+
+
+def shipped(kind: str, name: str) -> dict[str, Any]:
+    """The content of a data file that an FMU carries. Raises InputError with the names that there are."""
+    fmu, folder = _SHIPPED[kind]
+    with zipfile.ZipFile(_mebots.find_fmu(fmu)) as archive:
+        prefix = f"resources/{folder}/"
+        names = [entry.removeprefix(prefix).removesuffix(".json") for entry in archive.namelist() if entry.startswith(prefix)]
+        if name not in names:
+            raise InputError(f"there is no {kind} '{name}' in {fmu}. It has: {', '.join(sorted(filter(None, names)))}", "unknown_name")
+        return json.loads(archive.read(f"{prefix}{name}.json"))

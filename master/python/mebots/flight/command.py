@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``mebots replay``, ``mebots identify`` and ``mebots new-cell``: the program reads the command line, and becomes this."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+
+from mebots.errors import Error, InputError
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+
+
+def _guarded(work: Callable[[], None]) -> int:
+    """Returns the exit code, and prints errors."""
+    try:
+        work()
+    except InputError as error:
+        code = BAD_INPUT
+        text = str(error)
+    except (Error, OSError) as error:
+        code = FAILED
+        text = str(error)
+    else:
+        return DONE
+    for line in text.splitlines():
+        print(f"mebots: error: {line}", file=sys.stderr)
+    return code
+
+
+def _decks(text: str | None) -> list[str] | None:
+    return None if text is None else [deck for deck in text.split(",") if deck]
+
+
+def main(words: list[str] | None = None) -> int:
+    """The first word is the command. Returns the exit code."""
+    command, *rest = sys.argv[1:] if words is None else words
+    return _COMMANDS[command](rest)
+
+
+def _replay(words: list[str]) -> int:
+    parser = argparse.ArgumentParser("mebots replay", allow_abbrev=False)
+    parser.add_argument("log")
+    parser.add_argument("--airframe", required=True)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--mapping")
+    parser.add_argument("--decks")
+    parser.add_argument("--mass", type=float)
+    parser.add_argument("--charge", type=float)
+    parser.add_argument("--window", type=float, default=1.0)
+    parser.add_argument("--hover", action="store_true")
+    given = parser.parse_args(words)
+
+    def work() -> None:
+        from mebots.flight.replay import replay, shown
+
+        result = replay(
+            given.log,
+            given.airframe,
+            out=given.out,
+            mapping=given.mapping,
+            decks=_decks(given.decks),
+            mass=given.mass,
+            initial_charge=given.charge,
+            window=given.window,
+            hover=given.hover,
+        )
+        print(shown(result))
+        print(f"page: {given.out}/replay.html")
+
+    return _guarded(work)
+
+
+_COMMANDS = {"replay": _replay}

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Errors of the model: what it computed less what was measured."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+
+from mebots.flight.log import SPEEDS, Array, FlightLog, Signal
+from mebots.flight.motion import Motion
+from mebots.flight.quality import Mask, covered
+from mebots.flight.traces import Traces
+
+PERCENTILES = (5, 50, 95)
+
+
+@dataclasses.dataclass(frozen=True)
+class ErrorRow:
+    """Statistics of one quantity. ``model`` says what the model was given, ``excluded`` how many samples of the log in the
+    compared time were left out: by the rules of ``quality``, near gaps, or windows with a gap in them."""
+
+    quantity: str
+    unit: str
+    model: str
+    n: int
+    excluded: int
+    measured: float
+    mean: float
+    rms: float
+    p5: float
+    p50: float
+    p95: float
+
+    @property
+    def relative(self) -> float:
+        """The mean error as a share of the mean measured value."""
+        return self.mean / self.measured if self.measured else np.nan
+
+
+COMMANDS_ONLY, MEASURED_VOLTAGE, MEASURED_SPEEDS = "commands", "commands, measured voltage", "measured speeds"
+
+
+def row(quantity: str, unit: str, model: str, computed: Array, measured: Array, excluded: int) -> ErrorRow | None:
+    """None if there is nothing to compare."""
+    if not len(measured):
+        return None
+    error = computed - measured
+    low, middle, high = (float(one) for one in np.percentile(error, PERCENTILES))
+    rms = float(np.sqrt(np.mean(error**2)))
+    return ErrorRow(quantity, unit, model, len(error), excluded, float(measured.mean()), float(error.mean()), rms, low, middle, high)
+
+
+def errors(raw: FlightLog, log: FlightLog, traces: Traces, motion: Motion | None) -> list[ErrorRow]:
+    """All that the log measured. ``raw`` is the log before samples were excluded."""
+    rows: list[ErrorRow | None] = [_signal(raw, log, traces, "battery.voltage", "battery.bus.voltage", COMMANDS_ONLY)]
+    rows.append(_signal(raw, log, traces, "battery.current", "battery.cell.current", COMMANDS_ONLY))
+    for instance, given in (("motors", COMMANDS_ONLY), ("motors_at_measured", MEASURED_VOLTAGE)):
+        rows += [_signal(raw, log, traces, name, f"{instance}.{name}", given) for name in SPEEDS]
+    if motion is not None and len(motion.start):
+        rows += _balance(traces, motion, log)
+    return [one for one in rows if one is not None]
+
+
+def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]:
+    """The thrust of all rotors at the traces' times, by the commands, at the measured voltage, and by the measured
+    speeds; and where it is known."""
+    everywhere = np.ones(len(traces.times), bool)
+    yield COMMANDS_ONLY, traces.thrust_n(), everywhere
+    if traces.has_measured_voltage:
+        yield MEASURED_VOLTAGE, traces.thrust_n("motors_at_measured"), everywhere
+    if log.has(SPEEDS):
+        thrust_n = sum(_at_measured_speed(traces, log[name], i + 1) for i, name in enumerate(SPEEDS))
+        yield MEASURED_SPEEDS, thrust_n, np.logical_and.reduce([covered(log[name], traces.times) for name in SPEEDS])
+
+
+def _at_measured_speed(traces: Traces, speed: Signal, rotor: int) -> Array:
+    """The thrust of a rotor goes with the square of its speed; the factor is the model's at that time."""
+    own = f"{'motors_at_measured' if traces.has_measured_voltage else 'motors'}.rotor[{rotor}]"
+    turning = np.maximum(traces[f"{own}.speed"], 1.0)
+    return traces[f"{own}.thrust"] * (np.interp(traces.times, speed.times, speed.values) / turning) ** 2
+
+
+def _signal(raw: FlightLog, log: FlightLog, traces: Traces, name: str, variable: str, given: str) -> ErrorRow | None:
+    if not log.has([name]) or variable not in traces.values:
+        return None
+    signal = log[name]
+    first, last = _compared(traces)
+    inside = (signal.times >= first) & (signal.times <= last)
+    near = np.clip(np.searchsorted(traces.times, signal.times), 0, len(traces.times) - 1)
+    used = inside & traces.good[near]
+    total = int(((raw[name].times >= first) & (raw[name].times <= last)).sum())
+    computed = np.interp(signal.times[used], traces.times, traces[variable])
+    return row(name, signal.unit, given, computed, signal.values[used], total - int(used.sum()))
+
+
+def _compared(traces: Traces) -> tuple[float, float]:
+    """The time between the first good point and the last; an empty one if there is none."""
+    times = traces.times[traces.good]
+    return (float(times[0]), float(times[-1])) if len(times) else (np.inf, -np.inf)
+
+
+def _balance(traces: Traces, motion: Motion, log: FlightLog) -> list[ErrorRow | None]:
+    forces, accelerations = [], []
+    for given, thrust_n, known in thrusts(traces, log):
+        whole = motion.mean(np.where(known, 0.0, 1.0)) == 0
+        excluded = motion.rejected + int((~whole).sum())
+        needed_n, wanted = motion.needed_thrust_n[whole], motion.acceleration[whole]
+        forces.append(row("thrust.vertical", "N", given, motion.vertical_thrust_n(thrust_n)[whole], needed_n, excluded))
+        predicted = motion.predicted_acceleration(thrust_n)[whole]
+        accelerations.append(row("acceleration.vertical", "m/s2", given, predicted, wanted, excluded))
+    return forces + accelerations

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A flight log in memory: named signals, each with its unit and its own times.
+
+Signals that MEbots knows have these names; all other columns of a log keep theirs.
+
+    motor[1..4].command    1       duty cycle of a motor's driver
+    rotor[1..4].speed      rad/s
+    battery.voltage        V
+    battery.current        A       positive = discharge
+    position.x, y, z       m       world, z up
+    velocity.x, y, z       m/s     world, z up
+    attitude.qx, .. qw     1       rotation from body to world
+    acceleration.x, y, z   m/s2    specific force along body axes
+    rate.x, y, z           rad/s   angular velocity about body axes
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import pathlib
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from mebots import _mebots
+from mebots.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+ROTORS = (1, 2, 3, 4)
+COMMANDS = tuple(f"motor[{i}].command" for i in ROTORS)
+SPEEDS = tuple(f"rotor[{i}].speed" for i in ROTORS)
+QUATERNION = tuple(f"attitude.q{part}" for part in "xyzw")
+VELOCITY = tuple(f"velocity.{axis}" for axis in "xyz")
+POSITION = tuple(f"position.{axis}" for axis in "xyz")
+
+UNITS: dict[str, str] = dict(_mebots.log_signals())
+"""The unit of every known signal."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Signal:
+    """One column of a log. ``times`` are in seconds since the log's start, as many as ``values``."""
+
+    name: str
+    unit: str
+    times: Array
+    values: Array
+    column: str
+    """The name in the file."""
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def keep(self, good: npt.NDArray[np.bool_]) -> Signal:
+        """Returns the signal with these samples only."""
+        return dataclasses.replace(self, times=self.times[good], values=self.values[good])
+
+    @property
+    def interval_s(self) -> float:
+        """The median time between two samples; 0 for fewer than two."""
+        return float(np.median(np.diff(self.times))) if len(self) > 1 else 0.0
+
+
+@dataclasses.dataclass(frozen=True)
+class FlightLog:
+    """What a file holds. ``notes`` list what the reader had to leave out."""
+
+    file: pathlib.Path
+    kind: str
+    signals: Mapping[str, Signal]
+    notes: tuple[str, ...] = ()
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.signals
+
+    def __getitem__(self, name: str) -> Signal:
+        return self.signals[name]
+
+    def has(self, names: Iterable[str]) -> bool:
+        """True if all these signals are in the log, with two samples or more."""
+        return all(name in self.signals and len(self.signals[name]) > 1 for name in names)
+
+    def require(self, names: Iterable[str], purpose: str) -> None:
+        """Raises InputError for signals that are not in the log."""
+        absent = [name for name in names if not self.has([name])]
+        if absent:
+            columns = ", ".join(sorted(signal.column for signal in self.signals.values())[:30]) or "no columns"
+            raise InputError(
+                f"{self.file}: {purpose} needs {', '.join(absent)}, which the log does not have. It has: {columns}. "
+                "--mapping names a file that says which column is which signal",
+                "missing_key",
+            )
+
+    @property
+    def duration_s(self) -> float:
+        return max((float(one.times[-1]) for one in self.signals.values() if len(one)), default=0.0)
+
+
+def log_of(file: pathlib.Path, kind: str, signals: Iterable[Signal], notes: Iterable[str] = ()) -> FlightLog:
+    """Makes a log whose times start at 0. Raises InputError for a log without samples."""
+    filled = [one for one in signals if len(one)]
+    finite = [float(one.times[np.isfinite(one.times)].min()) for one in filled if np.isfinite(one.times).any()]
+    if not finite:
+        raise InputError(f"{file}: the log has no samples", "invalid_value")
+    start_s = min(finite)
+    moved = {one.name: dataclasses.replace(one, times=one.times - start_s) for one in filled}
+    return FlightLog(file, kind, moved, tuple(notes))

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rules that find bad samples of a log, exclude them, and count them.
+
+Every rule looks at one signal and is applied in this order. A rule excludes samples; ``at_limit`` and ``gap`` only count.
+
+    not_finite    NaN or infinite, or an empty cell
+    time_back     its time is not later than that of the sample before it
+    gap           more than ``GAP_S`` and five sample times pass until the next one
+    impossible    beyond what the quantity can be
+    straight      on one straight line for ``STRAIGHT_S``: somebody filled a gap by interpolation
+    stuck         one value for longer than ``STUCK_S`` while the motors are driven
+    wrong_speed   a rotor reads less than ``LEAST_SHARE`` of the median rotor's speed, though it is driven like the others
+    not_a_turn    a quaternion whose length is not 1
+    at_limit      a command at its upper limit: kept
+"""
+
+from __future__ import annotations
+
+import collections
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from mebots.errors import InputError
+from mebots.flight.log import COMMANDS, QUATERNION, ROTORS, SPEEDS, Array, FlightLog, Signal
+
+Mask = npt.NDArray[np.bool_]
+
+GAP_S = 0.1
+STRAIGHT_S = 0.2
+STUCK_S = {"battery.voltage": 5.0, "battery.current": 5.0} | dict.fromkeys(SPEEDS, 0.5)
+LEAST_SHARE = 0.6
+DRIVEN = 0.05
+"""A motor with a smaller command may stand."""
+AVERAGE_S = 0.2
+"""A rotor follows its command within this time or so: comparisons of speeds and commands use means over it."""
+LIMITS: dict[str, tuple[float, float]] = {
+    "motor": (0, 1),
+    "rotor": (0, 6000),  # 57,000 rpm; a propeller of 47 mm would have 140 m/s at its tips
+    "battery.voltage": (0.5, 60),
+    "battery.current": (-500, 500),
+    "position": (-1e5, 1e5),
+    "velocity": (-150, 150),
+    "attitude": (-1.01, 1.01),
+    "acceleration": (-400, 400),
+    "rate": (-100, 100),
+}
+HIGHEST_CELL_V = 4.4
+"""No charger of a LiPo cell goes higher."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Finding:
+    """How many samples of a signal a rule found. ``first_s`` is the time of the first one, ``total`` the samples that the
+    signal had in the file."""
+
+    signal: str
+    rule: str
+    count: int
+    total: int
+    first_s: float
+    excluded: bool
+
+    def __str__(self) -> str:
+        what = "excluded" if self.excluded else "kept"
+        return f"{self.signal}: {self.count} of {self.total} samples {what}: {self.rule}, first at {self.first_s:.3f} s"
+
+
+class _Cleaner:
+    def __init__(self, log: FlightLog) -> None:
+        self.log = log
+        self.signals = dict(log.signals)
+        self.findings: list[Finding] = []
+
+    def drop(self, name: str, rule: str, bad: Mask) -> None:
+        signal = self.signals[name]
+        self.note(name, rule, bad, True)
+        if bad.any():
+            self.signals[name] = signal.keep(~bad)
+
+    def note(self, name: str, rule: str, found: Mask, excluded: bool) -> None:
+        if found.any():
+            first_s = float(self.signals[name].times[int(np.argmax(found))])
+            self.findings.append(Finding(name, rule, int(found.sum()), len(self.log[name]), first_s, excluded))
+
+    def known(self) -> Iterator[str]:
+        """Signals that the rules know, as long as they have samples."""
+        return (name for name, signal in list(self.signals.items()) if _limits(name) is not None and len(signal))
+
+
+def clean(log: FlightLog, cells: int | None = None) -> tuple[FlightLog, list[Finding]]:
+    """Returns the log without its bad samples, and what was found. ``cells``: LiPo cells in series, if that is known.
+    Raises InputError for a clock that goes back for good."""
+    work = _Cleaner(log)
+    for name in list(work.signals):
+        _check_times(work, name)
+    for name in work.known():
+        work.note(name, "gap", _before_gap(work.signals[name]), False)
+    for name in work.known():
+        work.drop(name, "impossible", _beyond(work.signals[name], cells))
+    for name in (*COMMANDS, *SPEEDS):
+        if name in work.signals:
+            work.drop(name, "straight", _straight(work.signals[name]))
+    for name, longest_s in STUCK_S.items():
+        if name in work.signals and len(work.signals[name]):
+            work.drop(name, "stuck", _stuck(work.signals[name], longest_s) & _driven(work.signals, work.signals[name].times))
+    _check_speeds(work)
+    _check_attitude(work)
+    for name in COMMANDS:
+        if name in work.signals:
+            work.note(name, "at_limit", work.signals[name].values >= 0.9995, False)
+    return dataclasses.replace(log, signals=work.signals), work.findings
+
+
+def gap_limit_s(signal: Signal) -> float:
+    """A longer time between two samples is a gap."""
+    return max(GAP_S, 5 * signal.interval_s)
+
+
+def covered(signal: Signal, times: Array) -> Mask:
+    """True for the times that lie between two samples without a gap between them."""
+    if len(signal) < 2:
+        return np.zeros(len(times), bool)
+    after = np.clip(np.searchsorted(signal.times, times, side="right"), 1, len(signal) - 1)
+    inside = (times >= signal.times[0]) & (times <= signal.times[-1])
+    return inside & (signal.times[after] - signal.times[after - 1] <= gap_limit_s(signal))
+
+
+def counts(findings: list[Finding]) -> dict[str, int]:
+    """Samples by rule, over all signals."""
+    found: collections.Counter[str] = collections.Counter()
+    for one in findings:
+        found[one.rule] += one.count
+    return dict(found)
+
+
+def _limits(name: str) -> tuple[float, float] | None:
+    return LIMITS.get(name) or LIMITS.get(name.split(".")[0].split("[")[0])
+
+
+def _check_times(work: _Cleaner, name: str) -> None:
+    signal = work.signals[name]
+    work.drop(name, "not_finite", ~(np.isfinite(signal.times) & np.isfinite(signal.values)))
+    times = work.signals[name].times
+    if len(times) < 2:
+        return
+    back = np.r_[False, times[1:] <= np.maximum.accumulate(times)[:-1]]
+    if back.mean() > 0.5:
+        first = int(np.argmax(back))
+        raise InputError(
+            f"{work.log.file}: {signal.column}: the clock goes back at sample {first + 1}, from {times[first - 1]:.6g} to "
+            f"{times[first]:.6g} s after the start, and stays behind; cut the log there, each part is a log of its own",
+            "invalid_value",
+        )
+    work.drop(name, "time_back", back)
+
+
+def _beyond(signal: Signal, cells: int | None) -> Mask:
+    low, high = _limits(signal.name) or (-np.inf, np.inf)
+    if signal.name == "battery.voltage" and cells:
+        high = HIGHEST_CELL_V * cells
+    return (signal.values < low) | (signal.values > high)
+
+
+def _runs(same: Mask) -> Iterator[tuple[int, int]]:
+    """First and last sample of each run of true entries; entry i is about the samples i and i + 1."""
+    edges = np.flatnonzero(np.diff(np.r_[False, same, False].astype(np.int8)))
+    return zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+
+
+def _stuck(signal: Signal, longest_s: float) -> Mask:
+    bad = np.zeros(len(signal), bool)
+    for first, last in _runs(np.diff(signal.values) == 0):
+        if signal.times[last] - signal.times[first] > longest_s and signal.values[first] != 0:
+            bad[first : last + 1] = True
+    return bad
+
+
+def _straight(signal: Signal) -> Mask:
+    """Samples inside of rising or falling straight lines: rounding of the file's digits allowed for."""
+    bad = np.zeros(len(signal), bool)
+    if len(signal) < 4:
+        return bad
+    slopes = np.diff(signal.values) / np.diff(signal.times)
+    rounding = 1e-3 * np.maximum(np.abs(slopes[1:]), np.abs(slopes[:-1]))
+    same = (np.abs(np.diff(slopes)) <= rounding) & (slopes[1:] != 0)
+    for first, last in _runs(same):
+        if signal.times[last + 1] - signal.times[first] > STRAIGHT_S:
+            bad[first : last + 2] = True
+    return bad
+
+
+def mean_over(signal: Signal, times: Array) -> Array:
+    """The mean of a signal over the ``AVERAGE_S`` before each time."""
+    if len(signal) < 2:
+        return np.full(len(times), signal.values[0] if len(signal) else np.nan)
+    total = np.r_[0.0, np.cumsum((signal.values[1:] + signal.values[:-1]) / 2 * np.diff(signal.times))]
+    start = np.maximum(times - AVERAGE_S, signal.times[0])
+    length = np.maximum(np.minimum(times, signal.times[-1]) - start, 1e-9)
+    return (np.interp(times, signal.times, total) - np.interp(start, signal.times, total)) / length
+
+
+def _driven(signals: dict[str, Signal], times: Array) -> Mask:
+    """True where a motor is driven, or where no command is known."""
+    commands = [signals[name] for name in COMMANDS if name in signals and len(signals[name]) > 1]
+    if not commands:
+        return np.ones(len(times), bool)
+    return np.max([np.interp(times, one.times, one.values) for one in commands], axis=0) > DRIVEN
+
+
+def _check_speeds(work: _Cleaner) -> None:
+    present = [i for i in ROTORS if len(work.signals.get(SPEEDS[i - 1], ())) > 1]
+    if len(present) < 3:
+        return
+    speeds = {i: work.signals[SPEEDS[i - 1]] for i in present}
+    for i in present:
+        times = speeds[i].times
+        median = np.median([np.interp(times, one.times, one.values) for one in speeds.values()], axis=0)
+        slow = speeds[i].values < LEAST_SHARE * median
+        if all(len(work.signals.get(name, ())) > 1 for name in COMMANDS):
+            own, *others = (mean_over(work.signals[COMMANDS[j - 1]], times) for j in (i, *(j for j in ROTORS if j != i)))
+            slow &= (own > DRIVEN) & (own > 0.7 * np.median(others, axis=0))
+        work.drop(SPEEDS[i - 1], "wrong_speed", slow)
+
+
+def _check_attitude(work: _Cleaner) -> None:
+    parts = [work.signals[name] for name in QUATERNION if len(work.signals.get(name, ())) > 1]
+    if len(parts) < 4 or any(len(one) != len(parts[0]) for one in parts):
+        return
+    length = np.sqrt(sum(one.values**2 for one in parts))
+    for one in parts:
+        work.drop(one.name, "not_a_turn", np.abs(length - 1) > 0.02)
+
+
+def _before_gap(signal: Signal) -> Mask:
+    if len(signal) < 2:
+        return np.zeros(len(signal), bool)
+    return np.r_[np.diff(signal.times) > gap_limit_s(signal), False]

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Reader of logs in CSV: a mapping says which column is which signal.
+
+    {"time": {"column": "t", "unit": "s"}, "columns": {"vbat": {"signal": "battery.voltage", "unit": "mV"}}}
+
+A table without times has "time": {"period": 0.01, "unit": "s"}. A second clock, "reference": {"column": ..., "unit": ...},
+measures the drift of the first one, which is taken out.
+"""
+
+from __future__ import annotations
+
+import pathlib
+from typing import Any
+
+import numpy as np
+
+from mebots import _mebots
+from mebots.errors import InputError
+from mebots.flight.log import Array, FlightLog, log_of
+from mebots.flight.names import Meaning, named
+
+_MOST_DRIFT = 0.05
+"""Two clocks of one flight that differ by more do not measure the same time."""
+
+
+def read_table(file: pathlib.Path, mapping: dict[str, Any], meanings: dict[str, Meaning]) -> FlightLog:
+    """Reads a log in CSV by a mapping that ``reading`` has checked. Raises InputError with line and column."""
+    header, *rows = _mebots.read_csv(file)
+    if not rows:
+        raise InputError(f"{file}: the table has a header and no rows", "invalid_value")
+    absent = [column for column in meanings if column not in header]
+    if absent:
+        raise InputError(
+            f"{file}: the mapping names the column '{absent[0]}', which the table does not have. It has: {', '.join(header)}",
+            "unknown_name",
+        )
+    columns = {title: _numbers(file, rows, place, title in meanings) for place, title in enumerate(header)}
+    times, notes = _times(file, mapping["time"], columns, len(rows))
+    known = ((title, times, values) for title, values in columns.items() if values is not None)
+    return log_of(file, "CSV table", named(known, meanings), notes)
+
+
+def _numbers(file: pathlib.Path, rows: list[list[str]], place: int, needed: bool) -> Array | None:
+    """A column's values, an empty cell as NaN. None for a column of texts that no signal needs."""
+    cells = [row[place].strip() or "nan" for row in rows]
+    try:
+        return np.array(cells, dtype=np.float64)
+    except ValueError:
+        if not needed:
+            return None
+    for number, cell in enumerate(cells):
+        try:
+            float(cell)
+        except ValueError:
+            raise InputError(
+                f"{file}: row {number + 1} after the header, column {place + 1}: '{cell}' is not a number; "
+                "leave a cell empty if nothing was measured",
+                "syntax_error",
+            ) from None
+    raise AssertionError("one cell was refused above")
+
+
+def _times(file: pathlib.Path, time: dict[str, Any], columns: dict[str, Array | None], count: int) -> tuple[Array, list[str]]:
+    scale = _mebots.log_unit_factor(time.get("unit", "s"), "s")
+    if "period" in time:
+        return np.arange(count) * (time["period"] * scale), [f"the table has no times: one row every {time['period'] * scale:g} s"]
+    times = _clock(file, time["column"], columns) * scale
+    if "reference" not in time:
+        return times, []
+    reference = time["reference"]
+    other = _clock(file, reference["column"], columns) * _mebots.log_unit_factor(reference.get("unit", "s"), "s")
+    return _without_drift(file, times, other)
+
+
+def _clock(file: pathlib.Path, column: str, columns: dict[str, Array | None]) -> Array:
+    values = columns.get(column)
+    if values is None:
+        raise InputError(f"{file}: the mapping's column of times '{column}' is not in the table, or holds text", "unknown_name")
+    return values
+
+
+def _without_drift(file: pathlib.Path, times: Array, other: Array) -> tuple[Array, list[str]]:
+    """Times in the rate of the reference clock, by a straight line through both."""
+    good = np.isfinite(times) & np.isfinite(other)
+    if good.sum() < 2 or np.ptp(times[good]) <= 0:
+        raise InputError(f"{file}: the reference clock has fewer than two times", "invalid_value")
+    start = times[good][0]
+    rate = float(np.polyfit(times[good] - start, other[good] - other[good][0], 1)[0])
+    if not abs(rate - 1) <= _MOST_DRIFT:
+        raise InputError(
+            f"{file}: the reference clock runs {rate:.4g} times as fast as the clock of the table; check the units in the mapping",
+            "invalid_value",
+        )
+    return start + (times - start) * rate, [f"the clock drifts by {(1 - rate) * 1e6:.0f} ppm against its reference, which is taken out"]

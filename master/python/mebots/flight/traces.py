@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Flies the commands of a log on the real FMUs: motors and battery in one run of the master.
+
+Three instances take part. ``motors`` and ``battery`` are coupled as in a mission: nothing but the commands, and the motion
+that the power of a rotor depends on, comes from the log. ``motors_at_measured`` gets the measured voltage in place of the
+model's, so that errors of the cell do not reach it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import pathlib
+import tempfile
+from typing import Any
+
+import numpy as np
+
+from mebots.errors import InputError
+from mebots.flight.airframe import Airframe
+from mebots.flight.log import COMMANDS, ROTORS, VELOCITY, Array, FlightLog
+from mebots.flight.quality import Mask, covered
+from mebots.mission import Mission
+
+SETTLE_S = 1.0
+"""The rotors of the model start at rest, those of a log that begins aloft do not: this much after the start, and after a
+gap in the commands, is not compared. Rotors of a Crazyflie take 0.14 s for 63 % of a change."""
+CHARGE_S = 0.5
+"""The initial charge is the one with which the voltage fits over this long after ``SETTLE_S``."""
+_DIGITS = 12
+
+
+@dataclasses.dataclass(frozen=True)
+class Traces:
+    """What the model computed at ``times`` (seconds since the log's start), and where it may be compared."""
+
+    times: Array
+    good: Mask
+    values: dict[str, Array]
+    initial_charge: float
+    notes: list[str]
+    capacity_c: float
+    cut_off_s: float | None
+    """When the protection of the model's cell opened."""
+
+    def __getitem__(self, name: str) -> Array:
+        return self.values[name]
+
+    @property
+    def has_measured_voltage(self) -> bool:
+        return "motors_at_measured.power" in self.values
+
+    def thrust_n(self, instance: str = "motors") -> Array:
+        return sum(self.values[f"{instance}.rotor[{i}].thrust"] for i in ROTORS)
+
+
+def fly(log: FlightLog, airframe: Airframe, folder: pathlib.Path | None, step_s: float, initial_charge: float | None) -> Traces:
+    """Flies the log's commands. ``folder`` keeps the mission, which ``mebots run`` flies again; None keeps nothing."""
+    log.require(COMMANDS, "a replay")
+    if folder is not None:
+        return _Flight(log, airframe, folder, step_s).fly(initial_charge)
+    with tempfile.TemporaryDirectory(prefix="mebots-replay-") as temporary:
+        return _Flight(log, airframe, pathlib.Path(temporary), step_s).fly(initial_charge)
+
+
+class _Flight:
+    def __init__(self, log: FlightLog, airframe: Airframe, folder: pathlib.Path, step_s: float) -> None:
+        self.log, self.airframe, self.step_s = log, airframe, step_s
+        self.notes: list[str] = []
+        self.start_s = max(float(log[name].times[0]) for name in COMMANDS)
+        end_s = min(float(log[name].times[-1]) for name in COMMANDS)
+        self.steps = int((end_s - self.start_s) / step_s)
+        self.duration_s = self.steps * step_s
+        if self.duration_s < SETTLE_S + CHARGE_S:
+            raise InputError(
+                f"{log.file}: the four commands overlap for {max(self.duration_s, 0):.2f} s; "
+                f"a replay needs {SETTLE_S + CHARGE_S:g} s at least, since the model's rotors start at rest",
+                "invalid_value",
+            )
+        self.grid = self.start_s + np.arange(self.steps + 1) * step_s
+        self.has_voltage = log.has(["battery.voltage"])
+        self.mission = folder / "mission.json"
+        self._write_inputs(folder / "inputs.csv")
+
+    def fly(self, initial_charge: float | None) -> Traces:
+        charge = self._initial_charge() if initial_charge is None else initial_charge
+        self._write_mission(charge)
+        recorded = ["motors.*", "battery.*", *(["motors_at_measured.*"] if self.has_voltage else [])]
+        with Mission(self.mission, record=recorded) as mission:
+            mission.run()
+            values = {name: mission[name] for name in mission.variables}
+            times = mission.times + self.start_s
+        connected = values["battery.cell.connected"]
+        cut_off_s = None if connected.all() else float(times[int(np.argmin(connected))])
+        if cut_off_s is not None:
+            self.notes.append(f"the protection of the model's cell opens at {cut_off_s:.1f} s: nothing after it is compared")
+        good = self._good(times) & (True if cut_off_s is None else times < cut_off_s)
+        return Traces(times, good, values, charge, self.notes, float(values["battery.cell.capacity"][0]), cut_off_s)
+
+    def _good(self, times: Array) -> Mask:
+        """True at times for which all commands were logged without a gap for ``SETTLE_S``."""
+        logged = np.logical_and.reduce([covered(self.log[name], times) for name in COMMANDS])
+        since = np.maximum.accumulate(np.where(logged, -np.inf, times))
+        return (times >= self.start_s + SETTLE_S) & (times - since > SETTLE_S)
+
+    def _write_inputs(self, file: pathlib.Path) -> None:
+        """One row for each communication point: commands are held as the motors' driver holds them."""
+        columns = {"time": np.arange(self.steps + 1) * self.step_s}
+        for name in COMMANDS:
+            signal = self.log[name]
+            columns[name] = signal.values[np.clip(np.searchsorted(signal.times, self.grid, side="right") - 1, 0, None)]
+        if self.has_voltage:
+            columns["voltage"] = self._interpolated("battery.voltage")
+        if self.log.has(VELOCITY):
+            columns["speed"] = np.hypot(self._interpolated("velocity.x"), self._interpolated("velocity.y"))
+            columns["climb"] = self._interpolated("velocity.z")
+        self.columns = [name for name in columns if name != "time"]
+        rows = np.column_stack(list(columns.values()))
+        np.savetxt(file, rows, fmt=f"%.{_DIGITS}g", delimiter=",", header=",".join(columns), comments="")
+
+    def _interpolated(self, name: str) -> Array:
+        signal = self.log[name]
+        return np.interp(self.grid, signal.times, signal.values)
+
+    def _write_mission(self, charge: float) -> None:
+        parameters = {
+            "rotor_data": self._path("rotor"),
+            "avionics.base_power": self.airframe.avionics_power_w,
+            "body.mass": self.airframe.mass_kg,
+        }
+        motors = ["motors", *(["motors_at_measured"] if self.has_voltage else [])]
+        instances: dict[str, Any] = {name: {"fmu": "fmu_motors", "parameters": parameters} for name in motors}
+        cell = {"cell.name": self._path("cell"), "cell.initial_state_of_charge": charge}
+        instances["battery"] = {"fmu": "fmu_battery", "parameters": cell}
+        targets = {f"motor[{i}].command": [f"{name}.rotor[{i}].command" for name in motors] for i in ROTORS}
+        targets |= {"voltage": ["motors_at_measured.bus.voltage"]}
+        targets |= {column: [f"{name}.body.{column}" for name in motors] for column in ("speed", "climb")}
+        config = {
+            "text": f"Replay of {self.log.file.name} on {self.airframe.name}",
+            "step": self.step_s,
+            "stop_time": self.duration_s,
+            "instances": instances,
+            "connections": [
+                {"from": "battery.bus.voltage", "to": "motors.bus.voltage"},
+                {"from": "motors.power", "to": "battery.motors.power"},
+                {"from": "motors.avionics.power", "to": "battery.avionics.power"},
+            ],
+            "inputs": {"file": "inputs.csv", "to": {column: targets[column] for column in self.columns}},
+            "summary": {"bus_voltage": "battery.bus.voltage", "state_of_charge": "battery.cell.state_of_charge"},
+        }
+        self.mission.write_text(json.dumps(config, indent=2) + "\n", encoding="utf-8")
+
+    def _path(self, kind: str) -> str:
+        name = self.airframe.part(kind)
+        return str(pathlib.Path(name).resolve()) if name.endswith(".json") else name
+
+    def _initial_charge(self) -> float:
+        """The charge with which the model's voltage has the mean of the measured one soon after the start. The cell's
+        past, its polarisation, is not known; the model starts rested."""
+        if not self.has_voltage:
+            self.notes.append("the log has no voltage: the model starts with a full cell")
+            return 1.0
+        voltage = self.log["battery.voltage"]
+        window = (voltage.times >= self.start_s + SETTLE_S) & (voltage.times <= self.start_s + SETTLE_S + CHARGE_S)
+        if not window.any():
+            self.notes.append("the log has no voltage soon after its start: the model starts with a full cell")
+            return 1.0
+        measured_v = float(voltage.values[window].mean())
+        low, high = 0.0, 1.0
+        highest_v = self._voltage_with(high)
+        if measured_v >= highest_v:
+            if measured_v > highest_v:
+                self.notes.append(f"the cell has {measured_v - highest_v:.3f} V more than the model's full cell: it starts full")
+            return 1.0
+        for _ in range(20):
+            middle = (low + high) / 2
+            low, high = (middle, high) if self._voltage_with(middle) < measured_v else (low, middle)
+        return high
+
+    def _voltage_with(self, charge: float) -> float:
+        self._write_mission(charge)
+        with Mission(self.mission, record=["battery.bus.voltage"], stop_time=SETTLE_S + CHARGE_S) as mission:
+            mission.run()
+            return float(mission["battery.bus.voltage"][mission.times >= SETTLE_S].mean())
