@@ -26,6 +26,7 @@ void add_info(CLI::App& app, Action& action);
 void add_new_firmware(CLI::App& app, Action& action);
 void add_new_fmu(CLI::App& app, Action& action);
 void add_new_sensor(CLI::App& app, Action& action);
+void add_replay(CLI::App& app, Action& action);
 void add_report(CLI::App& app, Action& action);
 void add_resume(CLI::App& app, Action& action);
 void add_run(CLI::App& app, Action& action);
