@@ -70,5 +70,5 @@ def airframe(folder, name="airframe.json", **changes):
     content = json.loads((SOURCE / "configs/airframes/crazyflie_21.json").read_text())
     content["mass_without_cell"] |= {"value": MASS_KG - 0.0071, "interval": [0.02, 0.025]}
     path = folder / name
-    path.write_text(json.dumps(content | {"avionics_power": content["avionics_power"]} | changes))
+    path.write_text(json.dumps(content | {"rotor": "crazyflie_l250", "cell": "bitcraze_250"} | changes))
     return path

@@ -263,7 +263,7 @@ def codes_of(mebots, files):
     if result.returncode not in (0, 2):
         sys.exit(f"FAILED: mebots validate ended with {result.returncode}: {result.stderr}")
     codes = {str(file): set() for file in files}
-    good = set(re.findall(r"^(.*): valid \w+ file$", result.stdout, re.M))
+    good = set(re.findall(r"^(.*): valid [\w-]+ file$", result.stdout, re.M))
     for line in result.stderr.splitlines():
         told = re.match(r"(.*?\.json)[: ].*\[(\w+)\]$", line)
         if told and told[1] in codes:

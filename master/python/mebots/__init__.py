@@ -19,7 +19,9 @@ from mebots.errors import Error, InputError
 from mebots.mission import Mission
 from mebots.results import Results, read
 
-__all__ = ["Error", "InputError", "Mission", "Results", "read", "replay", "sweep", "__version__"]
+__all__ = ["Error", "InputError", "Mission", "Results", "identify", "new_cell", "read", "replay", "sweep", "__version__"]
+
+_FLIGHT = ("identify", "new_cell", "replay")
 
 
 def __getattr__(name: str):
@@ -27,8 +29,8 @@ def __getattr__(name: str):
         from mebots.exploration.command import sweep
 
         return sweep
-    if name == "replay":
-        from mebots.flight.replay import replay
+    if name in _FLIGHT:
+        import importlib
 
-        return replay
+        return getattr(importlib.import_module(f"mebots.flight.{name}"), name)
     raise AttributeError(f"module 'mebots' has no attribute '{name}'")

@@ -34,6 +34,11 @@ class Airframe:
     def part(self, kind: str) -> str:
         return self.content[kind]
 
+    def path(self, kind: str) -> str:
+        """What an FMU is given for a part: a name, or an absolute path."""
+        name = self.part(kind)
+        return str(pathlib.Path(name).resolve()) if name.endswith(".json") else name
+
     def data(self, kind: str) -> dict[str, Any]:
         """The content of the data file ``rotor``, ``cell`` or ``drone``."""
         name = self.part(kind)

@@ -53,7 +53,8 @@ def _replay(words: list[str]) -> int:
     given = parser.parse_args(words)
 
     def work() -> None:
-        from mebots.flight.replay import replay, shown
+        from mebots.flight.replay import replay
+        from mebots.flight.result import shown
 
         result = replay(
             given.log,
@@ -72,4 +73,50 @@ def _replay(words: list[str]) -> int:
     return _guarded(work)
 
 
-_COMMANDS = {"replay": _replay}
+def _identify(words: list[str]) -> int:
+    parser = argparse.ArgumentParser("mebots identify", allow_abbrev=False)
+    parser.add_argument("logs", nargs="+")
+    parser.add_argument("--airframe", required=True)
+    parser.add_argument("--out", required=True)
+    parser.add_argument("--fit", default="thrust,cell")
+    parser.add_argument("--mapping")
+    parser.add_argument("--decks")
+    parser.add_argument("--mass", type=float)
+    parser.add_argument("--hover", action="store_true")
+    given = parser.parse_args(words)
+
+    def work() -> None:
+        from mebots.flight.identify import identify, shown
+
+        fit = [one for one in given.fit.split(",") if one]
+        decks = _decks(given.decks)
+        result = identify(
+            given.logs, given.airframe, given.out, fit=fit, mapping=given.mapping, decks=decks, mass=given.mass, hover=given.hover
+        )
+        print(shown(result))
+
+    return _guarded(work)
+
+
+def _new_cell(words: list[str]) -> int:
+    parser = argparse.ArgumentParser("mebots new-cell", allow_abbrev=False)
+    parser.add_argument("out")
+    parser.add_argument("--name", required=True)
+    parser.add_argument("--capacity", type=float, required=True)
+    parser.add_argument("--mass", type=float, required=True)
+    parser.add_argument("--c-rate", type=float, required=True)
+    parser.add_argument("--resistance", type=float)
+    parser.add_argument("--discharge")
+    parser.add_argument("--mapping")
+    given = parser.parse_args(words)
+
+    def work() -> None:
+        from mebots.flight.identify import shown
+        from mebots.flight.new_cell import new_cell
+
+        print(shown(new_cell(**vars(given))))
+
+    return _guarded(work)
+
+
+_COMMANDS = {"replay": _replay, "identify": _identify, "new-cell": _new_cell}

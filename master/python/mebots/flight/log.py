@@ -95,13 +95,16 @@ class FlightLog:
 
     @property
     def duration_s(self) -> float:
-        return max((float(one.times[-1]) for one in self.signals.values() if len(one)), default=0.0)
+        """From the start to the last sample of a known signal."""
+        return max((float(one.times[-1]) for one in self.signals.values() if len(one) and one.unit), default=0.0)
 
 
 def log_of(file: pathlib.Path, kind: str, signals: Iterable[Signal], notes: Iterable[str] = ()) -> FlightLog:
     """Makes a log whose times start at 0. Raises InputError for a log without samples."""
     filled = [one for one in signals if len(one)]
-    finite = [float(one.times[np.isfinite(one.times)].min()) for one in filled if np.isfinite(one.times).any()]
+    # Messages that no signal is made of may have another clock.
+    clocks = [one for one in filled if one.name in UNITS] or filled
+    finite = [float(one.times[np.isfinite(one.times)].min()) for one in clocks if np.isfinite(one.times).any()]
     if not finite:
         raise InputError(f"{file}: the log has no samples", "invalid_value")
     start_s = min(finite)

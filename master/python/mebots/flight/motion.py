@@ -77,7 +77,7 @@ def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, wind
     """The motion at ``times``, in windows of ``window_s`` during which everything was logged. None if the log has no
     height and no vertical speed, and nobody says that it is a ``hover``."""
     notes: list[str] = []
-    speed = _vertical_speed(log, notes)
+    speed = vertical_speed(log, notes)
     if speed is None and hover:
         notes.append("the log has no motion: the drone counts as hovering, by the option --hover")
         speed = Signal("velocity.z", "m/s", times, np.zeros(len(times)), "")
@@ -114,7 +114,7 @@ def _on_ground(log: FlightLog, times: Array) -> Mask:
     return np.minimum(np.abs(times - before), np.abs(times - after)) <= GROUND_MARGIN_S
 
 
-def _vertical_speed(log: FlightLog, notes: list[str]) -> Signal | None:
+def vertical_speed(log: FlightLog, notes: list[str]) -> Signal | None:
     if log.has(["velocity.z"]):
         return log["velocity.z"]
     if not log.has([POSITION[2]]):

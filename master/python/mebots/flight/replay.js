@@ -46,11 +46,11 @@ for (const one of content.charts) {
 const grid = (heads, rows) => {
   const body = node("tbody");
   for (const row of rows) body.append(node("tr", {}, ...row.map((cell, i) => node("td", typeof cell === "number" || i > 2 ? {} : { class: "left" }, short(cell)))));
-  return node("div", { class: "scroll" }, node("table", {}, node("thead", {}, node("tr", {}, ...heads.map((head) => node("th", {}, head)))), body));
+  return node("div", { class: "scroll" }, node("table", {}, node("thead", {}, node("tr", {}, ...heads.map((head, i) => node("th", i > 2 ? {} : { style: "text-align:left" }, head)))), body));
 };
 section(main, "Errors", "Model less measurement. p5, p50 and p95 are percentiles of the error; excluded samples are not in n. " +
   `Rows of thrust and acceleration compare means over ${content.window} s: a replay of the whole flight would drift away, since no pilot answers its errors. ` +
-  `The model's rotors start at rest, so the first ${content.settle} s are left out.`).append(grid(content.fields, content.errors));
+  (content.settle ? `The model's rotors start at rest, so the first ${content.settle} s are left out.` : "")).append(grid(content.fields, content.errors));
 if (content.findings.length) {
   section(main, "Samples of the log").append(...content.findings.map((text) => node("p", {}, text)));
 }

@@ -13,41 +13,18 @@ import pathlib
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from mebots.errors import InputError
 from mebots.exploration.files import write_csv, write_whole
 from mebots.flight import quality
 from mebots.flight.airframe import Airframe, read_airframe
-from mebots.flight.compare import ErrorRow, errors
-from mebots.flight.log import FlightLog
+from mebots.flight.compare import errors
+from mebots.flight.inverse import NOTE, with_commands
+from mebots.flight.log import COMMANDS, POSITION, FlightLog
 from mebots.flight.motion import Motion, motion_of
-from mebots.flight.quality import Finding
 from mebots.flight.reading import read_log
-from mebots.flight.traces import SETTLE_S, Traces, fly
-
-FIELDS = ("quantity", "unit", "model", "n", "excluded", "measured", "mean", "rms", "p5", "p50", "p95")
-
-
-@dataclasses.dataclass(frozen=True)
-class Replay:
-    """A replayed flight. ``errors``: one row for each measured quantity and way to compute it. ``findings``: bad samples
-    of the log. ``summary``: what the model says of energy and charge, and notes on what the log lacks."""
-
-    log: FlightLog
-    airframe: Airframe
-    errors: list[ErrorRow]
-    findings: list[Finding]
-    summary: dict[str, Any]
-    traces: Traces
-    motion: Motion | None
-
-    def error(self, quantity: str, model: str) -> ErrorRow:
-        """The row of a quantity. Raises KeyError."""
-        for one in self.errors:
-            if (one.quantity, one.model) == (quantity, model):
-                return one
-        raise KeyError(f"'{quantity}' by '{model}' was not compared; compared: {sorted({one.quantity for one in self.errors})}")
+from mebots.flight.replay_page import write_replay_page
+from mebots.flight.result import Replay, curves, table
+from mebots.flight.traces import Traces, fly
 
 
 def replay(
@@ -89,8 +66,11 @@ def replay(
     folder = None if out is None else pathlib.Path(out)
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
+    inverted = not any(name in raw for name in COMMANDS) and clean.has(["battery.voltage", POSITION[2]])
+    if inverted:
+        clean = with_commands(clean, flown)
     traces = fly(clean, flown, folder, step, initial_charge)
-    motion = motion_of(clean, flown, traces.times, traces.good, window, hover)
+    motion = None if inverted else motion_of(clean, flown, traces.times, traces.good, window, hover)
     rows = errors(raw, clean, traces, motion)
     result = Replay(clean, flown, rows, findings, _summary(clean, flown, traces, motion, window), traces, motion)
     if folder is not None:
@@ -105,7 +85,8 @@ def _summary(log: FlightLog, airframe: Airframe, traces: Traces, motion: Motion 
     duration_s = float(traces.times[-1] - traces.times[0])
     notes = [*log.notes, *traces.notes]
     if motion is None:
-        notes.append("the log has neither vertical speed nor height: no momentum balance")
+        if NOTE not in notes:
+            notes.append("the log has neither vertical speed nor height: no momentum balance")
     else:
         notes += motion.notes
         if not len(motion.start):
@@ -126,35 +107,9 @@ def _summary(log: FlightLog, airframe: Airframe, traces: Traces, motion: Motion 
         "mean_power_w": energy_j / duration_s,
         "window_s": window_s,
         "windows": 0 if motion is None else len(motion.start),
-        "settle_s": SETTLE_S,
+        "settle_s": traces.settle_s,
         "notes": notes,
     }
-
-
-def table(rows: Sequence[ErrorRow]) -> list[list[str]]:
-    """The rows as texts, below their titles."""
-    return [list(FIELDS), *([_text(getattr(one, field)) for field in FIELDS] for one in rows)]
-
-
-def _text(value: object) -> str:
-    return f"{value:.5g}" if isinstance(value, float) else str(value)
-
-
-def shown(result: Replay) -> str:
-    """The table and the notes for a terminal."""
-    lines = table(result.errors)
-    widths = [max(len(line[i]) for line in lines) for i in range(len(FIELDS))]
-    text = ["  ".join(cell.ljust(width) if i < 3 else cell.rjust(width) for i, (cell, width) in enumerate(zip(line, widths, strict=True))).rstrip() for line in lines]
-    summary = result.summary
-    text += ["", "errors are model less measurement; p5, p50 and p95 are percentiles of the error"]
-    text.append(
-        f"{summary['airframe']}, {summary['mass']['source']}; charge {100 * summary['initial_charge']:.1f} to "
-        f"{100 * summary['final_charge']:.1f} %, {summary['charge_used_c'] / 3.6:.1f} mAh, {summary['energy_j']:.0f} J, "
-        f"{summary['mean_power_w']:.2f} W over {summary['duration_s']:.1f} s by the model"
-    )
-    text += [f"note: {note}" for note in summary["notes"]]
-    text += [f"log: {finding}" for finding in result.findings]
-    return "\n".join(text)
 
 
 def _write(folder: pathlib.Path, result: Replay) -> None:
@@ -165,8 +120,6 @@ def _write(folder: pathlib.Path, result: Replay) -> None:
     }
     write_whole(folder / "replay.json", [(json.dumps(_finite(content), indent=2) + "\n").encode()])
     write_whole(folder / "traces.csv", [_traces(result).encode()])
-    from mebots.flight.replay_page import write_replay_page
-
     write_replay_page(folder / "replay.html", result)
 
 
@@ -177,29 +130,6 @@ def _finite(value: Any) -> Any:
     if isinstance(value, list):
         return [_finite(inner) for inner in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-TRACE_INTERVAL_S = 0.02
-
-
-def curves(result: Replay) -> dict[str, np.ndarray]:
-    """Model and measurement side by side, every ``TRACE_INTERVAL_S``; NaN where nothing was measured."""
-    traces = result.traces
-    stride = max(1, round(TRACE_INTERVAL_S / float(traces.times[1] - traces.times[0])))
-    times = traces.times[::stride]
-    pairs = {"battery.voltage": "battery.bus.voltage", "battery.current": "battery.cell.current"}
-    pairs |= {f"rotor[{i}].speed": f"motors.rotor[{i}].speed" for i in range(1, 5)}
-    columns = {"time [s]": times}
-    for name, variable in pairs.items():
-        unit = {"battery.voltage": "V", "battery.current": "A"}.get(name, "rad/s")
-        columns[f"{name} model [{unit}]"] = traces[variable][::stride]
-        if result.log.has([name]):
-            signal = result.log[name]
-            measured = np.interp(times, signal.times, signal.values)
-            columns[f"{name} measured [{unit}]"] = np.where(quality.covered(signal, times), measured, np.nan)
-    columns["power model [W]"] = (traces["motors.power"] + traces["motors.avionics.power"])[::stride]
-    columns["charge model [1]"] = traces["battery.cell.state_of_charge"][::stride]
-    return columns
 
 
 def _traces(result: Replay) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mebots.flight.compare import ErrorRow, thrusts
-from mebots.flight.replay import Replay, curves
+from mebots.flight.result import Replay, curves
 from mebots.page import write_page
 
 _MOST_POINTS = 1500
@@ -64,12 +64,15 @@ def _thin(values: np.ndarray, stride: int) -> list[float | None]:
 def _charts(result: Replay) -> list[dict[str, Any]]:
     columns = curves(result)
     times = columns["time [s]"]
+    first_s = times[0] + result.summary["settle_s"]
     stride = max(1, math.ceil(len(times) / _MOST_POINTS))
     groups: dict[str, list[tuple[str, np.ndarray]]] = {}
     for title, values in columns.items():
         if title == "time [s]":
             continue
         name, who, unit = title.split(" ")
+        if who == "model":  # a start from rest would hide the rest of the picture
+            values = np.where(times >= first_s, values, np.nan)
         groups.setdefault(f"{name} {unit}", []).append((who, values))
     x = _thin(times, stride)
     return [

@@ -19,14 +19,19 @@ import numpy as np
 from mebots.errors import InputError
 from mebots.flight.airframe import Airframe
 from mebots.flight.log import COMMANDS, ROTORS, VELOCITY, Array, FlightLog
-from mebots.flight.quality import Mask, covered
+from mebots.flight.quality import DRIVEN, Mask, covered
 from mebots.mission import Mission
 
 SETTLE_S = 1.0
 """The rotors of the model start at rest, those of a log that begins aloft do not: this much after the start, and after a
 gap in the commands, is not compared. Rotors of a Crazyflie take 0.14 s for 63 % of a change."""
+RAMP_S = 0.6
+"""The commands of a log that begins aloft rise from 0 over this long: motors at rest under full command would draw so much
+that the cell's protection opens."""
 CHARGE_S = 0.5
-"""The initial charge is the one with which the voltage fits over this long after ``SETTLE_S``."""
+"""The initial charge is the one with which the voltage fits over this long: before the motors are driven, if the log begins
+at rest; else after ``SETTLE_S``."""
+_SHORTEST_REST_S = 0.1
 _DIGITS = 12
 
 
@@ -36,8 +41,12 @@ class Traces:
 
     times: Array
     good: Mask
+    logged: Mask
+    """``good`` without regard to the model's cell."""
     values: dict[str, Array]
     initial_charge: float
+    settle_s: float
+    """How long after the start nothing is compared."""
     notes: list[str]
     capacity_c: float
     cut_off_s: float | None
@@ -56,7 +65,7 @@ class Traces:
 
 def fly(log: FlightLog, airframe: Airframe, folder: pathlib.Path | None, step_s: float, initial_charge: float | None) -> Traces:
     """Flies the log's commands. ``folder`` keeps the mission, which ``mebots run`` flies again; None keeps nothing."""
-    log.require(COMMANDS, "a replay")
+    log.require(COMMANDS, "a replay without voltage and height")
     if folder is not None:
         return _Flight(log, airframe, folder, step_s).fly(initial_charge)
     with tempfile.TemporaryDirectory(prefix="mebots-replay-") as temporary:
@@ -78,6 +87,7 @@ class _Flight:
                 "invalid_value",
             )
         self.grid = self.start_s + np.arange(self.steps + 1) * step_s
+        self.settle_s, self.charge_end_s = self._begin()
         self.has_voltage = log.has(["battery.voltage"])
         self.mission = folder / "mission.json"
         self._write_inputs(folder / "inputs.csv")
@@ -94,21 +104,31 @@ class _Flight:
         cut_off_s = None if connected.all() else float(times[int(np.argmin(connected))])
         if cut_off_s is not None:
             self.notes.append(f"the protection of the model's cell opens at {cut_off_s:.1f} s: nothing after it is compared")
-        good = self._good(times) & (True if cut_off_s is None else times < cut_off_s)
-        return Traces(times, good, values, charge, self.notes, float(values["battery.cell.capacity"][0]), cut_off_s)
+        logged = self._logged(times)
+        good = logged & (True if cut_off_s is None else times < cut_off_s)
+        return Traces(times, good, logged, values, charge, self.settle_s, self.notes, float(values["battery.cell.capacity"][0]), cut_off_s)
 
-    def _good(self, times: Array) -> Mask:
+    def _begin(self) -> tuple[float, float]:
+        """How long after the start nothing is compared, and when the time ends in which the charge is fitted."""
+        driven = np.max([np.interp(self.grid, self.log[name].times, self.log[name].values) for name in COMMANDS], axis=0) > DRIVEN
+        rest_s = (int(np.argmax(driven)) if driven.any() else len(driven) - 1) * self.step_s
+        if rest_s < _SHORTEST_REST_S:
+            return SETTLE_S, SETTLE_S + CHARGE_S
+        return 0.0, min(rest_s, CHARGE_S)
+
+    def _logged(self, times: Array) -> Mask:
         """True at times for which all commands were logged without a gap for ``SETTLE_S``."""
         logged = np.logical_and.reduce([covered(self.log[name], times) for name in COMMANDS])
         since = np.maximum.accumulate(np.where(logged, -np.inf, times))
-        return (times >= self.start_s + SETTLE_S) & (times - since > SETTLE_S)
+        return (times >= self.start_s + self.settle_s) & (times - since > SETTLE_S)
 
     def _write_inputs(self, file: pathlib.Path) -> None:
         """One row for each communication point: commands are held as the motors' driver holds them."""
         columns = {"time": np.arange(self.steps + 1) * self.step_s}
         for name in COMMANDS:
             signal = self.log[name]
-            columns[name] = signal.values[np.clip(np.searchsorted(signal.times, self.grid, side="right") - 1, 0, None)]
+            held = signal.values[np.clip(np.searchsorted(signal.times, self.grid, side="right") - 1, 0, None)]
+            columns[name] = held if self.settle_s == 0 else held * np.minimum(columns["time"] / RAMP_S, 1)
         if self.has_voltage:
             columns["voltage"] = self._interpolated("battery.voltage")
         if self.log.has(VELOCITY):
@@ -124,13 +144,13 @@ class _Flight:
 
     def _write_mission(self, charge: float) -> None:
         parameters = {
-            "rotor_data": self._path("rotor"),
+            "rotor_data": self.airframe.path("rotor"),
             "avionics.base_power": self.airframe.avionics_power_w,
             "body.mass": self.airframe.mass_kg,
         }
         motors = ["motors", *(["motors_at_measured"] if self.has_voltage else [])]
         instances: dict[str, Any] = {name: {"fmu": "fmu_motors", "parameters": parameters} for name in motors}
-        cell = {"cell.name": self._path("cell"), "cell.initial_state_of_charge": charge}
+        cell = {"cell.name": self.airframe.path("cell"), "cell.initial_state_of_charge": charge}
         instances["battery"] = {"fmu": "fmu_battery", "parameters": cell}
         targets = {f"motor[{i}].command": [f"{name}.rotor[{i}].command" for name in motors] for i in ROTORS}
         targets |= {"voltage": ["motors_at_measured.bus.voltage"]}
@@ -150,10 +170,6 @@ class _Flight:
         }
         self.mission.write_text(json.dumps(config, indent=2) + "\n", encoding="utf-8")
 
-    def _path(self, kind: str) -> str:
-        name = self.airframe.part(kind)
-        return str(pathlib.Path(name).resolve()) if name.endswith(".json") else name
-
     def _initial_charge(self) -> float:
         """The charge with which the model's voltage has the mean of the measured one soon after the start. The cell's
         past, its polarisation, is not known; the model starts rested."""
@@ -161,7 +177,8 @@ class _Flight:
             self.notes.append("the log has no voltage: the model starts with a full cell")
             return 1.0
         voltage = self.log["battery.voltage"]
-        window = (voltage.times >= self.start_s + SETTLE_S) & (voltage.times <= self.start_s + SETTLE_S + CHARGE_S)
+        first_s, last_s = max(self.charge_end_s - CHARGE_S, 0.0), self.charge_end_s
+        window = (voltage.times >= self.start_s + first_s) & (voltage.times <= self.start_s + last_s)
         if not window.any():
             self.notes.append("the log has no voltage soon after its start: the model starts with a full cell")
             return 1.0
@@ -179,6 +196,6 @@ class _Flight:
 
     def _voltage_with(self, charge: float) -> float:
         self._write_mission(charge)
-        with Mission(self.mission, record=["battery.bus.voltage"], stop_time=SETTLE_S + CHARGE_S) as mission:
+        with Mission(self.mission, record=["battery.bus.voltage"], stop_time=self.charge_end_s) as mission:
             mission.run()
-            return float(mission["battery.bus.voltage"][mission.times >= SETTLE_S].mean())
+            return float(mission["battery.bus.voltage"][mission.times >= self.charge_end_s - CHARGE_S].mean())

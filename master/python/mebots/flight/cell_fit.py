@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Fits a cell to the voltages of flights: its series resistance, its polarisation, its capacity.
+
+The battery FMU alone is flown with the power of each log, and the sum of squares of its voltage errors is minimised.
+Power is measured where the log has a current; elsewhere it is the rotor model's at the measured voltage, whose error
+the resistances take over. Two things of each flight are unknown as well, and are fitted with the cell: the state of charge
+at the start, and, for a log that begins aloft, how long the drone had flown before.
+
+The three properties are factors on the base cell's: on R0; on R1 and R2, with C1 and C2 by the inverse, which keeps the
+time constants; on the capacity. A factor that the flights do not determine keeps the base's value.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import json
+import pathlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from mebots.flight.fitting import Fit, clusters_of, solve
+from mebots.flight.log import COMMANDS, Array, FlightLog
+from mebots.flight.quality import DRIVEN
+from mebots.flight.traces import SETTLE_S, Traces
+from mebots.mission import Mission
+
+FACTORS = ("series_resistance", "polarisation", "capacity")
+STEP_S = 0.05
+BLOCK_S = 0.5
+"""Residuals are means over this long: the voltage has no more to say."""
+CLUSTER_S = 15.0
+MOST_DEVIATION = 0.35
+"""A factor whose logarithm has a larger standard error, a factor of two at 95 %, is not determined."""
+_LEAST, _MOST = np.log(0.2), np.log(5.0)
+_LONGEST_S = 300.0
+"""Longer flights before the log do not change the polarisation any more."""
+_BEFORE_S = 60.0
+_STARTS = (1.0, 1.8)
+"""Factors on both resistances at which the search starts: far from the right charges it finds no way."""
+_CHARGES = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97)
+
+
+@dataclasses.dataclass
+class Flight:
+    """The power that a cell delivered, and its voltage."""
+
+    name: str
+    power_w: Array
+    voltage_v: Array
+    """In blocks of ``BLOCK_S``; NaN where nothing was measured."""
+    charge: float
+    began_aloft: bool
+
+    @property
+    def unknowns(self) -> int:
+        return 2 if self.began_aloft else 1
+
+
+@dataclasses.dataclass(frozen=True)
+class CellFit:
+    """``factors``: name -> (value, low, high) on the base cell; ``kept``: those that the flights do not determine."""
+
+    factors: dict[str, tuple[float, float, float]]
+    kept: dict[str, str]
+    rms_v: float
+    before_v: float
+    """The rms error with the base cell, charges fitted."""
+    count: int
+
+
+def flight_of(log: FlightLog, traces: Traces) -> Flight | None:
+    """What a replayed log says of its cell. None without a voltage."""
+    if not log.has(["battery.voltage"]):
+        return None
+    times = np.arange(traces.times[0], traces.times[-1], STEP_S)
+    if log.has(["battery.current"]):
+        volts, amperes = (np.interp(times, log[name].times, log[name].values) for name in ("battery.voltage", "battery.current"))
+        power_w = np.maximum(volts * amperes, 0)
+    else:
+        own = "motors_at_measured" if traces.has_measured_voltage else "motors"
+        energy = traces[f"{own}.energy"] + np.cumsum(np.r_[0.0, traces[f"{own}.avionics.power"][1:] * np.diff(traces.times)])
+        power_w = np.maximum(np.gradient(np.interp(times, traces.times, energy), STEP_S), 0)
+    settled = int(SETTLE_S / STEP_S)
+    if len(power_w) > 2 * settled:  # the model's rotors spin up there
+        power_w[:settled] = power_w[settled : 2 * settled].mean()
+    first = [float(log[name].values[:20].mean()) for name in COMMANDS if name in log]
+    aloft = bool(first) and max(first) > DRIVEN
+    return Flight(log.file.name, power_w, _blocks(log, traces, len(times)), traces.initial_charge, aloft)
+
+
+def _blocks(log: FlightLog, traces: Traces, steps: int) -> Array:
+    """The measured voltage in blocks from the start."""
+    voltage = log["battery.voltage"]
+    count = int(steps * STEP_S / BLOCK_S)
+    place = np.floor((voltage.times - traces.times[0]) / BLOCK_S).astype(int)
+    inside = (place >= int(SETTLE_S / BLOCK_S)) & (place < count)
+    total = np.bincount(place[inside], voltage.values[inside], count)
+    samples = np.bincount(place[inside], minlength=count)
+    return np.where(samples > 0, total / np.maximum(samples, 1), np.nan)
+
+
+def scaled_cell(base: dict[str, Any], factors: dict[str, float]) -> dict[str, Any]:
+    """The base cell with these factors."""
+    cell = copy.deepcopy(base)
+    _scale(cell["series_resistance"], factors.get("series_resistance", 1.0))
+    for pair in ("pair1", "pair2"):
+        _scale(cell[f"{pair}_resistance"], factors.get("polarisation", 1.0))
+        _scale(cell[f"{pair}_capacitance"], 1 / factors.get("polarisation", 1.0))
+    cell["capacity"]["value"] *= factors.get("capacity", 1.0)
+    cell["capacity"].pop("interval", None)
+    return cell
+
+
+def _scale(curve: dict[str, Any], factor: float) -> None:
+    if "value" in curve:
+        curve["value"] = [factor * one for one in curve["value"]]
+    else:
+        curve["exponential"] = [factor * curve["exponential"][0], curve["exponential"][1]]
+        curve["polynomial"] = [factor * one for one in curve["polynomial"]]
+
+
+class _Problem:
+    """Residuals of all flights over the free factors, and over the unknowns of each flight."""
+
+    def __init__(self, base: dict[str, Any], flights: Sequence[Flight], free: Sequence[str], folder: pathlib.Path) -> None:
+        self.base, self.flights, self.free, self.folder = base, flights, list(free), folder
+        self.blocks = [np.flatnonzero(np.isfinite(one.voltage_v)) for one in flights]
+        self.starts = np.cumsum([len(free), *(one.unknowns for one in flights)])[:-1]
+        for number, flight in enumerate(flights):
+            self._write_power(number, flight)
+
+    def start(self, resistances: float) -> Array:
+        """Values to start at: this factor on the resistances, and the best charge of a list for each flight."""
+        values = np.zeros(int(self.starts[-1]) + self.flights[-1].unknowns)
+        for i, name in enumerate(self.free):
+            values[i] = 0.0 if name == "capacity" else np.log(resistances)
+        for number, flight in enumerate(self.flights):
+            place = self.starts[number]
+            values[place : place + flight.unknowns] = [0.5, _BEFORE_S][: flight.unknowns]
+            sums = []
+            for charge in _CHARGES:
+                values[place] = charge
+                sums.append(float(np.sum(self._residuals(number, values) ** 2)))
+            values[place] = _CHARGES[int(np.argmin(sums))]
+        return values
+
+    def bounds(self) -> tuple[Array, Array]:
+        low, high = [_LEAST] * len(self.free), [_MOST] * len(self.free)
+        for one in self.flights:
+            low += [0.005, 0.0][: one.unknowns]
+            high += [1.0, _LONGEST_S][: one.unknowns]
+        return np.array(low), np.array(high)
+
+    def clusters(self) -> np.ndarray:
+        logs = np.concatenate([np.full(len(blocks), i) for i, blocks in enumerate(self.blocks)])
+        return clusters_of(logs, np.concatenate(self.blocks) // int(CLUSTER_S / BLOCK_S))
+
+    def residuals(self, values: Array) -> Array:
+        return np.concatenate([self._residuals(i, values) for i in range(len(self.flights))])
+
+    def jacobian(self, values: Array) -> Array:
+        """By differences; an unknown of one flight concerns that flight alone."""
+        result = []
+        for number, flight in enumerate(self.flights):
+            own = [*range(len(self.free)), *range(self.starts[number], self.starts[number] + flight.unknowns)]
+            before = self._residuals(number, values)
+            slopes = np.zeros((len(before), len(values)))
+            for place in own:
+                is_time = flight.began_aloft and place == self.starts[number] + 1
+                step = 1.0 if is_time else 1e-3  # a time counts whole steps
+                moved = values.copy()
+                moved[place] += step if moved[place] + step <= self._highest(number, place) else -step
+                slopes[:, place] = (self._residuals(number, moved) - before) / (moved[place] - values[place])
+            result.append(slopes)
+        return np.concatenate(result)
+
+    def _highest(self, number: int, place: int) -> float:
+        if place < len(self.free):
+            return np.inf
+        return 1.0 if place == self.starts[number] else _LONGEST_S
+
+    def _residuals(self, number: int, values: Array) -> Array:
+        flight = self.flights[number]
+        factors = {name: float(np.exp(values[i])) for i, name in enumerate(self.free)}
+        cell = self.folder / "cell.json"
+        content = scaled_cell(self.base, factors)
+        content["cut_off_voltage"]["value"] = 0.0  # a protection that opens would hide how far the voltage is off
+        content.pop("release_voltage", None)
+        cell.write_text(json.dumps(content), encoding="utf-8")
+        charge = float(values[self.starts[number]])
+        before_s = float(values[self.starts[number] + 1]) if flight.began_aloft else 0.0
+        voltage_v = self._voltage(number, cell, charge, before_s)
+        return voltage_v[self.blocks[number]] - flight.voltage_v[self.blocks[number]]
+
+    def _voltage(self, number: int, cell: pathlib.Path, charge: float, before_s: float) -> Array:
+        """The model's voltage in blocks. ``charge`` is the one at the log's start, after ``before_s`` of the same flight."""
+        flight = self.flights[number]
+        per_block = round(BLOCK_S / STEP_S)
+        earlier = round(before_s / STEP_S)
+        content = json.loads(cell.read_text(encoding="utf-8"))
+        capacity_c = content["capacity"]["value"] * content.get("capacity_factor", {"value": 1.0})["value"]
+        # What was drawn before, at about the mean voltage of the log.
+        drawn = before_s * float(flight.power_w[:per_block].mean()) / float(np.nanmean(flight.voltage_v)) / capacity_c
+        mission = self.folder / f"flight{number}.json"
+        config = {
+            "step": STEP_S,
+            "start_time": -earlier * STEP_S,
+            "stop_time": (len(flight.power_w) - 1) * STEP_S,
+            "instances": {
+                "battery": {
+                    "fmu": "fmu_battery",
+                    "parameters": {"cell.name": str(cell), "cell.initial_state_of_charge": min(charge + drawn, 1.0)},
+                }
+            },
+            "connections": [],
+            "inputs": {"file": f"power{number}.csv", "to": {"power": "battery.motors.power"}},
+        }
+        mission.write_text(json.dumps(config), encoding="utf-8")
+        with Mission(mission, record=["battery.cell.voltage"]) as run:
+            run.run()
+            voltage_v = run["battery.cell.voltage"][run.times >= -1e-9]
+        count = len(flight.voltage_v)
+        return voltage_v[: count * per_block].reshape(count, per_block).mean(axis=1)
+
+    def _write_power(self, number: int, flight: Flight) -> None:
+        """From long before the start on: the power of its first seconds."""
+        times = np.r_[-2 * _LONGEST_S, np.arange(len(flight.power_w)) * STEP_S]
+        rows = np.column_stack([times, np.r_[flight.power_w[: round(SETTLE_S / STEP_S)].mean(), flight.power_w]])
+        np.savetxt(self.folder / f"power{number}.csv", rows, fmt="%.9g", delimiter=",", header="time,power", comments="")
+
+
+def fit_cell(base: dict[str, Any], flights: Sequence[Flight], folder: pathlib.Path, wanted: Sequence[str] = FACTORS) -> CellFit:
+    """Fits the cell. ``folder`` holds files of the fit and may be removed afterwards."""
+    free = list(wanted)
+    kept = {name: "not asked for" for name in FACTORS if name not in free}
+    before = _solve(base, flights, [], folder)
+    while True:
+        fit = _solve(base, flights, free, folder)
+        loose = [(fit.deviation(i), name) for i, name in enumerate(free)]
+        worst = max(loose, default=(0.0, ""))
+        if worst[0] <= MOST_DEVIATION:
+            break
+        kept[worst[1]] = f"not determined: the factor's logarithm has a standard error of {worst[0]:.2g}"
+        free.remove(worst[1])
+    factors = {name: (float(np.exp(fit.values[i])), *map(float, np.exp(fit.interval(i)))) for i, name in enumerate(free)}
+    return CellFit(factors, kept, fit.rms, before.rms, len(fit.residuals))
+
+
+def _solve(base: dict[str, Any], flights: Sequence[Flight], free: Sequence[str], folder: pathlib.Path) -> Fit:
+    """The best of searches from several starts."""
+    problem = _Problem(base, flights, free, folder)
+    low, high = problem.bounds()
+    starts = [problem.start(resistances) for resistances in (_STARTS if free else _STARTS[:1])]
+    fits = [solve(problem.residuals, problem.jacobian, np.clip(start, low + 1e-6, high - 1e-6), low, high, problem.clusters()) for start in starts]
+    return min(fits, key=lambda fit: fit.rms)

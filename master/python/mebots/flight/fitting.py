@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Least squares with intervals that allow for residuals which depend on each other."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+
+from mebots.extras import extra
+from mebots.flight.log import Array
+
+CONFIDENCE = 0.95
+
+
+@dataclasses.dataclass(frozen=True)
+class Fit:
+    """Fitted parameters with the covariance of their errors. ``degrees``: clusters of residuals less one."""
+
+    values: Array
+    covariance: Array
+    residuals: Array
+    degrees: int
+
+    @property
+    def rms(self) -> float:
+        return float(np.sqrt(np.mean(self.residuals**2)))
+
+    def deviation(self, place: int) -> float:
+        """The standard error of a parameter."""
+        return float(np.sqrt(self.covariance[place, place]))
+
+    def interval(self, place: int) -> tuple[float, float]:
+        """Where the parameter is with a probability of ``CONFIDENCE``."""
+        half = self.deviation(place) * quantile(self.degrees)
+        return float(self.values[place]) - half, float(self.values[place]) + half
+
+
+def quantile(degrees: int) -> float:
+    """Of Student's distribution, for both sides."""
+    stats = extra("scipy.stats", "`mebots identify`", "scipy", "flight")
+    return float(stats.t.ppf((1 + CONFIDENCE) / 2, max(degrees, 1)))
+
+
+def solve(
+    residuals: Callable[[Array], Array],
+    jacobian: Callable[[Array], Array],
+    start: Array,
+    low: Array,
+    high: Array,
+    clusters: np.ndarray,
+) -> Fit:
+    """Minimises the sum of squares within bounds. ``clusters`` numbers the residuals: those of one cluster may depend on
+    each other, as errors of one flight do. The covariance is the sandwich estimator of White over clusters."""
+    optimize = extra("scipy.optimize", "`mebots identify`", "scipy", "flight")
+    found = optimize.least_squares(residuals, start, jac=jacobian, bounds=(low, high), x_scale="jac", xtol=1e-5, ftol=1e-6)
+    slopes, errors = found.jac, found.fun
+    names, place = np.unique(clusters, return_inverse=True)
+    scores = np.zeros((len(names), slopes.shape[1]))
+    np.add.at(scores, place, slopes * errors[:, None])
+    inverse = np.linalg.pinv(slopes.T @ slopes)
+    count = len(names)
+    covariance = inverse @ (scores.T @ scores) @ inverse * count / max(count - 1, 1)
+    return Fit(found.x, covariance, errors, max(count - 1, 1))
+
+
+def clusters_of(logs: np.ndarray, blocks: np.ndarray) -> np.ndarray:
+    """One cluster for each log if there are four or more; else one for each block of a log."""
+    if len(np.unique(logs)) >= 4:
+        return logs
+    return np.unique(np.column_stack([logs, blocks]), axis=0, return_inverse=True)[1].reshape(-1)
