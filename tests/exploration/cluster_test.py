@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mebots.sweep` through Dask distributed: two workers on this machine, of which one is killed."""
 
-import pickle
 import os
+import pickle
 import signal
 import sys
 import unittest
