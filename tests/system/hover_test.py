@@ -13,6 +13,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 GRAVITY = 9.80665
 AVIONICS = 0.96  # W, avionics.base_power of fmu_motors
+FLOWN = ("motors.rotor_data=crazyflie_legacy", "motors.bus.resistance=0.15", "battery.cell.name=bitcraze_250_flights")
 
 
 def hover(mebots, out, *sets):
@@ -29,6 +30,16 @@ def bench_power(mass):
     thrust = mass * GRAVITY / 4
     speed = math.sqrt(thrust / rotor["thrust_coefficient"]["value"])
     return 4 * (rotor["power_per_speed"]["value"] * speed + rotor["power_per_thrust"]["value"] * thrust)
+
+
+def motor_power(mass, voltage):
+    """The same by the law of a rotor file with `motor`."""
+    rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_legacy.json").read_text())
+    emf, ohm, ripple = (rotor["motor"][key]["value"] for key in ("back_emf", "resistance", "ripple_conductance"))
+    square = mass * GRAVITY / 4 / rotor["thrust_coefficient"]["value"]
+    current = rotor["torque_per_thrust"]["value"] * mass * GRAVITY / 4 / emf
+    effective = emf * math.sqrt(square) + ohm * current
+    return 4 * (effective * current + ripple * effective**2 * (1 - effective / voltage)**2)
 
 
 def near(value, expected, relative, what):
@@ -53,6 +64,13 @@ def main():
         # The loss in the cell grows with the square of the current: endurance falls faster than power rises.
         powers = [AVIONICS + bench_power(mass) for mass in (0.027, 0.037)]
         assert loaded["simulated_time"] / seconds < powers[0] / powers[1], (loaded["simulated_time"], seconds)
+
+        # The bus falls from 3.9 to 3.0 V; the loss by the current's ripple falls with it.
+        flown = hover(mebots, out, *FLOWN, "world.drone.dry_mass=0.0299")
+        assert flown["outcome"] == "battery_empty", flown["outcome"]
+        power = flown["energy"]["motors"] / flown["simulated_time"]
+        assert motor_power(0.037, 3.0) < power < motor_power(0.037, 3.9), power
+        assert flown["simulated_time"] < 0.8 * hover(mebots, out, *FLOWN)["simulated_time"]
 
         sinks = hover(mebots, out, "world.drone.dry_mass=0.06")
         assert sinks["outcome"] == "thrust_lost", sinks["outcome"]
