@@ -159,7 +159,7 @@ ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLi
     Entry entry{index, std::move(entry_name), stat.size, is_folder};
     auto normal = checked_name(entry.name);
     check_kind(entry);
-    check_storage(entry, stat);
+    check_storage(entry);
     if (!names.insert(std::move(normal)).second) refuse(entry.name, "is there twice");
     check_size(entry, stat.comp_size, total);
     entries_.push_back(std::move(entry));
@@ -190,7 +190,9 @@ void ArchiveReader::check_kind(const Entry& entry) const {
   if (kind != 0 && kind != S_IFREG && kind != S_IFDIR) refuse(entry.name, "is neither file nor folder");
 }
 
-void ArchiveReader::check_storage(const Entry& entry, const zip_stat_t& stat) const {
+void ArchiveReader::check_storage(const Entry& entry) const {
+  zip_stat_t stat;
+  if (zip_stat_index(archive_.get(), entry.index, 0, &stat) != 0) return;
   if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE)
     refuse(entry.name, "is encrypted; pack the archive again without a password");
   if ((stat.valid & ZIP_STAT_COMP_METHOD) == 0 || zip_compression_method_supported(stat.comp_method, 0) != 0) return;

@@ -8,7 +8,6 @@
 #include <optional>
 
 struct zip;  // libzip's zip_t
-struct zip_stat;
 
 namespace mebots::modeldesc {
 
@@ -50,7 +49,7 @@ class ArchiveReader {
   [[noreturn]] void refuse(std::string_view name, std::string_view why) const;
   std::string checked_name(std::string_view name) const;
   void check_kind(const Entry& entry) const;
-  void check_storage(const Entry& entry, const zip_stat& stat) const;
+  void check_storage(const Entry& entry) const;
   void check_size(const Entry& entry, std::uint64_t packed, std::uint64_t& total) const;
 
   ZipHandle archive_;
