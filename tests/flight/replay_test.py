@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 import unittest
 
+import numpy as np
 import twin
 from logs import usd_log
 
@@ -68,6 +69,30 @@ class Twins(FlightCase):
         self.assertEqual((thrust.n, thrust.excluded), (8, 3))  # the gap, and the second after it
         self.assertGreater(result.error("battery.voltage", "commands").excluded, 400)
         self.assertTrue(any(one.rule == "gap" for one in result.findings))
+
+
+    def test_a_log_without_commands_gets_those_that_its_motion_needs(self):
+        times, _, _, millivolts, climb = self.flight
+        height = 1 + np.r_[0.0, np.cumsum((climb[1:] + climb[:-1]) / 2 * twin.STEP_S)]
+        height -= height.min() - 1
+        ground = np.r_[np.zeros(500), height]  # a second on the ground first
+        rows = zip(ground.tolist(), np.r_[np.full(500, millivolts[0]), millivolts].astype(int).tolist(), strict=True)
+        event = (1, "state", ["stateEstimate.z(f)", "pm.vbatMV(H)"])
+        (self.folder / "height").write_bytes(usd_log([event], [(1, 2000 * i, row) for i, row in enumerate(rows)]))
+        result = mebots.replay(self.folder / "height", self.airframe)
+        self.assertEqual([one.quantity for one in result.errors], ["battery.voltage"])
+        self.assertLess(abs(result.errors[0].mean), 0.05)
+        self.assertTrue(any("no commands" in note for note in result.summary["notes"]))
+
+    def test_a_hover_without_motion_is_compared_with_the_weight(self):
+        times, duty, rpm, millivolts, _ = self.flight
+        event = (twin.STATE[0], twin.STATE[1], twin.STATE[2][:-1])
+        rows = zip(*[one.astype(int).tolist() for one in (*duty, *rpm, millivolts)], strict=True)
+        records = [(event[0], round(1e6 * time), row) for time, row in zip(times.tolist(), rows, strict=True)]
+        (self.folder / "hover").write_bytes(usd_log([event], records))
+        self.assertIsNone(mebots.replay(self.folder / "hover", self.airframe).motion)
+        thrust = mebots.replay(self.folder / "hover", self.airframe, hover=True).error("thrust.vertical", "measured speeds")
+        self.assertAlmostEqual(thrust.measured, twin.MASS_KG * 9.81, places=6)
 
 
 class Commands(FlightCase):

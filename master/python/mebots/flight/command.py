@@ -19,6 +19,9 @@ def _guarded(work: Callable[[], None]) -> int:
     except InputError as error:
         code = BAD_INPUT
         text = str(error)
+    except ModuleNotFoundError as error:
+        code = BAD_INPUT
+        text = f"Python at {sys.executable} has no package {error.name}: pip install {error.name}, or name another Python by MEBOTS_PYTHON"
     except (Error, OSError) as error:
         code = FAILED
         text = str(error)

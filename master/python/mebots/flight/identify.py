@@ -39,14 +39,15 @@ _BLOCK_WINDOWS = 5
 
 @dataclasses.dataclass(frozen=True)
 class Estimate:
-    """A fitted value, where it is with a probability of 95 %, and the base's value."""
+    """A fitted value, where it is with a probability of 95 %, and the base's value. Without a base it is an assumption, and
+    the bounds are those of the assumption."""
 
     name: str
     unit: str
     value: float
     low: float
     high: float
-    base: float
+    base: float | None
     remark: str = ""
 
 
@@ -331,9 +332,9 @@ def shown(result: Identified) -> str:
     """For a terminal."""
     lines = []
     for one in result.estimates:
-        change = f"{100 * (one.value / one.base - 1):+.1f} %"
         remark = f" ({one.remark})" if one.remark else ""
-        lines.append(f"{one.name}: {one.value:.5g} {one.unit}, 95 % from {one.low:.5g} to {one.high:.5g}; base {one.base:.5g}, {change}{remark}")
+        share, base = ("", "") if one.base is None else ("95 % ", f"; base {one.base:.5g}, {100 * (one.value / one.base - 1):+.1f} %")
+        lines.append(f"{one.name}: {one.value:.5g} {one.unit}, {share}from {one.low:.5g} to {one.high:.5g}{base}{remark}")
     lines += [f"residuals of {text}" for text in result.residuals]
     lines += [f"note: {note}" for note in result.notes]
     lines.append("written: " + ", ".join(map(str, result.files)))

@@ -123,7 +123,7 @@ def _series_resistance(cell: dict[str, Any], capacity_mah: float, c_rate: float,
     at_rest = cell["series_resistance"]["polynomial"][0]
     low, high = factor.get("interval", [factor["value"]] * 2)
     remark = "measured by the user" if resistance_ohm else f"from {c_rate:g} C of {capacity_mah:g} mAh"
-    return Estimate("series_resistance", "Ohm", factor["value"] * at_rest, low * at_rest, high * at_rest, factor["value"] * at_rest, remark)
+    return Estimate("series_resistance", "Ohm", factor["value"] * at_rest, low * at_rest, high * at_rest, None, remark)
 
 
 def _fit_discharge(cell: dict[str, Any], raw: FlightLog, result: Identified) -> dict[str, Any]:

@@ -174,7 +174,7 @@ class _Flight:
         """The charge with which the model's voltage has the mean of the measured one soon after the start. The cell's
         past, its polarisation, is not known; the model starts rested."""
         if not self.has_voltage:
-            self.notes.append("the log has no voltage: the model starts with a full cell")
+            self.notes.append("the log has no voltage that can be used: the model starts with a full cell")
             return 1.0
         voltage = self.log["battery.voltage"]
         first_s, last_s = max(self.charge_end_s - CHARGE_S, 0.0), self.charge_end_s
