@@ -2,9 +2,9 @@
 // What the master costs beyond the FMU calls. The same FMU stepped by a bare loop over its C functions and by
 // Simulation, turn about, in one process; and what every single call costs. Usage: bench_master_overhead
 // PASSTHROUGH.fmu [REPEATS]
-#include "fmi/call/float_environment.hpp"
-#include "fmi/fmi2_functions.hpp"
-#include "message/message.hpp"
+#include "fmi/call/foreign_call.hpp"
+#include "fmi/fmu.hpp"
+#include "message/message_hub.hpp"
 #include "resolve/resolve.hpp"
 #include "run/simulation.hpp"
 #include "slave/fmu_slave.hpp"

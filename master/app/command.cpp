@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
-#include "io/config/system_file.hpp"
+#include "io/config/load_system.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 

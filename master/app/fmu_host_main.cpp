@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/isolation/fmu_host.hpp"
+#include "slave/isolation/child_process.hpp"
 
 #ifdef __SANITIZE_ADDRESS__
 /// A search for leaks stops the threads as a debugger does, which nobody may do to this process, itself included.

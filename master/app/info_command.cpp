@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "command.hpp"
-
 #include "base/time.hpp"
+#include "command.hpp"
 #include "engine/algorithm/algorithm.hpp"
 #include "io/config/load_system.hpp"
-#include "io/config/system_file.hpp"
+#include "io/config/schemas.hpp"
 #include "io/fmu_archive.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
+#include "mebots/modeldesc/units.hpp"
+#include "mebots/nearest_names.hpp"
 #include "model/system_description.hpp"
 
 #include <fmt/format.h>
@@ -15,6 +16,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
+#include <string>
 #include <vector>
 
 namespace mebots::app {
@@ -191,6 +194,56 @@ void add_info(CLI::App& app, Action& action) {
   command->footer(help_footer({"0 shown", "1 standard output is closed or full", "2 the file cannot be used"},
                               {"mebots info fmu_battery.fmu", "mebots info configs/gate_easy.json"}));
   command->callback([file, &action] { action = [file] { return guarded([&] { info(*file); }); }; });
+}
+
+namespace {
+
+void print_units() {
+  std::string text = fmt::format("{:<6} {:<22} {:<18} {:>24} {:>8}\n", "unit", "", "SI base", "factor", "offset");
+  for (const auto& known : modeldesc::known_units()) {
+    const auto& unit = known.unit;
+    text += fmt::format("{:<6} {:<22} {:<18} {:>24} {:>8}\n", unit.name, known.text, modeldesc::base_unit_text(unit),
+                        unit.factor, unit.offset);
+  }
+  text +=
+      "\nvalue in SI units = factor x value + offset. Products of powers of these are units, too, in the notation of "
+      "FMI:\n"
+      "m/s2, kg.m2, rad/(s.V), 1/s, s-1. In a product a unit with an offset counts as a difference.\n";
+  print_product(text);
+}
+
+}  // namespace
+
+void add_units(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("units", "List the units that a description may use, with dimension and factor");
+  command->footer(help_footer({"0 printed", "1 standard output is closed or full"}, {"mebots units"}));
+  command->callback([&action] { action = [] { return guarded(&print_units); }; });
+}
+
+namespace {
+
+void print_schema(const std::string& kind) {
+  const auto all = master::schemas();
+  const auto found = std::ranges::find(all, kind, &master::Schema::kind);
+  if (found == all.end()) {
+    std::vector<std::string> known;
+    for (const auto& schema : all) known.emplace_back(schema.kind);
+    throw InputError(ErrorCode::unknown_name, "there is no kind of file '" + kind + "'. " + suggest(kind, known));
+  }
+  print_product(found->text);
+}
+
+}  // namespace
+
+void add_schema(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("schema", "Print the JSON schema of a kind of file");
+  const auto kind = std::make_shared<std::string>("config");
+  std::string kinds;
+  for (const auto& schema : master::schemas()) kinds += (kinds.empty() ? "" : ", ") + std::string(schema.kind);
+  command->add_option("kind", *kind, "Kind of file: " + kinds)->type_name("KIND")->capture_default_str();
+  command->footer(help_footer({"0 printed", "1 standard output is closed or full", "2 there is no such kind of file"},
+                              {"mebots schema > mebots-config.schema.json", "mebots schema board"}));
+  command->callback([&action, kind] { action = [kind] { return guarded([&] { print_schema(*kind); }); }; });
 }
 
 }  // namespace mebots::app

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "junit_report.hpp"
 
-#include "run_texts.hpp"
+#include "progress.hpp"
 
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 #include "record/sink/output_file.hpp"
 
 #include <fmt/format.h>

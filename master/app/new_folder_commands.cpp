@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
-#include "run_texts.hpp"
+#include "progress.hpp"
 
 #include "new_folder.hpp"
 

@@ -2,11 +2,14 @@
 #pragma once
 
 #include "console.hpp"
-
 #include "record/observer.hpp"
+#include "run/run.hpp"
 
 #include <chrono>
 #include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace mebots::app {
 
@@ -40,5 +43,18 @@ class Progress final : public master::Observer {
 
 /// "1 h 02 min", "3 min 05 s", "12 s".
 std::string duration_text(double seconds);
+
+/// What is shown of a run that is over: outcome, speed, the summary's values with their units, where the files are.
+std::vector<std::string> end_lines(const master::Run& run);
+
+/// Throws InputError when a run of this system cannot end with one of the outcomes that are expected.
+void check_expected(const master::SystemDescription& system, const std::vector<std::string>& expected);
+
+/// Why the outcome of a run that is over is not as wanted: one of `expected`, any when there are none. Empty when it
+/// is.
+std::string why_unexpected(const master::Run& run, const std::vector<std::string>& expected);
+
+/// A text as one word of a POSIX shell, quoted where it must be.
+std::string shell_word(std::string_view text);
 
 }  // namespace mebots::app

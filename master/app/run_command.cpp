@@ -3,12 +3,11 @@
 #include "console.hpp"
 #include "junit_report.hpp"
 #include "progress.hpp"
-#include "run_texts.hpp"
 
 #include "base/signal_guard.hpp"
 #include "base/time.hpp"
 #include "io/config/command_line.hpp"
-#include "io/config/system_file.hpp"
+#include "io/config/load_system.hpp"
 #include "run/run.hpp"
 #ifdef MEBOTS_HAS_live
 #include "live_run.hpp"

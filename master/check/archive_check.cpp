@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "archive_check.hpp"
+#include "checks.hpp"
 
 #include "mebots/modeldesc/archive_reader.hpp"
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "check_fmu.hpp"
 
-#include "archive_check.hpp"
 #include "behaviour_check.hpp"
-#include "binary_check.hpp"
-#include "description_check.hpp"
-#include "schema_check.hpp"
+#include "checks.hpp"
 
 #include "mebots/file_kind.hpp"
 #include "mebots/modeldesc/archive.hpp"

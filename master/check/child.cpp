@@ -3,7 +3,7 @@
 
 #include "fmi/call/fmi2_callbacks.hpp"
 #include "mebots/error.hpp"
-#include "slave/isolation/keeper.hpp"
+#include "slave/isolation/child_process.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

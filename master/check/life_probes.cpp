@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "behaviour_check.hpp"
-#include "trace_replay.hpp"
 
 #include <fmt/format.h>
 #include <malloc.h>

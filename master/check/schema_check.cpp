@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "schema_check.hpp"
+#include "checks.hpp"
 
 #include "schema_rules.hpp"
 

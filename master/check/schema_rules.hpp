@@ -1,15 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "value_forms.hpp"
-
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
-/// The grammar of modelDescription.xml: what each element may hold.
+/// The grammar of modelDescription.xml.
 namespace mebots::check {
+
+/// The required form of an XML attribute's value.
+struct Form {
+  std::string_view name;  // its name in the rules of the schema, such as `number`, `flag`
+  bool (*holds)(std::string_view value);
+  std::string expected;  // for people: "a whole number of 32 bits"
+};
+
+/// Returns the form of this name. Throws mebots::Error for an unknown name.
+const Form& find_form(std::string_view name);
+
+/// Removes white space at both ends.
+std::string_view trimmed(std::string_view text);
 
 struct AttributeRule {
   std::string name;
@@ -26,7 +38,7 @@ struct ChildRule {
   std::size_t most;  // SIZE_MAX: any number
 };
 
-/// What one element may hold; children stand in the order given.
+/// Attributes and children of one element. Children must be in this order.
 struct ElementRule {
   std::vector<AttributeRule> attributes;
   std::vector<ChildRule> children;
@@ -34,7 +46,7 @@ struct ElementRule {
   bool anything = false;      // a vendor's own contents
 };
 
-/// The rule of the root element, fmiModelDescription, and through its children all others.
+/// Returns the rule of the root element, fmiModelDescription. All other rules are its children.
 const ElementRule& schema_rules();
 
 }  // namespace mebots::check

@@ -3,8 +3,8 @@
 
 #include "child.hpp"
 
-#include "fmi/call/float_environment.hpp"
 #include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/foreign_call.hpp"
 #include "fmi/process/process_state.hpp"
 #include "mebots/error.hpp"
 #include "mebots/fmi2/library.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "trace_replay.hpp"
+#include "behaviour_check.hpp"
 
 #include "mebots/data/csv.hpp"
 #include "mebots/text_file.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "value_forms.hpp"
+#include "schema_rules.hpp"
 
 #include "mebots/error.hpp"
 #include "mebots/fmi2/variable_kinds.hpp"

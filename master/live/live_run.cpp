@@ -7,8 +7,7 @@
 #include "message/message_text.hpp"
 #include "record/sink/output_file.hpp"
 #include "report/page.hpp"
-#include "report/payload.hpp"
-#include "report/thinner.hpp"
+#include "report/result_table.hpp"
 #include "run/json_value.hpp"
 #include "run/system_file.hpp"
 #include "run/write.hpp"
@@ -18,6 +17,7 @@
 
 #include <algorithm>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -131,7 +131,7 @@ std::string LiveRun::data(const Known& known) {
   return master::report::payload_of(std::span(&folder, 1));
 }
 
-/// What a browser is told once, and at the end, when profiles are there.
+/// Data that the browser gets once at the start, and again at the end, when profiles exist.
 void LiveRun::tell_what_stays(master::report::RunFolder& folder) const {
   auto side = master::report::read_side_files(run_->options().out);
   folder.scene = std::move(side.scene);
@@ -172,6 +172,45 @@ std::string LiveRun::set(const std::string& variable, const std::string& value) 
 void LiveRun::save_scenario() const {
   master::write_whole(run_->options().out / "live_scenario.json",
                       Json({{"text", "What was set by hand while it ran"}, {"scenario", scenario_}}).dump(2) + "\n");
+}
+
+std::string Mailbox::ask(Question question, std::chrono::milliseconds patience) {
+  std::packaged_task<std::string()> task(std::move(question));
+  auto answer = task.get_future();
+  {
+    const std::lock_guard lock(mutex_);
+    if (closed_) throw std::runtime_error("the run is over");
+    waiting_.push_back(std::move(task));
+    any_.store(true, std::memory_order_release);
+  }
+  arrived_.notify_one();
+  if (answer.wait_for(patience) != std::future_status::ready) throw std::runtime_error("the run does not answer");
+  return answer.get();
+}
+
+void Mailbox::answer_all() {
+  if (!any_.load(std::memory_order_acquire)) return;
+  std::deque<std::packaged_task<std::string()>> tasks;
+  {
+    const std::lock_guard lock(mutex_);
+    tasks.swap(waiting_);
+    any_.store(false, std::memory_order_release);
+  }
+  for (auto& task : tasks) task();
+}
+
+void Mailbox::wait_and_answer(std::chrono::milliseconds patience) {
+  {
+    std::unique_lock lock(mutex_);
+    arrived_.wait_for(lock, patience, [this] { return !waiting_.empty(); });
+  }
+  answer_all();
+}
+
+void Mailbox::close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  waiting_.clear();  // their promises are broken, which their futures throw
 }
 
 }  // namespace mebots::live

@@ -1,20 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mailbox.hpp"
-
 #include "report/run_folder.hpp"
 #include "run/run.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
+#include <future>
 #include <memory>
+#include <mutex>
 #include <string>
 
 namespace mebots::live {
+
+/// Queries from other threads to the thread that steps a run. Only that thread accesses the run: it takes the queries
+/// between two steps and answers them there.
+class Mailbox {
+ public:
+  using Question = std::function<std::string()>;
+
+  /// From any thread: what `question` returned, or throws, in the run's thread. Throws std::exception if no
+  /// answer arrives within `patience`, and after close().
+  std::string ask(Question question, std::chrono::milliseconds patience);
+
+  /// From the run's thread: answers what is there. Costs one atomic read when there is nothing.
+  void answer_all();
+  /// The same, after waiting for a question for at most `patience`.
+  void wait_and_answer(std::chrono::milliseconds patience);
+  /// Ends all queries: each waiting thread gets an exception.
+  void close();
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::deque<std::packaged_task<std::string()>> waiting_;
+  std::atomic<bool> any_{false};
+  bool closed_ = false;
+};
 
 /// Steps a run to its end while a browser on this machine may look at it, hold it, and set its free inputs.
 ///

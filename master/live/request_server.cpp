@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "request_server.hpp"
+#include "server.hpp"
 
 #include "mebots/data/csv.hpp"
 #include "mebots/input_error.hpp"

@@ -3,7 +3,6 @@
 
 #include "base/own_threads.hpp"
 #include "mebots/input_error.hpp"
-#include "request_server.hpp"
 
 #include <fmt/format.h>
 

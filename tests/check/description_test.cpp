@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "description_check.hpp"
+#include "checks.hpp"
 #include "support.hpp"
 
 #include <gmock/gmock.h>

@@ -3,7 +3,7 @@
 // Any bytes as an .fmu archive: refused with an Error, or entries that all lie in the folder and are not larger than
 // allowed. All in memory; a few of the inputs go through the disk as well, where what the entries' names do to each
 // other shows.
-#include "archive_check.hpp"
+#include "checks.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/archive_reader.hpp"
 

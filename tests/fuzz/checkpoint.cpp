@@ -3,7 +3,6 @@
 // Any bytes behind the hash of a checkpoint and of a saved run: refused with an Error, or one that is written as it was
 // read. Nothing that they say about sizes is believed.
 #include "run/checkpoint.hpp"
-#include "run/saved_run.hpp"
 
 #include "mebots/error.hpp"
 #include "mebots/state/save.hpp"

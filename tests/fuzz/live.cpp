@@ -2,7 +2,7 @@
 //
 // Any bytes from a client of a live run: each request is answered or refused, and only requests with the token reach
 // the run.
-#include "request_server.hpp"
+#include "server.hpp"
 
 #include "require.hpp"
 

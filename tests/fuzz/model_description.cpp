@@ -2,10 +2,9 @@
 //
 // Any text as a modelDescription.xml: refused with an Error, or a description that writes itself and reads back the
 // same. The checks of `mebots check` must survive it either way.
-#include "description_check.hpp"
+#include "checks.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"
-#include "schema_check.hpp"
 
 #include "require.hpp"
 

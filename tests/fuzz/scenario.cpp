@@ -3,7 +3,6 @@
 // Any text as a scenario file, alone and over a system: refused with an Error, or overrides of instances that there
 // are.
 #include "io/config/load_system.hpp"
-#include "io/config/scenario_file.hpp"
 #include "mebots/error.hpp"
 #include "memory_file.hpp"
 

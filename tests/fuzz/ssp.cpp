@@ -5,7 +5,7 @@
 #include "mebots/input_error.hpp"
 
 #include "io/config/load_system.hpp"
-#include "io/ssp/read.hpp"
+#include "io/ssp/ssp.hpp"
 #include "system.hpp"
 
 #include <cstdint>

@@ -5,7 +5,6 @@
 
 #include "folder_of_input.hpp"
 #include "io/config/load_system.hpp"
-#include "io/config/system_file.hpp"
 #include "system.hpp"
 
 #include <cstdint>

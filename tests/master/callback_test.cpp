@@ -2,7 +2,6 @@
 // What an FMU hands to the functions that it was given is never trusted.
 #include "fmi/call/callback_text.hpp"
 #include "message/message_text.hpp"
-#include "message/plain_text.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an FMU does to the process that it shares with the master and the other FMUs: told, with its name, and kept from
 // them where it can be.
-#include "fmi/call/float_environment.hpp"
-#include "fmi/process/environment_variables.hpp"
+#include "fmi/call/foreign_call.hpp"
 #include "fmi/process/process_state.hpp"
 #include "support/sanitizer.hpp"
 #include "test_system.hpp"

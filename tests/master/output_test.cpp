@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/sha256.hpp"
-#include "record/parameter_recorder.hpp"
+#include "record/recorder.hpp"
 #include "run/input_hash.hpp"
 #include "run/run.hpp"
 #include "run/summary.hpp"

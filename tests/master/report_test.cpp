@@ -5,7 +5,6 @@
 #include "base/packed.hpp"
 #include "record/sink/png_file.hpp"
 #include "report/page.hpp"
-#include "report/payload.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -2,7 +2,7 @@
 // Libraries and symbols of FMUs stay separate: each FMU (tests/fmus/tenant) computes with the gain that it brings.
 #include "fmi/library_needs.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
-#include "slave/isolation/interpreter.hpp"
+#include "slave/isolation/child_process.hpp"
 #include "support/sanitizer.hpp"
 #include "test_system.hpp"
 

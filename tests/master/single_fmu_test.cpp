@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // An FMU that runs without a config: where its times come from, what is recorded, and how its variables are named.
-#include "io/config/single_fmu.hpp"
 #include "base/time.hpp"
 #include "io/config/load_system.hpp"
 #include "mebots/mission.hpp"

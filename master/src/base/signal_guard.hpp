@@ -1,20 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/error.hpp"
+
+#include <unistd.h>
+
+#include <array>
 #include <atomic>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
 
 namespace mebots::master {
 
-/// While one of these lives, the first SIGINT, SIGTERM or SIGHUP sets the flags of all of them; the second has the
-/// effect that it has by default, which ends the process. A signal that the process ignores stays ignored. The last
-/// guard to go puts back the handlers that were there, and raises the signal again when a guard asked for that. From
-/// any thread. Flags beyond kMost at a time are not set.
+/// While guards exist, the first SIGINT, SIGTERM or SIGHUP sets the flags of all of them; the second one has its
+/// default effect and ends the process. A signal that the process ignores stays ignored. The destructor of the last
+/// guard restores the earlier handlers, and raises the signal again if a guard requires it. Thread-safe. Flags of more
+/// than kMost guards are not set.
 class SignalGuard {
  public:
   static constexpr int kMost = 256;
   enum class Afterwards {
-    nothing,  ///< the interrupt is all that comes of the signal
-    raise,    ///< whoever handled the signal before hears of it, once the last guard is gone
+    nothing,  ///< the flag is the signal's only effect
+    raise,    ///< the earlier handler gets the signal after the last guard's destruction
   };
 
   /// `flag` must outlive the guard.
@@ -23,12 +33,50 @@ class SignalGuard {
   SignalGuard(const SignalGuard&) = delete;
   SignalGuard& operator=(const SignalGuard&) = delete;
 
-  /// The signal that came while this guard was there; 0 = none.
+  /// Returns the signal received during this guard's life; 0 = none.
   int signal() const noexcept;
 
  private:
   Afterwards afterwards_;
   int slot_ = -1;
+};
+
+/// An interrupt by the user. Ends the run at the last communication point that all instances reached.
+class InterruptedError : public Error {
+ public:
+  /// `what_else`: further effects, such as the process of an instance that had to be killed.
+  explicit InterruptedError(const std::string& what_else = "") : Error(ErrorCode::interrupted, what_else) {}
+};
+
+/// A flag that is always false, for runs without interrupts.
+inline const std::atomic<bool> kNeverInterrupted{false};
+
+/// Throws InterruptedError if the flag is set. Called between any two calls to FMUs, so that a step with many calls
+/// ends early.
+inline void stop_if_interrupted(const std::atomic<bool>& interrupted) {
+  if (interrupted.load(std::memory_order_relaxed)) throw InterruptedError();
+}
+
+/// Builds a line of text without the heap, for signal handlers and forked processes. Truncates a longer text.
+class SignalLine {
+ public:
+  SignalLine& operator<<(std::string_view text) {
+    for (const char c : text) {
+      if (size_ < bytes_.size()) bytes_[size_++] = c;
+    }
+    return *this;
+  }
+  SignalLine& operator<<(std::int64_t number) {
+    std::array<char, 24> digits;
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+    return *this << std::string_view(digits.data(), static_cast<std::size_t>(end - digits.data()));
+  }
+  std::string_view text() const { return {bytes_.data(), size_}; }
+  void write_to(int descriptor) const { static_cast<void>(!::write(descriptor, bytes_.data(), size_)); }
+
+ private:
+  std::array<char, 1024> bytes_;
+  std::size_t size_ = 0;
 };
 
 }  // namespace mebots::master

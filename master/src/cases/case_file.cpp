@@ -2,7 +2,7 @@
 #include "cases/case_file.hpp"
 
 #include "base/input_text.hpp"
-#include "io/config/reading.hpp"
+#include "io/config/sections.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/file_kind.hpp"
 #include "model/record_choice.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/ensemble.hpp"
 
-#include "base/interrupt.hpp"
+#include "base/signal_guard.hpp"
 #include "base/time.hpp"
 #include "mebots/assert.hpp"
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 
 #include "engine/initial_values.hpp"
 #include "engine/slave_factory.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "message/message.hpp"
+#include "message/message_hub.hpp"
 #include "model/resolved_system.hpp"
 #include "slave/slave.hpp"
 #include "slave/slave_options.hpp"

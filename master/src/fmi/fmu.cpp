@@ -2,21 +2,18 @@
 #include "fmi/fmu.hpp"
 
 #include "base/own_threads.hpp"
+#include "fmi/call/callback_text.hpp"
+#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/foreign_call.hpp"
+#include "fmi/process/process_state.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
-#include "fmi/call/callback_text.hpp"
-#include "fmi/call/fmi2_callbacks.hpp"
-#include "fmi/call/foreign_call.hpp"
-#include "fmi/fmi2_functions.hpp"
-#include "fmi/process/process_state.hpp"
-
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
-#include <dlfcn.h>
 
 #include <algorithm>
 #include <cstring>
@@ -232,6 +229,20 @@ std::string file_uri(const std::filesystem::path& path) {
     uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return uri;
+}
+
+Fmi2Functions load_functions(void* library, const std::string& archive) {
+  const auto functions = fmi2::find_functions(library);
+  std::vector<std::string> missing;
+  fmi2::for_each_function([&](const char* name, auto member, fmi2::Need need) {
+    if (need == fmi2::Need::to_run && functions.*member == nullptr) missing.emplace_back(name);
+  });
+  if (!missing.empty()) {
+    throw InputError(ErrorCode::fmu_inconsistent,
+                     fmt::format("{}: the FMU's shared library lacks functions that FMI 2.0 demands: {}", archive,
+                                 fmt::join(missing, ", ")));
+  }
+  return functions;
 }
 
 }  // namespace mebots::master

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "fmi/call/float_environment.hpp"
+#include "fmi/call/foreign_call.hpp"
 #include "fmi/library_state.hpp"
 #include "fmi/process/process_state.hpp"
 #include "fmi/unpack_folder.hpp"
+#include "mebots/fmi2/library.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 
 #include <atomic>
@@ -138,5 +139,12 @@ class FmuLibrary {
 
 /// A path as a `file:///` URI, everything unusual percent-encoded.
 std::string file_uri(const std::filesystem::path& path);
+
+/// What fmi2GetTypesPlatform must say: the sizes of the standard's own header.
+inline constexpr const char* kTypesPlatform = "default";
+
+/// Looks the functions up in a library from dlopen. Throws InputError listing those that are missing and without which
+/// no simulation runs (`mebots check` asks for all); `archive` names the FMU in it.
+Fmi2Functions load_functions(void* library, const std::string& archive);
 
 }  // namespace mebots::master

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Unpacks FMUs. The host process of an FMU gets it unpacked and does without the libraries that this takes.
 #include "io/fmu_archive.hpp"
-#include "fmi/fmi2_functions.hpp"
 #include "fmi/fmu.hpp"
 
 namespace mebots::master {

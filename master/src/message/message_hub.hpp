@@ -1,24 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "message/message.hpp"
+#include "mebots/message.hpp"
+
+#include <fmt/format.h>
 
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace mebots::master {
 
-/// Hands every message to all who listen, one message at a time, whichever threads they come from. Messages come out of
-/// calls to FMUs, through which nothing may be thrown: what a listener throws is kept until rethrow().
+/// Receives the messages of FMUs and of the run.
+class MessageSink {
+ public:
+  virtual ~MessageSink() = default;
+  virtual void message(const Message& message) = 0;
+};
+
+/// Passes each message to all listeners, one at a time, from any thread. Messages arrive within calls to FMUs, through
+/// which no exception may pass: an exception of a listener is kept until rethrow().
 class MessageHub final : public MessageSink {
  public:
   using Listener = std::function<void(const Message&)>;
 
-  /// Not while messages may come.
+  /// Not while messages may arrive.
   void add(Listener listener) { listeners_.push_back(std::move(listener)); }
 
   void message(const Message& message) override {
@@ -33,7 +46,7 @@ class MessageHub final : public MessageSink {
     }
   }
 
-  /// Throws what a listener threw since the last call. For the thread that steps, between two calls to FMUs.
+  /// Throws the exception of a listener since the last call. For the stepping thread, between two calls to FMUs.
   void rethrow() {
     if (!failed_.load(std::memory_order_relaxed)) return;
     const std::lock_guard lock(mutex_);
@@ -46,6 +59,68 @@ class MessageHub final : public MessageSink {
   std::vector<Listener> listeners_;
   std::exception_ptr failure_;
   std::atomic<bool> failed_{false};
+};
+
+/// Keeps the messages of slaves that step in parallel, and passes them on after the step in the order of the instances.
+/// Therefore the log does not depend on the threads.
+class OrderedMessages final : public MessageSink {
+ public:
+  /// `target` must outlive this object.
+  explicit OrderedMessages(MessageSink& target) : target_(&target) {}
+
+  /// From any thread.
+  void message(const Message& message) override;
+
+  void hold() { holds_ = true; }
+  /// Passes on all kept messages of the first instance, then of the second, and so on.
+  void release(const std::vector<std::string>& instances);
+
+ private:
+  struct Kept {
+    std::string instance;
+    Severity severity;
+    std::string category;
+    std::string text;
+    std::int64_t time_ns;
+  };
+
+  MessageSink* target_;
+  std::mutex mutex_;
+  bool holds_ = false;  // changed only while no slave steps
+  std::vector<Kept> kept_;
+};
+
+/// Limits the bytes of messages in one call to an FMU, and counts the dropped ones. Not thread-safe.
+class MessageLimit {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
+
+  explicit MessageLimit(std::size_t most_bytes = kMostBytes) : most_bytes_(most_bytes) {}
+
+  /// Returns whether a message with this much text is still kept; counts it as dropped if not.
+  bool take(std::size_t text_bytes) {
+    constexpr std::size_t kFrameBytes = 64;
+    if (bytes_ + text_bytes + kFrameBytes > most_bytes_) {
+      ++dropped_;
+      return false;
+    }
+    bytes_ += text_bytes + kFrameBytes;
+    return true;
+  }
+
+  /// Resets the counts. Returns a notice if messages were dropped.
+  std::optional<std::string> restart() {
+    bytes_ = 0;
+    const auto dropped = std::exchange(dropped_, 0);
+    if (dropped == 0) return std::nullopt;
+    return fmt::format("{} more messages of this call were dropped: one call may leave {} MiB of messages", dropped,
+                       most_bytes_ >> 20);
+  }
+
+ private:
+  std::size_t most_bytes_;
+  std::size_t bytes_ = 0;
+  std::size_t dropped_ = 0;
 };
 
 }  // namespace mebots::master

@@ -2,7 +2,6 @@
 #include "message/message_text.hpp"
 
 #include "base/time.hpp"
-#include "message/plain_text.hpp"
 
 #include <fmt/format.h>
 

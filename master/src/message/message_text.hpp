@@ -1,17 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "message/message.hpp"
+#include "message/message_hub.hpp"
 
 #include <string>
+#include <string_view>
 
 namespace mebots::master {
 
-/// "[   12.345 s] battery: warning: low voltage", the line of a message on the terminal and in log.txt. What the run
-/// itself says has no instance: "notice: ...". One line, whatever the FMU said: control characters are escaped.
+/// Returns the line of a message for the terminal and log.txt: "[   12.345 s] battery: warning: low voltage". Messages
+/// of the run itself have no instance: "notice: ...". Escapes control characters, so that it is always one line.
 std::string message_text(const Message& message);
 
 /// "[   12.345 s]"
 std::string time_stamp(std::int64_t time_ns);
+
+/// Returns whether the text is well-formed UTF-8 (RFC 3629).
+bool is_utf8(std::string_view text);
+
+/// Replaces every byte that is not part of well-formed UTF-8 (RFC 3629) by U+FFFD.
+std::string valid_utf8(std::string_view text);
+
+/// Escapes control characters, so that the text is one line and a terminal only prints it. Line feed, carriage return
+/// and tab become \n, \r and \t; other characters of C0 and C1 become \x1b, \u009b and the like. Takes valid UTF-8.
+std::string one_line(std::string_view text);
 
 }  // namespace mebots::master

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "message/ordered_messages.hpp"
+#include "message/message_hub.hpp"
 
 namespace mebots::master {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 
 #include <fmt/format.h>
 

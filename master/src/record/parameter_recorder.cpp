@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "record/parameter_recorder.hpp"
+#include "record/recorder.hpp"
 
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 #include "model/record_choice.hpp"
 #include "record/sink/csv_sink.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "record/picture_recorder.hpp"
+#include "record/recorder.hpp"
 
 #include "base/time.hpp"
 #include "fmi/call/callback_text.hpp"

@@ -2,7 +2,7 @@
 #include "record/recorder.hpp"
 
 #include "mebots/assert.hpp"
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 #include "model/record_choice.hpp"
 
 #include <bit>

@@ -7,6 +7,7 @@
 #include "record/sink/row_block.hpp"
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -59,5 +60,57 @@ class Recorder final : public Observer {
   std::int64_t rows_ = 0;
   std::int64_t last_step_ = -1;
 };
+
+/// Asks the slaves for the parameters that the system records. Once they are initialised.
+std::vector<ParameterValue> read_parameters(const ResolvedSystem& system, Ensemble& ensemble);
+
+/// Writes parameters.csv at t = 0: name, unit, value, one row per parameter. In a file of its own, since a
+/// column per parameter would say the same at every row.
+class ParameterRecorder final : public Observer {
+ public:
+  /// Throws InputError for a pattern that fits nothing.
+  ParameterRecorder(const ResolvedSystem& system, Ensemble& ensemble, std::filesystem::path file);
+
+  std::optional<std::string> reached(const Point& point) override;
+
+ private:
+  const ResolvedSystem* system_;
+  Ensemble* ensemble_;
+  std::filesystem::path file_;
+};
+
+/// Keeps the frames that an OSMP binary carries, as PNG files named by their time:
+/// `0012.345000.png` is the frame that was out at 12.345 s.
+class PictureRecorder final : public Observer {
+ public:
+  /// Throws InputError when the frame or its id is not a variable of the kind that is needed.
+  PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
+                  std::filesystem::path folder);
+
+  /// Throws Error when the folder cannot be made, or the frame is not made of whole rows or cannot be written.
+  std::optional<std::string> reached(const Point& point) override;
+  void visit(state::Visitor& v) override;
+  std::string_view state_name() const override { return "pictures"; }
+
+ private:
+  void make_folder() const;
+  void remove_pictures() const;
+  void write(const Point& point) const;
+
+  const Ensemble* ensemble_;
+  PictureDescription pictures_;
+  TimeGrid grid_;
+  std::filesystem::path folder_;
+  SignalId base_lo_;
+  SignalId base_hi_;
+  SignalId size_;
+  SignalId id_;
+  bool has_folder_ = false;
+  std::int32_t last_id_ = 0;
+  std::optional<std::int64_t> last_ns_;  // when a picture was written
+};
+
+/// Throws InputError when the variables do not exist or are of the wrong kind, or the FMU says another width.
+void check_pictures(const ResolvedSystem& system, const PictureDescription& pictures);
 
 }  // namespace mebots::master

@@ -5,7 +5,6 @@
 #include "base/packed.hpp"
 #include "mebots/error.hpp"
 #include "mebots/text_file.hpp"
-#include "report/payload.hpp"
 
 #include <fmt/format.h>
 

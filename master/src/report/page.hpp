@@ -9,7 +9,7 @@
 
 namespace mebots::master::report {
 
-/// The parts of the page that the build made of web/.
+/// The parts of the page, which the build makes from web/.
 struct PageParts {
   std::string frame;   ///< page.html, with the places of the others in it
   std::string script;  ///< page.js
@@ -19,12 +19,23 @@ struct PageParts {
 /// Reads the parts. Throws Error for an installation that was built without them (MEBOTS_PAGES).
 PageParts read_page_parts();
 
-/// One HTML document that shows the runs, the first one in full and the others beside it, and asks nothing of any
-/// network. Script and data are in it deflated (RFC 1950) in base64.
+/// Returns an HTML document that shows the first run in full and compares the others with it. It needs no network.
+/// Script and data are deflated (RFC 1950) and in base64.
 std::string make_page(const PageParts& parts, std::span<const RunFolder> runs);
 
-/// The page of a run that is under way: it fetches its data from where it came from (`data`, beside it), and from
-/// nowhere else.
+/// Returns the page of a run in progress. It fetches its data only from the server that it came from.
 std::string make_live_page(const PageParts& parts, const std::string& name);
+
+/// The runs as bytes for the page. The length of a header (32 bits, little-endian), the header, which is JSON, and then
+/// blocks of bytes of which the header tells offset and length. web/src/data/payload.ts reads it.
+///
+/// A column of n numbers is 8 n bytes. Each number's 64 bits (IEEE 754), read as a whole number, less those of the one
+/// before it, stand in byte planes. First the lowest byte of each, then the second of each, and so on. Neighbours in
+/// time differ little, so that deflate finds the upper bytes in runs. A column that stands still is one number in the
+/// header.
+std::string payload_of(std::span<const RunFolder> runs);
+
+/// As RFC 4648 has it. Throws Error for more than 2 GiB.
+std::string base64(std::string_view bytes);
 
 }  // namespace mebots::master::report

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/payload.hpp"
+#include "report/page.hpp"
 
 #include "mebots/error.hpp"
 

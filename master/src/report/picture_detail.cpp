@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/picture_detail.hpp"
+#include "report/run_folder.hpp"
 
 #include "record/sink/png_file.hpp"
 

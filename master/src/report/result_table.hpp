@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct TimeSpan {
   bool holds(double time_s) const { return from_s <= time_s && time_s <= to_s; }
 };
 
-/// What results.csv holds, column by column.
+/// The columns of results.csv.
 struct ResultTable {
   struct Column {
     std::string name;  ///< "instance.variable"; the first is "time"
@@ -26,18 +27,47 @@ struct ResultTable {
   std::vector<Column> columns;
   std::vector<std::string> texts;  ///< names of columns that hold texts, which are left out
   std::size_t rows = 0;            ///< in the file
-  std::size_t span = 1;            ///< how many of them a Thinner made two of
-  std::vector<TimeSpan> whole;     ///< where it left every row as it is
+  std::size_t span = 1;            ///< rows that a Thinner reduces to two
+  std::vector<TimeSpan> whole;     ///< spans with every row kept
 
-  /// Numbers that a page holds at most, so that it stays one that people send to each other. A longer table is thinned
-  /// out.
+  /// Most numbers in a page, so that people can still mail it. A longer table is thinned out.
   static constexpr std::size_t kMostValues = 600'000;
-  /// The span of a table of so many rows and columns, the time among them.
+  /// Returns the span for a table of this size. `columns` includes the time.
   static std::size_t span_of(std::size_t rows, std::size_t columns);
 };
 
-/// Reads results.csv; every row stays within the spans `whole`, however long the table is. A last line that is cut off,
-/// of a run that was killed, is left out. Throws InputError for a file that is not such a table.
+/// Reads results.csv. Within the spans `whole`, every row is kept. Skips an incomplete last line, which a killed run
+/// leaves. Throws InputError for a file that is not such a table.
 ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {});
+
+/// Thins out rows so that extremes stay: of every `span` rows that follow each other two remain, at the times of the
+/// first and the last of them. A column has its least and its greatest number of the span there, in the order in which
+/// they came. So what only grows, as a count of energy does, keeps its exact values at both times.
+class Thinner {
+ public:
+  /// A span of 1 keeps every row. The first column is the time.
+  Thinner(std::size_t columns, std::size_t span);
+
+  void add(std::span<const double> row);
+  /// Adds a row that is kept. Ends the open span before it.
+  void keep(std::span<const double> row);
+  /// Ends the last span, which may be shorter.
+  void finish();
+
+  /// By column.
+  std::vector<std::vector<double>>& values() { return values_; }
+
+ private:
+  struct Extreme {
+    double value = 0;
+    std::size_t row = 0;  // of the span
+  };
+
+  std::size_t span_;
+  std::size_t rows_ = 0;  // in the open span
+  std::vector<Extreme> least_;
+  std::vector<Extreme> greatest_;
+  std::vector<std::vector<double>> values_;
+};
 
 }  // namespace mebots::master::report

@@ -1,19 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "report/picture_detail.hpp"
 #include "report/result_table.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace mebots::master::report {
 
-/// What a run left in its folder. Only the table of results is always there; all else is empty where the run, or an
-/// older version that made it, left none.
+/// A picture of a run.
+struct Picture {
+  double time_s = 0;
+  std::string png;      ///< the file's bytes
+  unsigned shrunk = 1;  ///< pixels of the file per pixel, in each direction
+};
+
+/// The pictures of one camera, in the order of time.
+struct PictureSeries {
+  std::string name;  ///< "world.camera.frame"
+  std::vector<Picture> pictures;
+  std::size_t every = 1;  ///< kept one in this many
+};
+
+/// Most bytes of pictures in a page, so that people can still mail it.
+inline constexpr std::size_t kMostPictureBytes = 1'500'000;
+
+/// Makes the pictures fit into a page: first smaller, by means of 2 x 2 pixels, but not under 128 pixels of width;
+/// then fewer, evenly in time. Those within the spans `whole` stay as they are. A file that is not a PNG of grey pixels
+/// is not made smaller.
+void fit_into_page(PictureSeries& series, const std::vector<TimeSpan>& whole);
+
+/// The content of a run's folder. Only the table of results is always present. All else is empty if the run, or the
+/// older version that wrote it, left none.
 struct RunFolder {
   std::string name;  ///< of the folder, for people
   ResultTable results;
@@ -26,15 +48,14 @@ struct RunFolder {
   nlohmann::json live;                   ///< of a run that is under way (master/live), or null
 };
 
-/// The pictures of a run, also while it is under way: of each camera those behind the first `known` ones.
+/// Returns the pictures of a run, also during the run. Skips the first `known` pictures of each camera.
 std::vector<PictureSeries> read_pictures(const std::filesystem::path& folder, std::size_t known = 0);
 
-/// What there is beside results, summary, system, log and pictures: scene and profiles, also while the run is under
-/// way. Throws InputError for files that are damaged.
+/// Reads the further files: scene and profiles, also during the run. Throws InputError for damaged files.
 RunFolder read_side_files(const std::filesystem::path& folder);
 
-/// Reads a results folder, as far as it fits into a page: within the spans `whole` every row of its table stays, and
-/// every picture as it is. Throws InputError for a folder that is none, and for files in it that are damaged.
+/// Reads a results folder and reduces it to the size of a page. Within the spans `whole`, every row and picture is
+/// kept. Throws InputError if it is no results folder, and for damaged files.
 RunFolder read_run_folder(const std::filesystem::path& folder, const std::vector<TimeSpan>& whole = {});
 
 }  // namespace mebots::master::report

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "resolve/connection_check.hpp"
+#include "resolve/signal_coverage.hpp"
 
-#include "base/interrupt.hpp"
+#include "base/signal_guard.hpp"
 #include "base/time.hpp"
 #include "model/osmp.hpp"
 #include "model/picture_size.hpp"

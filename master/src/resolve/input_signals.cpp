@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "resolve/input_signals.hpp"
+#include "resolve/signal_coverage.hpp"
 
 #include "base/input_text.hpp"
 #include "base/time.hpp"
@@ -7,7 +7,6 @@
 #include "mebots/modeldesc/units.hpp"
 #include "mebots/nearest_names.hpp"
 #include "model/osmp.hpp"
-#include "resolve/signal_coverage.hpp"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "resolve/process_choice.hpp"
+#include "resolve/signal_coverage.hpp"
 
-#include "slave/isolation/interpreter.hpp"
+#include "slave/isolation/child_process.hpp"
 
 #include "resolve/resolve.hpp"
 
-#include "base/interrupt.hpp"
+#include "base/signal_guard.hpp"
 #include "fmi/shared_process.hpp"
 #include "mebots/input_error.hpp"
 #include "model/resolved_system.hpp"

@@ -3,9 +3,7 @@
 
 #include "mebots/nearest_names.hpp"
 #include "model/osmp.hpp"
-#include "resolve/connection_check.hpp"
-#include "resolve/input_signals.hpp"
-#include "resolve/process_choice.hpp"
+#include "resolve/signal_coverage.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

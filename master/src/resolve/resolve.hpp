@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "base/interrupt.hpp"
+#include "base/signal_guard.hpp"
 #include "fmi/fmu.hpp"
 #include "model/resolved_system.hpp"
 

@@ -3,6 +3,7 @@
 
 #include "model/resolved_system.hpp"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -39,5 +40,22 @@ class SignalCoverage {
   std::int64_t last_ns_ = 0;
   std::map<std::size_t, Changes> changes_;  // by instance
 };
+
+/// Looks up both ends of every connection of `system.description`, checks that they fit, and fills
+/// `system.connections`, in the order of the instances that they go to. Throws InputError, and InterruptedError.
+void resolve_connections(ResolvedSystem& system, const std::atomic<bool>& interrupted);
+
+/// Reads the files of signals that a system names under `inputs` and in its scenario, each once. Fills `inputs` and
+/// `scenario_signals`. Notices say which units were converted, where values are held outside a file's rows, and which
+/// changes fall between communication points. Throws InputError for files, columns, units and values that do not fit,
+/// and for inputs that have another source. Comes after the connections.
+void resolve_signals(ResolvedSystem& system);
+
+struct ResolvedSystem;
+
+/// Loads the FMUs that share this process. An instance whose FMU cannot share it gets its own process, and
+/// `system.notices` says why. Throws InputError if the config demands `"process": "shared"` of such an instance or if a
+/// library cannot be loaded, and InterruptedError between two FMUs.
+void choose_processes(ResolvedSystem& system, const std::atomic<bool>& interrupted);
 
 }  // namespace mebots::master

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,7 @@ inline constexpr const char* kCheckpointFile = "checkpoint.bin";
 struct Checkpoint {
   std::filesystem::path config;  ///< config, FMU or SSP
   RunOptions options;
-  std::string inputs;  ///< the lines that the hash of the inputs is made of
+  std::string inputs;  ///< the lines of InputHash
   std::int64_t time_ns = 0;
   std::uint64_t results_bytes = 0;  ///< of results.csv up to here
   std::uint64_t log_bytes = 0;      ///< of log.txt
@@ -82,5 +83,25 @@ class Checkpointer final : public Observer {
   GrowingFileHash log_hash_;
   std::int64_t next_ns_ = std::numeric_limits<std::int64_t>::min();
 };
+
+/// The state of a run without files at one communication point. Other runs of the same inputs can start from it. A
+/// Checkpoint belongs to one run, whose files hold the earlier results.
+struct SavedRun {
+  std::string inputs;  ///< the lines of InputHash
+  std::int64_t time_ns = 0;
+  std::vector<std::byte> simulation;
+  std::vector<std::byte> rows;  ///< of the MemorySink, if there is one
+
+  void visit(state::Visitor& v) {
+    v("inputs", inputs);
+    v("time_ns", time_ns);
+    v("simulation", simulation);
+    v("rows", rows);
+  }
+};
+
+std::vector<std::byte> to_bytes(const SavedRun& run);
+/// Reads the result of to_bytes(). Throws InputError for bytes of another version.
+SavedRun saved_run(std::span<const std::byte> bytes);
 
 }  // namespace mebots::master

@@ -6,7 +6,7 @@
 #include "base/time.hpp"
 #include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 #include "run/run.hpp"
 #include "run/write.hpp"
 

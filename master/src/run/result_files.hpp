@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "message/message.hpp"
+#include "message/message_hub.hpp"
 #include "record/observer.hpp"
-#include "record/parameter_recorder.hpp"
-#include "record/picture_recorder.hpp"
 #include "record/recorder.hpp"
 #include "record/sink/hdf5_sink.hpp"
 #include "run/checkpoint.hpp"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "record/sink/output_file.hpp"
-#include "run/folder_lock.hpp"
 
 #include <filesystem>
 #include <list>
@@ -13,13 +12,28 @@
 
 namespace mebots::master {
 
-/// The folder of a run's results. An earlier run's results stay in it untouched until this run has reached t = 0:
-/// files are written under another name first and take their place with keep().
+/// Locks a results folder for one run at a time, across processes. The kernel releases the lock when its process ends
+/// for any reason.
+class FolderLock {
+ public:
+  /// Throws InputError with the number of the other process if another run writes into the folder.
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+};
+
+/// The folder of a run's results. It keeps an earlier run's results until this run reaches t = 0: files are first
+/// written under other names, and renamed by keep().
 class ResultFolder {
  public:
-  /// Makes the folder if need be. Throws InputError when it cannot be made, or when another run writes into it.
+  /// Creates the folder if it is absent. Throws InputError if that fails, or if another run writes into it.
   explicit ResultFolder(std::filesystem::path path);
-  /// Without keep(): removes what was made, and leaves the rest as it was found.
+  /// Without keep(): removes the new files and leaves all others unchanged.
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;

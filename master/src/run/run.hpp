@@ -17,7 +17,6 @@
 #include "run/clean_fmus.hpp"
 #include "run/input_hash.hpp"
 #include "run/result_files.hpp"
-#include "run/saved_run.hpp"
 #include "run/simulation.hpp"
 #include "run/summary.hpp"
 
@@ -36,7 +35,7 @@
 
 namespace mebots::master {
 
-/// One run, from what is asked for to the report. The command line, C++ and Python are doors to it.
+/// One run, from the request to the report. The command line, C++ and Python all use it.
 ///
 /// RunState says where it stands. An error in start(), step() and the like makes the run `failed` and is thrown; the
 /// files hold what was reached until then. After that the FMUs are not called any more: step() throws.
@@ -102,8 +101,8 @@ class Run {
   void interrupt() noexcept { interrupted_.store(true, std::memory_order_relaxed); }
   /// For a SignalGuard.
   std::atomic<bool>& interrupt_flag() { return interrupted_; }
-  /// Ends the run where it stands, and writes its reports. Nothing, when it is over. Never throws; what goes wrong is
-  /// in the report. From a listener: as interrupt().
+  /// Ends the run at the current point, and writes its reports. No effect after the end. Never throws; the report
+  /// contains errors. From a listener: as interrupt().
   void close() noexcept;
   /// Closes the run and frees its instances. Lists the FMUs that are not clean: the next run in this process might find
   /// what they left. No variable can be read from then on.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "run/simulation.hpp"
 
-#include "base/interrupt.hpp"
+#include "base/signal_guard.hpp"
 #include "base/time.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/state/layout.hpp"

@@ -4,7 +4,7 @@
 #include "engine/algorithm/algorithm.hpp"
 #include "engine/algorithm/slave_steps.hpp"
 #include "engine/ensemble.hpp"
-#include "message/ordered_messages.hpp"
+#include "message/message_hub.hpp"
 #include "model/run_course.hpp"
 #include "record/observer.hpp"
 
@@ -58,7 +58,7 @@ class Simulation {
   /// Ends the run at the point where it stands.
   void finish(End end);
 
-  /// Tells the slaves that the run is over. A slave that went wrong must not be told.
+  /// Terminates the slaves, except those that failed.
   void terminate() { ensemble_.terminate(); }
   /// No slave is called any more. Returns what went wrong in it, one text for each slave.
   std::vector<std::string> free_instances() { return ensemble_.free_instances(); }

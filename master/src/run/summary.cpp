@@ -3,7 +3,7 @@
 
 #include "base/sha256.hpp"
 #include "base/time.hpp"
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 #include "run/json_value.hpp"
 
 #include <fmt/format.h>

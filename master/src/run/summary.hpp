@@ -61,7 +61,7 @@ struct WallTimes {
   double simulating_s() const { return initialise_s + stepping_s; }
 };
 
-/// What came of a run.
+/// The result of a run.
 struct RunReport {
   std::string outcome;                  ///< of the config's outcomes, or "completed"; "interrupted", "closed", "failed"
   std::optional<EndReason> end_reason;  ///< nothing before the end

@@ -4,7 +4,7 @@
 #include "base/packed.hpp"
 #include "base/time.hpp"
 #include "mebots/input_error.hpp"
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 #include "model/record_choice.hpp"
 #include "record/sink/output_file.hpp"
 #include "run/json_value.hpp"

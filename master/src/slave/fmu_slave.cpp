@@ -8,12 +8,11 @@
 #include "mebots/state/bytes.hpp"
 
 #include "fmi/call/callback_text.hpp"
-#include "fmi/call/float_environment.hpp"
 #include "fmi/call/fmi2_callbacks.hpp"
 #include "fmi/call/foreign_call.hpp"
-#include "fmi/fmi2_functions.hpp"
+#include "fmi/fmu.hpp"
 #include "fmi/process/process_state.hpp"
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

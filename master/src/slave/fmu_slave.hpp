@@ -3,8 +3,7 @@
 
 #include "base/time_grid.hpp"
 #include "fmi/fmu.hpp"
-#include "message/message.hpp"
-#include "message/message_limit.hpp"
+#include "message/message_hub.hpp"
 #include "slave/slave.hpp"
 
 #include <atomic>

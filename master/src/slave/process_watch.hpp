@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fmi/process/process_state.hpp"
-#include "message/message.hpp"
+#include "message/message_hub.hpp"
 
 #include <cstdint>
 #include <optional>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "mebots/state/visitor.hpp"
-#include "message/message.hpp"
+#include "message/message_hub.hpp"
 #include "slave/access_slave.hpp"
 #include "slave/slave_options.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/algorithm/slave_steps.hpp"
-#include "message/ordered_messages.hpp"
+#include "message/message_hub.hpp"
 #include "model/run_course.hpp"
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace mebots::master {
 
-/// Carries all slaves from one communication point to the next: who takes which inputs when, and who steps when.
-/// To add one: a row in kAlgorithms (model/system_description.hpp), a class in a file of its own, a case in
+/// Advances all slaves from one communication point to the next: decides when each slave gets its inputs and when it
+/// steps. To add an algorithm: a row in kAlgorithms (model/system_description.hpp), a class in a new file, a case in
 /// registry.cpp.
 class Algorithm {
  public:
@@ -36,5 +36,16 @@ struct AlgorithmContext {
 
 /// Makes the one that the system's description names. Throws as find_algorithm() does.
 std::unique_ptr<Algorithm> make_algorithm(const AlgorithmContext& context);
+
+/// Jacobi: at t_k, every slave whose step begins there gets its inputs from all outputs at t_k; then all step.
+/// Therefore the order of the instances has no effect. The new outputs of a slave with a longer step become visible
+/// when the others reach its time. With several threads, slaves step in parallel if measured times show a gain; the
+/// results have the same bits.
+std::unique_ptr<Algorithm> make_jacobi(const AlgorithmContext& context);
+
+/// Gauss-Seidel: the slaves step one after the other in the declared order. Each gets its inputs just before its step:
+/// from earlier slaves at t_(k+1), from later ones at t_k. The new outputs of a slave with a longer step become visible
+/// at its turn in the step in which the others reach its time.
+std::unique_ptr<Algorithm> make_gauss_seidel(const AlgorithmContext& context);
 
 }  // namespace mebots::master

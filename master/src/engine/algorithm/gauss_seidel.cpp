@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/algorithm/gauss_seidel.hpp"
+#include "engine/algorithm/algorithm.hpp"
 
-#include "base/interrupt.hpp"
+#include "base/signal_guard.hpp"
 #include "mebots/assert.hpp"
 
 #include <numeric>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/algorithm/jacobi.hpp"
+#include "engine/algorithm/algorithm.hpp"
 
 #include "engine/algorithm/step_pool.hpp"
 #include "engine/algorithm/thread_policy.hpp"

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/algorithm/algorithm.hpp"
 
-#include "engine/algorithm/gauss_seidel.hpp"
-#include "engine/algorithm/jacobi.hpp"
-
 namespace mebots::master {
 
 std::unique_ptr<Algorithm> make_algorithm(const AlgorithmContext& context) {

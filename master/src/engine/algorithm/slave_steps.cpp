@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/algorithm/slave_steps.hpp"
 
-#include "base/interrupt.hpp"
+#include "base/signal_guard.hpp"
 #include "base/time.hpp"
-#include "engine/algorithm/step_in_parts.hpp"
 #include "mebots/assert.hpp"
 
 #include <fmt/format.h>

@@ -3,6 +3,7 @@
 
 #include "engine/ensemble.hpp"
 #include "model/run_course.hpp"
+#include "slave/slave.hpp"
 
 #include <atomic>
 #include <cstddef>
@@ -56,5 +57,11 @@ class SlaveSteps {
 
 /// "interrupted at 3 s"
 End interrupted_at(std::int64_t time_ns);
+
+/// Advances the slave by one step, in parts if necessary. If the slave discards a step, restores its state and tries
+/// the part that the slave reported, else half. Gives up if a part of one microsecond is discarded, or if the slave
+/// requests the end of the simulation. The slave must be able to save its state. Throws what the slave throws.
+StepResult step_in_parts(Slave& slave, std::int64_t start_ns, std::int64_t duration_ns,
+                         const std::atomic<bool>& cancel);
 
 }  // namespace mebots::master

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/algorithm/step_in_parts.hpp"
+#include "engine/algorithm/slave_steps.hpp"
 
 #include "base/time.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "fmi/call/callback_text.hpp"
 #include "fmi/call/forked_copies.hpp"
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 
 #include <algorithm>
 #include <atomic>

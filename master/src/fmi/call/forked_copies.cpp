@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi/call/forked_copies.hpp"
 
-#include "base/signal_line.hpp"
+#include "base/signal_guard.hpp"
 #include "fmi/call/fmi2_callbacks.hpp"
 
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fmi/process/environment_variables.hpp"
+#include "fmi/process/process_state.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

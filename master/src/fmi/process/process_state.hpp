@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "fmi/process/environment_variables.hpp"
 #include "fmi/process/process_functions.hpp"
-#include "fmi/process/thread_state.hpp"
-#include "fmi/process/timer_state.hpp"
 
+#include <sched.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/types.h>
 
 #include <array>
@@ -47,6 +46,80 @@ class DescriptorState {
 
   OpenFiles files_;
   std::array<int, kStandard> copies_{};  // of the standard descriptors; -1 where there is none
+};
+
+/// What an FMU can change of the thread that calls it: signal mask, alternate signal stack, nice value, scheduling
+/// policy, processor affinity, parent-death signal. On Linux, all of them belong to the thread.
+class ThreadState {
+ public:
+  /// Reads the state of the calling thread.
+  ThreadState();
+
+  /// Appends one text for each difference from the state at construction, and undoes what it can. A change that stays
+  /// is reported once in the life of the process. No effect on another thread than the one of the constructor.
+  void put_right(std::vector<std::string>& texts) const;
+  /// Returns true if the signal mask is another: a cheap question.
+  bool is_mask_changed() const;
+
+ private:
+  void compare_mask(std::vector<std::string>& texts) const;
+  void compare_stack(std::vector<std::string>& texts) const;
+  void compare_scheduling(std::vector<std::string>& texts) const;
+  void compare_death_signal(std::vector<std::string>& texts) const;
+
+  pid_t thread_;
+  sigset_t mask_{};
+  stack_t stack_{};
+  int nice_;
+  int policy_;
+  sched_param parameters_{};
+  cpu_set_t processors_{};
+  int death_signal_ = 0;
+};
+
+/// The timers of this process: the three of setitimer(), of which alarm() uses the first, and those of timer_create().
+/// The kernel lists the latter in /proc/self/timers; if it does not, they are not compared.
+class TimerState {
+ public:
+  /// Reads the timers that run.
+  TimerState();
+
+  /// Appends one text for each timer that runs now and did not at construction, or the other way round. If the
+  /// timer's signal would end the process, the timer is stopped. If the signal has a handler, the timer may be how the
+  /// FMU works: it stays, and is reported once in the life of the process.
+  void put_right(std::vector<std::string>& texts) const;
+
+ private:
+  static constexpr std::array kInterval = {ITIMER_REAL, ITIMER_VIRTUAL, ITIMER_PROF};
+  /// By the kernel's number: the signal of each timer.
+  using Created = std::map<int, int>;
+
+  static Created created();
+  void compare_intervals(std::vector<std::string>& texts) const;
+  void compare_created(std::vector<std::string>& texts) const;
+
+  std::array<itimerval, kInterval.size()> intervals_{};
+  Created created_;
+};
+
+/// Stops the timer of setitimer() that sends this signal, if there is one.
+void stop_timers_of(int signal);
+
+/// A copy of the process's environment variables.
+class EnvironmentVariables {
+ public:
+  static EnvironmentVariables now();
+
+  /// Sets the process's variables to those of this copy. Returns one text per difference that it undid:
+  /// "environment variable TZ became 'UTC' (put back)". Costs a comparison if nothing differs.
+  std::vector<std::string> restore() const;
+
+ private:
+  struct Entry {
+    const char* place;  // in the environment; never read
+    std::string text;   // NAME=value
+  };
+  std::vector<Entry> entries_;
 };
 
 /// What an FMU in this process can change for all code in it: descriptors, mask of file modes, working directory,

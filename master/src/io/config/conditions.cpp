@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections `stop_when` and `outcomes`.
-#include "conditions.hpp"
-
-#include "reading.hpp"
 #include "sections.hpp"
 
 namespace mebots::master::config {

@@ -2,9 +2,8 @@
 // A config is a list of sections; each has its reader in config/. A new section is a line in the table below,
 // a reader in a file of its own, and a property in configs/schemas/mebots-config.schema.json. Or it is another config
 // with changes: variant.hpp.
+#include "io/config/load_system.hpp"
 #include "io/config/schemas.hpp"
-#include "io/config/single_fmu.hpp"
-#include "io/config/system_file.hpp"
 #include "io/fmu_archive.hpp"
 #include "io/osp/osp.hpp"
 #include "io/ssp/ssp.hpp"
@@ -13,12 +12,10 @@
 #include "mebots/file_kind.hpp"
 #include "mebots/json_document.hpp"
 #include "mebots/modeldesc/archive.hpp"
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 
 #include "base/input_text.hpp"
-#include "io/config/load_system.hpp"
 #include "io/config/sections.hpp"
-#include "io/config/variant.hpp"
 
 #include <fmt/format.h>
 
@@ -205,7 +202,7 @@ void read_extended(LoadedSystem& loaded, const std::string& file, const std::str
   read_made_config(loaded, file, std::move(places));
 }
 
-/// Whether somebody wants the JSON of a config as well, which takes time of its own.
+/// True to return the JSON of the config, too, which takes longer.
 enum class WithJson : std::uint8_t { yes, no };
 
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {

@@ -4,7 +4,6 @@
 #include "io/find_fmu.hpp"
 #include "model/sandbox_mechanisms.hpp"
 
-#include "reading.hpp"
 #include "sections.hpp"
 
 #include <fmt/format.h>
@@ -16,7 +15,7 @@
 namespace mebots::master::config {
 namespace {
 
-/// What a reader of a key may count on beside its instance.
+/// What the reader of a key may use in addition to its instance.
 struct Surroundings {
   const SystemDescription& system;  // with the sections and instances before it
   FmuSearch& fmus;
@@ -72,7 +71,7 @@ std::string mechanism_in(const Node& node) {
   return data::word_of<std::string>({{kNamespaces, kNamespaces}, {kLandlock, kLandlock}, {kSeccomp, kSeccomp}})(node);
 }
 
-/// Nobody can end a call, or bound the memory, of an FMU inside the master's process.
+/// The master cannot end a call of an FMU in its own process, nor limit its memory.
 void need_own_process(const Node& node, const InstanceDescription& instance) {
   if (instance.isolation.process == ProcessKind::shared) {
     node.fail(ErrorCode::invalid_value, "this needs \"process\": \"own\" or \"sandboxed\"");

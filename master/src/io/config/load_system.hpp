@@ -2,24 +2,28 @@
 #pragma once
 
 #include "io/ssp/ssp.hpp"
+#include "mebots/data/node.hpp"
+#include "mebots/modeldesc/model_description.hpp"
 #include "model/system_description.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
-/// From files to a SystemDescription.
+/// Reads a SystemDescription from files.
 namespace mebots::master {
 
-/// Times that are given instead of those in the file, or because it has none [s].
+/// Times [s] that replace those of the file, or that the file lacks.
 struct GivenTimes {
   std::optional<WrittenTime> step;
   std::optional<double> stop_time_s;
 };
 
-/// A system together with the JSON that it was read from, or that stands for its SSP.
+/// A system with the JSON that it was read from. For an SSP, the equivalent JSON.
 struct LoadedSystem {
   SystemDescription system;
   nlohmann::ordered_json config;
@@ -28,15 +32,15 @@ struct LoadedSystem {
 /// Reads a system from a config file, an FMU alone (`.fmu`), an SSP (`.ssp`, `.ssd`, or the folder of one) or an
 /// OspSystemStructure.xml. Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
 LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times = {});
-/// The same without the JSON, which takes time of its own.
+/// The same without the JSON, which is faster.
 SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});
 
-/// load_system() for what is in memory already. `file` names it in messages; paths of FMUs are relative to it.
+/// load_system() for text in memory. `file` names it in messages; paths of FMUs are relative to it.
 namespace config {
 
-/// Reads a config file without opening its FMUs. Throws data::Mistakes with everything that is wrong in it.
+/// Reads a config file without opening its FMUs. Throws data::Mistakes with all errors.
 void check(const std::filesystem::path& file);
-/// The same of a scenario file, whose instances are not known.
+/// The same for a scenario file, whose instances are unknown.
 void check_scenario(const std::filesystem::path& file);
 
 LoadedSystem load_text(std::string text, const std::filesystem::path& file);
@@ -47,4 +51,69 @@ LoadedSystem load_ssp_config(SspConfig ssp, const std::filesystem::path& file, c
 void make_signal_paths_absolute(nlohmann::ordered_json& config, const SystemDescription& system);
 
 }  // namespace config
+
+/// The forms in which a system can be described.
+enum class SystemForm {
+  config,  ///< JSON
+  fmu,     ///< an FMU alone, `.fmu`: the system of this one instance
+  ssp,     ///< an SSP archive, `.ssp`
+  ssd,     ///< an unpacked SSP, by its `.ssd`
+  osp,     ///< OspSystemStructure.xml
+};
+
+/// The file that describes a system, and its form.
+struct SystemFile {
+  std::filesystem::path path;
+  SystemForm form;
+};
+
+/// Determines the form from the file's extension. In a folder, looks for SystemStructure.ssd and
+/// OspSystemStructure.xml. Throws InputError for a folder with neither.
+SystemFile find_system(const std::filesystem::path& path);
+
+/// True if the name alone shows a file or folder that find_system() accepts; false for an FMU.
+bool may_be_system(const std::filesystem::path& path);
+
+/// Returns the system's name: the folder of an unpacked SSP or of an OSP system whose file has the usual name, else the
+/// file's name without its extension.
+std::string system_name(const std::filesystem::path& path);
+
 }  // namespace mebots::master
+
+namespace mebots::master::config {
+
+/// Returns the config of a run of an FMU alone: one instance, named after the file. Times come from `times`, else from
+/// the FMU's DefaultExperiment, else they run from 0 s to 1 s after the start in 500 steps. A stop time of the
+/// DefaultExperiment is rounded down to a whole number of steps. Records the outputs, or the local variables of an FMU
+/// that has no outputs. `notices` gets the values and where they come from. Throws InputError.
+nlohmann::ordered_json single_fmu_config(const std::filesystem::path& fmu,
+                                         const modeldesc::ModelDescription& description, const GivenTimes& times,
+                                         std::vector<std::string>& notices);
+
+}  // namespace mebots::master::config
+
+namespace mebots::master {
+
+/// Appends the overrides of a scenario file. Returns the file's name and hash for the list of changes. Throws
+/// InputError.
+std::string apply_scenario(SystemDescription& system, const std::filesystem::path& file);
+
+}  // namespace mebots::master
+
+/// A config that changes another one: `{"extends": "gate_hard.json", "changes": {...}}`. RFC 7396 (JSON merge patch)
+/// applies: objects are merged member by member, null removes a member, all else is replaced.
+namespace mebots::master::config {
+
+inline constexpr const char* kExtends = "extends";
+inline constexpr const char* kChanges = "changes";
+
+/// Returns the name of the extended file, which is in the same folder. Reports errors in the variant's own keys.
+std::string read_variant(const data::Node& root);
+
+/// Returns the merged config. The variant's `text` replaces that of the base.
+nlohmann::ordered_json laid_over(nlohmann::ordered_json base, const nlohmann::ordered_json& variant);
+
+/// Returns the file of each part of the merged config, for data::Document. `base`: the extended file's content.
+std::map<std::string, std::string> places_of(const nlohmann::ordered_json& variant, const nlohmann::ordered_json& base);
+
+}  // namespace mebots::master::config

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reading.hpp"
+#include "sections.hpp"
 
 #include "base/time.hpp"
 #include "mebots/nearest_names.hpp"

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `scenario`.
-#include "conditions.hpp"
-#include "reading.hpp"
 #include "sections.hpp"
 
 #include <fmt/format.h>

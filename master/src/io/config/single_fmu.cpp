@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/config/single_fmu.hpp"
+#include "io/config/load_system.hpp"
 
 #include "base/time.hpp"
-#include "io/config/load_system.hpp"
-#include "io/config/system_file.hpp"
 
 #include <fmt/format.h>
 

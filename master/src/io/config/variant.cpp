@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/config/variant.hpp"
+#include "io/config/load_system.hpp"
 
 #include "mebots/data/object.hpp"
 

@@ -2,7 +2,7 @@
 #include "io/osp/osp.hpp"
 
 #include "io/fmu_archive.hpp"
-#include "io/ssp/uri.hpp"
+#include "io/ssp/files.hpp"
 #include "io/ssp/xml_file.hpp"
 #include "mebots/data/node.hpp"
 #include "mebots/file_kind.hpp"

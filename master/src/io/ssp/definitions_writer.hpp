@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mebots/modeldesc/model_description.hpp"
+#include "model/resolved_system.hpp"
 
 #include <pugixml.hpp>
 
@@ -25,5 +26,11 @@ class DefinitionsWriter {
   std::map<std::string, const modeldesc::TypeDefinition*> enumerations_;
   std::map<std::string, const modeldesc::Unit*> units_;
 };
+
+/// Version of the files that are written.
+inline constexpr const char* kWrittenVersion = "1.0";
+
+/// Fills an SSV file with the start values of an instance, with the units of its FMU.
+void write_parameter_set(const ResolvedInstance& instance, pugi::xml_document& document);
 
 }  // namespace mebots::master::ssp

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "document.hpp"
 
+#include "files.hpp"
 #include "mebots/input_error.hpp"
-#include "parameters.hpp"
-#include "uri.hpp"
+#include "values.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common.hpp"
 #include "model.hpp"
+#include "xml_file.hpp"
 
 #include <memory>
 #include <string>

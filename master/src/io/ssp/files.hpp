@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace mebots::master::ssp {
@@ -41,5 +43,16 @@ class FolderFiles final : public Files {
   std::filesystem::path folder_;
   bool is_open_;
 };
+
+/// A URI of a file (RFC 3986): a relative reference, or a URI of scheme `file`.
+struct FileUri {
+  std::filesystem::path path;
+  bool has_backslashes = false;         ///< read as slashes
+  std::optional<std::string> by_proxy;  ///< the host through which the FMU was meant to run
+};
+
+/// Returns nullopt for a URI of another scheme. `proxyfmu://host?file=PATH` of the Open Simulation Platform names the
+/// file PATH.
+std::optional<FileUri> parse_file_uri(std::string_view uri);
 
 }  // namespace mebots::master::ssp

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "parameters.hpp"
+#include "values.hpp"
 
+#include "files.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive_reader.hpp"
-#include "uri.hpp"
 
 #include <fmt/format.h>
 

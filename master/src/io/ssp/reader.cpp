@@ -5,7 +5,7 @@
 
 #include "document.hpp"
 #include "network.hpp"
-#include "read.hpp"
+#include "ssp.hpp"
 #include "values.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "files.hpp"
 #include "model/resolved_system.hpp"
 
 #include <nlohmann/json.hpp>
@@ -45,3 +46,10 @@ void write_ssp(const ResolvedSystem& system, const nlohmann::ordered_json& confi
 void write_config(const SystemDescription& system, nlohmann::ordered_json config, const std::filesystem::path& file);
 
 }  // namespace mebots::master
+
+namespace mebots::master::ssp {
+
+/// read_ssp() wherever the files lie; `archive` names the SSP in messages. Throws InputError.
+SspConfig read(const Files& files, const std::string& archive, const std::string& ssd = "SystemStructure.ssd");
+
+}  // namespace mebots::master::ssp

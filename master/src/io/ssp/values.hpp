@@ -2,6 +2,7 @@
 #pragma once
 
 #include "network.hpp"
+#include "xml_file.hpp"
 
 #include <map>
 #include <string>
@@ -39,5 +40,16 @@ std::map<Endpoint, StartingValue> starting_values(const Network& network, ValueN
 
 /// A value as a variable of this type takes it: whole numbers of type Real become Integers.
 Json fitting(Json value, const Port& port);
+
+/// Files and definitions that the bindings of an element may refer to.
+struct BindingContext {
+  const Source& source;
+  const XmlFile& ssd;
+  const Definitions& definitions;  ///< of the SSD
+  std::filesystem::path fmu;       ///< of a component: sourceBase="component" begins in it
+};
+
+/// All values of an element's <ParameterBindings> (SSP 2.0, 5.3.3), SSV and SSM inline or in files, in their order.
+std::vector<Parameter> read_parameter_bindings(const BindingContext& context, pugi::xml_node element);
 
 }  // namespace mebots::master::ssp

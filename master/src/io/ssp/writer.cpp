@@ -4,7 +4,6 @@
 #include "mebots/modeldesc/archive.hpp"
 
 #include "definitions_writer.hpp"
-#include "ssv_writer.hpp"
 
 #include <fmt/format.h>
 #include <pugixml.hpp>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "child_process.hpp"
 
-#include "keeper.hpp"
-
 #include "base/installation.hpp"
 
 #include "mebots/error.hpp"

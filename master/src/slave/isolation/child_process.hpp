@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "model/resolved_system.hpp"
+
 #include <sys/types.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -54,4 +57,28 @@ std::string signal_text(int signal);
 /// ../bin of it. Throws Error that says where it was looked for.
 std::filesystem::path find_fmu_host();
 
+/// Forks, and returns in the child, which leads a session of its own. The calling process stays as its keeper. When the
+/// child ends, when `parent` does (by whatever signal), or when end_kept() asks for it, the keeper ends every process
+/// that came of the child, whatever group or session it went to. Then it ends itself as the child ended. The child ends
+/// with its keeper, too; neither dumps core. One thread only. Throws Error when there is no process to be had.
+void fork_kept(pid_t parent);
+
+/// Makes a keeper end its processes and itself, and waits for that. Does not reap it.
+void end_kept(pid_t keeper);
+
 }  // namespace mebots::master::isolation
+
+namespace mebots::master {
+
+/// Reads the FMU's ELF files. The Python is that of MEBOTS_PYTHON, else `python3` on PATH, else any in the system's
+/// folders. If no Python is found, `library` stays empty.
+Interpreter interpreter_of(const Fmu& fmu);
+
+/// The main function of `mebots-fmu-host`: runs one FMU for the master that started the program, until the master
+/// closes the connection. `words`: the program, the master's process number, the memory limit in bytes. For a sandbox
+/// also
+/// `--sandbox FOLDER`, `--reads PATH` for each further readable place, `--may-lack MECHANISM` for each mechanism that
+/// may be absent, and `--inside` once the namespaces have been entered. Returns the exit code.
+int run_fmu_host(int argument_count, char** words);
+
+}  // namespace mebots::master

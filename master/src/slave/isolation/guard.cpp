@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "guard.hpp"
 
-#include "landlock.hpp"
+#include "sandbox.hpp"
 
 #include <asm/sockios.h>
 #include <fcntl.h>

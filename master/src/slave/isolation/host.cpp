@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi/call/forked_copies.hpp"
 #include "mebots/input_error.hpp"
-#include "message/message_limit.hpp"
+#include "message/message_hub.hpp"
 #include "model/osmp.hpp"
 #include "slave/fmu_slave.hpp"
-#include "slave/isolation/fmu_host.hpp"
+#include "slave/isolation/child_process.hpp"
 
+#include "child_process.hpp"
 #include "guard.hpp"
-#include "keeper.hpp"
 #include "model/sandbox_mechanisms.hpp"
 #include "protocol.hpp"
 #include "sandbox.hpp"
-#include "system_calls.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

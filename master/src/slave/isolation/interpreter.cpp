@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slave/isolation/interpreter.hpp"
+#include "slave/isolation/child_process.hpp"
 
 #include "fmi/fmu.hpp"
 #include "fmi/library_needs.hpp"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "isolated_slave.hpp"
 
-#include "base/interrupt.hpp"
+#include "base/signal_guard.hpp"
 #include "base/time.hpp"
 #include "fmi/call/callback_text.hpp"
 #include "fmi/fmu.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"
-#include "message/plain_text.hpp"
+#include "message/message_text.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/time_grid.hpp"
-#include "message/message.hpp"
+#include "message/message_hub.hpp"
 #include "model/resolved_system.hpp"
 #include "slave/slave.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "keeper.hpp"
+#include "child_process.hpp"
 
 #include "mebots/error.hpp"
 

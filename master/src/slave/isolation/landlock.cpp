@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "landlock.hpp"
+#include "sandbox.hpp"
 
 #include <fcntl.h>
 #include <sys/prctl.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sandbox.hpp"
 
-#include "landlock.hpp"
 #include "model/sandbox_mechanisms.hpp"
 
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "system_calls.hpp"
+#include "sandbox.hpp"
 
 #include <fcntl.h>
 #include <sched.h>

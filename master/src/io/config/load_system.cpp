@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/config/system_file.hpp"
+#include "io/config/load_system.hpp"
 
+#include "base/input_text.hpp"
+#include "base/sha256.hpp"
+#include "io/config/sections.hpp"
+#include "mebots/data/document.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 
@@ -43,6 +47,18 @@ std::string system_name(const std::filesystem::path& path) {
   if (folder) return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
   if (whole.filename() == kSsd || whole.filename() == kOsp) return whole.parent_path().filename().string();
   return whole.stem().string();
+}
+
+std::string apply_scenario(SystemDescription& system, const std::filesystem::path& file) {
+  const auto text = input_text(file);
+  auto changed = system;  // all of the file or nothing
+  refused_as_input([&] {
+    data::Document(text, file.string()).read([&](const data::Node& root) {
+      config::read_scenario_file(root, changed, std::filesystem::absolute(file).parent_path());
+    });
+  });
+  system = std::move(changed);
+  return fmt::format("scenario {} {}", file.filename().string(), sha256(text));
 }
 
 }  // namespace mebots::master

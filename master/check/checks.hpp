@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "finding.hpp"
+#include "mebots/modeldesc/model_description.hpp"
+
+#include <filesystem>
+#include <string_view>
+
+struct zip;  // libzip's zip_t
+
+namespace mebots::check {
+
+/// Checks names, kinds and sizes of an archive's entries. Unpacks nothing. Throws mebots::Error if the file is not a
+/// zip archive.
+void check_archive(const std::filesystem::path& archive, Findings findings);
+/// The same for an open archive (libzip's zip_t).
+void check_archive(zip& archive, Findings findings);
+
+/// Compares the text of a modelDescription.xml with the grammar of FMI 2.0: elements, their order and number,
+/// attributes, the form of their values, and the encoding.
+void check_schema(std::string_view text, Findings findings);
+
+using modeldesc::ModelDescription;
+
+/// Checks identifier, version, capabilities, log categories, default experiment, sources.
+void check_head(const ModelDescription& model, const std::filesystem::path& folder, Findings findings);
+/// Checks that units, display units and types are defined and their numbers valid.
+void check_units_and_types(const ModelDescription& model, Findings findings);
+/// Checks combinations of causality, variability, initial and start. Start values must be within limits, and items
+/// known.
+void check_variables(const ModelDescription& model, Findings findings);
+/// Checks that names are unique and printable. If the description claims structured names, checks their grammar.
+void check_names(const ModelDescription& model, Findings findings);
+/// Checks that variables with the same value reference agree.
+void check_aliases(const ModelDescription& model, Findings findings);
+/// Checks that Outputs and InitialUnknowns are complete, without further entries.
+void check_structure(const ModelDescription& model, Findings findings);
+/// Checks that each OSMP binary has three Integers of one causality with start 0.
+void check_osmp(const ModelDescription& model, Findings findings);
+
+/// True for a name of the structured naming convention: identifiers, `der(...)`, array indices, quoted names.
+bool is_structured_name(std::string_view name);
+
+/// Checks platforms and files under binaries/ of the unpacked FMU in `folder`.
+void check_platforms(const modeldesc::ModelDescription& model, const std::filesystem::path& folder, Findings findings);
+/// Checks that the library exports the functions that the standard requires, and no others.
+void check_symbols(const modeldesc::ModelDescription& model, const std::filesystem::path& library, Findings findings);
+/// True if the library exports all functions that the experiments call.
+bool can_be_run(const modeldesc::ModelDescription& model, const std::filesystem::path& library);
+/// Checks that the system's loader finds every needed library, directly or through libraries in the same folder.
+void check_needed_libraries(const std::filesystem::path& library, Findings findings);
+
+/// Returns the required path of the shared library for this machine.
+std::filesystem::path library_path(const modeldesc::ModelDescription& model, const std::filesystem::path& folder);
+
+}  // namespace mebots::check

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// The section `record`.
+// The section `pictures`.
+// The section `log`.
+// The section `view`: what the page of a run shows first.
+// The section `summary`: labels, which may be nested, to variables, or to variables with conditions.
+#include "sections.hpp"
+
+namespace mebots::master::config {
+namespace {
+
+std::vector<RecordPattern> read_patterns(const Node& node) {
+  return data::list_of([](const Node& element) {
+    return RecordPattern{element.readable_text(), element.place()};
+  })(node);
+}
+
+/// `true` for all, or patterns.
+std::vector<RecordPattern> read_recorded_parameters(const Node& node) {
+  if (!node.is(data::Kind::boolean)) return read_patterns(node);
+  return node.flag() ? std::vector<RecordPattern>{{"*", node.place()}} : std::vector<RecordPattern>{};
+}
+
+struct Format {
+  bool csv;
+  bool hdf5;
+};
+
+}  // namespace
+
+void read_record(const Node& node, SystemDescription& system) {
+  static const auto format_of =
+      data::word_of<Format>({{"csv", {true, false}}, {"hdf5", {false, true}}, {"both", {true, true}}});
+  auto& record = system.record;
+  if (node.is(data::Kind::list)) {
+    record.patterns = read_patterns(node);
+    return;
+  }
+  Object object(node);
+  object.read_if("variables", record.patterns, &read_patterns);
+  object.read_if("exclude", record.exclude, &read_patterns);
+  object.read_if("parameters", record.parameters, &read_recorded_parameters);
+  Format format{record.csv, record.hdf5};
+  object.read_if("format", format, format_of);
+  record.csv = format.csv;
+  record.hdf5 = format.hdf5;
+  object.read_if("texts", record.texts, &Node::flag);
+  object.read_if("locals", record.locals, &Node::flag);
+  object.read_if("interval", record.every_steps, [&](const Node& member) { return steps_in(member, system); });
+  object.finish();
+}
+
+namespace {
+
+constexpr std::int32_t kLargestPictureWidth = 65536;
+
+PictureDescription read_picture(const Node& node, const SystemDescription& system) {
+  Object object(node);
+  PictureDescription pictures;
+  pictures.place = node.place();
+  object.read("frame", pictures.frame, variable_of(system));
+  object.read("id", pictures.id, variable_of(system));
+  object.read("width", pictures.width,
+              [](const Node& width) { return static_cast<std::int32_t>(width.whole_number(1, kLargestPictureWidth)); });
+  object.read_if("interval", pictures.interval_ns, &duration_ns);
+  object.finish();
+  return pictures;
+}
+
+}  // namespace
+
+void read_pictures(const Node& node, SystemDescription& system) {
+  system.pictures = data::list_of([&](const Node& element) { return read_picture(element, system); })(node);
+}
+
+void read_log(const Node& node, SystemDescription& system) {
+  for (const auto& [name, categories] : node.members()) {
+    categories.attempt([&, &name = name, &categories = categories] {
+      system.log.push_back({instance_name(name, categories, system), data::list_of(&Node::readable_text)(categories)});
+    });
+  }
+}
+
+namespace {
+
+CurveDescription read_curve(const Node& node, const SystemDescription& system) {
+  Object object(node);
+  CurveDescription curve;
+  curve.place = node.place();
+  curve.rate = object.has("rate_of");
+  if (curve.rate && object.has("variable")) {
+    node.complain(ErrorCode::invalid_value, "a curve is either a 'variable' or the 'rate_of' one");
+  }
+  object.read(curve.rate ? "rate_of" : "variable", curve.variable, variable_of(system));
+  object.read_if("label", curve.label, &Node::readable_text);
+  object.allow({"variable"});
+  object.finish();
+  return curve;
+}
+
+PanelDescription read_panel(const Node& node, const SystemDescription& system) {
+  static const auto kind_of =
+      data::word_of<PanelKind>({{"lines", PanelKind::lines}, {"stack", PanelKind::stack}, {"lanes", PanelKind::lanes}});
+  Object object(node);
+  PanelDescription panel;
+  object.read("title", panel.title, &Node::readable_text);
+  object.read_if("kind", panel.kind, kind_of);
+  object.read("curves", panel.curves, data::list_of([&](const Node& element) { return read_curve(element, system); }));
+  object.finish();
+  return panel;
+}
+
+}  // namespace
+
+void read_view(const Node& node, SystemDescription& system) {
+  Object object(node);
+  auto& view = system.view;
+  object.visit_if("scene", [&](const Node& scene) {
+    view.scene = variable_name(scene, system);
+    view.scene_place = scene.place();
+  });
+  object.read_if("panels", view.panels,
+                 data::list_of([&](const Node& element) { return read_panel(element, system); }));
+  object.read_if("marks", view.marks, data::list_of([&](const Node& element) {
+                   return instance_name(element.readable_text(), element, system);
+                 }));
+  object.finish();
+}
+
+namespace {
+
+ConditionDescription read_final_condition(const Node& node, const SystemDescription& system) {
+  Object object(node);
+  auto condition = read_condition(object, system);
+  object.finish();
+  return condition;
+}
+
+/// A value that means something only when the run came to a point where it was measured.
+SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& path, const SystemDescription& system) {
+  Object object(node);
+  SummaryEntry entry{path, {}, {}, node.place()};
+  object.read("variable", entry.variable, variable_of(system));
+  object.read("when", entry.when,
+              data::list_of([&](const Node& element) { return read_final_condition(element, system); }));
+  object.finish();
+  return entry;
+}
+
+bool is_conditional(const Node& node) {
+  const auto when = node.find("when");
+  return node.has("variable") && when && when->is(data::Kind::list);
+}
+
+// Recursive: the document bounds the depth.
+void read_labels(const Node& node, const std::vector<std::string>& path, SystemDescription& system) {
+  for (const auto& [label, value] : node.members()) {
+    value.attempt([&, &label = label, &value = value] {
+      auto inner = path;
+      inner.push_back(label);
+      if (!value.is(data::Kind::object)) {
+        auto name = variable_name(value, system);
+        system.summary.push_back({std::move(inner), std::move(name), {}, value.place()});
+      } else if (is_conditional(value)) {
+        system.summary.push_back(read_conditional(value, inner, system));
+      } else {
+        read_labels(value, inner, system);
+      }
+    });
+  }
+}
+
+}  // namespace
+
+void read_summary(const Node& node, SystemDescription& system) {
+  read_labels(node, {}, system);
+}
+
+}  // namespace mebots::master::config
