@@ -3,7 +3,7 @@
 
 #include "io/config/command_line.hpp"
 #include "mebots/modeldesc/archive.hpp"
-#include "model/record_choice.hpp"
+#include "model/resolved_system.hpp"
 #include "record/conditions.hpp"
 #include "record/recorder.hpp"
 #include "record/scenario.hpp"

@@ -3,7 +3,7 @@
 
 #include "model.hpp"
 #include "scene/load.hpp"
-#include "stabiliser/thrust_curve.hpp"
+#include "stabiliser/stabiliser.hpp"
 
 #include <cmath>
 #include <cstdint>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/config/command_line.hpp"
 #include "io/config/load_system.hpp"
-#include "io/config/schemas.hpp"
 #include "model/system_description.hpp"
 #include "test_system.hpp"
 

@@ -3,7 +3,7 @@
 #include "mebots/base64.hpp"
 #include "mebots/error.hpp"
 #include "mebots/png_file.hpp"
-#include "scene/gltf_file.hpp"
+#include "scene/load.hpp"
 
 #include <gmock/gmock.h>
 #include <png.h>

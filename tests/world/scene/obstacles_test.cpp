@@ -3,7 +3,7 @@
 #include "dynamics/rigid_world.hpp"
 #include "math/rotation.hpp"
 #include "mebots/error.hpp"
-#include "scene/solids.hpp"
+#include "scene/scene.hpp"
 #include "sensors/range_sensor.hpp"
 #include "support/flight_rig.hpp"
 #include "support/same_state.hpp"

@@ -3,7 +3,6 @@
 #include "io/config/load_system.hpp"
 #include "model/signal.hpp"
 #include "run/run.hpp"
-#include "run/write.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 // Gates of all shapes: what their frames hold, what counts as through, and that both agree.
 #include "dynamics/rigid_world.hpp"
 #include "flight/gate_judge.hpp"
-#include "scene/solids.hpp"
+#include "scene/scene.hpp"
 #include "support/flight_rig.hpp"
 
 #include <gtest/gtest.h>

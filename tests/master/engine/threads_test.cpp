@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/algorithm/step_pool.hpp"
 #include "engine/algorithm/thread_policy.hpp"
 #include "test_system.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Libraries and symbols of FMUs stay separate: each FMU (tests/fmus/tenant) computes with the gain that it brings.
-#include "fmi/library_needs.hpp"
+#include "fmi/library_state.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
 #include "slave/isolation/child_process.hpp"
 #include "support/sanitizer.hpp"

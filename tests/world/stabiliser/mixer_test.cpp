@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stabiliser/mixer.hpp"
+#include "stabiliser/stabiliser.hpp"
 
-#include "stabiliser/gains.hpp"
-#include "stabiliser/thrust_curve.hpp"
 #include "support/flight_rig.hpp"
 
 #include <gtest/gtest.h>
