@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/modeldesc/elf_library.hpp"
 
-#include "mebots/error.hpp"
+#include "mebots/elf_bytes.hpp"
 
 #include <elf.h>
 #include <fcntl.h>
@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -41,7 +42,7 @@ class Mapping {
   Mapping(const Mapping&) = delete;
   Mapping& operator=(const Mapping&) = delete;
 
-  std::string_view bytes() const { return {static_cast<const char*>(data_), size_}; }
+  std::span<const std::uint8_t> bytes() const { return {static_cast<const std::uint8_t*>(data_), size_}; }
 
  private:
   void* data_ = nullptr;
@@ -239,15 +240,16 @@ class ElfImage {
   std::map<std::int64_t, std::uint64_t> values_;
 };
 
-/// The headers of a file, with bounds checked.
+/// A shared library in a file.
 class ElfFile {
  public:
-  explicit ElfFile(const std::filesystem::path& file) : mapping_(file), image_(file.string(), 0) {
-    if (!mapping_.bytes().starts_with(ELFMAG)) image_.fail("is not an ELF file");
-    header_ = at<Elf64_Ehdr>(0);
+  explicit ElfFile(const std::filesystem::path& file)
+      : mapping_(file), bytes_(mapping_.bytes(), file.string(), ErrorCode::fmu_inconsistent), image_(file.string(), 0) {
+    if (!bytes_.has_magic()) bytes_.fail("is not an ELF file");
+    header_ = bytes_.get<Elf64_Ehdr>(0, "the ELF header");
     if (header_.e_ident[EI_CLASS] != ELFCLASS64 || header_.e_ident[EI_DATA] != ELFDATA2LSB)
-      image_.fail("is no 64-bit little-endian ELF file");
-    if (header_.e_type != ET_DYN) image_.fail("is not a shared library");
+      bytes_.fail("is no 64-bit little-endian ELF file");
+    if (header_.e_type != ET_DYN) bytes_.fail("is not a shared library");
     map_segments();
   }
 
@@ -263,27 +265,20 @@ class ElfFile {
   void map_segments() {
     std::vector<std::uint64_t> dynamic;
     for (std::uint64_t i = 0; i < header_.e_phnum; ++i) {
-      const auto segment = at<Elf64_Phdr>(header_.e_phoff + i * header_.e_phentsize);
+      const auto segment = bytes_.get<Elf64_Phdr>(header_.e_phoff + i * header_.e_phentsize, "a program header");
       if (segment.p_type == PT_DYNAMIC) dynamic.push_back(segment.p_vaddr);
       if (segment.p_type != PT_LOAD || segment.p_filesz == 0) continue;
-      const auto bytes = mapping_.bytes();
-      if (segment.p_offset > bytes.size() || bytes.size() - segment.p_offset < segment.p_filesz)
-        image_.fail("is cut short");
-      image_.add({segment.p_vaddr, bytes.substr(segment.p_offset, segment.p_filesz), (segment.p_flags & PF_W) != 0});
+      const auto bytes = bytes_.part(segment.p_offset, segment.p_filesz, "a segment");
+      image_.add({segment.p_vaddr,
+                  {reinterpret_cast<const char*>(bytes.data()), bytes.size()},
+                  (segment.p_flags & PF_W) != 0});
     }
-    if (dynamic.empty()) image_.fail("has no dynamic section");
+    if (dynamic.empty()) bytes_.fail("has no dynamic section");
     image_.set_dynamic(dynamic.front());
   }
 
-  template <typename T>
-  T at(std::uint64_t offset) const {
-    if (offset > mapping_.bytes().size() || mapping_.bytes().size() - offset < sizeof(T)) image_.fail("is cut short");
-    T value;
-    std::memcpy(&value, mapping_.bytes().data() + offset, sizeof value);
-    return value;
-  }
-
   Mapping mapping_;
+  ElfBytes bytes_;
   ElfImage image_;
   Elf64_Ehdr header_{};
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "elf/elf.hpp"
 
-#include "mebots/error.hpp"
+#include "mebots/elf_bytes.hpp"
 
 #include <cxxabi.h>
 #include <fmt/core.h>
@@ -99,40 +99,9 @@ constexpr std::uint32_t kFarthestFromLabel = 0x10000;
 constexpr std::uint32_t kFloatAbi = 0x6;
 constexpr std::uint32_t kEmbeddedAbi = 0x8;
 
-/// Reads structures out of a file that may end anywhere.
-class File {
- public:
-  File(std::span<const std::uint8_t> bytes, const std::string& origin) : bytes_(bytes), origin_(origin) {}
-
-  [[noreturn]] void fail(const std::string& what) const { throw Error(fmt::format("{}: {}", origin_, what)); }
-
-  bool has(std::uint64_t offset, std::uint64_t size) const {
-    return offset <= bytes_.size() && size <= bytes_.size() - offset;
-  }
-
-  std::span<const std::uint8_t> part(std::uint64_t offset, std::uint64_t size, std::string_view what) const {
-    if (!has(offset, size)) {
-      fail(fmt::format("the file is cut short: {} needs bytes {} to {} of {}", what, offset, offset + size,
-                       bytes_.size()));
-    }
-    return bytes_.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(size));
-  }
-
-  template <typename T>
-  T get(std::uint64_t offset, std::string_view what) const {
-    T value;
-    std::memcpy(&value, part(offset, sizeof value, what).data(), sizeof value);
-    return value;
-  }
-
- private:
-  std::span<const std::uint8_t> bytes_;
-  const std::string& origin_;
-};
-
-FileHeader checked_header(const File& file) {
+FileHeader checked_header(const ElfBytes& file) {
   const auto ident = file.part(0, 16, "the ELF header");
-  if (ident[0] != 0x7f || ident[1] != 'E' || ident[2] != 'L' || ident[3] != 'F') {
+  if (!file.has_magic()) {
     file.fail("not an ELF file; give the linked firmware (.elf), not a .bin or .hex");
   }
   if (ident[4] != 1) file.fail("a 64-bit ELF file; the core has 32 bits: compile with -march=rv32imc -mabi=ilp32");
@@ -153,7 +122,7 @@ FileHeader checked_header(const File& file) {
   return header;
 }
 
-void require_room(const File& file, unsigned number, std::string_view which, std::uint32_t address,
+void require_room(const ElfBytes& file, unsigned number, std::string_view which, std::uint32_t address,
                   std::uint64_t size) {
   if (address + size <= kAddressSpace) return;
   file.fail(fmt::format("segment {} with {} bytes at its {} address 0x{:08x} passes the end of the address space",
@@ -161,7 +130,7 @@ void require_room(const File& file, unsigned number, std::string_view which, std
 }
 
 /// Two segments may share a run address (overlays), but no byte of memory is loaded twice.
-void require_apart(const File& file, std::vector<ElfSegment> segments) {
+void require_apart(const ElfBytes& file, std::vector<ElfSegment> segments) {
   std::erase_if(segments, [](const ElfSegment& segment) { return segment.bytes.empty(); });
   std::ranges::sort(segments, {}, &ElfSegment::load_address);
   for (std::size_t i = 1; i < segments.size(); ++i) {
@@ -174,7 +143,7 @@ void require_apart(const File& file, std::vector<ElfSegment> segments) {
   }
 }
 
-std::vector<ElfSegment> read_segments(const File& file, const FileHeader& header) {
+std::vector<ElfSegment> read_segments(const ElfBytes& file, const FileHeader& header) {
   std::vector<ElfSegment> segments;
   for (unsigned i = 0; i < header.program_count; ++i) {
     const auto program = file.get<ProgramHeader>(header.program_offset + std::uint64_t{i} * sizeof(ProgramHeader),
@@ -196,7 +165,7 @@ std::vector<ElfSegment> read_segments(const File& file, const FileHeader& header
 }
 
 /// Code that starts at its run address before anything could copy it there starts where it is loaded, as in QEMU.
-std::uint32_t loaded_entry(const File& file, std::uint32_t entry, const std::vector<ElfSegment>& segments) {
+std::uint32_t loaded_entry(const ElfBytes& file, std::uint32_t entry, const std::vector<ElfSegment>& segments) {
   if (entry % 2 != 0) file.fail(fmt::format("entry point 0x{:08x} is odd", entry));
   const auto holds = [&](std::uint32_t address, const ElfSegment& segment) {
     return entry >= address && entry - address < segment.bytes.size();
@@ -215,7 +184,7 @@ bool names_nothing(std::string_view name) {
   return name.starts_with("$x") || name.starts_with("$d") || name.starts_with(".L");
 }
 
-std::vector<SectionHeader> read_sections(const File& file, const FileHeader& header) {
+std::vector<SectionHeader> read_sections(const ElfBytes& file, const FileHeader& header) {
   std::vector<SectionHeader> sections;
   if (header.section_count == 0) return sections;
   if (header.section_size != sizeof(SectionHeader)) {
@@ -230,7 +199,7 @@ std::vector<SectionHeader> read_sections(const File& file, const FileHeader& hea
 }
 
 /// The symbols of the first symbol table; a file has one at most. `names` gets the text that they point into.
-std::vector<ElfSymbol> read_symbols(const File& file, std::span<const SectionHeader> sections,
+std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const SectionHeader> sections,
                                     std::shared_ptr<const std::string>& names) {
   std::vector<ElfSymbol> symbols;
   const auto section = std::ranges::find(sections, kSymbolTable, &SectionHeader::type);
@@ -264,14 +233,14 @@ std::vector<ElfSymbol> read_symbols(const File& file, std::span<const SectionHea
   return symbols;
 }
 
-std::string read_architecture(const File& file, std::span<const SectionHeader> sections) {
+std::string read_architecture(const ElfBytes& file, std::span<const SectionHeader> sections) {
   const auto section = std::ranges::find(sections, kAttributes, &SectionHeader::type);
   if (section == sections.end() || !file.has(section->offset, section->size)) return {};
   return architecture_in(file.part(section->offset, section->size, "the attributes"));
 }
 
 /// Lines are for messages: a file whose sections for them are not in order, or packed, has none.
-std::shared_ptr<const LineSections> read_lines(const File& file, const FileHeader& header,
+std::shared_ptr<const LineSections> read_lines(const ElfBytes& file, const FileHeader& header,
                                                std::span<const SectionHeader> sections) {
   auto lines = std::make_shared<LineSections>();
   if (header.name_index >= sections.size()) return lines;
@@ -312,7 +281,7 @@ std::string ElfSymbol::shown() const {
 }
 
 Elf Elf::parse(std::span<const std::uint8_t> bytes, const std::string& origin) {
-  const File file(bytes, origin);
+  const ElfBytes file(bytes, origin, ErrorCode::unspecified);
   const auto header = checked_header(file);
   if ((header.flags & kEmbeddedAbi) != 0) file.fail("compiled for RV32E; compile with -march=rv32imc -mabi=ilp32");
   Elf elf;
