@@ -29,7 +29,7 @@ set(MEBOTS_PACKAGE_LICENSES
   "libseccomp.*|LGPL-2.1-only")
 
 # mebots_part(<variable> linked|bundled|needed <file>)
-# A line for the list of parts (modeldesc/src/parts.hpp): of the Debian package that <file> belongs to; empty where it is
+# A line for the list of parts (modeldesc/src/pack_fmu.hpp): of the Debian package that <file> belongs to; empty where it is
 # of none.
 function(mebots_part variable relation file)
   set(${variable} "" PARENT_SCOPE)

@@ -35,7 +35,7 @@ for (const file of [...Object.keys(result.metafile.inputs), ...Object.keys(style
   const found = /^node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(file);
   if (found) packages.add(found[1]);
 }
-const parts = [];  // for the bill of materials, modeldesc/src/parts.hpp
+const parts = [];  // for the bill of materials, modeldesc/src/pack_fmu.hpp
 const texts = [...packages].sort().map((name) => {
   const folder = join(here, "node_modules", name);
   const { version, license } = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));

@@ -21,7 +21,7 @@ constexpr double seconds(std::int64_t ns) {
 void check_power(double power_w, std::string_view name) {
   if (std::isfinite(power_w) && power_w >= 0) return;
   throw Error(fmt::format("{}.power = {} W must be finite and >= 0{}", name, power_w,
-                          power_w < 0 ? "; connect what gives power to source.power" : ""));
+                          power_w < 0 ? "; connect sources of power to source.power" : ""));
 }
 
 double checked_soc(double soc) {

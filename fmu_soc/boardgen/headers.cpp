@@ -3,7 +3,6 @@
 
 #include "board/board_file.hpp"
 #include "devices/core/described_device.hpp"
-#include "names.hpp"
 
 #include <fmt/core.h>
 

@@ -7,9 +7,8 @@
 // disagree. The second writes a device model in C++ that lacks only what the device does by itself.
 
 #include "board/board_file.hpp"
-#include "command_line/told_by_itself.hpp"
+#include "command_line/command.hpp"
 #include "headers.hpp"
-#include "skeleton.hpp"
 
 #include "mebots/error.hpp"
 
@@ -66,7 +65,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (c_option->empty() && cpp_option->empty() && skeleton_option->empty()) {
-      throw CLI::ParseError("nothing to write: say --c, --cpp or --skeleton", CLI::ExitCodes::RequiredError);
+      throw CLI::ParseError("nothing to write: add --c, --cpp or --skeleton", CLI::ExitCodes::RequiredError);
     }
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;

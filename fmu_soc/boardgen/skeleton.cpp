@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "skeleton.hpp"
-
-#include "names.hpp"
+#include "headers.hpp"
 
 #include "mebots/error.hpp"
 

@@ -4,7 +4,7 @@
 #include "math/rotation.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
-#include "scene/solids.hpp"
+#include "scene/scene.hpp"
 #include "view/scene_text.hpp"
 
 #include <fmt/format.h>

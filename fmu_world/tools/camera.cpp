@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
   app.add_option("--noise", options.noise, "Standard deviation of pixel noise [grey levels]")->capture_default_str();
   app.add_option("--seed", options.seed, "Seed of the noise")->capture_default_str();
   app.add_option("--frame", options.frame, "Frame number, for the noise")->capture_default_str();
-  app.add_option("--repeat", options.repeat, "Render so many times more and print the median processor time");
+  app.add_option("--repeat", options.repeat, "Render this many more times and print the median processor time");
   app.add_option("--out", options.out, "PGM file to write")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {

@@ -33,7 +33,7 @@ int demo(std::vector<std::string> options) {
   try {
     run_app.parse(reversed);
   } catch (const CLI::ParseError& error) {
-    print_error(error.what() + std::string(". `mebots run --help` tells what it takes"));
+    print_error(error.what() + std::string(". `mebots run --help` lists its options"));
     return 2;
   }
   const int code = run();

@@ -2,7 +2,6 @@
 // `mebots replay`, `mebots identify` and `mebots new-cell` are written in Python (master/python/mebots/flight): the
 // program becomes the interpreter that runs them.
 #include "command.hpp"
-#include "python_program.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,6 @@
 #include "command.hpp"
 #include "engine/algorithm/algorithm.hpp"
 #include "io/config/load_system.hpp"
-#include "io/config/schemas.hpp"
 #include "io/fmu_archive.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"

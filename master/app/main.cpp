@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 
-#include "command_line/told_by_itself.hpp"
+#include "command_line/command.hpp"
 #include "io/config/command_line.hpp"
 #include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
@@ -65,7 +65,7 @@ std::string complaint(CLI::App& app, const CLI::ParseError& error) {
     return "a command is missing. `mebots --help` lists them";
   }
   auto& command = *given.front();
-  const auto help = ". `mebots " + command.get_name() + " --help` tells what it takes";
+  const auto help = ". `mebots " + command.get_name() + " --help` lists its options";
   const auto strange = app.remaining(true);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !strange.empty()) {
     const auto& word = strange.front();
@@ -87,7 +87,7 @@ int main(int argument_count, char** arguments) {
   app.name("mebots");
   app.set_version_flag("--version", "mebots " + std::string(mebots::version()));
   app.require_subcommand(1);
-  app.footer("`mebots COMMAND --help` tells a command's options, exit codes and examples.");
+  app.footer("`mebots COMMAND --help` lists a command's options, exit codes and examples.");
   Action action;
   for (const auto add : kCommands) add(app, action);
   const std::string version(mebots::version());

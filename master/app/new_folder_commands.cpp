@@ -68,7 +68,7 @@ void add_new_sensor(CLI::App& app, Action& action) {
   command->add_option("--board", sensor.board, "Board file that gets the sensor; default: GAP8 alone")
       ->type_name("FILE.json")
       ->check(CLI::ExistingFile);
-  command->add_flag("--cpp", sensor.with_code, "With a device model in C++, for what states cannot say");
+  command->add_flag("--cpp", sensor.with_code, "With a device model in C++, for behaviour that states cannot describe");
   command->add_option("--out", options->out, "Folder to make; default: the name")
       ->type_name("FOLDER")
       ->check(not_empty());

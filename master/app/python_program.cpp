@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "python_program.hpp"
+#include "command.hpp"
 
 #include "base/installation.hpp"
 #include "mebots/input_error.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
-#include "python_program.hpp"
 
 #include "mebots/data/csv.hpp"
 #include "mebots/input_error.hpp"
@@ -91,8 +90,7 @@ void report_runs(const PageOptions& options) {
 
 void add_report(CLI::App& app, Action& action) {
   const auto options = std::make_shared<PageOptions>();
-  auto* command =
-      app.add_subcommand("report", "Make one page of a run's results, or of several runs beside each other");
+  auto* command = app.add_subcommand("report", "Write an HTML report of one run, or compare several runs");
   command->add_option("folders", options->folders, "Results folders; the first is shown in full")
       ->type_name("FOLDER")
       ->required();
@@ -114,7 +112,7 @@ void add_report(CLI::App& app, Action& action) {
       ->check(not_empty());
   command
       ->add_option("--video", options->video,
-                   "Write a film of the page, too; the suffix (.mp4) says the format. Needs Chromium and ffmpeg")
+                   "Also write a video of the page; the suffix (.mp4) selects the format. Needs Chromium and ffmpeg")
       ->type_name("FILE.mp4")
       ->check(not_empty());
   command->add_option("--fps", options->frames_per_second, "Frames in a second of the film; default: 15")

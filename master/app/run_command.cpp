@@ -216,9 +216,9 @@ void add_run(CLI::App& app, Action& action) {
                     "Show calls, time and slowest step of every instance, and write them to summary.json");
   command
       ->add_option("--checkpoint-every", run->checkpoint_every,
-                   "Write a checkpoint at t = 0 and after every so many seconds of simulated time")
+                   "Write a checkpoint at t = 0 and then at this interval of simulated time [s]")
       ->type_name("SECONDS");
-  command->add_flag("--isolate", run->run.isolate, "Run every instance in a process of its own");
+  command->add_flag("--isolate", run->run.isolate, "Run every instance in a separate process");
   command
       ->add_option("--live", report->live_port,
                    "Let a browser on this machine follow the run, hold it and set its free inputs; on this port")

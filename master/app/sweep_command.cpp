@@ -2,7 +2,6 @@
 // `mebots sweep` is written in Python (master/python/mebots/exploration): the program becomes the interpreter that runs
 // it.
 #include "command.hpp"
-#include "python_program.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -55,7 +54,7 @@ void add_sweep(CLI::App& app, Action& action) {
       ->check(not_empty());
   command->add_option("--jobs", options->jobs, "Missions at the same time; default: one for each processor")
       ->check(CLI::Range(1U, 1024U));
-  command->add_flag("--dry-run", options->dry_run, "Check the study; tell how many missions, how long, how much disk");
+  command->add_flag("--dry-run", options->dry_run, "Check the study; estimate missions, time and disk space");
   command->add_option("--status", options->status, "Show how far the study in this folder is; fly nothing")
       ->type_name("FOLDER")
       ->check(not_empty());

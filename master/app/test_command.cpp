@@ -5,7 +5,7 @@
 #include "junit_report.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
-#include "model/record_choice.hpp"
+#include "model/resolved_system.hpp"
 
 #include <fmt/format.h>
 
@@ -80,7 +80,7 @@ void add_test(CLI::App& app, Action& action) {
   command->add_option("--junit", options->junit, "Write a JUnit report, one test case per case")->type_name("FILE.xml");
   command->add_option("--out", options->out, "Keep the results of each case in a folder of its name")
       ->type_name("FOLDER");
-  command->add_flag("--isolate", options->isolate, "Run the FMU in a process of its own");
+  command->add_flag("--isolate", options->isolate, "Run the FMU in a separate process");
   command->footer(help_footer({"0 all cases passed", "1 a case failed", "2 the cases or the FMU cannot be read"},
                               {"mebots test heater.fmu heater/test/cases.mebots-test.json",
                                "mebots test heater/test/cases.mebots-test.json --junit report.xml"}));

@@ -5,9 +5,7 @@
 #include "cases/case_file.hpp"
 #include "description.hpp"
 #include "io/config/load_system.hpp"
-#include "io/config/schemas.hpp"
 #include "io/flight/airframe_file.hpp"
-#include "io/flight/log_mapping.hpp"
 #include "io/study/study_file.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/input_error.hpp"
@@ -112,8 +110,8 @@ Likeness likeness(const master::Schema& schema, const data::Node& root) {
   });
 }
 
-/// The kind whose schema knows most of the keys, and of those the one with the fewest others. Converters have names of
-/// their own for keys.
+/// The kind whose schema knows most of the keys, and of those the one with the fewest others. Converters have names
+/// of their own for keys.
 std::string kind_by_content(const data::Node& root) {
   std::string best;
   Likeness most;
@@ -129,8 +127,8 @@ std::string kind_by_content(const data::Node& root) {
       std::ranges::any_of(members, [](const auto& member) { return member.value.has("efficiency"); });
   if (converters && most.common == 0) return "converters";
   if (best.empty()) {
-    root.fail(ErrorCode::invalid_value, "nothing tells what kind of file this is; name its schema under \"$schema\". " +
-                                            suggest("", known_kinds()));
+    root.fail(ErrorCode::invalid_value,
+              "the kind of file is unknown; name its schema under \"$schema\". " + suggest("", known_kinds()));
   }
   return best;
 }
@@ -198,7 +196,7 @@ void add_validate(CLI::App& app, Action& action) {
   const auto files = std::make_shared<std::vector<std::string>>();
   std::string kinds;
   for (const auto& kind : known_kinds()) kinds += (kinds.empty() ? "" : ", ") + kind;
-  command->add_option("files", *files, "Files (.json); \"$schema\" or their keys tell the kind: " + kinds)
+  command->add_option("files", *files, "Files (.json); \"$schema\" or their keys determine the kind: " + kinds)
       ->type_name("FILE.json")
       ->required();
   command->footer(

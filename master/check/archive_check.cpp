@@ -116,7 +116,7 @@ class ArchiveCheck {
     const double ratio = modeldesc::UnpackLimits{}.ratio;
     if ((stat.valid & ZIP_STAT_COMP_METHOD) != 0 && stat.comp_method != ZIP_CM_STORE &&
         stat.comp_method != ZIP_CM_DEFLATE)
-      findings_.error(fmt::format("\"{}\" is packed with method {}; FMI 2.0 takes \"stored\" and \"deflate\"", name,
+      findings_.error(fmt::format("\"{}\" is packed with method {}; FMI 2.0 allows \"stored\" and \"deflate\"", name,
                                   stat.comp_method),
                       "pack with deflate");
     if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE)

@@ -76,23 +76,23 @@ class NeededLibraries {
       if (fs::weakly_canonical(candidate).string().starts_with(fs::weakly_canonical(folder_).string())) {
         follow(candidate, inherited);
       } else if (!folder.starts_with("/usr") && !folder.starts_with("/lib") && told_.insert(needed).second) {
-        findings_.warning(fmt::format("{} takes {} from {}, a folder of this machine only", asking.filename().string(),
+        findings_.warning(fmt::format("{} loads {} from {}, a folder of this machine only", asking.filename().string(),
                                       needed, folder),
-                          "put the library beside the FMU's own, and link with -Wl,-rpath,'$ORIGIN'");
+                          "put the library into the folder of the FMU's own, and link with -Wl,-rpath,'$ORIGIN'");
       }
       return;
     }
     if (system_has(needed) || !told_.insert(needed).second) return;
     if (is_there(folder_ / needed)) {
-      findings_.error(fmt::format("{} is needed by {} and lies beside it, but nothing tells the loader to look there",
-                                  needed, asking.filename().string()),
+      findings_.error(fmt::format("{1} needs {0} from its own folder, but has no search path for it", needed,
+                                  asking.filename().string()),
                       "link with -Wl,-rpath,'$ORIGIN' -Wl,--disable-new-dtags");
       return;
     }
     findings_.error(
         fmt::format("{} is needed by {} and was not found (looked in {}{}the system's folders)", needed,
                     asking.filename().string(), fmt::join(folders, ", "), folders.empty() ? "" : ", "),
-        "install the package that holds it, or put it beside the FMU's own and link with -Wl,-rpath,'$ORIGIN'");
+        "install its package, or put it into the folder of the FMU's own library and link with -Wl,-rpath,'$ORIGIN'");
   }
 
   /// Loading runs the library's own start-up code, so a child does it.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "behaviour_check.hpp"
-#include "mebots/fmi2/status_name.hpp"
+#include "mebots/fmi2/types.hpp"
 
 #include <fmt/format.h>
 
@@ -194,7 +194,7 @@ class Probes {
                            callbacks.freeMemory = &std::free;
                            const std::string guid = library.target().model->guid;
                            if (call(library, callbacks, guid) != nullptr)
-                             library.witness().warning(fmt::format("{} gave an instance", what),
+                             library.witness().warning(fmt::format("{} returned an instance", what),
                                                        "compare the arguments, and answer a null pointer");
                          },
                          "", Severity::error, level});

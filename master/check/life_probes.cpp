@@ -357,7 +357,7 @@ void check_growth(const Library& library) {
     };
     const auto left = std::min(growth(first, second), growth(second, third));
     if (left > noise)
-      library.witness().error(fmt::format("{} instances that came and went left {} {} behind", kCycles, left, what),
+      library.witness().error(fmt::format("{} instances were freed and leaked {} {}", kCycles, left, what),
                               "give back in fmi2FreeInstance what fmi2Instantiate and the run took");
   };
   grew("open files", &Holdings::files, 0);
@@ -384,20 +384,19 @@ std::vector<Probe> life_probes(const Target& target, double half_step_tolerance)
   };
   using enum Level;
   add(interoperable, "version and platform are those of FMI 2.0", check_versions);
-  add(interoperable, "a run gives finite outputs within their limits", check_run);
+  add(interoperable, "a run has finite outputs within their limits", check_run);
   probes.push_back(stop_time_probe());
   add(interoperable, "the process is left as it was", check_surroundings);
   add(standard, "start values are those of the description", check_starts);
   add(interoperable, "two instances do not disturb each other", check_two_instances, once);
   add(standard, "reset equals a fresh instance", check_reset, once);
-  add(standard, "a saved and restored state goes on as the straight run", check_state,
-      no_state.empty() ? once : no_state);
-  add(standard, "a serialised state goes on in another instance", check_serialization, no_bytes);
+  add(standard, "a run from a restored state equals the straight run", check_state, no_state.empty() ? once : no_state);
+  add(standard, "another instance continues from a serialised state", check_serialization, no_bytes);
   add(
       pedantic, fmt::format("two half steps agree with one to {:g}", half_step_tolerance),
       [half_step_tolerance](const Library& library) { check_half_steps(library, half_step_tolerance); }, fixed_step);
   add(interoperable, "an instance can be freed at any time", check_free_orders);
-  add(standard, "100 instances leave nothing behind", check_growth);
+  add(standard, "100 instances leak nothing", check_growth);
   add(
       standard, "reference traces are reproduced", [traces](const Library& library) { replay(library, *traces); },
       traces ? "" : "the FMU carries none in documentation/reference or extra/org.fmi-standard.fmi-ls-ref");

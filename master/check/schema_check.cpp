@@ -35,7 +35,7 @@ class SchemaCheck {
             "remove it: careful tools refuse such files");
       const std::string encoding = node.type() == pugi::node_declaration ? node.attribute("encoding").value() : "";
       if (!encoding.empty() && encoding != "UTF-8" && encoding != "utf-8")
-        findings_.error(fmt::format("the file says that its encoding is {}; FMI 2.0 demands UTF-8", encoding),
+        findings_.error(fmt::format("the file declares the encoding {}; FMI 2.0 requires UTF-8", encoding),
                         "write it in UTF-8");
     }
     const auto root = document.document_element();
@@ -117,7 +117,7 @@ class SchemaCheck {
       // FMI allows ModelExchange and CoSimulation in either order.
       const bool swapped = name == "ModelExchange" && last == 1;
       if (position < last && !swapped)
-        error(child, fmt::format("it comes after <{}>, but must come before", rule.children[last].name),
+        error(child, fmt::format("it must be before <{}>", rule.children[last].name),
               fmt::format("the order is: {}", names(rule.children)));
       last = std::max(last, position);
       if (++counts[name] == found->most + 1)

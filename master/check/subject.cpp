@@ -3,7 +3,7 @@
 
 #include "base/time.hpp"
 #include "fmi/fmu.hpp"
-#include "mebots/fmi2/status_name.hpp"
+#include "mebots/fmi2/types.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -78,7 +78,7 @@ void give_back(void* memory) {
   }
   current_witness->error(
       "freeMemory was called with a pointer that allocateMemory did not give, or that was given back before",
-      "give back what allocateMemory gave, once, and other memory by the function that it belongs to");
+      "free memory of allocateMemory once by freeMemory, and other memory by its own function");
 }
 
 }  // namespace
@@ -138,7 +138,7 @@ Instance::Instance(const Library& library, std::string name)
   doing("fmi2Instantiate");
   component_ = functions().instantiate(name_.c_str(), fmi2CoSimulation, library.target().model->guid.c_str(),
                                        library.resource_uri().c_str(), &callbacks_, fmi2False, fmi2True);
-  if (component_ == nullptr) throw Refused(fmt::format("fmi2Instantiate gave no instance. {}", last_message()));
+  if (component_ == nullptr) throw Refused(fmt::format("fmi2Instantiate returned no instance. {}", last_message()));
 }
 
 Instance::~Instance() {

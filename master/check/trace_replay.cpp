@@ -146,7 +146,7 @@ void replay(const Library& library, const TraceFiles& files) {
     }
     if (row + 1 == wanted.rows.size()) break;
     if (instance.ended()) {
-      library.witness().error(fmt::format("{}: the FMU ended the run at {} s, the trace goes on",
+      library.witness().error(fmt::format("{}: the FMU ended the run at {} s, before the end of the trace",
                                           files.outputs.filename().string(), wanted.times[row]),
                               "mend the model, or make the traces again");
       return;

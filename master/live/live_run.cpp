@@ -9,8 +9,8 @@
 #include "report/page.hpp"
 #include "report/result_table.hpp"
 #include "run/json_value.hpp"
+#include "run/run.hpp"
 #include "run/system_file.hpp"
-#include "run/write.hpp"
 #include "server.hpp"
 
 #include <fmt/format.h>
@@ -150,7 +150,7 @@ std::string LiveRun::control(const std::string& order) {
     held_ = true;
     one_step_ = true;
   } else {
-    throw InputError(ErrorCode::invalid_argument, fmt::format("'{}' is none of hold, step, go", order));
+    throw InputError(ErrorCode::invalid_argument, fmt::format("'{}' must be hold, step or go", order));
   }
   return Json({{"held", held_}}).dump();
 }

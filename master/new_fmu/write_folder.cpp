@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "new_fmu.hpp"
-#include "plan.hpp"
 
 #include "mebots/error.hpp"
 

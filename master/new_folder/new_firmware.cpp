@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "new_folder.hpp"
-#include "template.hpp"
 
 namespace mebots::new_folder {
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "new_folder.hpp"
-#include "template.hpp"
 
 #include "base/installation.hpp"
 #include "fmi/fmu.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "template.hpp"
+#include "new_folder.hpp"
 
 #include "base/installation.hpp"
 #include "mebots/error.hpp"

@@ -5,8 +5,7 @@
 #include "cases/run_case.hpp"
 #include "io/find_fmu.hpp"
 #include "io/flight/airframe_file.hpp"
-#include "io/flight/log_mapping.hpp"
-#include "io/study/ground.hpp"
+#include "io/study/base_config.hpp"
 #include "io/study/study_file.hpp"
 #include "mebots/data/csv.hpp"
 #include "record/sink/hdf5_tables.hpp"
@@ -263,11 +262,11 @@ PYBIND11_MODULE(_mebots, module) {
       .def(py::init<std::string, std::vector<mebots::master::TableColumn>>());
   module.def("read_csv", &read_csv, "file"_a, "errors"_a = "strict");
   module.def("write_hdf5", &mebots::master::write_hdf5);
-  py::class_<study::Ground>(module, "Ground")
-      .def(py::init(&study::read_ground), "mission"_a, "text"_a = std::nullopt)
-      .def_property_readonly("config", [](const study::Ground& ground) { return ground.config.dump(); })
-      .def_property_readonly("fmus", [](const study::Ground& ground) { return ground.fmus.dump(); })
-      .def_property_readonly("texts", [](const study::Ground& ground) { return ground.texts.dump(); })
-      .def_readonly("stop_time_s", &study::Ground::stop_time_s)
-      .def_readonly("last_point_s", &study::Ground::last_point_s);
+  py::class_<study::BaseConfig>(module, "BaseConfig")
+      .def(py::init(&study::read_base_config), "mission"_a, "text"_a = std::nullopt)
+      .def_property_readonly("config", [](const study::BaseConfig& base) { return base.config.dump(); })
+      .def_property_readonly("fmus", [](const study::BaseConfig& base) { return base.fmus.dump(); })
+      .def_property_readonly("texts", [](const study::BaseConfig& base) { return base.texts.dump(); })
+      .def_readonly("stop_time_s", &study::BaseConfig::stop_time_s)
+      .def_readonly("last_point_s", &study::BaseConfig::last_point_s);
 }

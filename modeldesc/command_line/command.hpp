@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,31 @@ struct Command {
   std::vector<Command> commands;
 };
 
-/// What the parser knows.
+/// Describes the commands and options of the parser.
 Command command_of(const CLI::App& app);
+
+// Scripts that complete a program's commands, options and values; file names elsewhere.
+std::string bash_completion(const Command& program);
+std::string fish_completion(const Command& program);
+std::string zsh_completion(const Command& program);
+
+/// The manual page (man(7)) of a program, or of one of its commands. `program` is the program's name, the command's own
+/// for the program's page.
+std::string manual_page(const Command& command, const std::string& program, const std::string& version);
+
+}  // namespace mebots::command_line
+
+namespace CLI {  // NOLINT(readability-identifier-naming): that of CLI11
+class App;
+}
+
+namespace mebots::command_line {
+
+/// Two command lines that --help does not list, for packages rather than for people: `PROGRAM --print-completion
+/// bash|fish|zsh` prints what the shell needs to complete the program's command line, `PROGRAM --write-manuals FOLDER`
+/// writes a manual page for the program and one for each of its commands. Returns the exit code when the command line
+/// was one of these. `app` has its name and all its commands; `version` stands on the pages.
+std::optional<int> tell_of_it(const CLI::App& app, const std::string& version, int argument_count,
+                              const char* const* arguments);
 
 }  // namespace mebots::command_line

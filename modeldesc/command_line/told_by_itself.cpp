@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "command_line/told_by_itself.hpp"
-
 #include "command_line/command.hpp"
-#include "command_line/completion.hpp"
-#include "command_line/manual.hpp"
 
 #include <CLI/CLI.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "text_lines.hpp"
+#include "content.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,6 @@
 #include "instance.hpp"
 #include "mebots/error.hpp"
 #include "mebots/fmi2/functions.hpp"
-#include "resource_uri.hpp"
 
 #include <fmt/format.h>
 

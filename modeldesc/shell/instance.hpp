@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace mebots::shell {
 
@@ -95,5 +96,8 @@ class Instance final : public Host {
   std::vector<HeldMessage> held_;
   bool holds_messages_ = false;
 };
+
+/// The folder that a `file:` URI (RFC 8089) names; percent-encoded bytes are taken apart. Throws mebots::Error.
+std::filesystem::path path_of_file_uri(std::string_view uri);
 
 }  // namespace mebots::shell

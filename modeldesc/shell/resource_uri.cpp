@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "resource_uri.hpp"
+#include "instance.hpp"
 
 #include "mebots/error.hpp"
 

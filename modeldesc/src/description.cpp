@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "description.hpp"
 
-#include "cpp_names.hpp"
+#include "generate.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
 #include "mebots/error.hpp"
-#include "mebots/modeldesc/xml_text.hpp"
+#include "mebots/modeldesc/xml.hpp"
 
 #include <fmt/format.h>
 

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace mebots::modeldesc {
 
@@ -17,5 +18,40 @@ std::string write_html(const ModelDescription& description);
 
 /// Writes modelDescription.xml, index.html, variables.hpp, binding.hpp and variable_table.cpp into `folder`.
 void generate(const Description& description, const std::filesystem::path& folder);
+
+}  // namespace mebots::modeldesc
+
+/// The three C++ files that the build makes of a description.
+namespace mebots::modeldesc {
+
+/// variables.hpp: Parameters, Inputs, Outputs, Variables; knows nothing of FMI.
+std::string variables_header(const Description& description);
+
+/// binding.hpp: declares the make_model() that fmu.cpp defines.
+std::string binding_header(const Description& description);
+
+/// variable_table.cpp: defines the mebots::fmu::Definition that the shell serves.
+std::string variable_table_source(const Description& description, const std::string& guid);
+
+/// True for a name that C++ takes for a variable: letters, digits, `_`, and no keyword.
+bool is_cpp_identifier(std::string_view name);
+
+/// True for `a::b::c`.
+bool is_cpp_namespace(std::string_view name);
+
+/// True for FMI's structured names: identifiers with `[n]` behind them, joined by dots.
+bool is_structured_name(std::string_view name);
+
+/// The FMI name as a C++ one: `.`, `[` and `]` become `_`, none doubled and none at the end.
+std::string to_cpp_name(std::string_view fmi_name);
+
+/// The text as a C++ string literal, quotes included.
+std::string cpp_literal(std::string_view text);
+
+/// Throws mebots::Error naming the file.
+void write_text_file(const std::filesystem::path& file, const std::string& text);
+
+/// The SHA-256 digest as 64 lower-case hexadecimal digits.
+std::string sha256_hex(std::string_view bytes);
 
 }  // namespace mebots::modeldesc

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "generate_cpp.hpp"
-
-#include "cpp_names.hpp"
+#include "generate.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

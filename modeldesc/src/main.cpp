@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // mebots-modeldesc: from an FMU's description to its generated files, and from those to the archive.
-#include "command_line/told_by_itself.hpp"
+#include "command_line/command.hpp"
 #include "description.hpp"
 #include "generate.hpp"
 #include "mebots/error.hpp"
 #include "pack_fmu.hpp"
-#include "parts.hpp"
-#include "spdx.hpp"
-#include "write_text_file.hpp"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

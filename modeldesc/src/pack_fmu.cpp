@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pack_fmu.hpp"
 
+#include "generate.hpp"
 #include "mebots/error.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
 #include "mebots/modeldesc/xml.hpp"
-#include "parts.hpp"
-#include "spdx.hpp"
-#include "write_text_file.hpp"
 
 #include <fmt/format.h>
 

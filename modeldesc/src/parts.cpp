@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "parts.hpp"
+#include "pack_fmu.hpp"
 
 #include "mebots/error.hpp"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"
-#include "mebots/modeldesc/xml_text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

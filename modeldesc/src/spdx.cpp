@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "spdx.hpp"
+#include "pack_fmu.hpp"
 
+#include "generate.hpp"
 #include "mebots/error.hpp"
-#include "sha256.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

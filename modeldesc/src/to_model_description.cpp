@@ -2,7 +2,6 @@
 #include "generate.hpp"
 
 #include "mebots/modeldesc/xml.hpp"
-#include "sha256.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mebots/modeldesc/xml_text.hpp"
+#include "mebots/modeldesc/xml.hpp"
 
 #include "mebots/error.hpp"
 

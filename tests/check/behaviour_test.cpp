@@ -78,8 +78,8 @@ TEST(CheckBehaviour, StateThatLeaksBetweenRunsAndInstancesIsFound) {
 TEST(CheckBehaviour, WhatIsLeftBehindIsCounted) {
   if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "it owns malloc, which the check asks for its count";
   EXPECT_THAT(of("leak"),
-              Contains(testing::ContainsRegex("100 instances that came and went left 1[0-9]{5} bytes of heap")));
-  EXPECT_THAT(of("file"), Contains(HasSubstr("100 instances that came and went left 100 open files behind")));
+              Contains(testing::ContainsRegex("100 instances were freed and leaked 1[0-9]{5} bytes of heap")));
+  EXPECT_THAT(of("file"), Contains(HasSubstr("100 instances were freed and leaked 100 open files")));
 }
 
 TEST(CheckBehaviour, IllegalCallsThatAreAcceptedAreFound) {

@@ -5,7 +5,6 @@
 #include "description.hpp"
 
 #include "generate.hpp"
-#include "generate_cpp.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"
 #include "memory_file.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cpp_names.hpp"
+#include "generate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "description.hpp"
 #include "generate.hpp"
-#include "generate_cpp.hpp"
 #include "mebots/data/mistakes.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/archive.hpp"

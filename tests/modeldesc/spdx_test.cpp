@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Other people's parts, and the bill of materials that is made of them.
-#include "spdx.hpp"
+#include "generate.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/archive.hpp"
-#include "parts.hpp"
-#include "write_text_file.hpp"
+#include "pack_fmu.hpp"
 
 #include <gmock/gmock.h>
 

@@ -123,7 +123,7 @@ TEST(Run, OfAProgramWithoutTohostThatSpinsEndsWithTheReason) {
   const Folder folder;
   const auto run = run_tool("run " + folder.program("_start: nop\nforever: j forever"));
   EXPECT_EQ(run.exit_code, 101);
-  EXPECT_THAT(run.err, HasSubstr("endless loop at pc 0x80000002 in forever, which jumps to itself for ever"));
+  EXPECT_THAT(run.err, HasSubstr("endless loop at pc 0x80000002 in forever, an endless jump to itself"));
   EXPECT_THAT(run.err, HasSubstr("no symbol tohost"));
 }
 
@@ -137,7 +137,7 @@ TEST(Run, OfACoreThatSleepsForGoodEndsWithTheReason) {
 TEST(Run, SaysAtTheLimitWhenTheCoreSpins) {
   const auto run = run_program("_start: nop\nstuck: beq a0, a0, stuck", "--max-instructions 50");
   EXPECT_THAT(run.out, StartsWith("instructions 50\n"));
-  EXPECT_THAT(run.err, HasSubstr("in stuck, which jumps to itself for ever: no interrupt is enabled"));
+  EXPECT_THAT(run.err, HasSubstr("in stuck, an endless jump to itself: no enabled interrupt"));
 }
 
 struct FaultCase {

@@ -69,8 +69,7 @@ BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
   object.visit_if("way", [&](const Node& member) {
     memory.way = read_way(member);
     if (memory.place == Place::cluster) {
-      member.fail(ErrorCode::invalid_value,
-                  "the cluster's own memory takes no 'way': remove the key, or change 'place'");
+      member.fail(ErrorCode::invalid_value, "the cluster's memory has no 'way': remove the key, or change 'place'");
     }
   });
   object.read_if("text", memory.text, &Node::text);
@@ -161,9 +160,8 @@ void check_interrupts(const Node& root, const BoardDescription& board) {
     if (is_new) continue;
     devices[i]
         .at("interrupt")
-        .complain(ErrorCode::duplicate_name,
-                  fmt::format("{} and {} would share interrupt {}; give each a line of its own", other->second,
-                              device.name, device.interrupt));
+        .complain(ErrorCode::duplicate_name, fmt::format("{} and {} use the same interrupt {}; give each its own line",
+                                                         other->second, device.name, device.interrupt));
   }
 }
 
@@ -252,8 +250,10 @@ std::string read_decisions(const Node& node, const BoardDescription& board) {
 std::string read_file_name(const Node& node) {
   auto name = node.readable_text();
   if (name.find('/') != std::string::npos || name == "." || name == "..") {
-    node.fail(ErrorCode::invalid_value,
-              fmt::format("\"{}\" must be a file name without a folder: the library lies beside the board file", name));
+    node.fail(
+        ErrorCode::invalid_value,
+        fmt::format("\"{}\" must be a file name without a folder: the library must be in the folder of the board file",
+                    name));
   }
   return name;
 }

@@ -329,7 +329,8 @@ BoardPart read_part(const Node& node) {
   object.comment("text");
   object.finish();
   if (object.has("charge_per_byte") && part.attached_to.empty()) {
-    node.complain(ErrorCode::missing_key, "the key 'attached_to' is missing: it says whose bytes are counted");
+    node.complain(ErrorCode::missing_key,
+                  "the key 'attached_to' is missing: it names the device whose bytes are counted");
   }
   return part;
 }

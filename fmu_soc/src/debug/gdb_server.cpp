@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "debug/gdb_server.hpp"
 
-#include "debug/hex.hpp"
 #include "debug/target.hpp"
 #include "hart/csr_numbers.hpp"
 #include "soc/backtrace.hpp"

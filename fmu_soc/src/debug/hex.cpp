@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "debug/hex.hpp"
+#include "debug/target.hpp"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "debug/target.hpp"
 
-#include "debug/hex.hpp"
 #include "hart/csr_numbers.hpp"
 #include "isa/encoding.hpp"
 

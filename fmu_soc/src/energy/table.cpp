@@ -65,7 +65,7 @@ double between(const std::vector<double>& axis, double where, const std::string&
   const auto above = std::upper_bound(axis.begin(), axis.end(), where);
   if (where < axis.front() || where > axis.back()) {
     throw Error(ErrorCode::value_out_of_range,
-                fmt::format("{} goes from {} to {} {}; asked for {}", table, axis.front(), axis.back(), what, where));
+                fmt::format("{} covers {} to {} {}, not {}", table, axis.front(), axis.back(), what, where));
   }
   const auto high = above == axis.end() ? axis.size() - 1 : static_cast<std::size_t>(above - axis.begin());
   const auto low = high - 1;

@@ -168,8 +168,8 @@ void Model::say_when_spinning() {
   if (!listeners_.faults) return;
   const auto pc = soc_.hart().pc();
   listeners_.faults(
-      fmt::format("the core jumps to itself for ever at pc 0x{:08x} in {}: no interrupt is enabled that could end it",
-                  pc, soc_.program().where(pc)));
+      fmt::format("the core is in an endless jump to itself at pc 0x{:08x} in {}: no enabled interrupt can end it", pc,
+                  soc_.program().where(pc)));
 }
 
 void Model::take_inputs() {

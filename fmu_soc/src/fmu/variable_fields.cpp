@@ -26,7 +26,7 @@ fmu::Causality causality_of(const BoardVariable& variable) {
 template <typename Field>
 auto required(const Field& field, const std::string& name) {
   if (!field) {
-    throw Error(fmt::format("{}: its variable {} is none of this FMU; build the FMU again with this board file",
+    throw Error(fmt::format("{}: this FMU has no variable {}; build the FMU again with this board file",
                             MEBOTS_SOC_BOARD, name));
   }
   return field;

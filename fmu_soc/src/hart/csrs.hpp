@@ -14,59 +14,58 @@
 
 namespace mebots::soc {
 
-/// Accesses of a program that behave otherwise on most other cores; for messages.
+/// Accesses of a program that have another effect on most other cores; for messages.
 struct CsrRemarks {
   std::optional<std::uint32_t> moved_mtvec = {};      // the value written, of which the core cleared low bits
   std::optional<unsigned> read_stopped_counter = {};  // its number: it has not run since reset
 };
 
-/// The control and status registers of a core, as their table has them (csrs.inc). Those of machine mode that CV32E40P
-/// has; with Xpulp also RI5CY's own, and with an event unit GAP8's. All others are none. They own what decides whether
-/// an interrupt is let in.
+/// The control and status registers of a core, from the table csrs.inc: those of CV32E40P's machine mode, with Xpulp
+/// also RI5CY's, with an event unit GAP8's. They decide whether an interrupt is taken.
 class Csrs {
  public:
   /// A core with GAP8's interrupts has the CSRs of the stack check, too; they keep their values, and no check is made.
   Csrs(Execution& execution, BlockCache& blocks, const HartSettings& settings);
 
-  /// As after reset, and the counters count from here on.
+  /// Resets all registers. The counters start from here.
   void restart();
   bool has_gap8_interrupts() const { return has_gap8_interrupts_; }
 
-  /// As an instruction would, without its cycles; false = there is none, or not this way.
+  /// Accesses a CSR as an instruction does, without its cycles. Returns false if the CSR or this access does not exist.
   bool read(unsigned number, std::uint32_t& value) const;
   bool write(unsigned number, std::uint32_t value);
-  /// An instruction that does so.
+  /// Executes a CSR instruction.
   const Instruction* access(const Instruction* at);
 
-  /// Level of an interrupt line (bit of mip), or of all.
+  /// Sets the level of one interrupt line (bit of mip), or of all.
   void set_interrupt(unsigned bit, bool level);
   void set_interrupts(std::uint32_t lines);
-  /// Lines that are up and enabled.
+  /// Returns the lines that are pending and enabled.
   std::uint32_t pending() const { return word<csr::kMip>() & word<csr::kMie>(); }
-  /// Whether one of these is let in (mstatus).
+  /// True if one of them is taken now (mstatus).
   bool interrupt_ready() const { return interrupt_ready_; }
   bool interrupts_enabled() const { return state_.interrupts_on && word<csr::kMie>() != 0; }
 
-  /// Base address of the handlers, and in bit 0 whether interrupts are vectored.
+  /// Returns the base address of the handlers; bit 0 is set if interrupts are vectored.
   std::uint32_t handlers() const { return state_.handlers; }
   const CsrRemarks& remarks() const { return remarks_; }
-  /// A trap at the pc: what happened is noted, and no interrupt is let in.
+  /// Enters a trap at the pc: stores its cause, and disables interrupts.
   void enter_handler(std::uint32_t cause, std::uint32_t value);
   Trapped last_trap() const { return {word<csr::kMepc>(), word<csr::kMcause>(), word<csr::kMtval>()}; }
-  /// mret: the pc to go on at.
+  /// Executes mret. Returns the next pc.
   std::uint32_t leave_handler();
 
   void visit(state::Visitor& v);
 
  private:
-  struct Rows;  // their table (csrs.inc) as it is asked for by number
+  struct Rows;  // their table (csrs.inc) by number
   struct State {
     std::array<std::uint32_t, csr::slots_before(csr::kPlaces.size())> words{};  // of those that keep one
     bool interrupts_on = false;                                                 // mstatus.MIE
     bool interrupts_were_on = false;                                            // mstatus.MPIE
     std::uint64_t cycle_base = 0;  // mcycle = counter - base; while inhibited, mcycle = base
     std::uint64_t instret_base = 0;
-    std::uint32_t handlers = 0;                // where handlers are entered: mtvec, or what was written to it
+    std::uint32_t handlers = 0;                // entry of the handlers: mtvec, or the value written to it
     std::array<std::uint64_t, 2> pccr_base{};  // of RI5CY's event counters
   };
 
@@ -79,7 +78,7 @@ class Csrs {
     return state_.words[csr::slot_of(kNumber)];
   }
 
-  // What the rows of the table name.
+  // The functions named in the table.
   std::uint32_t id() const { return id_; }
   std::uint32_t zero() const { return 0; }
   std::uint32_t mstatus() const;

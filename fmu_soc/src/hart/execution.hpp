@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hart/flow.hpp"
 #include "hart/instruction.hpp"
 #include "hart/timing.hpp"
 #include "mebots/assert.hpp"
@@ -80,7 +79,7 @@ struct Counters {
   }
 };
 
-/// What the pipeline still knows.
+/// The last two instructions in the pipeline.
 struct Pipeline {
   Previous before;
   Previous two_before;
@@ -96,7 +95,7 @@ struct Execution;
 
 inline constexpr const std::uint8_t* kNoResumePoint = nullptr;
 
-/// What translated code leaves behind, and what it is told.
+/// Data exchanged with translated code.
 struct HostState {
   /// Where its count of cycles starts and ends. From those that may start down to 0, or where banks are shared, from
   /// one row of their table to another.
@@ -122,11 +121,11 @@ struct HostState {
   std::uint64_t instruction_fj = 0;  // of it
 };
 
-/// No pc of an instruction: none is odd.
+/// Marks the absence of a pc, which is never odd.
 inline constexpr std::uint32_t kNoPc = 1;
 
-/// The parts of a core that handlers reach beside the execution. See runs/core.md.
-struct Rooms {
+/// The units of a core that handlers use in addition to Execution. See runs/core.md.
+struct HartUnits {
   Csrs& csrs;
   Traps& traps;
   DataPath& data_path;
@@ -134,7 +133,7 @@ struct Rooms {
   BlockCache& blocks;
 };
 
-/// The state of a core that its handlers and translated code work on, and the block in progress. While that runs, the
+/// The state of a core that its handlers and translated code change, and the block in progress. During a block, the
 /// counters and the pipeline are those of its start.
 struct Execution {
   std::array<std::uint32_t, 33> x{};  // x[0] stays 0; x[32] takes what is written to x0
@@ -146,23 +145,23 @@ struct Execution {
 
   // Of the block in progress.
   std::uint32_t extra_cycles = 0;          // beyond the static ones
-  std::uint32_t first_stall = 0;           // of them: what the first instruction waits for a load, from its start on
+  std::uint32_t first_stall = 0;           // of them: stall of the first instruction after a load
   const Instruction* exit = nullptr;       // everything before it has retired
-  std::uint32_t* link = nullptr;           // where to note the block that follows
-  std::uint32_t next_block = 0;            // that translated code was left for; 0 = not known
+  std::uint32_t* link = nullptr;           // slot for the number of the next block
+  std::uint32_t next_block = 0;            // where translated code stopped; 0 = unknown
   bool jumped = false;                     // an unaligned target costs a cycle
   bool redirected = false;                 // left by a branch, jump, trap or return from one
   const Instruction* slow_load = nullptr;  // the last misaligned load
-  const Instruction* waits_at = nullptr;   // the block stands before it: its line is not there yet, or somebody looks
+  const Instruction* waits_at = nullptr;   // the next instruction, if its line is absent or an observer is set
   Leave leave = Leave::normal;
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;
-  std::uint32_t cut_pc = kNoPc;  // where a limit cut a block, behind what ran alone, or where a trap returned to
-  const Rooms* rooms = nullptr;  // of the same core
-  Hart* hart = nullptr;          // whose it is
+  std::uint32_t cut_pc = kNoPc;      // after a cut block, after a single instruction, or at the return of a trap
+  const HartUnits* units = nullptr;  // of the same core
+  Hart* hart = nullptr;              // its hart
   HostState host;
 
-  /// Who comes behind it in the round, or null.
+  /// The next hart of the round, or null.
   void set_next(Execution* next) {
     host.next = next;
     host.resume_point_of_next = next == nullptr ? &kNoResumePoint : &next->host.resume_point;
@@ -170,39 +169,38 @@ struct Execution {
   /// The next instruction of a run must begin in the interpreter.
   void drop_resume_point() { host.resume_point = nullptr; }
 
-  // The block in progress. What leaves it gives null, for the handler to do so too.
+  // The block in progress. Functions that leave it return null, which the handler returns, too.
 
-  /// `stall`: what its first instruction waits for a load.
+  /// `stall`: of its first instruction after a load.
   void begin_block(std::uint32_t cycles, std::uint32_t stall, const Instruction* slow_load_before) {
     extra_cycles = cycles + stall;
     first_stall = stall;
     redirected = false;
     slow_load = slow_load_before;
   }
-  /// From an instruction behind the first one on. All before it has been counted, so the counters go back to the
-  /// block's start, of which the clock may know no more: nobody may ask for the time until the block is finished.
+  /// Resumes a block after its first instruction. The instructions before are already counted, so the counters are set
+  /// back to the block's start. The time must not be read until the block is finished.
   void begin_block_inside(const Instruction* at);
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
-  /// The active cycle in which an instruction starts.
+  /// Returns the active cycle in which an instruction starts.
   std::uint64_t cycle_of(const Instruction* at) const { return counters.cycles + at->cycles_before + extra_cycles; }
-  /// Likewise, as devices and counters see it. A stall for the load before comes from the instruction's start on, at
-  /// the start of a block as in its middle. An instruction that is left before it has done anything has not stalled
-  /// yet.
+  /// The same for devices and counters. A stall after a load counts from the instruction's start on. An instruction
+  /// that is left before it has any effect has not stalled yet.
   std::uint64_t start_of(const Instruction* at) const { return cycle_of(at) - stalled_before(at); }
   const Instruction* leave_after(const Instruction* at, Leave why);
   const Instruction* leave_before(const Instruction* at, Leave why);
-  /// Leaves in front of an instruction that raises an exception.
+  /// Leaves the block before an instruction that raises an exception.
   const Instruction* raise(const Instruction* at, std::uint32_t cause, std::uint32_t value);
-  /// Adds up what retired before `exit`.
+  /// Counts the instructions retired before `exit`.
   void count_up_to(const Instruction& last) {
     counters.instructions += last.index;
     counters.cycles += last.cycles_before + extra_cycles;
     counters.instruction_fj += last.energy_before_fj;
     counters.accesses += last.accesses_before;
   }
-  /// Likewise, of all of it, and what the pipeline holds then.
+  /// Counts all instructions of the block, and updates the pipeline.
   void finish_block();
-  /// Notes the last two instructions of a block that was left straight on, before `last`.
+  /// Stores the last two instructions before `last` of a block that continues straight on.
   void remember(const Instruction* last);
 };
 

@@ -4,36 +4,45 @@
 #include "hart/execution.hpp"
 #include "mebots/assert.hpp"
 #include "memory/instruction_cache.hpp"
+#include "memory/memory.hpp"
 
+#include <array>
 #include <cstdint>
+#include <optional>
 
 namespace mebots::soc {
 
-/// How a core's instructions come through the instruction cache, where there is one. An instruction waits for its lines
-/// when it is reached, never before. So a core that was stopped anywhere has made the same refills in the same cycles.
+/// Fetches a core's instructions through the instruction cache, if there is one. An instruction waits for its lines
+/// when the core reaches it, never before. Therefore a stopped core has made the same refills in the same cycles.
 class Fetch {
  public:
-  /// `cache`: null without one.
+  /// `cache` may be null.
   Fetch(Execution& execution, InstructionCache* cache) : execution_(execution), cache_(cache) {}
 
   bool is_cached() const { return cache_ != nullptr; }
   const InstructionCache* cache() const { return cache_; }
   void flush();
-  /// Brings the lines of an instruction that is reached in active cycle `cycle`: the cycles that it waits.
+  /// Fetches the lines of an instruction that the core reaches in active cycle `cycle`. Returns the wait cycles.
   std::uint32_t bring(const Instruction* at, std::uint64_t cycle);
-  /// Whether an instruction lies in the line in which the one before it in the block ends.
+  /// True if an instruction is in the line in which the one before it ends.
   bool shares_line(const Instruction* before, const Instruction* at) const {
     MEBOTS_ASSERT(is_cached());
     return cache_->line_of(before[1].pc - 1) == cache_->line_of(at[1].pc - 1);
   }
-  /// The first instruction of the block behind `at` that may have to wait, or the end of the block.
+  /// Returns the first instruction after `at` that may have to wait, or the end of the block.
   const Instruction* next_to_wait(const Instruction* at) const;
-  /// Whether all lines of a block from this instruction on have arrived, whoever asks.
+  /// True if all lines of a block from this instruction on are in the cache.
   bool is_present(const Instruction* at) const;
 
  private:
   Execution& execution_;
   InstructionCache* cache_;
 };
+
+/// Predicts the value that a core is about to store at `address`: executes the next few instructions from `pc` with the
+/// registers `x`, without any effect. Returns nullopt if another store to the same eight bytes is first, or at an
+/// access to a device, a CSR or a trap.
+std::optional<std::uint32_t> upcoming_store(const Memory& memory, std::uint32_t pc, std::array<std::uint32_t, 32> x,
+                                            std::uint32_t address);
 
 }  // namespace mebots::soc

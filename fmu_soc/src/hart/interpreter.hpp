@@ -12,7 +12,7 @@
 
 namespace mebots::soc {
 
-/// Up to where a core runs: every instruction starts before active cycle `end`. With a loose limit, a block that starts
+/// The limit of a run: every instruction starts before active cycle `end`. With a loose limit, a block that starts
 /// before it runs to its end.
 class RunLimit {
  public:
@@ -26,54 +26,54 @@ class RunLimit {
   bool admits(std::uint64_t cycle, std::uint64_t bound) const { return cycle + (bound & counted_) < end_; }
 
  private:
-  static constexpr std::uint64_t kLongest = std::uint64_t{1} << 62;  // more than any core will see
+  static constexpr std::uint64_t kLongest = std::uint64_t{1} << 62;  // beyond any run
 
   std::uint64_t end_ = 0;
   std::uint64_t counted_;  // the bits of a bound that count
 };
 
-/// Who takes the place of the interpreter on its way through a block, to look at what it does there.
+/// Replaces the interpreter's loop over a block, to observe each instruction.
 class BlockWalk {
  public:
   BlockWalk() = default;
   BlockWalk(const BlockWalk&) = delete;
   BlockWalk& operator=(const BlockWalk&) = delete;
 
-  /// As Interpreter::run_until; a null `stop` is no instruction of the block.
+  /// As Interpreter::run_until(). A null `stop` means the end of the block.
   virtual const Instruction* walk(const Instruction* at, const Instruction* stop) = 0;
 
  protected:
   ~BlockWalk() = default;
 };
 
-/// Runs decoded blocks by the handlers of their instructions: one instruction, a block, or what is left of one. Where
-/// lines of a block are absent from the instruction cache, they come one by one, each when it is reached.
+/// Runs decoded blocks by the handlers of their instructions: one instruction, a block, or the rest of one. Lines that
+/// are absent from the instruction cache are fetched one by one, when the core reaches them.
 class Interpreter {
  public:
   Interpreter(Execution& execution, const Memory& memory, BlockCache& blocks, Fetch& fetch, const RunLimit& limit)
       : execution_(execution), memory_(memory), blocks_(blocks), fetch_(fetch), limit_(limit) {}
 
-  /// Who goes through blocks in its place from now on; null = itself.
+  /// Sets the replacement of the loop over a block; null removes it.
   void set_walk(BlockWalk* walk) { walk_ = walk; }
 
-  /// The instruction at the pc alone, decoded with what the pipeline holds. Nobody walks in its place.
+  /// Runs only the instruction at the pc, decoded for the present pipeline. Ignores the BlockWalk.
   void step();
-  /// From the start of a block, whose first instruction waits for a load for `stall` cycles, to the limit, or to where
-  /// the block is left. Nobody walks in its place.
+  /// Runs a block to the limit, or to its end. Its first instruction stalls for `stall` cycles after a load. Ignores
+  /// the BlockWalk.
   void run_to_limit(const Block& block, std::uint32_t stall);
-  /// Likewise, from where the limit cut a block last. False: the core stands elsewhere, and nothing has happened.
+  /// The same, from the instruction at which the last limit cut a block. Returns false, without effect, if the core is
+  /// elsewhere.
   bool go_on_to_limit();
-  /// A block, whose first instruction waits for a load for `stall` cycles. False: it might reach the limit, and nothing
-  /// has happened.
+  /// Runs a block whose first instruction stalls for `stall` cycles. Returns false, without effect, if it might reach
+  /// the limit.
   bool run(const Block& block, std::uint32_t stall);
-  /// Likewise, and behind it what follows by links without anything to decide. Nobody walks in its place.
+  /// The same, and then the linked blocks, as long as no decision is necessary. Ignores the BlockWalk.
   bool run_on(const Block& block, std::uint32_t stall, const Csrs& csrs);
-  /// From inside a block that translated code has left, which has waited for `wait_cycles`. `fetches`: lines of what
-  /// comes may be absent.
+  /// Resumes a block that translated code has left after `wait_cycles` of waiting. `fetches`: lines may be absent.
   void resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall, const Instruction* slow_load,
               bool fetches);
 
-  /// From one instruction of a block on up to before another, which comes back then; null when the block was left.
+  /// Runs a block from `at` up to, but not including, `stop`. Returns `stop`, or null if the block was left.
   const Instruction* run_until(const Instruction* at, const Instruction* stop);
 
  private:
@@ -83,9 +83,9 @@ class Interpreter {
   void run_one_by_one(const Instruction* at);
   void cut_at(const Instruction* at);
 
-  /// Where the limit cut a block. The slots behind it hold as long as blocks do, and behind what came then.
+  /// The instruction at which a limit cut a block. Valid while blocks and pipeline are unchanged.
   struct Cut {
-    const Instruction* at = nullptr;  // null = nowhere
+    const Instruction* at = nullptr;  // null = none
     std::uint64_t generation = 0;     // of blocks
     Pipeline pipeline;
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hart/flow.hpp"
+#include "hart/instruction.hpp"
 #include "isa/encoding.hpp"
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace mebots::soc {
 
 class Hart;
 
-/// A load or store as the program asked for it.
+/// A load or store of the program.
 struct Access {
   std::uint32_t address = 0;
   unsigned size = 0;  // bytes; 0 = the instruction touches no memory
   bool store = false;
 };
 
-/// One instruction that has retired.
+/// A retired instruction.
 struct Retired {
   std::uint32_t pc = 0;
   std::uint32_t word = 0;  // a compressed one in the low half
@@ -27,24 +27,23 @@ struct Retired {
   std::uint32_t stored = 0;  // by a store, in its low bytes
 };
 
-/// A trap or an interrupt that is taken: the hart's pc is at its handler now; the cycles of getting there follow.
+/// A taken trap or interrupt. The hart's pc is at the handler; the cycles to enter it follow.
 struct Trapped {
-  std::uint32_t pc = 0;  // of the instruction that did not run, or did not run yet
+  std::uint32_t pc = 0;  // of the instruction that did not run
   std::uint32_t cause = 0;
   std::uint32_t value = 0;  // mtval
 };
 
-/// Code in which an observer need not be told of every instruction.
+/// Code in which an observer needs no call per instruction.
 struct QuietCode {
   std::uint32_t begin = 0;
-  std::uint32_t size = 0;  // bytes; 0 = it must be
+  std::uint32_t size = 0;  // bytes; 0 = no such code
 
   bool holds(std::uint32_t address) const { return address - begin < size; }
 };
 
-/// Somebody who watches a hart instruction by instruction. A hart with an observer pauses behind each of them, with the
-/// same counts as without; one without an observer pays nothing for the possibility.
-/// An observer outlives the runs that it watches and throws nothing.
+/// Observes a hart instruction by instruction. The hart calls it after each instruction; the counts are the same as
+/// without an observer. An observer must outlive the runs that it observes, and must not throw.
 class Observer {
  public:
   Observer() = default;

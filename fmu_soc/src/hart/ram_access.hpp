@@ -6,13 +6,13 @@
 
 namespace mebots::soc {
 
-/// Where a load or store of the inner loop goes; both null = not fast RAM, take the hart's slow path.
+/// The target of a load or store in fast RAM. Both null: not fast RAM, use the hart's slow path.
 struct RamAccess {
   std::uint8_t* data = nullptr;
   std::uint8_t* marks = nullptr;  // of the first word that the bytes touch
 };
 
-/// The fast region of an access and where in it; region null = none.
+/// The fast region of an access and the offset in it; a null region means no fast region.
 struct RamPlace {
   const FastRegion* region = nullptr;
   std::uint32_t offset = 0;
@@ -27,7 +27,7 @@ struct RamPlace {
   return {};
 }
 
-/// Counts an access to one word but for its bank.
+/// Counts an access to one word, without its bank.
 [[gnu::always_inline]] inline RamAccess count_access(Execution& e, const RamPlace& place) {
   MEBOTS_ASSERT(place.region != nullptr && place.offset < place.region->span);
   const auto& ram = *place.region;
@@ -36,8 +36,8 @@ struct RamPlace {
   return {ram.data + place.offset, ram.marks + place.offset / 4};
 }
 
-/// An access that is over with one check: in fast RAM, in banks that nobody else uses, within a word. Of all others,
-/// nothing has happened. No function is called, so that a handler keeps nothing on the stack.
+/// Performs an access that needs one check only: in fast RAM, within a word, without shared banks. All other accesses
+/// have no effect here. Calls no function, so that a handler saves no registers.
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess quick_access(Execution& e, std::uint32_t address) {
   const auto place = find_ram(e, address);
@@ -46,9 +46,9 @@ template <unsigned Size>
   return count_access(e, place);
 }
 
-/// Finds the bytes of an access in the two fast regions and adds what it waits for. That is the way there, and the bank
-/// when others use it too. Bytes across two words are two bus accesses, each with its wait; the extra cycle of the
-/// second one (kMisalignedExtra) is left to the caller.
+/// Finds the bytes of an access in the two fast regions and adds its wait cycles: latency, and the bank if it is
+/// shared. An access across two words is two bus accesses, each with its wait. The caller adds the extra cycle of the
+/// second one (kMisalignedExtra).
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess ram_access(Execution& e, const Instruction* at, std::uint32_t address) {
   const auto place = find_ram(e, address);

@@ -17,11 +17,11 @@
 ///          + extra cycles of multi-cycle instructions
 namespace mebots::soc {
 
-/// `rv32imc` is no chip's core. It has the cycles of CV32E40P, and its CSRs have every freedom of the privileged
-/// specification: mtvec aligned to 4 bytes, counters that run after reset, mtval written by exceptions.
+/// `rv32imc` is a generic core. It has the cycles of CV32E40P, and the CSRs of the privileged specification: mtvec
+/// aligned to 4 bytes, counters that run after reset, mtval written by exceptions.
 enum class CoreKind : std::uint8_t { cv32e40p, ri5cy, rv32imc };
 
-/// "cv32e40p", "ri5cy", "rv32imc"; nothing for other names.
+/// "cv32e40p", "ri5cy", "rv32imc"; nullopt for other names.
 std::optional<CoreKind> core_kind(std::string_view name);
 
 /// Differences between the cores. CSRs of CV32E40P: its user manual 1.8.3, chapter "Control and status registers", with
@@ -31,7 +31,7 @@ struct Timing {
 
   bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }      // same destination register
   bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }  // imm[4:0] compared with the load's rd
-  /// Behind it, that a jump's target is unaligned costs nothing: it is fetched while the core is busy.
+  /// After such an instruction, an unaligned target of a jump costs nothing: it is fetched while the core is busy.
   bool hides_unaligned_target(Op before) const { return kind == CoreKind::ri5cy && is_multi_cycle(before); }
   /// Xpulp v2 in the encodings of RI5CY. (CV32E40P has its own.)
   bool has_xpulp() const { return kind == CoreKind::ri5cy; }
@@ -50,7 +50,7 @@ inline constexpr unsigned kMisalignedExtra = 1;
 /// Measured together with mret as 9; the split is ours.
 inline constexpr unsigned kTrapEntryCycles = 4;
 
-/// What the pipeline still knows of an earlier instruction.
+/// The state of an earlier instruction in the pipeline.
 struct Previous {
   Op op = Op::end_of_block;  // = nothing
   std::uint8_t rd = 0;       // 0 or above 31 = none
@@ -66,20 +66,20 @@ struct Previous {
   }
 };
 
-/// What the pipeline knows of an instruction that it has executed; of one as decoded, or as it stands in a block.
+/// Returns that state for an executed instruction: decoded, or in a block.
 template <typename Executed>
 Previous executed(const Executed& instruction, bool across_words) {
   return {instruction.op, instruction.rd, is_multi_cycle(instruction.op) || across_words,
           is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
 }
 
-/// What it knows of the same instruction one later. That it was slow matters to a jump right behind it only.
+/// Returns the state of the same instruction one instruction later. `slow` only affects a jump directly after it.
 constexpr Previous one_later(Previous before) {
   before.slow = false;
   return before;
 }
 
-/// The instruction whose cycles are asked for.
+/// The instruction for static_cycles().
 struct Current {
   Op op = Op::end_of_block;
   std::uint8_t rd = 0;
@@ -89,13 +89,12 @@ struct Current {
   std::int32_t imm = 0;
 };
 
-/// Says how many cycles an instruction takes after the two before it, without what only its execution can tell. That
-/// leaves out taken branches, operands of divisions, misaligned addresses and unaligned targets.
+/// Returns the cycles of an instruction after the two before it, as far as decoding determines them. Excludes taken
+/// branches, operands of divisions, misaligned addresses and unaligned targets.
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
                        const Current& current);
 
-/// Whether the instruction is a jump that is fetched while the slow one before it is busy, and takes one cycle behind
-/// it.
+/// True if the instruction is a jump after a slow instruction, during which it was fetched. It then takes one cycle.
 bool hides_behind(const Previous& slow, const Current& current);
 
 /// The most cycles that execution can add to `static_cycles`, apart from an unaligned target.

@@ -11,12 +11,12 @@
 
 namespace mebots::soc {
 
-/// An exception, and what the core was at.
+/// An exception, and the instruction that raised it.
 struct Exception {
   std::uint32_t cause = 0;
   std::uint32_t pc = 0;
   std::uint32_t value = 0;        // mtval
-  std::uint32_t instruction = 0;  // the word at pc, 0 when it cannot be fetched
+  std::uint32_t instruction = 0;  // the word at pc; 0 if it cannot be fetched
   std::uint32_t return_address = 0;
   std::uint32_t stack_pointer = 0;
 
@@ -30,12 +30,12 @@ struct Exception {
   }
 };
 
-/// The end of a core: a trap without handler, or one that the handler itself cannot get past.
+/// The end of a core: a trap without a handler, or a trap in a handler that repeats without end.
 struct Fault {
   bool happened = false;
   bool double_trap = false;
   Exception last;
-  Exception first;  // that it began with: the first one since a return from a handler
+  Exception first;  // the first one since a handler returned
 
   void visit(state::Visitor& v) {
     v("happened", happened);
@@ -45,38 +45,38 @@ struct Fault {
   }
 };
 
-/// Takes a core into its handlers and out of them, and knows when that never ends.
+/// Enters and leaves a core's trap handlers, and detects endless traps.
 class Traps {
  public:
   Traps(Execution& execution, Csrs& csrs, const BlockCache& blocks)
       : execution_(execution), csrs_(csrs), blocks_(blocks) {}
 
   void restart();
-  /// The exception with which the last block was left; the cycles to its handler are not counted yet. False: the core
-  /// cannot go on (`fault`).
+  /// Takes the exception that ended the last block. The cycles to its handler are not counted yet. Returns false if the
+  /// core cannot continue (`fault`).
   bool take_exception();
-  /// The first of the interrupts that are ready.
+  /// Takes the first of the ready interrupts.
   unsigned next_interrupt() const;
-  /// Goes to the handler of an exception or interrupt. False: its first instruction cannot be fetched, which is the
-  /// end.
+  /// Enters the handler of an exception or interrupt. Returns false if its first instruction cannot be fetched, which
+  /// ends the core.
   bool enter_handler(std::uint32_t cause, std::uint32_t value);
   /// mret
   const Instruction* leave_handler(const Instruction* at);
 
   const Fault& fault() const { return fault_; }
-  /// Whether no handler has returned since the last exception: fault().first is the first one since.
+  /// True if no handler has returned since the last exception. fault().first is the first exception of that time.
   bool in_exception() const { return repeats_ != 0; }
 
   void visit(state::Visitor& v);
 
  private:
   enum class Progress : std::uint8_t {
-    none,     // the hart is where it was, or nests handlers
+    none,     // the same registers, or nested handlers
     unknown,  // the registers are the same, but memory may have changed
     some,
   };
 
-  /// A handler may leave without mret, as one that calls longjmp. So the next exception at the same place is compared
+  /// A handler may leave without mret, by longjmp for example. Therefore the next exception at the same pc is compared
   /// with this one.
   struct LastException {
     std::uint32_t pc = 0;
@@ -105,7 +105,7 @@ class Traps {
   Fault fault_;
   LastException last_exception_;
   std::uint32_t repeats_ = 0;  // exceptions in a row without progress; 0: none since a handler returned
-  std::uint32_t returns_ = 0;  // exceptions in a row that leave the registers as they were
+  std::uint32_t returns_ = 0;  // exceptions in a row with unchanged registers
 };
 
 }  // namespace mebots::soc

@@ -36,8 +36,8 @@ void check_address(Assembler& c, const Reg32& offset, const Reg32& scratch, cons
   c.jae(other, kNear);
 }
 
-/// eax = where the address lies in the first memory; goes to `other` when it does not, or is misaligned.
-/// Behind the label that comes back it does.
+/// Sets eax to the offset in the first memory. Jumps to `other` if the address is outside or misaligned. The address is
+/// valid at the returned label.
 Label emit_address(Assembler& c, const Instruction* at, unsigned size, Label& other) {
   const auto mode = traits_of(at->op).mode;
   MEBOTS_ASSERT(size == 1 || size == 2 || size == 4);

@@ -73,7 +73,7 @@ template <typename T, Mode kMode>
   const auto address = addresses_of<kMode>(e, at, at->rs2);
   const auto ram = ram_access<sizeof(T)>(e, at, address.access);
   if (ram.data == nullptr) {
-    const auto* left = e.rooms->data_path.load(at, address.access, sizeof(T), std::is_signed_v<T>);
+    const auto* left = e.units->data_path.load(at, address.access, sizeof(T), std::is_signed_v<T>);
     if (is_post(kMode) && retired(e, at) && at->rd != at->rs1) increment(e, at, address.moved);
     return left;
   }
@@ -105,7 +105,7 @@ template <typename T, Mode kMode>
   const auto address = addresses_of<kMode>(e, at, static_cast<std::uint32_t>(at->imm));
   const auto ram = ram_access<sizeof(T)>(e, at, address.access);
   if (ram.data == nullptr) {
-    const auto* left = e.rooms->data_path.store(at, address.access, sizeof(T), e.x[at->rs2]);
+    const auto* left = e.units->data_path.store(at, address.access, sizeof(T), e.x[at->rs2]);
     if (is_post(kMode) && retired(e, at)) increment(e, at, address.moved);
     return left;
   }
@@ -115,7 +115,7 @@ template <typename T, Mode kMode>
     e.extra_cycles += kMisalignedExtra;
     marks |= ram.marks[1];
   }
-  return marks != 0 ? e.rooms->data_path.stored_over_mark(at, address.access, sizeof(T)) : next(e, at);
+  return marks != 0 ? e.units->data_path.stored_over_mark(at, address.access, sizeof(T)) : next(e, at);
 }
 
 template <typename T, Mode kMode>
@@ -126,7 +126,7 @@ template <typename T, Mode kMode>
     return careful_store<T, kMode>(e, at);
   finish_store<T, kMode>(e, at, ram.data, address.moved);
   if (*ram.marks != 0) [[unlikely]]
-    return e.rooms->data_path.stored_over_mark(at, address.access, sizeof(T));
+    return e.units->data_path.stored_over_mark(at, address.access, sizeof(T));
   return next(e, at);
 }
 

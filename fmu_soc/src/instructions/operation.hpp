@@ -13,6 +13,10 @@ namespace mebots::soc {
 using Word = std::uint32_t;
 using translate::Lowering;
 
+constexpr std::int32_t as_signed(Word word) {
+  return static_cast<std::int32_t>(word);
+}
+
 /// An operation: what the interpreter runs for it, and how it becomes host code. The tables of each family
 /// (isa/*.decode) name the pair of functions from which operation() below makes it.
 struct Operation {
@@ -98,8 +102,8 @@ bool lower(translate::Assembler& c, const Instruction* at) {
 
 }  // namespace binding
 
-/// An operation whose encodings take the second operand from `kOperands`. Where they do not take it from, stands the
-/// handler of a register, or of the only one there is.
+/// Returns the row of an operation whose encodings take the second operand from `kOperands`. For other operands, it has
+/// the handler of a register or, without one, of the first operand.
 template <Op kOp, auto kExecute, Operand... kOperands>
 constexpr Operation operation(Lowering emit) {
   constexpr std::array kGiven{kOperands..., Operand::reg};
@@ -118,7 +122,7 @@ constexpr Operation operation(Lowering emit) {
   return made;
 }
 
-// The generated tables of pairs have MEBOTS_LOWERING(emit_add): none where the build leaves translation out.
+// The generated tables contain MEBOTS_LOWERING(emit_add), which is null in a build without translation.
 #ifdef MEBOTS_TRANSLATES
 #define MEBOTS_LOWERING(emit) binding::lower<emit>
 #else

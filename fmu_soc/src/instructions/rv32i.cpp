@@ -12,10 +12,6 @@
 namespace mebots::soc::rv32i {
 namespace {
 
-constexpr std::int32_t as_signed(Word a) {
-  return static_cast<std::int32_t>(a);
-}
-
 #ifdef MEBOTS_TRANSLATES
 using namespace lowering;
 #endif

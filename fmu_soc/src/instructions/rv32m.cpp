@@ -15,10 +15,6 @@ namespace {
 using namespace lowering;
 #endif
 
-constexpr std::int32_t as_signed(Word a) {
-  return static_cast<std::int32_t>(a);
-}
-
 // Products
 
 constexpr Word execute_mul(Word a, Word b) {

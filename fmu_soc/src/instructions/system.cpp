@@ -23,17 +23,17 @@ const Instruction* execute_ebreak(Execution& e, const Instruction* at) {
 }
 
 const Instruction* execute_fence_i(Execution& e, const Instruction* at) {
-  e.rooms->fetch.flush();
+  e.units->fetch.flush();
   return next(e, at);
 }
 
 template <Op>
 const Instruction* execute_csr_access(Execution& e, const Instruction* at) {
-  return e.rooms->csrs.access(at);
+  return e.units->csrs.access(at);
 }
 
 const Instruction* execute_mret(Execution& e, const Instruction* at) {
-  return e.rooms->traps.leave_handler(at);
+  return e.units->traps.leave_handler(at);
 }
 const Instruction* execute_wfi(Execution& e, const Instruction* at) {
   return e.leave_after(at, Leave::sleep);

@@ -23,9 +23,6 @@ namespace {
 using namespace lowering;
 #endif
 
-constexpr std::int32_t as_signed(Word a) {
-  return static_cast<std::int32_t>(a);
-}
 constexpr Word shift_right_signed(Word a, Word places) {
   return static_cast<Word>(as_signed(a) >> (places & 31U));
 }
@@ -57,7 +54,7 @@ void emit_p_bneimm(Assembler& c, const Instruction* at) {
 // Loads: instructions/load_store.hpp
 
 const Instruction* execute_p_elw(Execution& e, const Instruction* at) {
-  return e.rooms->data_path.event_load(at);
+  return e.units->data_path.event_load(at);
 }
 
 // Hardware loops. rs2 is the number of the loop.
@@ -71,7 +68,7 @@ const Instruction* execute_lp_starti(Execution& e, const Instruction* at) {
 const Instruction* set_loop_end(Execution& e, const Instruction* at, Word pc) {
   MEBOTS_ASSERT(at->rs2 < e.loops.size());
   e.loops[at->rs2].end = pc;
-  return e.rooms->blocks.end_block_at(pc) ? e.leave_after(at, Leave::normal) : next(e, at);
+  return e.units->blocks.end_block_at(pc) ? e.leave_after(at, Leave::normal) : next(e, at);
 }
 const Instruction* execute_lp_endi(Execution& e, const Instruction* at) {
   return set_loop_end(e, at, at->pc + static_cast<Word>(at->imm));
@@ -107,7 +104,7 @@ const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
     if (loop.end != last || loop.count <= 1) continue;
     --loop.count;
     e.pc = loop.start;
-    e.link = e.rooms->blocks.loop_link(at[1], loop.start);
+    e.link = e.units->blocks.loop_link(at[1], loop.start);
     return nullptr;
   }
   e.pc = at->pc;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "observe/profile_formats.hpp"
+#include "observe/power_formats.hpp"
 
 #include <map>
 #include <string_view>

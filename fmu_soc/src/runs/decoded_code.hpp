@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hart/block_cache.hpp"
-#include "hart/flow.hpp"
+#include "hart/instruction.hpp"
 #include "memory/instruction_cache.hpp"
 #include "memory/memory.hpp"
 #include "translate/translator.hpp"
@@ -12,7 +12,7 @@
 
 namespace mebots::soc {
 
-/// Code as harts of one kind share it that run in the same thread and reach the same memories.
+/// Decoded code, shared by harts of one kind with the same memories in one thread.
 struct DecodedCode {
   /// The memory outlives it, and has all its regions.
   DecodedCode(Memory& memory, const CodeSettings& settings)
@@ -26,18 +26,18 @@ struct DecodedCode {
   DecodedCode(const DecodedCode&) = delete;
   DecodedCode& operator=(const DecodedCode&) = delete;
 
-  bool translates;  // hot code, as far as that turned out to be possible
+  bool translates;  // hot code, if translation is possible
   BlockCache blocks;
   const bool loose_limit;
   InstructionCache* const instruction_cache;          // null = none
   Banks* const banks;                                 // null = one user
   std::unique_ptr<translate::Translator> translator;  // made when the first block is hot
-  const FlowMap* flow = nullptr;                      // who wants steps between functions to be noted
-  std::uint64_t times_dropped = 0;                    // that translations were thrown away
+  const FlowMap* flow = nullptr;                      // null = steps between functions are not recorded
+  std::uint64_t times_dropped = 0;                    // number of discarded translations
 
-  /// Whether some code has been translated, by any of its harts.
+  /// True if any of its harts has translated code.
   bool is_translated() const { return translator != nullptr; }
-  /// Instructions translated since construction. What is done again counts again.
+  /// Returns the instructions translated since construction; repeated translation counts.
   std::uint64_t instructions_translated() const { return is_translated() ? translator->translated() : 0; }
 
   void drop_translations() {
@@ -51,7 +51,7 @@ struct DecodedCode {
     drop_translations();
     flow = map;
   }
-  /// Grows whenever code that a hart has left to go on there may be gone.
+  /// Increases whenever code at which a hart would resume may be gone.
   std::uint64_t version() const {
     return blocks.generation() + times_dropped + (translator == nullptr ? 0 : translator->times_dropped());
   }

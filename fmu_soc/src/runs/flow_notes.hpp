@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hart/execution.hpp"
-#include "hart/flow.hpp"
+#include "hart/instruction.hpp"
 #include "runs/decoded_code.hpp"
 
 #include <cstdint>
@@ -13,17 +13,17 @@ namespace mebots::soc {
 
 class ObservedRun;
 
-/// Steps between functions that translated code notes in a run, for an observer who hears of them behind it.
+/// Steps between functions that translated code records in a run. The observer gets them after the run.
 class FlowNotes {
  public:
-  /// Cycles that translated code may stay when it notes steps: more than any block takes.
+  /// Most cycles of a run that records steps: more than any block takes.
   static constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 14;
 
   FlowNotes(Execution& execution, const DecodedCode& decoded) : execution_(execution), decoded_(decoded) {}
 
-  /// How far a run may go so that there is room for what it notes.
+  /// Returns the limit of a run so that its steps fit.
   std::uint64_t make_room(std::uint64_t cycles);
-  /// Tells the observer, if there is one, what the run that has just ended has noted.
+  /// Passes the steps of the last run to the observer, if there is one.
   void tell(const ObservedRun& observed);
 
  private:
@@ -31,7 +31,7 @@ class FlowNotes {
 
   Execution& execution_;
   const DecodedCode& decoded_;
-  std::unique_ptr<Flow[]> steps_;  // made when first wanted
+  std::unique_ptr<Flow[]> steps_;  // allocated at first use
 };
 
 }  // namespace mebots::soc

@@ -22,7 +22,7 @@ Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& s
       interpreter_(execution_, memory, blocks_, fetch_, limit_),
       observed_(*this, execution_, decoded, interpreter_, limit_),
       translated_(execution_, decoded, interpreter_, fetch_, observed_, limit_) {
-  execution_.rooms = &rooms_;
+  execution_.units = &units_;
   execution_.hart = this;
   std::vector<MemoryPort> ports(memory.regions().size());
   for (std::size_t i = 0; i < ports.size(); ++i) ports[i].region = i;

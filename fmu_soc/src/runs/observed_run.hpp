@@ -11,31 +11,31 @@
 
 namespace mebots::soc {
 
-/// Runs a core that somebody watches: as it runs otherwise, with a pause behind every instruction of which the observer
-/// wants to be told. All functions need an observer unless stated.
+/// Runs a core with an observer: as without one, but with a call after each instruction that the observer needs. All
+/// functions need an observer unless stated.
 class ObservedRun final : private BlockWalk {
  public:
   ObservedRun(const Hart& hart, Execution& execution, DecodedCode& decoded, Interpreter& interpreter,
               const RunLimit& limit)
       : hart_(hart), execution_(execution), decoded_(decoded), interpreter_(interpreter), limit_(limit) {}
 
-  /// Who watches from now on, or null. `sleeping`: whether the core does now.
+  /// Sets the observer; null removes it. `sleeping`: the core sleeps now.
   void observe(Observer* observer, bool sleeping);
-  /// Null without one.
+  /// May be null.
   Observer* observer() const { return observer_; }
-  /// Whether there is an observer, and it wants to be asked before each instruction.
+  /// True if there is an observer that needs a call before each instruction.
   bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
-  /// Whether translated code tells enough, if there is an observer. It does not serve one who wants to be asked, nor
-  /// one whose steps it does not note.
+  /// True if translated code reports enough for the observer, if any. It does not suffice for calls before
+  /// instructions, nor for steps that it does not record.
   bool allows_translation() const { return observer_ == nullptr || (flow_ != nullptr && flow_ == decoded_.flow); }
 
-  /// Whether the run goes on with the instruction at the pc.
+  /// True if the run continues with the instruction at the pc.
   bool goes_on() { return observer_->before(hart_); }
-  /// A block, or only its first instruction where the block may reach the limit. `alone`: only that in any case.
+  /// Runs a block, or only its first instruction if the block may reach the limit. `alone`: always only that.
   void run_block(const Block& block, std::uint32_t stall, bool alone);
   void step();
 
-  // Told to the observer, if there is one.
+  // Calls to the observer, if there is one.
   void trapped(const Trapped& trap) const {
     if (observer_ != nullptr) observer_->trapped(hart_, trap);
   }
@@ -47,7 +47,7 @@ class ObservedRun final : private BlockWalk {
     if (knows_of_sleep_) [[unlikely]]
       tell_of_waking();
   }
-  /// A state has been restored, of a core that sleeps or not.
+  /// Called after a state was restored; `sleeping`: of a core that sleeps.
   void restored(bool sleeping) { knows_of_sleep_ = observer_ != nullptr && sleeping; }
 
  private:

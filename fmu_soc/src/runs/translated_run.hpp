@@ -13,8 +13,8 @@
 
 namespace mebots::soc {
 
-/// Runs a core in translated code: which blocks get some, into it and back, and what it leaves to do. Where a block was
-/// left in its middle, the interpreter finishes it.
+/// Runs a core in translated code: chooses the blocks to translate, enters and leaves the code, and handles its exits.
+/// If a block was left in its middle, the interpreter finishes it.
 class TranslatedRun {
  public:
   TranslatedRun(Execution& execution, DecodedCode& decoded, Interpreter& interpreter, Fetch& fetch,
@@ -27,40 +27,40 @@ class TranslatedRun {
         limit_(limit),
         flow_notes_(execution, decoded) {}
 
-  /// Whether hot code is translated.
+  /// True if hot code is translated.
   bool is_on() const { return decoded_.translates; }
 
-  /// Code that may begin this block now; null = the interpreter runs it. A block gets code when it is hot.
+  /// Returns the code to start this block, or null if the interpreter must run it. Translates a hot block.
   const translate::Entry* entry(std::uint32_t number, const Block& block, std::uint32_t stall);
-  /// From this entry on. True: the next block begins, and nothing else is to be done; false: the interpreter has
-  /// finished one, and may have something to say.
+  /// Runs from this entry on. Returns true if the next block can begin at once; false if the interpreter has finished a
+  /// block, whose result must be checked.
   bool run(const translate::Entry& entry, std::uint32_t stall);
-  /// Block chaining: the patch point by which the last run was left leads to this block from now on.
+  /// Block chaining: patches the exit of the last run to jump to this block.
   void chain(const Block& block, const translate::Entry& entry, std::uint32_t stall) {
     decoded_.translator->chain_last_exit(block, entry, stall != 0);
   }
-  /// Likewise to the block at the pc, if there is code for it. It was left at the limit: where a block is as long as
-  /// the time between two limits, nothing else would ever chain it.
+  /// The same for the block at the pc, if it is translated. For an exit at the limit: if a block is as long as the time
+  /// between two limits, it would otherwise never be chained.
   void chain_to_here();
-  /// The block at the pc, where translated code was left for it; 0 = not known.
+  /// Returns the block at the pc after an exit from translated code; 0 = unknown.
   std::uint32_t next_block() const {
     const auto next = execution_.next_block;
     const bool holds = next != 0 && next_generation_ == decoded_.blocks.generation();
     return holds && decoded_.blocks.block(next).pc == execution_.pc ? next : 0;
   }
 
-  /// Whether the last run stopped at the limit in translated code, where it only has to go on.
+  /// True if the last run stopped at the limit in translated code and can resume there.
   bool has_resume_point() const { return execution_.host.resume_point != nullptr; }
-  /// The rows of the banks' table stand so many bytes further to the front.
+  /// Adapts to a shift of the banks' table by this many bytes to the front.
   void move_resume_point(std::uint64_t bytes) {
     if (has_resume_point()) execution_.host.begin -= bytes;
   }
-  /// From the resume point up to this tick, and so the next ones of the round. Steps between functions are noted, and
-  /// not told yet.
+  /// Runs from the resume point up to this tick, then the next harts of the round. Records steps between functions
+  /// without reporting them.
   translate::RunEnd run_round(std::uint64_t limit_tick);
-  /// Tells the observer the steps between functions that the last run noted.
+  /// Passes the steps between functions of the last run to the observer.
   void tell_flow() { flow_notes_.tell(observed_); }
-  /// What translated code leaves to do; as `run`.
+  /// Handles an exit from translated code; returns as `run`.
   bool finish(const translate::Exit& exit);
 
  private:
@@ -80,12 +80,11 @@ class TranslatedRun {
   const ObservedRun& observed_;
   const RunLimit& limit_;
   FlowNotes flow_notes_;
-  std::uint64_t next_generation_ = 0;  // of blocks, in which Execution::next_block is meant
+  std::uint64_t next_generation_ = 0;  // of blocks, for Execution::next_block
 };
 
-/// Whether no instruction of the block can start too late, whatever must be fetched for it. Translated code asks for
-/// its lines when it gets there, but for those of the first instruction where others use the cache, or where a stall
-/// comes behind them.
+/// True if all instructions of the block start before the limit, with any fetches. Translated code fetches the lines
+/// when it reaches them, except those of the first instruction if the cache is shared, or if a stall follows them.
 inline bool TranslatedRun::may_begin(const Block& block, std::uint32_t stall) const {
   if (!is_on() || !observed_.allows_translation()) return false;
   const auto bound = std::uint64_t{decoded_.blocks.fetch_bound(block)} + stall;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soc/program_host.hpp"
 
-#include "hart/look_ahead.hpp"
+#include "hart/fetch.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/core.h>

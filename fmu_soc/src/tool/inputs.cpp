@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tool/inputs.hpp"
+#include "tool/run.hpp"
 
 #include "mebots/error.hpp"
 #include "mebots/png_file.hpp"

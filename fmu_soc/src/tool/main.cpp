@@ -2,7 +2,7 @@
 //
 // mebots-soc run PROGRAM.elf [options]: runs a bare-metal program outside any FMU. Exit code: tohost >> 1 or what the
 // firmware passed to EXIT (low 8 bits), 101 after a fault or at a limit, 102 for bad input.
-#include "command_line/told_by_itself.hpp"
+#include "command_line/command.hpp"
 #include "tool/run.hpp"
 
 #include <fmt/core.h>

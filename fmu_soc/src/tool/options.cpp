@@ -50,7 +50,7 @@ void add_options(CLI::App& command, Options& options) {
       ->type_name("CORE");
   command
       .add_option("--devices", options.device_folders,
-                  "Folder with the libraries of devices that the board names, when they do not lie beside it")
+                  "Folder with the libraries of devices that the board names; default: the folder of the board")
       ->type_name("FOLDER");
   command.add_option("--flash", options.flash, "What the board's flash holds at the start")->type_name("FILE");
   command
@@ -79,7 +79,7 @@ void add_options(CLI::App& command, Options& options) {
       .add_option("--host-files", options.host_files,
                   "Folder below which the program may open files by semihosting or system calls")
       ->type_name("FOLDER");
-  command.add_option("--gdb", options.gdb_port, "Wait for gdb on this port of 127.0.0.1; 0 takes a free one")
+  command.add_option("--gdb", options.gdb_port, "Wait for gdb on this port of 127.0.0.1; 0: any free port")
       ->check(CLI::Range(0, 65535));
   command.add_option("--max-instructions", options.max_instructions, "Stop after exactly this many")
       ->type_name("N")
@@ -130,13 +130,13 @@ void check(const Options& options) {
     }
     for (std::size_t k = 0; k < i; ++k) {
       if (same_file(outputs[i].path, outputs[k].path)) {
-        throw Error(fmt::format("{} and {} both name {}; give each a file of its own", outputs[k].option,
+        throw Error(fmt::format("{} and {} both name {}; give each a different file", outputs[k].option,
                                 outputs[i].option, outputs[i].path));
       }
     }
   }
   if (options.trace_cycles && !options.trace) {
-    throw Error("--trace-cycles adds a column to --trace FILE, which is not asked for");
+    throw Error("--trace-cycles needs --trace FILE: it adds a column to that file");
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tool/report.hpp"
+#include "tool/run.hpp"
 
 #include "mebots/error.hpp"
 

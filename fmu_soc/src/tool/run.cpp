@@ -4,8 +4,6 @@
 #include "board/board_file.hpp"
 #include "observe/session.hpp"
 #include "tool/host_services.hpp"
-#include "tool/inputs.hpp"
-#include "tool/report.hpp"
 
 #include "devices/gap8/himax.hpp"
 #include "hart/csr_numbers.hpp"
@@ -124,7 +122,7 @@ std::string why_no_end(const Soc& soc, const Options& options) {
                   ? fmt::format("limit of {} instructions reached at {}", *options.max_instructions, place)
                   : fmt::format("endless loop at {}", place);
   if (soc.spins()) {
-    text += ", which jumps to itself for ever: no interrupt is enabled that could end it";
+    text += ", an endless jump to itself: no enabled interrupt can end it";
     if (!soc.program().symbol("tohost")) text += "; the program has no symbol tohost to end by";
   }
   if (const auto exception = soc.unfinished_exception_text(); !exception.empty()) {

@@ -1,14 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "board/board_file.hpp"
+#include "elf/elf.hpp"
+#include "observe/text_file.hpp"
+#include "soc/soc.hpp"
+
 #include <CLI/CLI.hpp>
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace mebots::soc::tool {
+
+/// Makes the board of a program that names none. It has RAM where the program's segments are loaded and where they run,
+/// and no device. A RAM begins at the page of its lowest segment, has at least 4 MiB, and ends at least 1 MiB past its
+/// highest segment. Segments with more than 64 MiB between them get a RAM each. Throws Error if that would be more than
+/// 2 GiB.
+BoardDescription board_around(const Elf& program);
+
+/// Returns the file of a board, which is given by its path or by the name of a board that came with this program.
+std::filesystem::path board_file(const std::string& asked);
+
+/// The pictures of a folder, its .png and .pgm files in the order of their names, as grey pixels row by row; colours
+/// become grey as libpng weighs them. Throws Error, naming the file, for one that cannot be read or is not `width`
+/// pixels wide and at least `least_height` high, and for a folder without pictures.
+std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path& folder, std::uint32_t width,
+                                                     std::uint32_t least_height);
+
+/// Prints what a run did: instructions, cycles, time, energy by component, speed of the host, tohost.
+void print_report(const Soc& soc, double host_s, std::optional<std::uint32_t> tohost);
+
+/// The words between the symbols begin_signature and end_signature, 8 hexadecimal digits a line.
+class Signature {
+ public:
+  /// Throws Error, before the run, when the program lacks the symbols, they lie outside its memory, or the file cannot
+  /// be written.
+  Signature(const std::string& path, const Soc& soc);
+  /// Takes the words as they are now.
+  void write(const Soc& soc);
+
+ private:
+  std::uint32_t begin_ = 0;
+  std::uint32_t end_ = 0;
+  observe::TextFile file_;
+};
 
 /// What the user asked `mebots-soc run` for.
 struct Options {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "camera/geometry.hpp"
-#include "camera/pose.hpp"
+#include "camera/lens.hpp"
 
 #include <Eigen/Core>
 #include <cstddef>

@@ -41,10 +41,10 @@ Geometry checked(Geometry geometry) {
           fmt::format("camera: face {} has {} corners; it must have 3..{}, cut it up", i, corners, kMaxCorners));
     }
     if (face.mover != Face::kStands && face.mover >= geometry.movers.size()) {
-      throw Error(fmt::format("camera: face {} asks for mover {} of {}", i, face.mover, geometry.movers.size()));
+      throw Error(fmt::format("camera: face {} refers to mover {} of {}", i, face.mover, geometry.movers.size()));
     }
     if (face.tile >= geometry.tiles.size()) {
-      throw Error(fmt::format("camera: face {} asks for texture {} of {}", i, face.tile, geometry.tiles.size()));
+      throw Error(fmt::format("camera: face {} refers to texture {} of {}", i, face.tile, geometry.tiles.size()));
     }
   }
   return geometry;

@@ -3,9 +3,9 @@
 
 #include "camera/culling.hpp"
 #include "camera/geometry.hpp"
+#include "camera/lens.hpp"
 #include "camera/outline.hpp"
 #include "camera/pixel_noise.hpp"
-#include "camera/pose.hpp"
 #include "camera/shading.hpp"
 #include "scene/scene.hpp"
 

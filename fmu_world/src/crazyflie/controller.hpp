@@ -4,10 +4,9 @@
 #include "crazyflie/gains.hpp"
 #include "crazyflie/pid.hpp"
 #include "dynamics/airframe.hpp"
-#include "dynamics/rigid_state.hpp"
 #include "math/periods.hpp"
 #include "mebots/state/visitor.hpp"
-#include "stabiliser/goal.hpp"
+#include "stabiliser/stabiliser.hpp"
 
 #include <Eigen/Core>
 #include <cstdint>

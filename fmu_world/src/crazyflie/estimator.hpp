@@ -3,7 +3,7 @@
 
 #include "crazyflie/kalman.hpp"
 #include "crazyflie/low_pass.hpp"
-#include "dynamics/rigid_state.hpp"
+#include "dynamics/airframe.hpp"
 #include "mebots/state/visitor.hpp"
 #include "sensors/flow_sensor.hpp"
 #include "sensors/imu.hpp"

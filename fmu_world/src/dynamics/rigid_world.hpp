@@ -2,7 +2,6 @@
 #pragma once
 
 #include "dynamics/airframe.hpp"
-#include "dynamics/rigid_state.hpp"
 #include "scene/scene.hpp"
 
 #include <Eigen/Core>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "dynamics/rigid_state.hpp"
+#include "dynamics/airframe.hpp"
 #include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
 

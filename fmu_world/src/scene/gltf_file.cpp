@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/gltf_file.hpp"
+#include "scene/load.hpp"
 
 #include "mebots/error.hpp"
 #include "mebots/png_file.hpp"

@@ -4,7 +4,6 @@
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
 #include "mebots/png_file.hpp"
-#include "scene/gltf_file.hpp"
 #include "scene/vector_reader.hpp"
 
 #include <fmt/format.h>

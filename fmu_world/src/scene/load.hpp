@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "scene/mesh.hpp"
 #include "scene/scene.hpp"
 
 #include <filesystem>
@@ -14,5 +15,12 @@ Scene load_scene(const std::filesystem::path& file);
 
 /// Reads and checks a drone file.
 Drone load_drone(const std::filesystem::path& file);
+
+/// The triangles of a glTF 2.0 file (.gltf or .glb): all nodes of its default scene, with the base colours of their
+/// materials as grey levels. glTF's axes (y up, z forward) become ours (z up, x forward); lengths are multiplied by
+/// `scale`. Textures are PNG pictures, inside the file or beside it. Throws mebots::Error that begins with the file's
+/// name for a file that is not a glTF or is damaged, for primitives other than triangles, for required extensions, and
+/// beyond kMostTriangles.
+Mesh read_gltf(const std::filesystem::path& file, double scale);
 
 }  // namespace mebots::world::scene

@@ -3,16 +3,47 @@
 
 #include "math/rotation.hpp"
 #include "scene/mesh.hpp"
-#include "scene/path.hpp"
-#include "scene/texture.hpp"
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
+
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+namespace mebots::world::scene {
+
+/// Where a thing on a path is at a time, seen from where it stands without one, and how fast it goes.
+struct Displacement {
+  Eigen::Vector3d offset_W_m = Eigen::Vector3d::Zero();
+  double turn_rad = 0.0;  ///< about the vertical through the thing's own origin, positive to the left
+  Eigen::Vector3d velocity_W_m_per_s = Eigen::Vector3d::Zero();
+  double turn_rate_rad_per_s = 0.0;
+};
+
+/// How an obstacle moves: at even speed from point to point, a function of time alone, so that it has no state.
+/// After the last point it stays there, or begins again when it repeats. Nothing stops it: it has any strength.
+struct Path {
+  struct Point {
+    std::int64_t time_ns = 0;  ///< rising; the first one is 0
+    Eigen::Vector3d offset_W_m = Eigen::Vector3d::Zero();
+    double turn_rad = 0.0;
+  };
+  std::vector<Point> points;  ///< none: it stands still; otherwise at least two
+  bool repeat = false;
+
+  bool moves() const { return !points.empty(); }
+  /// Farthest offset.
+  double reach_m() const;
+  /// At a time from the start of the run; before it as at it.
+  Displacement at(std::int64_t time_ns) const;
+};
+
+}  // namespace mebots::world::scene
 
 /// What stands in the world, as a scene file tells it: plain data, SI units, world frame W
 /// (x east, y north, z up). Read and checked by load_scene() in load.hpp.
@@ -181,5 +212,24 @@ struct Scene {
   Contact contact;
   Drone drone;
 };
+
+/// What there is to touch and to measure the distance to, besides the ground: one list of all shapes.
+struct Solid {
+  enum class Shape { box, cylinder, mesh };
+  static constexpr std::size_t kNoGate = SIZE_MAX;
+
+  Shape shape = Shape::box;
+  std::string name;
+  std::size_t gate = kNoGate;  ///< that it belongs to
+  Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_W = Eigen::Quaterniond::Identity();  ///< its own axes into world axes
+  Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  ///< of a box: edges; of a cylinder: diameter, diameter, height
+  std::shared_ptr<const Mesh> mesh;                  ///< of a mesh
+  double radius_m = 0.0;                             ///< of a sphere round p_W_m that holds it
+  Path path;
+};
+
+/// Boxes, cylinders, meshes, then the parts of gates, each kind in the scene's order.
+std::vector<Solid> solids_of(const Scene& scene);
 
 }  // namespace mebots::world::scene

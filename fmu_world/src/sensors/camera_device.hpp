@@ -2,7 +2,7 @@
 #pragma once
 
 #include "camera/sensor.hpp"
-#include "dynamics/rigid_state.hpp"
+#include "dynamics/airframe.hpp"
 #include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
 

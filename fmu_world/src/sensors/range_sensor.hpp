@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "dynamics/rigid_state.hpp"
+#include "dynamics/airframe.hpp"
 #include "fmu_world/variables.hpp"
 #include "math/periods.hpp"
 #include "mebots/state/visitor.hpp"
-#include "scene/solids.hpp"
+#include "scene/scene.hpp"
 
 #include <Eigen/Core>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stabiliser/mixer.hpp"
+#include "stabiliser/stabiliser.hpp"
 
 #include "mebots/assert.hpp"
 

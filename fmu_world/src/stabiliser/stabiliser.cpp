@@ -3,7 +3,6 @@
 
 #include "dynamics/rigid_world.hpp"
 #include "math/rotation.hpp"
-#include "stabiliser/mixer.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -157,6 +156,44 @@ void Stabiliser::visit(state::Visitor& v) {
   v("last_rate_B_rad_per_s", numbers(memory_.last_rate_B_rad_per_s));
   v("acceleration_B_rad_per_s2", numbers(memory_.acceleration_B_rad_per_s2));
   v("command", memory_.command);
+}
+
+Gains::Rotation Gains::rotation(double pole_per_s, double lag_s) {
+  // (s + p)^3 = s^3 + 3 p s^2 + 3 p^2 s + p^3 against
+  // s^3 + (1 + k_a) / T s^2 + k_r / T s + k_r k_angle / T.
+  const double rate = 3.0 * lag_s * pole_per_s * pole_per_s;
+  return {pole_per_s / 3.0, rate, std::max(0.0, 3.0 * lag_s * pole_per_s - 1.0)};
+}
+
+Gains Gains::for_lag(double rotor_lag_s) {
+  Gains gains{};
+  // Below 1 / (3 p) the rotor is fast enough to be left out of the placement.
+  gains.tilt = rotation(gains.tilt_pole_per_s, std::max(rotor_lag_s, 1.0 / (3.0 * gains.tilt_pole_per_s)));
+  gains.yaw = rotation(gains.yaw_pole_per_s, std::max(rotor_lag_s, 1.0 / (3.0 * gains.yaw_pole_per_s)));
+  return gains;
+}
+
+namespace {
+
+using Point = scene::ThrustPoint;
+
+/// Value of `to` where `from` is x, on the table's broken line.
+double between(const std::vector<Point>& points, double Point::*from, double Point::*to, double x) {
+  const auto above = std::upper_bound(points.begin() + 1, points.end() - 1, x,
+                                      [from](double value, const Point& point) { return value < point.*from; });
+  const Point& b = *above;
+  const Point& a = *(above - 1);
+  return a.*to + (b.*to - a.*to) * (x - a.*from) / (b.*from - a.*from);
+}
+
+}  // namespace
+
+double ThrustCurve::command_for(double thrust_n) const {
+  return between(points_, &Point::thrust_n, &Point::command, thrust_n);
+}
+
+double ThrustCurve::thrust_for(double command) const {
+  return between(points_, &Point::command, &Point::thrust_n, command);
 }
 
 }  // namespace mebots::world

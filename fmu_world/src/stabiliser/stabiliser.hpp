@@ -2,15 +2,90 @@
 #pragma once
 
 #include "dynamics/airframe.hpp"
-#include "dynamics/rigid_state.hpp"
 #include "mebots/state/visitor.hpp"
-#include "stabiliser/gains.hpp"
-#include "stabiliser/goal.hpp"
-#include "stabiliser/thrust_curve.hpp"
+#include "scene/scene.hpp"
 
 #include <Eigen/Core>
 
+#include <utility>
+#include <vector>
+
 namespace mebots::world {
+
+/// The command to the stabiliser.
+struct StabiliserGoal {
+  bool motors_on = false;
+  bool hold_place = false;       ///< brake, then hold the place reached; velocity and yaw rate are not used
+  double forward_m_per_s = 0.0;  ///< in the heading frame
+  double left_m_per_s = 0.0;
+  double yaw_rate_rad_per_s = 0.0;
+  bool descend = false;     ///< sink at the descent speed; altitude is not used
+  double altitude_m = 0.0;  ///< of the body's centre above z = 0
+};
+
+/// Gains of the stabiliser. fmu_world/docs/stabiliser.md derives them.
+struct Gains {
+  /// Feedback of one rotation axis whose torque follows its command with a first-order lag.
+  struct Rotation {
+    double angle_per_s;   ///< rad/s of wanted rate per rad of error
+    double rate_per_s;    ///< rad/s2 of wanted acceleration per rad/s of error
+    double acceleration;  ///< rad/s2 less per rad/s2 that there is
+  };
+  /// The three poles of (angle, rate, acceleration) at -pole_per_s, for a torque lag of lag_s.
+  /// acceleration feedback is never negative: a faster rotor than 1 / (3 pole) needs none.
+  static Rotation rotation(double pole_per_s, double lag_s);
+
+  double tilt_pole_per_s = 12.0;
+  double yaw_pole_per_s = 6.0;
+  Rotation tilt;
+  Rotation yaw;
+  double velocity_p_per_s = 1.5;
+  double velocity_i_per_s2 = 0.6;
+  double position_per_s = 0.6;
+  double climb_p_per_s = 3.0;
+  double climb_i_per_s2 = 2.0;
+  double altitude_per_s = 1.2;
+
+  double max_tilt_rad = 0.45;           ///< about 26 degrees
+  double max_rate_rad_per_s = 6.0;      ///< of roll and pitch that the angle loop asks for
+  double max_yaw_lead_rad = 0.5;        ///< heading reference ahead of the heading
+  double max_hold_speed_m_per_s = 0.3;  ///< back to the point that is held
+  double max_climb_m_per_s = 0.5;
+  double max_descent_m_per_s = 0.3;
+  double max_horizontal_integral_m_per_s2 = 3.0;
+  double max_vertical_integral_m_per_s2 = 4.0;
+  double min_thrust_share = 0.2;         ///< of the weight, so that roll and pitch keep their grip
+  double acceleration_filter_s = 0.005;  ///< lag of the measured angular acceleration
+
+  /// For a drone whose rotors follow with `rotor_lag_s`.
+  static Gains for_lag(double rotor_lag_s);
+};
+
+/// Rotor thrusts that give a collective thrust and a torque about the body's axes.
+///
+/// Inverse of rotor_wrench() with torque = torque_per_thrust * thrust. When a rotor would leave
+/// 0..max_thrust_n, what matters least gives way first: the yaw torque is lowered, then the collective is moved,
+/// then roll and pitch are scaled. Roll and pitch keep the drone in the air; yaw and height can wait.
+RotorValues mix(const scene::Drone& drone, double max_thrust_n, double collective_n,
+                const Eigen::Vector3d& torque_B_n_m);
+
+/// Which command gives which thrust of one rotor, as the stabiliser believes: a bench table, linear
+/// between its rows. The true thrust depends on the bus voltage too, which the stabiliser does not know;
+/// the altitude integrator makes up for the difference.
+class ThrustCurve {
+ public:
+  /// Rows rise in both columns and begin at (0, 0), as load_scene() makes sure.
+  explicit ThrustCurve(std::vector<scene::ThrustPoint> points) : points_(std::move(points)) {}
+
+  double max_thrust_n() const { return points_.back().thrust_n; }
+  /// For a thrust from 0 to max_thrust_n().
+  double command_for(double thrust_n) const;
+  /// The inverse, for a command from 0 to that of max_thrust_n().
+  double thrust_for(double command) const;
+
+ private:
+  std::vector<scene::ThrustPoint> points_;
+};
 
 /// Cascaded flight controller: position -> velocity -> acceleration -> tilt and thrust; tilt -> rate ->
 /// angular acceleration -> rotor thrusts -> commands. It uses mass and inertia, but neither the bus voltage nor the

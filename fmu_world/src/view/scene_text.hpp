@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "camera/pose.hpp"
+#include "camera/lens.hpp"
 #include "scene/scene.hpp"
 
 #include <string>

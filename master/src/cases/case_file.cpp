@@ -5,7 +5,7 @@
 #include "io/config/sections.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/file_kind.hpp"
-#include "model/record_choice.hpp"
+#include "model/resolved_system.hpp"
 
 #include <fmt/format.h>
 

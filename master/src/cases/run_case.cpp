@@ -66,9 +66,10 @@ std::vector<Expected> read_expected(const std::filesystem::path& path, const mod
     wanted.push_back({i, &model, variable});
   }
   if (columns.empty()) {
-    throw InputError(ErrorCode::missing_key,
-                     fmt::format("{}: there is no column beside the time; name the columns after variables of the FMU",
-                                 file.name()));
+    throw InputError(
+        ErrorCode::missing_key,
+        fmt::format("{}: the file has a column for the time only; add columns named after variables of the FMU",
+                    file.name()));
   }
   auto signals = file.read(wanted);
   for (std::size_t i = 0; i < columns.size(); ++i) columns[i].signal = std::move(signals[i]);

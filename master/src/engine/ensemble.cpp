@@ -7,7 +7,6 @@
 #include "message/message_text.hpp"
 
 #include "engine/initial_values.hpp"
-#include "engine/slave_factory.hpp"
 #include "slave/isolation/child_process.hpp"
 #include "slave/isolation/isolated_slave.hpp"
 #include "slave/process_watch.hpp"

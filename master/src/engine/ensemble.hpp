@@ -234,4 +234,9 @@ std::vector<ResolvedVariable> torn_inputs(const ResolvedSystem& system);
 /// empty when there is none.
 std::string initial_loop(const ResolvedSystem& system);
 
+/// Instantiates the slaves of a system, in the order of the config, each where and with what the config asks for.
+/// Throws SlaveError when an FMU gives no instance.
+std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, MessageSink& messages,
+                                                const SlaveOptions& options);
+
 }  // namespace mebots::master

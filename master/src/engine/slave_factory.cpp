@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/slave_factory.hpp"
+#include "engine/ensemble.hpp"
 
 #include "slave/fmu_slave.hpp"
 

@@ -2,7 +2,6 @@
 #include "fmi/fmu.hpp"
 
 #include "base/own_threads.hpp"
-#include "fmi/call/callback_text.hpp"
 #include "fmi/call/fmi2_callbacks.hpp"
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/process/process_state.hpp"
@@ -41,7 +40,7 @@ std::string_view way_out(std::string_view why) {
     return "The FMU expects the library of a Python interpreter, and none was found: install libpython3-dev, or let "
            "MEBOTS_PYTHON name a Python that has a shared library";
   }
-  return "Install the missing library, or put it beside the FMU's own in binaries/linux64";
+  return "Install the missing library, or put it into binaries/linux64 of the FMU";
 }
 
 /// Calls code of the library that belongs to no instance; `doing` completes "while the library was".
@@ -201,13 +200,13 @@ void Fmu::load() {
 void Fmu::check_version() const {
   const char* const version = call_library(archive_, "asked for its version", functions_->get_version);
   if (const auto text = read_text(version); text != "2.0") {
-    throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: fmi2GetVersion says {} instead of '2.0'",
+    throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: fmi2GetVersion returns {} instead of '2.0'",
                                                               archive_.string(), shown_text(text, version)));
   }
   const char* const platform = call_library(archive_, "asked for its platform", functions_->get_types_platform);
   if (const auto text = read_text(platform); text != kTypesPlatform) {
     throw InputError(ErrorCode::fmu_unsupported,
-                     fmt::format("{}: fmi2GetTypesPlatform says {} instead of '{}': its numbers are of other sizes",
+                     fmt::format("{}: fmi2GetTypesPlatform returns {} instead of '{}': its numbers have other sizes",
                                  archive_.string(), shown_text(text, platform), kTypesPlatform));
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fmi/library_needs.hpp"
+#include "fmi/library_state.hpp"
 
 #include "mebots/error.hpp"
 #include "mebots/file_kind.hpp"

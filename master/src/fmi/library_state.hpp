@@ -2,13 +2,17 @@
 #pragma once
 
 #include "fmi/process/process_functions.hpp"
+#include "mebots/modeldesc/elf_library.hpp"
 
 #include <link.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -106,5 +110,52 @@ class OwnLoad {
  private:
   std::uint64_t before_;
 };
+
+/// A library that a process would map in addition if it loaded an FMU.
+struct NewLibrary {
+  std::filesystem::path file;
+  modeldesc::ElfLibrary elf;
+};
+
+/// Libraries and symbols that an FMU brings and needs, from its ELF files alone.
+struct LibraryNeeds {
+  std::vector<NewLibrary> libraries;                     ///< the FMU's own first
+  std::map<std::string, std::filesystem::path> brought;  ///< by the name that the loader knows it by
+  std::set<std::string> names;                           ///< of all libraries that are asked for, at any depth
+  std::set<std::filesystem::path> shared;                ///< files that it needs and the process has loaded already
+  bool loads_libraries = false;                          ///< it imports dlopen, so all ELF files in the FMU count
+  std::string interpreter;                               ///< "a Python interpreter", if it embeds one; else empty
+
+  /// Returns the texts that files of the FMU hold. An FMU that loads a library by its name holds the name.
+  std::set<std::string_view> mentioned(const std::vector<std::string_view>& texts) const;
+};
+
+/// Reads the library in `file` and all that it needs. `folder` holds the unpacked FMU, `loaded` what the process has.
+/// Throws Error if a file is no library.
+LibraryNeeds read_library_needs(const std::filesystem::path& file, const std::filesystem::path& folder,
+                                const std::vector<modeldesc::LoadedLibrary>& loaded);
+
+/// The loader's names for a library: its SONAME and the name of its file.
+bool has_name(const modeldesc::LoadedLibrary& library, const std::string& name);
+
+/// True for the parts of the C library, of which a process has one in any case.
+bool is_c_library(std::string_view name);
+
+class Fmu;
+
+/// The decision about an FMU that is to share this process.
+struct Admission {
+  bool loaded = false;
+  bool certain = false;  ///< the FMU or another would compute with a library or a variable that is not its own
+  std::string reason;    ///< completes "b.fmu runs in its own process: "
+};
+
+enum class Risk { refuse, accept };
+
+/// Loads an FMU's library into this process, unless its ELF files show that the FMU could not keep apart from the
+/// program or from other FMUs there. The answer depends on what the process has loaded. With Risk::accept, an FMU is
+/// loaded in spite of a reason that is not certain. Throws InputError if the library cannot be loaded at all.
+/// From any thread.
+Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk);
 
 }  // namespace mebots::master

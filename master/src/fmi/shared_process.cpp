@@ -2,10 +2,9 @@
 // The loader matches needed libraries by name, keeps one copy of a unique symbol (STB_GNU_UNIQUE), and looks symbols up
 // in the program and its libraries first. So FMUs of one process can get each other's code and variables. Namespaces of
 // the loader (dlmopen) are no way out: there are 16, with one C library each.
-#include "fmi/shared_process.hpp"
+#include "fmi/library_state.hpp"
 
 #include "fmi/fmu.hpp"
-#include "fmi/library_needs.hpp"
 #include "mebots/error.hpp"
 #include "mebots/file_kind.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/osmp.hpp"
+#include "model/value_kind.hpp"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/override_schedule.hpp"
 
-#include "model/osmp.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 
@@ -15,17 +15,6 @@ using modeldesc::Variability;
 [[noreturn]] void fail(const OverrideDescription& override, const std::string& what) {
   throw InputError(ErrorCode::invalid_value,
                    fmt::format("{}: '{}' {}", override.place, override.variable.text(), what));
-}
-
-std::string shown(const WrittenValue& value) {
-  struct Show {
-    std::string operator()(double number) const { return fmt::format("{}", number); }
-    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
-    std::string operator()(bool flag) const { return flag ? "true" : "false"; }
-    std::string operator()(const std::string& text) const { return fmt::format("\"{}\"", text); }
-    std::string operator()(const UntypedText& text) const { return text.text; }
-  };
-  return std::visit(Show{}, value);
 }
 
 void check_limits(const OverrideDescription& override, const modeldesc::Variable& variable, double value) {
@@ -79,7 +68,7 @@ Override checked(const ResolvedSystem& system, const OverrideDescription& descri
 std::string action_text(const OverrideDescription& override) {
   switch (override.action) {
     case OverrideAction::set:
-      return "set " + shown(override.value);
+      return "set " + written_text(override.value);
     case OverrideAction::offset:
       return fmt::format("offset {}", override.number);
     case OverrideAction::scale:

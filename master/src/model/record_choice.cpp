@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/record_choice.hpp"
+#include "model/resolved_system.hpp"
 
 #include "mebots/nearest_names.hpp"
-#include "model/osmp.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 

@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// The system with every name looked up and everything checked that can be checked before the first step.
@@ -114,5 +115,15 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
 
 /// "1.5e+08", "true", "lipol_350": the shortest form that reads back to the same bits.
 std::string value_text(const modeldesc::Value& value);
+
+/// The variables that a system records in every row, in the order of instances and descriptions. Throws InputError
+/// for a pattern that fits nothing.
+std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system);
+
+/// The variables that are recorded once, at t = 0: parameters of all kinds, and constants. Throws InputError.
+std::vector<ResolvedVariable> recorded_parameters(const ResolvedSystem& system);
+
+/// True when `text` fits a pattern in which `*` stands for any characters and `?` for one.
+bool fits(std::string_view text, std::string_view pattern);
 
 }  // namespace mebots::master

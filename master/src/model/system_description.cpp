@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <variant>
+
 namespace mebots::master {
 
 std::optional<std::size_t> InstanceIndex::find(const std::vector<InstanceDescription>& instances,
@@ -123,9 +125,20 @@ const AlgorithmKind& find_algorithm(const AlgorithmDescription& description) {
   }
   if (!found->takes_order && !description.order.empty()) {
     throw InputError(ErrorCode::invalid_value,
-                     fmt::format("'{}' steps all instances on the same values, so it takes no order", found->name));
+                     fmt::format("'{}' steps all instances on the same values, so it has no order", found->name));
   }
   return *found;
+}
+
+std::string written_text(const WrittenValue& written) {
+  struct Show {
+    std::string operator()(double value) const { return fmt::format("{}", value); }
+    std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
+    std::string operator()(bool value) const { return value ? "true" : "false"; }
+    std::string operator()(const std::string& value) const { return fmt::format("\"{}\"", value); }
+    std::string operator()(const UntypedText& value) const { return fmt::format("'{}'", value.text); }
+  };
+  return std::visit(Show{}, written);
 }
 
 }  // namespace mebots::master

@@ -32,6 +32,9 @@ struct VariableName {
 /// A value as the user wrote it.
 using WrittenValue = Value;
 
+/// Returns the value as a message shows it: texts in quotes.
+std::string written_text(const WrittenValue& written);
+
 /// A start value for one variable. `place` says where it was written, for error messages.
 struct Assignment {
   std::string variable;

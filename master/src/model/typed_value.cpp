@@ -14,17 +14,6 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variable;
 
-std::string shown(const WrittenValue& written) {
-  struct Show {
-    std::string operator()(double value) const { return fmt::format("{}", value); }
-    std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
-    std::string operator()(bool value) const { return value ? "true" : "false"; }
-    std::string operator()(const std::string& value) const { return fmt::format("\"{}\"", value); }
-    std::string operator()(const UntypedText& value) const { return fmt::format("'{}'", value.text); }
-  };
-  return std::visit(Show{}, written);
-}
-
 template <typename T>
 std::optional<T> parsed(const std::string& text) {
   T value{};
@@ -45,7 +34,7 @@ class Complaint {
   }
   [[noreturn]] void wrong_type(std::string_view wanted) const {
     fail(ErrorCode::wrong_type, fmt::format("'{}' is of type {} and takes {}, not {}", variable_.name,
-                                            modeldesc::to_string(variable_.type), wanted, shown(written_)));
+                                            modeldesc::to_string(variable_.type), wanted, written_text(written_)));
   }
 
  private:

@@ -11,7 +11,7 @@ modeldesc::UnitConversion conversion_between(const modeldesc::Unit& from, const 
   if (!from.has_base || !to.has_base) {
     if (from.name == to.name) return {};
     throw Error(ErrorCode::wrong_unit,
-                fmt::format("the units differ: [{}] and [{}], and the description does not say what [{}] is", from.name,
+                fmt::format("the units differ: [{}] and [{}], and the description does not define [{}]", from.name,
                             to.name, from.has_base ? to.name : from.name));
   }
   if (!modeldesc::same_dimension(from, to)) {

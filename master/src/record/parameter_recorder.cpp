@@ -2,7 +2,7 @@
 #include "record/recorder.hpp"
 
 #include "message/message_text.hpp"
-#include "model/record_choice.hpp"
+#include "model/resolved_system.hpp"
 #include "record/sink/csv_sink.hpp"
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 
 #include "mebots/assert.hpp"
 #include "message/message_text.hpp"
-#include "model/record_choice.hpp"
+#include "model/resolved_system.hpp"
 
 #include <bit>
 

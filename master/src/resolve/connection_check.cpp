@@ -3,9 +3,9 @@
 
 #include "base/signal_guard.hpp"
 #include "base/time.hpp"
-#include "model/osmp.hpp"
 #include "model/picture_size.hpp"
 #include "model/unit_rule.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

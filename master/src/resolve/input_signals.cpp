@@ -6,7 +6,7 @@
 #include "io/signal_file.hpp"
 #include "mebots/modeldesc/units.hpp"
 #include "mebots/nearest_names.hpp"
-#include "model/osmp.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 
@@ -40,7 +40,7 @@ class ColumnUnit {
     if (unit_ == variable_.unit || variable_.unit.empty()) return {};
     const auto* to = model_.unit(variable_.unit);
     if (to == nullptr || !to->has_base) {
-      refuse(fmt::format("{} does not say what [{}] is; write the values in [{}]", model_.model_name, variable_.unit,
+      refuse(fmt::format("{} does not define [{}]; write the values in [{}]", model_.model_name, variable_.unit,
                          variable_.unit));
     }
     for (const auto& display : to->display_units) {
@@ -209,7 +209,7 @@ class SignalReader {
     const auto& written = use.description.unit;
     const auto place = fmt::format("{}: {}: '{}'", use.description.place, opened.file.name(), title.name);
     if (!title.unit.empty() && !written.empty() && written != title.unit) {
-      fail(place, ErrorCode::wrong_unit, fmt::format("its title says [{}], and here is [{}]", title.unit, written));
+      fail(place, ErrorCode::wrong_unit, fmt::format("its title has [{}], the config has [{}]", title.unit, written));
     }
     const auto& unit = title.unit.empty() ? written : title.unit;
     if (unit.empty()) return;

@@ -6,7 +6,7 @@
 #include "resolve/resolve.hpp"
 
 #include "base/signal_guard.hpp"
-#include "fmi/shared_process.hpp"
+#include "fmi/library_state.hpp"
 #include "mebots/input_error.hpp"
 #include "model/resolved_system.hpp"
 

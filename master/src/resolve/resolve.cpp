@@ -2,7 +2,7 @@
 #include "resolve/resolve.hpp"
 
 #include "mebots/nearest_names.hpp"
-#include "model/osmp.hpp"
+#include "model/value_kind.hpp"
 #include "resolve/signal_coverage.hpp"
 
 #include <fmt/format.h>

@@ -9,6 +9,7 @@
 #include "run/input_hash.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <string_view>

@@ -8,7 +8,6 @@
 #include "mebots/version.hpp"
 #include "message/message_text.hpp"
 #include "run/run.hpp"
-#include "run/write.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

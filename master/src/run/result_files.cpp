@@ -4,7 +4,6 @@
 #include "base/sha256.hpp"
 #include "mebots/input_error.hpp"
 #include "message/message_text.hpp"
-#include "record/sink/csv_rows.hpp"
 #include "record/sink/csv_sink.hpp"
 
 #include <fmt/format.h>

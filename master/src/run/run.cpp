@@ -6,7 +6,7 @@
 #include "base/sha256.hpp"
 #include "base/signal_guard.hpp"
 #include "base/time.hpp"
-#include "fmi/call/crash_notice.hpp"
+#include "fmi/call/exit_guard.hpp"
 #include "io/config/command_line.hpp"
 #include "io/config/load_system.hpp"
 #include "mebots/assert.hpp"
@@ -15,8 +15,8 @@
 #include "mebots/nearest_names.hpp"
 #include "mebots/state/save.hpp"
 #include "message/message_text.hpp"
-#include "model/record_choice.hpp"
-#include "record/sink/csv_rows.hpp"
+#include "model/resolved_system.hpp"
+#include "record/sink/csv_sink.hpp"
 #include "slave/process_watch.hpp"
 
 #include <fmt/format.h>
@@ -119,8 +119,8 @@ Run::Busy::~Busy() {
 void Run::require_open(std::string_view what) const {
   if (state_ == RunState::open && !busy_) return;
   throw InputError(ErrorCode::wrong_call_order,
-                   fmt::format("{} comes too late: the run is {} at {} s, and settings change before its start", what,
-                               name_of(state_), to_seconds(time_ns())));
+                   fmt::format("{} is too late: the run is {} at {} s, and settings can change only before its start",
+                               what, name_of(state_), to_seconds(time_ns())));
 }
 
 void Run::require_alive(std::string_view what) const {
@@ -686,7 +686,7 @@ void Run::note_write(const std::string& text) {
 const MemorySink& Run::memory() {
   if (memory_ == nullptr) {
     throw InputError(ErrorCode::wrong_call_order,
-                     "nothing is recorded in memory: the run is not started, or was asked to keep no rows");
+                     "nothing is recorded in memory: the run has not started, or does not record into memory");
   }
   if (state_ == RunState::ready || state_ == RunState::running) attempt([this] { recorder_->flush(); });
   return *memory_;

@@ -227,4 +227,15 @@ class Run {
   std::optional<Coupling> coupling_;  // where the config asks for it
 };
 
+/// Finds "instance.variable" in a started run. Throws InputError with the nearest names.
+ResolvedVariable find_variable(const Run& run, std::string_view name);
+
+/// Sets an unconnected input or a tunable parameter from the next step on, between two steps. summary.json lists it
+/// under `inputs.writes`. `place` names the caller in errors. Returns the value in the variable's type. Throws
+/// InputError if the variable cannot be set or does not accept the value.
+modeldesc::Value write_variable(Run& run, std::string_view name, double value, const std::string& place);
+
+/// What write_variable() takes: [{"variable", "unit", "text", "type"}], in the order of instances and descriptions.
+nlohmann::ordered_json writable_variables(const ResolvedSystem& system);
+
 }  // namespace mebots::master

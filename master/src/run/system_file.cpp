@@ -5,7 +5,7 @@
 #include "base/time.hpp"
 #include "mebots/input_error.hpp"
 #include "message/message_text.hpp"
-#include "model/record_choice.hpp"
+#include "model/resolved_system.hpp"
 #include "record/sink/output_file.hpp"
 #include "run/json_value.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "run/write.hpp"
+#include "run/run.hpp"
 
 #include "mebots/input_error.hpp"
-#include "model/osmp.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -3,11 +3,10 @@
 
 #include "base/time.hpp"
 #include "mebots/assert.hpp"
-#include "mebots/fmi2/status_name.hpp"
+#include "mebots/fmi2/types.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/state/bytes.hpp"
 
-#include "fmi/call/callback_text.hpp"
 #include "fmi/call/fmi2_callbacks.hpp"
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/fmu.hpp"

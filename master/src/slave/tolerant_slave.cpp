@@ -3,7 +3,7 @@
 
 #include "base/signal_guard.hpp"
 #include "mebots/state/save.hpp"
-#include "model/osmp.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 

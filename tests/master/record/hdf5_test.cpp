@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "record/sink/csv_rows.hpp"
+#include "record/sink/csv_sink.hpp"
 #include "record/sink/hdf5_sink.hpp"
 #include "record/sink/hdf5_tables.hpp"
 #include "test_system.hpp"

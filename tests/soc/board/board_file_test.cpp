@@ -192,7 +192,7 @@ TEST(BoardFile, TakesAWayToAMemoryOutsideTheClusterOnly) {
   };
   EXPECT_EQ(complaint(memory(kWay), ""), "");
   EXPECT_THAT(complaint(memory(fmt::format(R"("place": "cluster", {})", kWay)), ""),
-              HasSubstr("the cluster's own memory takes no 'way'"));
+              HasSubstr("the cluster's memory has no 'way'"));
   EXPECT_THAT(complaint(memory(R"("way": {"fabric_controller": 8, "cluster": 2})"), ""), HasSubstr("'soc'"));
   EXPECT_THAT(complaint(memory(R"("way": {"fabric_controller": -1, "cluster": 2, "soc": 1})"), ""),
               HasSubstr("/memories/0/way/fabric_controller"));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The skeleton that mebots-boardgen writes of a device, compiled as a library and in a chip: it is a device that lacks
 // only what it does by itself.
-#include "skeleton.hpp"
 #include "board_system.hpp"
+#include "headers.hpp"
 
 #include "mebots/state/save.hpp"
 #include "mebots/text_file.hpp"

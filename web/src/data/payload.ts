@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `mebots report` packs into a page; master/src/report/payload.hpp describes the bytes.
+// What `mebots report` packs into a page; master/src/report/page.hpp describes the bytes.
 
 export interface Place {
   offset: number;

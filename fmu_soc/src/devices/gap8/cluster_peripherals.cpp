@@ -131,7 +131,7 @@ BusReply ClusterPeripherals::timer(std::uint32_t offset, const ClusterAccess& ac
     return timer_.load(offset, access.tick, value) ? BusReply::done(value) : BusReply{};
   }
   if (ClusterTimer::wants_reference_clock(offset, *access.stored)) {
-    complain_once(kTimer + offset, access, "its reference clock is not modelled; the counter stands still");
+    complain_once(kTimer + offset, access, "its reference clock is not modelled; the counter does not count");
   }
   return timer_.store(offset, access.tick, *access.stored) ? BusReply::done() : BusReply{};
 }

@@ -140,7 +140,7 @@ void HyperFlash::visit(state::Visitor& v) {
   if (!v.restores()) return;
   for (const auto& sector : changed_) {
     if (sector.place >= kBytes || sector.place % kSectorBytes != 0 || sector.bytes.size() != kSectorBytes) {
-      throw Error(ErrorCode::state_damaged, "a saved state is damaged: a sector of the flash is none");
+      throw Error(ErrorCode::state_damaged, "a saved state is damaged: an invalid sector of the flash");
     }
   }
 }

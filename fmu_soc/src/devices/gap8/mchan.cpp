@@ -118,12 +118,12 @@ void Mchan::visit(state::Visitor& v) {
   v("waiting", waiting_);
   for (const auto& draft : drafts_) {
     if (draft.counter >= kCounters || draft.words.size() >= kMostWords) {
-      throw Error(ErrorCode::state_damaged, "a saved state is damaged: a command of the cluster's DMA is none");
+      throw Error(ErrorCode::state_damaged, "a saved state is damaged: an invalid command of the cluster's DMA");
     }
   }
   for (const auto& command : waiting_) {
     if (command.who >= kRequesters) {
-      throw Error(ErrorCode::state_damaged, "a saved state is damaged: a command of the cluster's DMA is nobody's");
+      throw Error(ErrorCode::state_damaged, "a saved state is damaged: a command of the cluster's DMA without a core");
     }
   }
 }

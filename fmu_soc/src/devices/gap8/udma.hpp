@@ -3,7 +3,6 @@
 
 #include "devices/gap8/himax.hpp"
 #include "devices/gap8/udma_camera.hpp"
-#include "devices/gap8/udma_host.hpp"
 #include "devices/gap8/udma_hyperbus.hpp"
 #include "devices/gap8/udma_i2c.hpp"
 #include "devices/gap8/udma_peripheral.hpp"

@@ -3,7 +3,6 @@
 
 #include "devices/core/chip_host.hpp"
 #include "devices/gap8/himax.hpp"
-#include "devices/gap8/udma_host.hpp"
 #include "devices/gap8/udma_peripheral.hpp"
 
 #include <algorithm>

@@ -3,7 +3,6 @@
 
 #include "devices/core/attached_part.hpp"
 #include "devices/gap8/hyper_flash.hpp"
-#include "devices/gap8/udma_host.hpp"
 #include "devices/gap8/udma_peripheral.hpp"
 
 #include <cstdint>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "devices/gap8/himax.hpp"
-#include "devices/gap8/udma_host.hpp"
 #include "devices/gap8/udma_peripheral.hpp"
 
 #include <cstdint>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "devices/gap8/udma_host.hpp"
 #include "devices/gap8/udma_peripheral.hpp"
 
 #include <array>

@@ -88,7 +88,7 @@ def main(words: list[str] | None = None) -> int:
         if options.status:
             return _status(pathlib.Path(options.status))
         if not options.study:
-            raise InputError("a study is missing. `mebots sweep --help` tells what it takes", "missing_key")
+            raise InputError("a study is missing. `mebots sweep --help` lists the arguments", "missing_key")
         study = _asked(options.study, options.mission)
         if options.dry_run:
             return _dry_run(study, options)
@@ -105,7 +105,7 @@ def main(words: list[str] | None = None) -> int:
         _complain(error)
         return NOT_DONE
     except KeyboardInterrupt:
-        print("interrupted; the same command goes on from here", file=sys.stderr)
+        print("interrupted; the same command continues from here", file=sys.stderr)
         return NOT_DONE
 
 

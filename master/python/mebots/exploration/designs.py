@@ -104,7 +104,7 @@ def _from_units(study: Study, unit: Callable[[str, int, int, int], float]) -> li
     factors = study.design["factors"]
     count, seed = study.design["points"], study.design.get("seed", 0)
     if count > MOST:
-        raise InputError(f"{count} designs are asked for; at most {MOST} are possible", "value_out_of_range")
+        raise InputError(f"{count} designs; at most {MOST} are possible", "value_out_of_range")
     return [
         {name: chance.value(spread, unit(name, i, count, seed)) for name, spread in factors.items()}
         for i in range(count)

@@ -200,7 +200,7 @@ class Dispatcher:
                 future = self._executor.submit(flying.fly_all, batch)
             except Exception as error:  # noqa: BLE001 - each kind of executor has its own
                 why = (str(error) or type(error).__name__).rstrip(".")
-                raise Error(f"the executor takes no more missions: {why}. The same command continues with another one", "system_failure") from None
+                raise Error(f"the executor accepts no more missions: {why}. The same command continues with another executor", "system_failure") from None
             self._out[future] = task
             future.add_done_callback(self._done.put)
 

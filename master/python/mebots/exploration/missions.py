@@ -95,7 +95,7 @@ class Missions:
         self._hash_begin = f'{{"build":{canonical(build())},"config":"'
         self._hash_end = f',"version":{canonical(_mebots.__version__)}}}'
         self._variants: dict[str, _Variant] = {}
-        self._ground = _mebots.Ground(study.mission)
+        self._ground = _mebots.BaseConfig(study.mission)
         self.config: dict[str, Any] = json.loads(self._ground.config)
         finals = {one.what for one in study.objectives if one.source == "final"}
         series = {(one.what, one.reduction) for one in study.objectives if one.source == "series"}
@@ -287,7 +287,7 @@ class Missions:
         config = copy.deepcopy(self.config)
         for pointer, value in pointers.items():
             _put(config, pointer, value)
-        ground = _mebots.Ground(self._study.mission, json.dumps(config)) if pointers else self._ground
+        ground = _mebots.BaseConfig(self._study.mission, json.dumps(config)) if pointers else self._ground
         config = json.loads(ground.config)
         shown = {section: config.pop(section) for section in _NOT_OF_A_MISSION if section in config}
         files: dict[str, list[str]] = {}

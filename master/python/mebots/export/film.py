@@ -70,7 +70,7 @@ def _program(what: str, named: str | None, names: tuple[str, ...], place: str) -
     if found is None:
         looked = named or ", ".join(names)
         raise InputError(
-            f"a film needs {what}, and there is none here: looked for {looked}. Install it"
+            f"a video needs {what}, which is not installed: looked for {looked}. Install it"
             + (f", or name it by {place}" if place != "PATH" else ""), "not_offered")
     return found
 

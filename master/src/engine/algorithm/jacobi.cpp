@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/algorithm/algorithm.hpp"
 
-#include "engine/algorithm/step_pool.hpp"
 #include "engine/algorithm/thread_policy.hpp"
 #include "mebots/assert.hpp"
 

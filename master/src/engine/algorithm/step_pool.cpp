@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/algorithm/step_pool.hpp"
+#include "engine/algorithm/thread_policy.hpp"
 
 #include "base/own_threads.hpp"
 #include "mebots/assert.hpp"

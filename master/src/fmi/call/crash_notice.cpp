@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fmi/call/crash_notice.hpp"
+#include "fmi/call/exit_guard.hpp"
 
 #include "base/signal_guard.hpp"
-#include "fmi/call/exit_guard.hpp"
 #include "fmi/call/fmi2_callbacks.hpp"
 
 #include <fmt/format.h>
@@ -59,7 +58,7 @@ void report_other_thread(int signal) {
 void on_crash(int signal) {
   constexpr std::int64_t kPerMillisecond = 1'000'000;
   constexpr std::string_view kRemedy =
-      ". Run the instance in a process of its own (\"process\": \"own\", or --isolate)\n";
+      ". Run the instance in a separate process (\"process\": \"own\", or --isolate)\n";
   const auto call = current_call();
   const auto entered = current_callback();
   if (call.instance != nullptr && entered.name != nullptr && !entered.only_memory) {

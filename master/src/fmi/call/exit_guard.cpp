@@ -2,7 +2,6 @@
 #include "fmi/call/exit_guard.hpp"
 
 #include "base/time.hpp"
-#include "fmi/call/crash_notice.hpp"
 #include "fmi/call/fmi2_callbacks.hpp"
 
 #include <fmt/format.h>
@@ -33,7 +32,7 @@ Guards& guards() {
 }
 
 constexpr const char* kRemedy =
-    "which ends the whole process. Run the instance in a process of its own (\"process\": \"own\", or --isolate)";
+    "which ends the whole process. Run the instance in a separate process (\"process\": \"own\", or --isolate)";
 
 std::string reason(const char* what) {
   const auto call = current_call();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi/call/fmi2_callbacks.hpp"
 
-#include "fmi/call/callback_text.hpp"
 #include "fmi/call/forked_copies.hpp"
 #include "message/message_text.hpp"
 

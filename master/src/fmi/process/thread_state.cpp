@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi/process/process_state.hpp"
 
-#include "fmi/call/crash_notice.hpp"
+#include "fmi/call/exit_guard.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

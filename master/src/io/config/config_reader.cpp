@@ -3,7 +3,6 @@
 // a reader in a file of its own, and a property in configs/schemas/mebots-config.schema.json. Or it is another config
 // with changes: variant.hpp.
 #include "io/config/load_system.hpp"
-#include "io/config/schemas.hpp"
 #include "io/fmu_archive.hpp"
 #include "io/osp/osp.hpp"
 #include "io/ssp/ssp.hpp"
@@ -197,7 +196,7 @@ void read_extended(LoadedSystem& loaded, const std::string& file, const std::str
   });
   auto extended = ordered_json(text);
   auto places = config::places_of(loaded.config, extended);
-  loaded.config = give(config::laid_over(std::move(extended), loaded.config), times);
+  loaded.config = give(config::merged(std::move(extended), loaded.config), times);
   loaded.system.source += text;  // both make the inputs of a run
   read_made_config(loaded, file, std::move(places));
 }
@@ -231,7 +230,7 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
   for (const auto* key : {"step", "stop_time"}) {
     if (loaded.config.contains(key)) continue;
     throw InputError(ErrorCode::missing_key,
-                     fmt::format("{}: the system does not say its {}; give it with --{}", file,
+                     fmt::format("{}: the system has no {}; give it with --{}", file,
                                  key == std::string_view("step") ? "communication step" : "stop time",
                                  key == std::string_view("step") ? "step" : "stop-time"));
   }

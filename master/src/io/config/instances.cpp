@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The section `instances`: a table of the keys of one instance, each with its own reader.
-#include "io/config/schemas.hpp"
+#include "io/config/load_system.hpp"
 #include "io/find_fmu.hpp"
 #include "model/sandbox_mechanisms.hpp"
 

@@ -11,7 +11,9 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// Reads a SystemDescription from files.
@@ -111,9 +113,26 @@ inline constexpr const char* kChanges = "changes";
 std::string read_variant(const data::Node& root);
 
 /// Returns the merged config. The variant's `text` replaces that of the base.
-nlohmann::ordered_json laid_over(nlohmann::ordered_json base, const nlohmann::ordered_json& variant);
+nlohmann::ordered_json merged(nlohmann::ordered_json base, const nlohmann::ordered_json& variant);
 
 /// Returns the file of each part of the merged config, for data::Document. `base`: the extended file's content.
 std::map<std::string, std::string> places_of(const nlohmann::ordered_json& variant, const nlohmann::ordered_json& base);
 
 }  // namespace mebots::master::config
+
+namespace mebots::master {
+
+/// The JSON schema (draft 2020-12) of a kind of file, as configs/schemas/mebots-<kind>.schema.json ships it.
+struct Schema {
+  std::string_view kind;  // "config"
+  std::string_view text;
+};
+
+/// One for each kind of file, in the order of the alphabet. Lives as long as the program.
+std::span<const Schema> schemas();
+
+/// The keys that the reader of configs knows: of a config, and of one of its instances.
+std::vector<std::string> config_keys();
+std::vector<std::string> instance_keys();
+
+}  // namespace mebots::master

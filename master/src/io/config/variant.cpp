@@ -49,7 +49,7 @@ std::string read_variant(const data::Node& root) {
   return base;
 }
 
-Json laid_over(Json base, const Json& variant) {
+Json merged(Json base, const Json& variant) {
   base.merge_patch(variant.at(kChanges));
   if (const auto text = variant.find(kText); text != variant.end()) base[kText] = *text;
   return base;

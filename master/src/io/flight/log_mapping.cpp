@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/flight/log_mapping.hpp"
+#include "io/flight/airframe_file.hpp"
 
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"

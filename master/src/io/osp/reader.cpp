@@ -132,8 +132,8 @@ class OspReader {
     const auto multiple = std::max(1.0, std::floor(step / base + kRounding));
     if (!(step > 0) || !(base > 0) || std::abs(step - multiple * base) <= kRounding * base) return step;
     result_.notices.push_back(
-        fmt::format("{}: the step {} s of \"{}\" is no multiple of the base step {} s; it takes {} s",
-                    file_.place(node), step, name, base, multiple * base));
+        fmt::format("{}: the step {} s of \"{}\" is no multiple of the base step {} s; {} s is used", file_.place(node),
+                    step, name, base, multiple * base));
     return multiple * base;
   }
 
@@ -286,7 +286,7 @@ class OspReader {
     auto path = folder_ / described;
     if (!is_there(path)) path = fmu.archive.parent_path() / described;
     if (!is_there(path)) {
-      file_.fail(end, fmt::format("the groups of \"{}\" are unknown: there is no {} beside the system or the FMU",
+      file_.fail(end, fmt::format("the groups of \"{}\" are unknown: {} is not in the folder of the system or the FMU",
                                   simulator, described));
     }
     const XmlFile groups(remember(text_of(path)), path.string());

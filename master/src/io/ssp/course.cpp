@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "course.hpp"
+#include "model.hpp"
 
 #include "mebots/input_error.hpp"
 #include "model/unit_rule.hpp"

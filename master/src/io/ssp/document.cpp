@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "document.hpp"
+#include "xml_file.hpp"
 
 #include "files.hpp"
 #include "mebots/input_error.hpp"
@@ -117,7 +117,7 @@ class SystemReader {
     }
     const auto implementation = std::string_view(node.attribute("implementation").as_string("any"));
     if (implementation != "any" && implementation != "CoSimulation") {
-      file_.fail(node, fmt::format("\"{}\" asks for {}; co-simulation is what mebots does", name, implementation));
+      file_.fail(node, fmt::format("\"{}\" asks for {}; mebots supports co-simulation only", name, implementation));
     }
     auto component = read_common(node, Element::Kind::component);
     const auto* const uri = node.attribute("source").value();

@@ -2,7 +2,7 @@
 #include "network.hpp"
 
 #include "mebots/input_error.hpp"
-#include "model/osmp.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 

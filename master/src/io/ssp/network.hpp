@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "course.hpp"
 #include "io/fmu_archive.hpp"
 #include "model.hpp"
 

@@ -93,7 +93,7 @@ pugi::xml_node type_of(pugi::xml_node parameter) {
 
 Json value_of(const XmlFile& file, pugi::xml_node parameter) {
   if (const auto dimension = child(parameter, "Dimension")) {
-    file.fail(dimension, "values of arrays cannot be used; FMI 2.0 knows scalars only");
+    file.fail(dimension, "values of arrays cannot be used; FMI 2.0 has scalars only");
   }
   if (const auto node = type_of(parameter)) {
     const auto type = local_name(node);
@@ -116,7 +116,7 @@ Json value_of(const XmlFile& file, pugi::xml_node parameter) {
       if (type == "Enumeration" && parse_number(word)) return whole_number(file, node, word);
       return word;
     }
-    if (type == "Binary") file.fail(node, "binary parameters are nothing that FMI 2.0 knows");
+    if (type == "Binary") file.fail(node, "binary parameters cannot be used; FMI 2.0 has none");
   }
   file.fail(parameter, "it has no value: one of Real, Integer, Boolean, String and Enumeration is expected");
 }

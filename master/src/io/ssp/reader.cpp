@@ -3,10 +3,10 @@
 #include "io/ssp/ssp.hpp"
 #include "mebots/data/document.hpp"
 
-#include "document.hpp"
 #include "network.hpp"
 #include "ssp.hpp"
 #include "values.hpp"
+#include "xml_file.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include "files.hpp"
 #include "mebots/input_error.hpp"
-#include "mebots/modeldesc/xml_text.hpp"
+#include "mebots/modeldesc/xml.hpp"
 
 #include <fmt/format.h>
 

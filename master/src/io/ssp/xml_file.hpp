@@ -6,6 +6,7 @@
 
 #include <pugixml.hpp>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -72,5 +73,15 @@ std::optional<modeldesc::Unit> read_unit(pugi::xml_node type, const Definitions&
 
 /// The transformation and suppressUnitConversion of a <Connection> or <MappingEntry>.
 Transformation read_transformation(const XmlFile& file, pugi::xml_node node);
+
+/// An SSD (SSP 2.0, chapter 5) with all that its system refers to.
+struct Document {
+  std::shared_ptr<const XmlFile> file;  ///< for the sections that are read from it later
+  Element system;
+};
+
+/// Reads an SSD and, in place of each component that is another SSD, the system of that one. Throws InputError naming
+/// file, line and element.
+Document read_document(const Source& source, const std::filesystem::path& ssd);
 
 }  // namespace mebots::master::ssp

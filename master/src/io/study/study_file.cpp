@@ -387,7 +387,7 @@ void check_rounds(const Node& node, const Names& names) {
   if (mark && !names.compared) {
     node.at("racing").complain(
         ErrorCode::invalid_value,
-        "nothing can be raced: say 'minimize' or 'maximize' at an objective, or add constraints");
+        "nothing can be raced: add 'minimize' or 'maximize' to an objective, or add constraints");
   }
 }
 
@@ -454,7 +454,7 @@ void check_alone(const Object& study, const Names& names) {
     }
   }
   if (!study.has("draws")) {
-    node.complain(ErrorCode::missing_key, "'splitting' needs 'draws': replicates says how many estimates are made");
+    node.complain(ErrorCode::missing_key, "'splitting' needs 'draws': its key replicates is the number of estimates");
   }
   if (names.design_kind == "search" || names.design_kind == "sensitivity") {
     node.at("design").complain(ErrorCode::invalid_value,

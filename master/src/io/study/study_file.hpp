@@ -6,14 +6,12 @@
 #include <filesystem>
 #include <string>
 
-/// A study asks a question of many missions: `mebots sweep` flies them (master/python/mebots/exploration). Here is the
-/// reader of its file, which knows no mission and opens no FMU.
+/// Reader of study files. `mebots sweep` runs the missions of a study (master/python/mebots/exploration).
 namespace mebots::master::study {
 
-/// The content of a study file, everything in it checked that the file alone can tell. Throws data::Mistakes with
-/// everything that is wrong.
+/// Reads and checks a study file, without opening its mission or any FMU. Throws data::Mistakes with all errors.
 nlohmann::ordered_json read(const std::filesystem::path& file);
-/// The same of a text that would stand in `file`.
+/// The same for a text; `file` names it in messages.
 nlohmann::ordered_json read(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace mebots::master::study

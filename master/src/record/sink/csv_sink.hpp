@@ -5,6 +5,8 @@
 #include "record/sink/row_block.hpp"
 
 #include <array>
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,5 +48,10 @@ std::string csv_header(std::string_view name, std::string_view unit);
 
 /// A text as one cell: quoted when it holds a comma, a quotation mark or a line's end.
 std::string csv_text(std::string_view text);
+
+/// Reads the first `bytes` of a results.csv with these columns back, to the same bits, into another sink. Throws
+/// Error for a file that a CsvSink did not write.
+void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const std::vector<RecordColumn>& columns,
+                   RowSink& sink);
 
 }  // namespace mebots::master

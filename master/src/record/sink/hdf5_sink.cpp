@@ -3,7 +3,6 @@
 
 #include "mebots/error.hpp"
 #include "record/sink/hdf5_file.hpp"
-#include "record/sink/hdf5_parts.hpp"
 
 #include <fmt/format.h>
 

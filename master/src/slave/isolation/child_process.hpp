@@ -22,8 +22,8 @@ struct ProcessEnd {
   std::int64_t peak_memory_kb = 0;  ///< largest resident set
 };
 
-/// A program that is, or becomes, a keeper (keeper.hpp), in a session of its own, so that Ctrl-C in the master's
-/// terminal is not for it. Gone with this object, together with all processes that came of it.
+/// A program that calls fork_kept(). It has its own session, so that Ctrl-C in the master's terminal does not reach it.
+/// The destructor ends it with all its descendants.
 class ChildProcess {
  public:
   /// Starts the program: standard input empty, `descriptors` as 3, 4, ... and no other open files.

@@ -15,7 +15,7 @@ void guard(std::uint64_t memory_bytes, Control& control);
 void protect_other_processes();
 
 enum class Signals : std::uint8_t {
-  to_children,  ///< the kernel keeps them inside (see landlock.hpp)
+  to_children,  ///< the kernel limits them, see shield_other_processes()
   to_itself,    ///< by the arguments of calls: to this very process alone
 };
 

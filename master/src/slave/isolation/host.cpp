@@ -2,7 +2,7 @@
 #include "fmi/call/forked_copies.hpp"
 #include "mebots/input_error.hpp"
 #include "message/message_hub.hpp"
-#include "model/osmp.hpp"
+#include "model/value_kind.hpp"
 #include "slave/fmu_slave.hpp"
 #include "slave/isolation/child_process.hpp"
 

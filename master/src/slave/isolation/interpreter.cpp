@@ -2,7 +2,7 @@
 #include "slave/isolation/child_process.hpp"
 
 #include "fmi/fmu.hpp"
-#include "fmi/library_needs.hpp"
+#include "fmi/library_state.hpp"
 #include "mebots/error.hpp"
 #include "mebots/file_kind.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "base/signal_guard.hpp"
 #include "base/time.hpp"
-#include "fmi/call/callback_text.hpp"
+#include "fmi/call/fmi2_callbacks.hpp"
 #include "fmi/fmu.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"
@@ -130,8 +130,8 @@ std::optional<std::string> IsolatedSlave::tell_of_end() {
   return fmt::format("instance '{}': {}", name_, problem);
 }
 
-/// Returns the error that the host answered when it freed the instance. The messages have it, too. Stores what the host
-/// found in the FMU's memory.
+/// Returns the error that the host answered when it freed the instance. The messages have it, too. Stores what the
+/// host found in the FMU's memory.
 std::optional<std::string> IsolatedSlave::failure_of_close() {
   try {
     auto reader = answers();

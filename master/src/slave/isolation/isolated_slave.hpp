@@ -7,7 +7,7 @@
 #include "slave/slave.hpp"
 
 #include "child_process.hpp"
-#include "model/osmp.hpp"
+#include "model/value_kind.hpp"
 #include "protocol.hpp"
 
 #include <atomic>
