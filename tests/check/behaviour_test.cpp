@@ -141,7 +141,7 @@ TEST(CheckBehaviour, AnFmuMayEndTheRun) {
   };
   EXPECT_THAT(with_trace("time,y\n0,0\n1.5,1.5537396797031404\n"), IsEmpty());
   EXPECT_THAT(with_trace("time,y\n0,0\n1.5,1.5537396797031404\n2,1.8\n"),
-              Contains(HasSubstr("the FMU ended the run at 1.5 s, the trace goes on")));
+              Contains(HasSubstr("the FMU ended the run at 1.5 s, before the end of the trace")));
 }
 
 class CrashingListener final : public master::CallbackListener {

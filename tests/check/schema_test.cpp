@@ -71,7 +71,7 @@ TEST(CheckSchema, OrderAndEncodingCount) {
                    "<LogCategories><Category name=\"logStatusError\"/></LogCategories>",
                    "<LogCategories><Category name=\"logStatusError\"/></LogCategories><UnitDefinitions><Unit "
                    "name=\"m\"/></UnitDefinitions>"),
-              Contains(HasSubstr("comes after <LogCategories>")));
+              Contains(HasSubstr("must be before <LogCategories>")));
   EXPECT_THAT(with("encoding=\"UTF-8\"", "encoding=\"ISO-8859-1\""), Contains(HasSubstr("ISO-8859-1")));
   EXPECT_THAT(with("modelName=\"culprit\"", "modelName=\"b\xfcro\""), Contains(HasSubstr("not UTF-8")));
   EXPECT_THAT(with("modelName=\"culprit\"", "modelName=\"\x07\""), Contains(HasSubstr("control character 0x07")));

@@ -113,7 +113,7 @@ TEST(Cases, WhatGoesWrongInARunIsAnErrorOfTheCase) {
   EXPECT_EQ(unknown.verdict, Verdict::error);
   EXPECT_THAT(unknown.text(), AllOf(HasSubstr("out.csv"), HasSubstr("'real_uot'"), HasSubstr("real_out")));
   EXPECT_THAT(folder.run("time,real_out [km]\n0,0\n").text(), HasSubstr("[metre]"));
-  EXPECT_THAT(folder.run("time\n0\n").text(), HasSubstr("no column beside the time"));
+  EXPECT_THAT(folder.run("time\n0\n").text(), HasSubstr("a column for the time only"));
   EXPECT_THAT(folder.run("time,steps\n1,1\n", R"(, "parameters": {"gian": 1})").text(), HasSubstr("gain"));
   EXPECT_THAT(folder.run("time,steps\n1,1\n", R"(, "parameters": {"fault": "error"})").text(), HasSubstr("fmi2Error"));
 #ifndef __SANITIZE_ADDRESS__

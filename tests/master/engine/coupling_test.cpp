@@ -119,7 +119,7 @@ TEST(Units, AnotherDimensionIsRefusedWithBothBases) {
 }
 
 TEST(Units, AUnitThatNobodyDefinesIsRefused) {
-  EXPECT_THAT(refused(R"({"from": "a.furlong", "to": "b.speed_in"})"), HasSubstr("does not say what [furlong] is"));
+  EXPECT_THAT(refused(R"({"from": "a.furlong", "to": "b.speed_in"})"), HasSubstr("does not define [furlong]"));
 }
 
 TEST(Units, ADifferenceOfTemperaturesIsNoTemperature) {

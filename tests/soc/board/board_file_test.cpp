@@ -89,7 +89,7 @@ TEST(BoardFile, TakesOnlyInterruptsThatTheCoreHas) {
 TEST(BoardFile, RefusesTwoDevicesOnOneInterruptAndNamesBoth) {
   const auto left = device("\"interrupt\": 17,", "left", "0x8000");
   EXPECT_THAT(complaint(kRam, left + "," + device("\"interrupt\": 17,", "right", "0x9000")),
-              HasSubstr("/devices/1/interrupt: left and right would share interrupt 17"));
+              HasSubstr("/devices/1/interrupt: left and right use the same interrupt 17"));
   EXPECT_EQ(complaint(kRam, left + "," + device("\"interrupt\": 18,", "right", "0x9000")), "");
 }
 
