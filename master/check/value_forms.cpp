@@ -2,7 +2,7 @@
 #include "schema_rules.hpp"
 
 #include "mebots/error.hpp"
-#include "mebots/fmi2/types.hpp"
+#include "mebots/fmi2/variable_kinds.hpp"
 
 #include <fmt/format.h>
 

@@ -198,7 +198,7 @@ class Killed(StudyCase):
 
         with self.assertRaises(mebots.Error) as caught:
             mebots.sweep(self.folder / "study.json", self.folder / "out", executor=Closing(), jobs=2)
-        self.assertIn("the executor takes no more missions: Client is closed", str(caught.exception))
+        self.assertIn("the executor accepts no more missions: Client is closed", str(caught.exception))
         self.assertEqual(mebots.sweep(self.folder / "study.json", self.folder / "out", executor=Invented(), jobs=2).missions, 20)
 
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/fmi2/types.hpp"
+#include "mebots/fmi2/variable_kinds.hpp"
 #include "mebots/modeldesc/units.hpp"
 
 #include <algorithm>
