@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The package ships no types; this is what the page uses of it.
+// Types for the functions of the package that the page uses; the package has none.
 declare module "d3-flame-graph" {
   // eslint-disable-next-line @typescript-eslint/no-explicit-any
   export default function flamegraph(): any;

@@ -27,7 +27,7 @@ function apply(made: Element, attributes: Attributes): void {
   }
 }
 
-/** A variable's name that breaks behind its dots where there is no room for it. */
+/** Shows a variable's name. It may break after a dot if it is too long. */
 export function dotted(name: string): (string | HTMLElement)[] {
   return name.split(/(?<=\.)/).flatMap((part, i) => (i > 0 ? [element("wbr", {}), part] : [part]));
 }

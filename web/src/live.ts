@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run that is under way: what there is more of it, holding it, and setting what is free. master/live answers.
+// A run in progress: fetches new data, pauses the run and sets inputs. The server is in master/live.
 import type { Clock } from "./clock";
 import { type Payload, readPayload } from "./data/payload";
 import type { Run } from "./data/run";
@@ -10,7 +10,7 @@ import type { Window } from "./view/window";
 /** Between two looks [ms]. */
 const PERIOD = 400;
 
-/** All there is, or what is new to a page that has a part of it already. */
+/** Fetches all data, or only the data that this page lacks. */
 export async function fetchPayload(known?: { rows: number; pictures: number; log: number }): Promise<Payload> {
   const answer = await fetch(known ? `data?rows=${known.rows}&pictures=${known.pictures}&log=${known.log}` : "data");
   if (!answer.ok) throw new Error(await answer.text());
@@ -38,7 +38,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
     hold.textContent = state?.held ? "go on" : "hold";
     hold.disabled = step.disabled = state?.ended ?? false;
   };
-  // One after the other: two answers to the same question would bring the same rows twice.
+  // One request at a time: two answers to the same request would contain the same rows.
   let looking: Promise<void> = Promise.resolve();
   const look = () => (looking = looking.catch(() => {}).then(lookOnce));
   const lookOnce = async () => {
@@ -66,9 +66,9 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   return element("span", { class: "live" }, badge, " ", hold, " ", step);
 }
 
-/** What nothing is connected to can be set; it is kept as a scenario, so that the run can be repeated. */
+/** Controls for unconnected inputs. Settings are kept as a scenario, so that the run can be repeated. */
 export function makeInputs(run: Run): HTMLElement {
-  const said = element("p", { class: "faint" }, "What is set acts from the next step on. The results folder keeps it as live_scenario.json.");
+  const said = element("p", { class: "faint" }, "A value acts from the next step on. The results folder keeps all of them in live_scenario.json.");
   const rows = (run.header.live?.settable ?? []).map(({ variable, unit, text, type }) => {
     const value = element("input", { type: "number", step: "any", "data-set": variable, "aria-label": variable });
     const send = async () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts the page together of what the runs left.
+// Builds the page from the data of the runs.
 import { Clock } from "./clock";
 import { readPayload } from "./data/payload";
 import { fetchPayload, follow, makeInputs } from "./live";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One palette for everything: Okabe and Ito's, which people with any kind of colour vision tell apart, with a lighter
+// The palette of Okabe and Ito, whose colours people with any kind of colour vision can distinguish, with a lighter
 // blue and no black on dark ground, then brown for a ninth curve.
 
 const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#5c4d9e", "#7f7f7f", "#8c564b"];

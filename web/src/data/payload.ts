@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `mebots report` packs into a page; master/src/report/page.hpp describes the bytes.
+// Reads the payload of a page, which `mebots report` writes. master/src/report/page.hpp describes the bytes.
 
 export interface Place {
   offset: number;
@@ -43,7 +43,7 @@ export type Json = any;
 export interface LiveState {
   held: boolean;
   ended: boolean;
-  /** What of the run this page had when it asked: the payload is what has come since. */
+  /** The data that this page had at its request; the payload has the later data. */
   known: { rows: number; pictures: number; log: number };
   log: number; // bytes of it by now
   stop_time?: number;
@@ -64,7 +64,7 @@ export interface RunHeader {
   columns: { name: string; unit: string; still?: number; block?: Place }[];
   scene: Place | null;
   profiles: Json[];
-  /** `every`: one in so many is here; `shrunk`: so many of its pixels are one here. Neither stands in live data. */
+  /** `every`: one picture of this many is kept; `shrunk`: pixels of the file per pixel. Both are absent in live data. */
   pictures: { name: string; every?: number; pictures: (Place & { time: number; shrunk?: number })[] }[];
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A profile of speedscope as call trees: of all of the run, or, where fmu_soc wrote windows beside it, of a span of it.
+// A speedscope profile as call trees: of the whole run or, if fmu_soc wrote windows, of a span of it.
 import type { Json } from "./payload";
 
 export interface Call {
@@ -8,21 +8,21 @@ export interface Call {
   children: Call[];
 }
 
-/** What a profile counts, in the order of the parts of a window. */
+/** The quantities of a profile, in the order of the parts of a window. */
 export const COSTS = ["cycles", "time", "energy"] as const;
 export type Cost = (typeof COSTS)[number];
 const SCALES: Record<Cost, [number, string]> = { cycles: [1, "-"], time: [1e-12, "s"], energy: [1e-15, "J"] };
 const PART = 2 + COSTS.length; // hart, node, then the costs
 
-/** Frames of a hart that does nothing. */
+/** Frames of an idle hart. */
 const IDLE = new Set(["[asleep]", "[off]"]);
 
-/** All harts, each a branch of its own. */
+/** All harts, each as a branch. */
 export const BY_CORE = -1;
-/** All harts, what they did in the same functions added up. */
+/** All harts, summed by function. */
 export const BY_FUNCTION = -2;
 
-/** The windows that a span of time touches: from when to when, and what was counted by hart and node. */
+/** The windows that a span of time overlaps: their times, and the counts by hart and node. */
 export interface Slice {
   from: number;
   to: number;

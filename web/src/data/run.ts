@@ -7,7 +7,7 @@ import { rateUnit, shown } from "./units";
 export interface Picture {
   time: number;
   url: string;
-  /** So many pixels of the camera's are one of it, in both directions. */
+  /** Pixels of the camera per pixel, in each direction. */
   shrunk: number;
 }
 
@@ -18,8 +18,8 @@ export interface Curve {
   isRate: boolean;
   variable: string;
   /**
-   * One value per row. Of a rate they are means over spans of at least `mean` seconds, or from row to row where rows are
-   * further apart: exact, since they are differences of what was counted.
+   * One value per row. A rate is a mean over at least `mean` seconds, or from row to row if rows are further apart. It is
+   * exact, because it is a difference of counts.
    */
   values(mean: number): Float64Array;
 }
@@ -61,12 +61,12 @@ export class Run {
     this.take(header, payload);
   }
 
-  /** Who is told when there is more of a run that is under way. */
+  /** Listeners for new data of a run in progress. */
   onData(listener: () => void): void {
     this.listeners.push(listener);
   }
 
-  /** Of a run that is under way: what has come since, or, where the server was asked for it, all of it anew. */
+  /** Adds the new data of a run in progress, or replaces all data if the server sent all. */
   goOn(header: RunHeader, payload: Payload): void {
     const isAll = header.live?.known.rows === 0;
     if (isAll) return this.take(header, payload);
@@ -88,12 +88,12 @@ export class Run {
     for (const listener of this.listeners) listener();
   }
 
-  /** What is here of a run that is under way, as its server counts. */
+  /** The data of a run in progress that this page has, in the server's counts. */
   get known(): { rows: number; pictures: number; log: number } {
     return { rows: this.header.rows, pictures: this.pictures.length, log: this.header.live?.log ?? 0 };
   }
 
-  /** So many numbers that the server had better thin them out. */
+  /** Above this count, the server thins the numbers out. */
   get isLong(): boolean {
     return this.kept * this.places.size > MOST_NUMBERS;
   }
@@ -139,12 +139,12 @@ export class Run {
     return this.times.length > 0 ? this.times[this.times.length - 1] : 0;
   }
 
-  /** Of so many pictures that it kept one is here. */
+  /** One picture of this many is kept. */
   get pictureEvery(): number {
     return this.header.pictures.find(({ name }) => name === this.camera)?.every ?? 1;
   }
 
-  /** Names of what was recorded, in the order of the table. */
+  /** Names of the recorded variables, in the order of the table. */
   get variables(): string[] {
     return [...this.places.keys()].filter((name) => name !== "time");
   }
@@ -182,7 +182,7 @@ export class Run {
     return values ? values[rowAt(this.times, time)] : NaN;
   }
 
-  /** What a variable is at a time, for people: an enumeration's item, on or off, a number with its unit. */
+  /** Formats a variable's value at a time: an enumeration's item, on or off, or a number with its unit. */
   textAt(name: string, time: number): string {
     return this.text(name, this.at(name, time));
   }
@@ -195,7 +195,7 @@ export class Run {
     return shown(value, this.unit(name));
   }
 
-  /** Between two rows on the straight line between them: for what moves, not for numbers that are shown. */
+  /** Interpolates between two rows: for motion, not for displayed numbers. */
   between(name: string, time: number): number {
     const values = this.values(name);
     if (!values) return NaN;
@@ -205,7 +205,7 @@ export class Run {
     return values[row] + Math.min(Math.max(part, 0), 1) * (values[row + 1] - values[row]);
   }
 
-  /** Null where the run did not record the variable. */
+  /** Null if the run did not record the variable. */
   curve(info: CurveInfo): Curve | null {
     const variable = info.rate_of ?? info.variable ?? "";
     if (!this.has(variable)) return null;
@@ -244,7 +244,7 @@ export class Run {
     };
   }
 
-  /** The panels that the config asks for, or else the first things that move. */
+  /** The panels of the config, else the first variables that change. */
   get panels(): PanelInfo[] {
     const asked = this.system?.view.panels ?? [];
     return asked.length > 0 ? asked : this.defaultPanels();
@@ -262,7 +262,7 @@ export class Run {
         continue;
       }
       const unit = this.unit(name);
-      // Without units nothing says that two numbers are of a kind: each has its own plot.
+      // Numbers without units may be of different kinds: each has its own plot.
       const key = unit === "-" ? name : `${instance} [${unit}]`;
       const panel = panels.get(key) ?? { title: instance, kind: "lines" as const, curves: [] };
       panels.set(key, panel);

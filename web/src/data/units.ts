@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers for people: four digits, a prefix where the unit takes one, the unit always.
+// Formats numbers: four digits, a prefix if the unit allows one, and the unit.
 
 const PREFIXED = new Set(["W", "J", "V", "A", "N", "N.m", "Hz", "Pa", "C", "F", "Ohm", "1/s", "bit/s", "s"]);
 const PREFIXES: [number, string][] = [
   [1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"],
 ];
-/** Of what lasted so long in so long a time. */
+/** A share of a time. */
 export const SHARE = "s/s";
 
 const RATES: Record<string, string> = { J: "W", s: SHARE, m: "m/s", rad: "rad/s", "m/s": "m/s2", C: "A", "1": "1/s", "-": "1/s" };
 
-/** "N.m" as "N·m", "m/s2" as "m/s²"; nothing for a number without a unit. */
+/** Formats "N.m" as "N·m" and "m/s2" as "m/s²"; empty for a number without a unit. */
 export function shownUnit(unit: string): string {
   if (unit === "-" || unit === "1" || unit === "") return "";
   if (unit === SHARE) return "%";
@@ -34,7 +34,7 @@ function digits(value: number): string {
 export function prefixFor(size: number, unit: string): [number, string] {
   if (unit === SHARE) return [0.01, ""];
   if (!PREFIXED.has(unit) || !(size > 0)) return [1, ""];
-  // Nobody reads kiloseconds.
+  // Kiloseconds are not in use.
   if (unit === "s" && size >= 1) return [1, ""];
   return PREFIXES.find(([factor]) => size >= 0.9995 * factor) ?? PREFIXES[PREFIXES.length - 1];
 }

@@ -4,7 +4,7 @@ import * as THREE from "three";
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
 
-/** How fast a rotor is drawn to turn at full command [rad/s]: slow enough for the eye, not what it does. */
+/** Drawn speed of a rotor at full command [rad/s]: much slower than the real one, so that the eye can see it. */
 const DRAWN_SPEED = 25;
 /** Length of the drawn field of view [m]. */
 const FRUSTUM_M = 0.3;

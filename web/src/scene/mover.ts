@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What moves on a path of its own: at even speed from point to point, a function of time alone, as its FMU moves it.
+// Objects that move on a path: at constant speed from point to point, as a function of time, as in the FMU.
 import * as THREE from "three";
 import type { Json } from "../data/payload";
 

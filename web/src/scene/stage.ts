@@ -16,15 +16,15 @@ import { Surfaces } from "./surfaces";
 /** From outside the scene is drawn this much brighter than its camera sees it; on board it is as the camera sees it. */
 const EXPOSURE = 1.2;
 
-/** Where the camera that follows looks, and from where, from the body's place [m]: so low and so far ahead that what lies
- *  before it is seen, at the start too. */
+/** Target and place of the following camera, relative to the body [m]: low and far ahead, so that it shows what lies
+ *  before the drone, also at the start. */
 const AHEAD = new THREE.Vector3(0.42, 0, 0.14);
 const BEHIND = new THREE.Vector3(-0.85, -0.36, 0.36);
 
 export type Look = "follow" | "free" | "top" | "onboard";
 export const LOOKS: Look[] = ["follow", "free", "top", "onboard"];
 
-/** What the path may be coloured by: one number per row. */
+/** A variable for the path's colour: one number per row. */
 export interface PathColour {
   label: string;
   unit: string;
@@ -95,7 +95,7 @@ export class Stage {
     this.setLook("follow");
   }
 
-  /** Fulfilled when the scene stands on the canvas for the first time. */
+  /** Resolves after the scene is drawn for the first time. */
   get ready(): Promise<void> {
     return this.firstDrawn;
   }
@@ -224,7 +224,7 @@ export class Stage {
     this.ask();
   }
 
-  /** Draws in the next frame, once however often it is asked. */
+  /** Draws in the next frame. Several calls before it draw once. */
   private ask(): void {
     if (this.asked) return;
     this.asked = true;
@@ -256,7 +256,7 @@ export class Stage {
 
   private placeTags(camera: THREE.PerspectiveCamera, body: Body, onboard: boolean): void {
     for (const { place, tag } of this.labels) this.put(tag, place, camera);
-    // Where the drone is but a few pixels, a ring shows where.
+    // A ring marks a drone that is only a few pixels large.
     const distance = camera.position.distanceTo(body.group.position);
     this.ring.hidden = onboard || distance < 2.6;
     if (!this.ring.hidden) this.put(this.ring, body.group.position, camera);

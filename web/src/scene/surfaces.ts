@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands and moves in the world: faces with the textures and the light that the camera renders.
+// The objects of the world: faces with the textures and the light that the camera renders.
 import * as THREE from "three";
 import type { Json } from "../data/payload";
 import { Mover } from "./mover";
 
-/** A face larger than this is a wall: it is left out while it hides what is looked at. */
+/** A larger face is a wall: it is not drawn while it hides the target. */
 const WALL_M2 = 0.8;
 
 /** Faces of one texture that are drawn at once. `lights` has a number for each corner. */
@@ -12,7 +12,7 @@ interface Batch {
   material: THREE.MeshBasicMaterial;
   colours: THREE.BufferAttribute;
   lights: Float32Array;
-  /** Of what moves: the light of each corner follows its turn. */
+  /** For objects that move: the light of each corner follows their rotation. */
   turning?: { mover: Mover; normals: THREE.Vector3[] };
 }
 
@@ -46,7 +46,7 @@ export class Surfaces {
     for (const faces of shared.values()) this.add(faces, textures[faces[0].texture], this.movers[faces[0].mover] ?? null);
   }
 
-  /** Faces whose back is towards the target would stand between it and the eye: as in a doll's house they are open. */
+  /** Hides faces whose back is towards the target, because they would hide it. */
   openTowards(target: THREE.Vector3): void {
     for (const wall of this.walls) wall.mesh.visible = wall.normal.dot(target) - wall.offset > -1e-6;
   }
@@ -60,7 +60,7 @@ export class Surfaces {
     for (const wall of this.walls) wall.mesh.visible = true;
   }
 
-  /** Puts what moves where it is at a time [s]. */
+  /** Moves the objects to their places at a time [s]. */
   move(time: number): void {
     for (const mover of this.movers) mover.move(time);
     for (const batch of this.batches) {

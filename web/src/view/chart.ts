@@ -66,7 +66,7 @@ export class Chart implements Drawing {
       .map((group) => [group.times, ...group.values] as uPlot.AlignedData));
   }
 
-  /** uPlot.join puts the curves of a run beside each other. */
+  /** The curves in the order of uPlot.join: those of one run together. */
   private get ordered(): RunCurve[] {
     return this.runCount === 1 ? this.curves : [...this.curves].sort((a, b) => a.runIndex - b.runIndex);
   }
@@ -144,7 +144,7 @@ function largest(data: uPlot.AlignedData): number {
   return most;
 }
 
-/** As many digits as tell neighbours apart; the unit where it has a prefix, the prefix alone where there is no more room. */
+/** Enough digits to distinguish neighbours; the unit if it has a prefix, or only the prefix if space is short. */
 function tickText(value: number, step: number, prefix: string, unit: string): string {
   const places = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const isQuarter = Math.abs(step * 10 ** places - Math.round(step * 10 ** places)) > 1e-6; // 0.25, say

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs beside each other: what was given differently, and what came of it.
+// Compares runs: their different settings and their results.
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
 import { element } from "../dom";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What panels share with their drawings: curves of runs, their colours and dashes, and the axes' width.
+// Data that panels share with their drawings: curves, colours and dashes of runs, and the axes' width.
 import type { Curve, Run } from "../data/run";
 import { colour } from "../theme";
 

@@ -78,7 +78,7 @@ function windowedChoices(profile: WindowedProfile, window: Window): Choices {
 function wholeChoices(profiles: Json[]): Choices {
   const list = profiles.flatMap((file) => file.profiles.map((profile: Json) => ({ profile, frames: file.shared.frames })));
   const choice = element("select", { "aria-label": "profile" }, ...list.map(({ profile }, i) => option(String(i), profile.name)));
-  // Cycles first: of time and energy most is what a core does when its program is over.
+  // Cycles first: most time and energy belong to the core after its program has ended.
   choice.value = String(Math.max(0, list.findIndex(({ profile }) => profile.name === "cycles")));
   return {
     inputs: [choice],

@@ -8,7 +8,7 @@ import { dotted, element, svg } from "../dom";
 
 const BOX = { width: 170, height: 58 };
 
-/** Of an arrow's way, where its words may stand: near its tail first, since arrows cross in the middle. */
+/** Places for an arrow's label along its length: near its tail first, because arrows cross in the middle. */
 const SHARES = [0.34, 0.42, 0.5, 0.26, 0.58, 0.66, 0.74];
 
 /** A box around its middle. */
@@ -131,14 +131,14 @@ function shortened(name: string): string {
   return name.length > 26 ? name.slice(0, 25) + "\u2026" : name;
 }
 
-/** Where the line from a box's middle to a point leaves the box. */
+/** The point where the line from a box's centre to a point leaves the box. */
 function edgeOf([x, y]: [number, number], [px, py]: [number, number]): [number, number] {
   const [dx, dy] = [px - x, py - y];
   const share = Math.min(Math.abs((BOX.width / 2 + 4) / (dx || 1e-9)), Math.abs((BOX.height / 2 + 4) / (dy || 1e-9)));
   return [x + share * dx, y + share * dy];
 }
 
-/** Returns what brings the values up to the moment. */
+/** Returns the function that updates the values to the moment. */
 function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bundle[], title: string): () => void {
   const rows = bundles.flatMap((bundle) => bundle.connections);
   const body = element("tbody", {});

@@ -7,7 +7,7 @@ import { AXIS, type Drawing, type RunCurve } from "./drawing";
 import { makeScrubbable } from "./scrub";
 import type { Window } from "./window";
 
-/** How high lanes are [px]: with words in them, and with shades alone; what is between them; a line for a name above. */
+/** Heights [px]: a lane with words, a lane with shades only, the gap between lanes, a line for a name. */
 const WORDS = 20;
 const SHADES = 13;
 const GAP = 3;
@@ -110,7 +110,7 @@ export class Lanes implements Drawing {
     }
   }
 
-  /** How dark a pixel is says the mean over its time, beside the greatest one. */
+  /** The darkness of a pixel is the mean over its time, relative to the greatest mean. */
   private drawShades(context: CanvasRenderingContext2D, { entry, top, height }: Lane, x: (time: number) => number, most: number): void {
     const values = entry.curve.values(this.window.mean);
     const times = entry.run.times;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One panel: a title, a line with every curve's name, colour and value at the moment, and what is drawn below it.
+// One panel: a title, a line with every curve's name, colour and value at the moment, and the drawing below.
 import type { Clock } from "../clock";
 import type { PanelInfo } from "../data/payload";
 import { type Run, rowAt } from "../data/run";
@@ -12,7 +12,7 @@ import { Lanes } from "./lanes";
 import type { Window } from "./window";
 
 export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window: Window, onClose?: () => void): HTMLElement {
-  // Of parts that always make one whole there is no sum to compare: they are the first run's.
+  // Parts with a constant sum have no sum to compare: only the first run's are shown.
   const runs = isShares(info, allRuns[0]) ? allRuns.slice(0, 1) : allRuns;
   const curves = curvesOf(info, runs);
   const kind = info.kind === "stack" && runs.length > 1 ? "lines" : info.kind;
@@ -59,7 +59,7 @@ function isShares(info: PanelInfo, run: Run): boolean {
   return info.kind === "stack" && info.curves.every((wanted) => run.curve(wanted)?.unit === SHARE);
 }
 
-/** Over which time what is shown is a mean. */
+/** The time over which a shown value is a mean. */
 function meanNote(window: Window): HTMLElement {
   const note = element("span", { class: "unit" });
   const show = () => (note.textContent = ` mean over ${Number(window.mean.toPrecision(2))} s`);
@@ -68,7 +68,7 @@ function meanNote(window: Window): HTMLElement {
   return note;
 }
 
-/** Each run's curves; where several runs would stack their parts, or shade many lanes, each run's whole. */
+/** Each run's curves. If several runs have stacked parts or many lanes, only each run's sum. */
 function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   const curves: RunCurve[] = [];
   const isParts = info.kind === "stack" || (info.kind === "lanes" && info.curves.every(({ rate_of }) => rate_of !== undefined));
@@ -88,7 +88,7 @@ function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   return curves;
 }
 
-/** What stands before a curve's name looks as the curve does. */
+/** The mark before a curve's name looks like the curve. */
 function paintSwatch(swatch: HTMLElement, tone: string, dash: [number, number] | undefined): void {
   swatch.classList.toggle("dashed", dash !== undefined);
   swatch.style.background = dash

@@ -4,7 +4,7 @@
 import type { Clock } from "../clock";
 import type { Window } from "./window";
 
-/** `left` and `right` [px]: what of the element's width is no time. */
+/** `left` and `right` [px]: margins of the element outside the time axis. */
 export function makeScrubbable(target: HTMLElement, clock: Clock, window: Window, left = 0, right = 0): void {
   const timeAt = (event: MouseEvent) => {
     const box = target.getBoundingClientRect();

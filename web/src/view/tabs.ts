@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several things in one place, one at a time. What is never looked at is never made.
+// Several views in one place, one at a time. A view is created when it is first shown.
 import { element } from "../dom";
 
 export interface Tab {

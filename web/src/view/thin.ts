@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of a recording that is too long for a page the extremes are here, and smaller pictures: who looks closer is told how to
+// A recording that is too long for a page is reduced to extremes and smaller pictures. A closer view shows how to
 // get all.
 import type { Run } from "../data/run";
 import { element } from "../dom";

@@ -10,7 +10,7 @@ export class Window {
     this.to = end;
   }
 
-  /** The run went on: who looks at all of it goes on looking at all of it. */
+  /** Extends the span with the run if it shows the whole run. */
   extend(end: number): void {
     const whole = this.isWhole;
     this.end = end;
@@ -25,7 +25,7 @@ export class Window {
     return this.to;
   }
 
-  /** Rates are shown as means over this time [s]: some pixels of a plot, so that fast switching reads as what it comes to. */
+  /** Rates are means over this time [s], some pixels of a plot, so that fast switching shows its mean. */
   get mean(): number {
     return (this.to - this.from) / 110;
   }
@@ -46,7 +46,7 @@ export class Window {
     for (const listener of this.listeners) listener();
   }
 
-  /** Makes the span longer or shorter by a factor; what is at `at` stays where it is. */
+  /** Scales the span by a factor around the time `at`. */
   zoom(factor: number, at: number): void {
     this.set(at - (at - this.from) * factor, at + (this.to - at) * factor);
   }
