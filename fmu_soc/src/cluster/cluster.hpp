@@ -36,11 +36,11 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Cluster(const Cluster&) = delete;
   Cluster& operator=(const Cluster&) = delete;
 
-  /// Called after a core stored into a watched word; true ends the run.
+  /// Called after a core has stored into a watched word. True ends the run.
   void set_watcher(std::function<bool(std::uint32_t address)> watcher) { watcher_ = std::move(watcher); }
 
-  /// What a core finds where neither memory nor the cluster's own registers are. Called with the time of its access; it
-  /// may change what the rest of the chip does next.
+  /// Serves a core's access outside memory and the cluster's registers. Called with the time of the access; may change
+  /// the next event of the rest of the chip.
   using Outside = std::function<BusReply(const ClusterAccess& access, Picoseconds now)>;
   void set_outside(Outside outside) { outside_ = std::move(outside); }
 
@@ -51,7 +51,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// in the first tick at or after `now`.
   void power_off(Picoseconds now);
   void power_on(Picoseconds now, std::uint32_t boot);
-  /// Another frequency, from the first tick at or after `now` on.
+  /// Sets the frequency from the first tick at or after `now` on.
   void set_clock(Picoseconds now, std::uint32_t hz);
   std::uint32_t clock_hz() const { return clock_.hz(); }
   /// Of a core: L1 first.
@@ -59,7 +59,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// From now on; between quanta.
   void set_ways(const ClusterWays& ways);
 
-  /// When the cluster next does something by itself; kNever while all cores sleep and no transfer runs.
+  /// Returns the time of the cluster's next activity; kNever while all cores sleep and no transfer runs.
   Picoseconds next() const;
   /// `ticks` after a time.
   Picoseconds later(Picoseconds time, std::uint64_t ticks) const {
@@ -76,42 +76,42 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   BusReply load_event(std::uint32_t address, Picoseconds now);
   BusReply store(std::uint32_t address, Picoseconds now, std::uint32_t value);
 
-  /// The fabric controller's event load can be answered; forgotten with the call.
+  /// Returns true once when the fabric controller's event load can be answered.
   bool take_fabric_wake();
-  /// When its interrupt line last went up, its event load was answered, or a core last reached outside.
+  /// Returns the time of the last rise of its interrupt line, answer to its event load, or access of a core outside.
   Picoseconds fabric_event_time() const { return fabric_event_time_; }
   bool interrupt() const { return powered() && peripherals_->interrupt(); }
 
   const Hart& hart(unsigned core) const;
   Hart& hart(unsigned core);
-  /// When the core's next instruction starts, or its sleep began; while it is on. Of a sleep that began before the
-  /// clock last changed, that change.
+  /// Returns the start of the core's next instruction, or of its sleep; for a sleep from before the last change of the
+  /// clock, the time of that change. The cluster must be on.
   Picoseconds core_time(unsigned core) const;
-  /// When one of its active cycles started, since when it has neither slept nor had another clock.
+  /// Returns the start of an active cycle since which the core has not slept and the clock has not changed.
   Picoseconds core_time_at(unsigned core, std::uint64_t cycle) const;
-  /// How far the core has come that is farthest, awake or not; of a cluster that is off, when it went off.
+  /// Returns the time of the core that is farthest ahead; if the cluster is off, the time at which it went off.
   Picoseconds reached() const;
-  /// When the core that faulted or stopped the run would have gone on.
+  /// Returns the time of the next instruction of the core that faulted or stopped the run.
   Picoseconds stop_time() const { return stop_time_; }
-  /// Who watches this core from now on, or null. Not part of a state.
+  /// Sets the observer of this core; null removes it. Not part of a state.
   void observe(unsigned core, Observer* observer);
   /// Sum over the cores since reset of the chip.
   Counters counters() const;
-  /// The most cycles that one of them was awake.
+  /// Returns the active cycles of the core with most of them.
   std::uint64_t longest_cycles() const;
   /// Time it was on, up to `now`, which may lie in the middle of the instruction that switches it on.
   Picoseconds powered_time(Picoseconds now) const { return powered_.up_to(now); }
   /// Time in which a core was awake or all of them waited for the DMA, up to `now`. A cluster that is behind `now`
   /// counts as going on as it is.
   Picoseconds busy_time(Picoseconds now) const { return busy_.up_to(now); }
-  /// The core that cannot go on; -1 = none.
+  /// The core that cannot continue; -1 = none.
   int faulted_core() const { return faulted_core_; }
-  /// A core's store into a watched word ended the run.
+  /// True if a store into a watched word ended the run.
   bool stopped() const { return stopped_; }
-  /// The core whose observer did; -1 = none.
+  /// The core whose observer ended the run; -1 = none.
   int core_stopped_by_observer() const { return core_stopped_by_observer_; }
   const ClusterDma& dma() const { return dma_; }
-  /// That all cores share; null without one.
+  /// The instruction cache of all cores; null without one.
   const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
 
   void visit(state::Visitor& v);

@@ -15,18 +15,18 @@
 
 namespace mebots::soc {
 
-/// What cores of a cluster reach outside the RAM: as Bus, of several cores, in the cluster's ticks.
+/// The bus of a cluster's cores: as Bus, for several cores, in the cluster's ticks.
 class ClusterBus {
  public:
   virtual ~ClusterBus() = default;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// The core takes the interrupt of this line. The answer is which of its lines are up then.
+  /// Called when the core takes the interrupt of this line. Returns the lines that are pending afterwards.
   virtual std::uint32_t interrupt_taken(unsigned core, unsigned line) = 0;
   /// Called after a store into a watched word. True: the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
 };
 
-/// One core of a cluster: its hart, where its cycles lie in the cluster's ticks, and its turn at shared devices.
+/// One core of a cluster: its hart, the tick of its cycles, and its turn at shared devices.
 class ClusterCore final : private Bus {
  public:
   /// `code` is that of all cores, which share its banks: those of L1. `way`: to the SoC, likewise, if the settings say
@@ -42,7 +42,7 @@ class ClusterCore final : private Bus {
     connect(1);
   }
 
-  /// To the memories, as the settings have them; an access outside keeps the way there for so many ticks.
+  /// Sets the latencies of the memories. An access outside occupies the shared port for this many ticks.
   void connect(std::uint32_t access_ticks) {
     auto ports = settings_.ports;
     for (auto& port : ports) {
@@ -59,15 +59,15 @@ class ClusterCore final : private Bus {
 
   // Its time.
 
-  /// The tick in which its next instruction starts, or its sleep began.
+  /// Returns the tick of its next instruction, or of the start of its sleep.
   std::uint64_t tick() const { return tick_of(hart_.counters().cycles); }
-  /// The tick of one of its active cycles, since when it has not slept.
+  /// Returns the tick of an active cycle since which it has not slept.
   std::uint64_t tick_of(std::uint64_t cycle) const { return cycle + offset_; }
   bool sleeps() const { return asleep_; }
-  /// The tick in which its next instruction starts; kNoTick while it sleeps.
+  /// Returns the tick of its next instruction; kNoTick while it sleeps.
   std::uint64_t ready() const { return asleep_ ? kNoTick : tick(); }
 
-  /// All registers new, from `pc` on.
+  /// Resets all registers, and starts at `pc`.
   void start(std::uint32_t pc, std::uint64_t tick) {
     hart_.restart(pc);
     if (settings_.has_gap8_interrupts) hart_.set_csr(csr::kMtvec, pc & ~0xffU);
@@ -77,12 +77,12 @@ class ClusterCore final : private Bus {
     go_on_at(tick);
     if (observer_ != nullptr) observer_->switched(hart_, true);
   }
-  /// It has not begun yet.
+  /// True if it has not started yet.
   void halt() { asleep_ = true; }
   void stop() {
     if (observer_ != nullptr) observer_->switched(hart_, false);
   }
-  /// What it waited for has come; it goes on in this tick. False: it was awake.
+  /// Wakes the core in this tick. Returns false if it was awake.
   bool wake(std::uint64_t tick) {
     if (!asleep_) return false;
     asleep_ = false;
@@ -90,7 +90,7 @@ class ClusterCore final : private Bus {
     go_on_at(tick);
     return true;
   }
-  /// All its interrupt lines. One that it lets in ends its sleep; it goes on in this tick then. False: no sleep ends.
+  /// Sets all its interrupt lines. An enabled one wakes the core in this tick. Returns true if the core wakes.
   bool set_interrupts(std::uint32_t lines, std::uint64_t tick) {
     hart_.set_interrupts(lines);
     return asleep_ && hart_.sleeping() && hart_.wakes() && wake(tick);
@@ -99,11 +99,11 @@ class ClusterCore final : private Bus {
   // Its runs.
 
   Stop run(std::uint64_t end) { return hart_.run(end - offset_); }
-  /// Its hart came back so.
+  /// Handles the return of its hart.
   void stopped(Stop stop) { asleep_ = stop == Stop::sleeping; }
-  /// Whether its next run only has to go on in translated code.
+  /// True if its next run can resume in translated code.
   bool can_resume() const { return !waits_for_turn_ && hart_.has_resume_point(); }
-  /// Whether others use the banks of L1 at the same time.
+  /// Sets whether others use the banks of L1 at the same time.
   void share_banks(bool several) {
     shares_banks_ = several;
     hart_.share_first(several ? &l1_ : nullptr);
@@ -115,14 +115,14 @@ class ClusterCore final : private Bus {
 
   // Its turn.
 
-  /// Whether it stands in front of an access to a shared device.
+  /// True if its next instruction accesses a shared device.
   bool waits_for_turn() const { return waits_for_turn_; }
-  /// No other core is behind it: in its next run it may go on with that access.
+  /// Permits that access in its next run, because no other core is earlier.
   void grant_turn() {
     granted_ = waits_for_turn_;
     waits_for_turn_ = false;
   }
-  /// The tick of its last access to a shared device.
+  /// Returns the tick of its last access to a shared device.
   std::uint64_t accessed() const { return accessed_; }
 
   void visit(state::Visitor& v) {

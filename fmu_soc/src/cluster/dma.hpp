@@ -32,8 +32,8 @@ struct DmaTiming {
   }
 };
 
-/// Moves bytes between L2 and the cluster's L1 while the cores go on. Each requester has its own draft registers;
-/// START queues what they say. Transfers run one after the other in the order of their starts, in bursts: a row of a
+/// Moves bytes between L2 and the cluster's L1 in parallel to the cores. Each requester has its own draft registers;
+/// START queues their transfer. Transfers run one after the other in the order of their starts, in bursts: a row of a
 /// 2D transfer takes at least one. The latency of a queued transfer hides behind the one before it. Its words take
 /// cycles of L1's banks like those of the cores; a beat waits at most a cycle, and the others behind it. Bytes are
 /// where they belong, all at once, when the transfer ends; then its requester gets the event.
@@ -46,13 +46,13 @@ class ClusterDma {
   ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)
       : memory_(memory), l1_region_(l1_region), timing_(timing) {}
 
-  /// For transfers that are queued from now on.
+  /// Sets the times of transfers queued from now on.
   void set_timing(const DmaTiming& timing) { timing_ = timing; }
 
   BusReply load(unsigned who, std::uint32_t offset) const;
   bool store(unsigned who, std::uint32_t offset, std::uint32_t value, std::uint64_t tick);
 
-  /// What a transfer moves. Behind the last whole row may come a part of one.
+  /// The bytes of a transfer. The last row may be incomplete.
   struct Draft {
     std::uint32_t l2 = 0;
     std::uint32_t l1 = 0;
@@ -71,25 +71,24 @@ class ClusterDma {
     }
   };
 
-  /// For registers of another kind: queues a transfer of their requester. False, with nothing done, when memories or
-  /// number of transfers do not allow it.
+  /// For registers of another kind: queues a transfer of their requester. Returns false, without effect, if memories or
+  /// the number of transfers do not allow it.
   bool enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick);
-  /// Whether its bytes lie in L1 and in another memory.
+  /// True if its bytes are in L1 and in another memory.
   bool fits(const Draft& draft) const;
-  /// Whether another transfer can be queued.
+  /// True if another transfer can be queued.
   bool has_room() const;
 
-  /// Forgets all transfers and drafts; counts stay.
+  /// Clears all transfers and drafts. Keeps the counts.
   void reset();
 
-  /// Whether transfers are queued or under way.
+  /// True if transfers are queued or running.
   bool busy() const { return next_ != kNoTick; }
-  /// Takes the banks for all beats that start before `until` and have none yet. To be called before `advance` for any
-  /// tick up to there.
+  /// Reserves the banks for all beats before `until`. Must be called before `advance` for any tick up to there.
   void occupy(Banks& banks, std::uint64_t until);
-  /// The tick in which the next transfer ends: no earlier, and with `occupy` up to there not later either.
+  /// Returns the earliest tick in which the next transfer can end; exact if `occupy` has reached it.
   std::uint64_t next_tick() const { return next_; }
-  /// Ends every transfer whose tick has come.
+  /// Ends every transfer whose end tick is reached.
   void advance(std::uint64_t tick, TransferListener& listener);
 
   struct Counts {

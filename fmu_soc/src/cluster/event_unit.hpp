@@ -18,11 +18,11 @@ inline constexpr unsigned kDmaDone = 8;
 inline constexpr unsigned kJobDone = 17;
 }  // namespace event
 
-/// Lets cores wait for each other without spinning. It has events with a mask and a buffer for each, a barrier, and a
-/// fork that hands an entry and an argument to idle cores. Each requester sees its own registers at the same addresses.
+/// Synchronises cores without spinning: events with a mask and a buffer for each core, a barrier, and a fork that
+/// passes an entry and an argument to idle cores. Each requester sees its own registers at the same addresses.
 ///
-/// A p.elw of EVENT_WAIT, BARRIER_WAIT or DISPATCH_WAIT puts its core to sleep until the answer is there. The sleeper
-/// is in woken() then, and asks again.
+/// A p.elw of EVENT_WAIT, BARRIER_WAIT or DISPATCH_WAIT puts its core to sleep until the answer is available. woken()
+/// then returns the core, which repeats the load.
 class EventUnit {
  public:
   /// FORK_CORES named a core that does not exist or is at work, or a cluster core wrote it.
@@ -34,18 +34,18 @@ class EventUnit {
   BusReply load_event(unsigned who, std::uint32_t offset);
   bool store(unsigned who, std::uint32_t offset, std::uint32_t value);
 
-  /// An event for all requesters whose bits are set.
+  /// Raises an event for all requesters whose bits are set.
   void raise(std::uint32_t targets, unsigned event);
 
-  /// Requesters whose event load can be answered now; forgets them.
+  /// Returns, once, the requesters whose event load can be answered now.
   std::uint32_t take_woken() {
     const auto woken = woken_;
     woken_ = 0;
     return woken;
   }
-  /// Level of the interrupt line to the fabric controller: one of its events is there and let through.
+  /// Returns the level of the interrupt line to the fabric controller: one of its events is pending and enabled.
   bool interrupt() const { return (of_[kFabricController].buffer & of_[kFabricController].mask) != 0; }
-  /// Cores that run a fork's entry.
+  /// Returns the cores that run a fork's entry.
   std::uint32_t at_work() const { return at_work_; }
 
   void visit(state::Visitor& v);
@@ -56,8 +56,8 @@ class EventUnit {
     std::uint32_t mask = 0;
     std::uint32_t buffer = 0;
     Wait waits_for = Wait::nothing;
-    std::uint32_t barrier_open = 0;  // the barrier that it waits at has been passed
-    std::uint32_t dispatched = 0;    // a fork has named it, and it has not taken the entry yet
+    std::uint32_t barrier_open = 0;  // its barrier is complete
+    std::uint32_t dispatched = 0;    // selected by a fork, entry not read yet
     std::uint32_t argument = 0;
 
     void visit(state::Visitor& v) {

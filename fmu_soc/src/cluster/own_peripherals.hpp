@@ -38,8 +38,8 @@ class OwnPeripherals final : public ClusterPeripherals {
   std::uint32_t dma_base_;
   EventUnit event_unit_;
   ClusterDma& dma_;
-  std::uint32_t boot_ = 0;     // used up with the call that sets it
-  std::uint32_t started_ = 0;  // likewise
+  std::uint32_t boot_ = 0;     // consumed by the call that sets it
+  std::uint32_t started_ = 0;  // the same
 };
 
 }  // namespace mebots::soc

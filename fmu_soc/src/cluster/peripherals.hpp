@@ -11,7 +11,7 @@
 
 namespace mebots::soc {
 
-/// Who asks: cluster cores are 0 to 7, then comes the fabric controller.
+/// Number of a requester: 0 to 7 are the cluster's cores, 8 is the fabric controller.
 inline constexpr unsigned kMostClusterCores = 8;
 inline constexpr unsigned kFabricController = kMostClusterCores;
 inline constexpr unsigned kRequesters = kMostClusterCores + 1;
@@ -37,7 +37,7 @@ constexpr unsigned core_of_hart(unsigned hart) {
 /// A tick that never comes.
 inline constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
 
-/// Who hears that a transfer of the cluster's DMA has ended: `tag` is what it was started with.
+/// Listener for the end of a DMA transfer; `tag` is that of its start.
 class TransferListener {
  public:
   virtual ~TransferListener() = default;
@@ -54,9 +54,8 @@ struct ClusterAccess {
   unsigned size = 4;                      // bytes; less only of a store
 };
 
-/// What a cluster has beside cores, memory and DMA engine. That is the registers by which its cores wait for each other
-/// and for the DMA, and whatever starts them. Calls come in the order of ticks; what an access did is asked for behind
-/// it.
+/// The cluster's registers, by which its cores start and wait for each other and for the DMA. Calls are in the order of
+/// ticks. The caller queries the effects of an access after it.
 class ClusterPeripherals : public TransferListener {
  public:
   ClusterPeripherals() = default;
@@ -64,24 +63,24 @@ class ClusterPeripherals : public TransferListener {
   ClusterPeripherals& operator=(const ClusterPeripherals&) = delete;
   ~ClusterPeripherals() override = default;
 
-  /// Whether an access of a core, or of the fabric controller, to this address is theirs.
+  /// True if an access of a core, or of the fabric controller, to this address belongs to them.
   virtual bool owns_of_core(std::uint32_t address) const = 0;
   virtual bool owns_of_fabric_controller(std::uint32_t address) const = 0;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// When something next happens in them by itself, and that it does. Only accesses change it.
+  /// The tick of their next event, and the event itself. Only accesses change the tick.
   virtual std::uint64_t next_tick() const { return kNoTick; }
   virtual void advance(std::uint64_t /*tick*/) {}
 
-  /// The cluster is switched on; `boot` is what the power manager says of it.
+  /// Called when the cluster is switched on; `boot` comes from the power manager.
   virtual void reset(std::uint32_t boot) = 0;
-  /// Cores that begin, each at boot_address(); forgotten with the call.
+  /// Returns, once, the cores that start, each at boot_address().
   virtual std::uint32_t take_started() = 0;
   virtual std::uint32_t boot_address(unsigned core) const = 0;
-  /// Requesters whose event load can be answered now; forgotten with the call.
+  /// Returns, once, the requesters whose event load can be answered now.
   virtual std::uint32_t take_woken() = 0;
-  /// Level of the line to the fabric controller.
+  /// Returns the level of the line to the fabric controller.
   virtual bool interrupt() const { return false; }
-  /// Cores whose interrupt lines changed; forgotten with the call.
+  /// Returns, once, the cores whose interrupt lines changed.
   virtual std::uint32_t take_line_changes() { return 0; }
   virtual std::uint32_t lines(unsigned /*core*/) const { return 0; }
   virtual void interrupt_taken(unsigned /*core*/, unsigned /*line*/) {}

@@ -15,28 +15,28 @@
 
 namespace mebots::soc {
 
-/// What happens in a cluster beside the runs of its cores. The scheduler says when, in the order of ticks; the cluster
-/// does it, and tells the scheduler what it changed (`set_alarm`, `cores_changed`).
+/// Events of a cluster other than runs of its cores. The scheduler calls them in the order of ticks. The cluster
+/// reports the effects to the scheduler (`set_alarm`, `cores_changed`).
 class ClusterEvents {
  public:
   virtual ~ClusterEvents() = default;
-  /// The registers do what was to happen by itself in this tick. Their next alarm lies behind it.
+  /// Runs the event of the registers in this tick. Their next alarm is later.
   virtual void alarm_rings(std::uint64_t tick) = 0;
-  /// Every transfer of the DMA ends whose tick has come.
+  /// Ends every DMA transfer whose end tick is reached.
   virtual void transfers_end(std::uint64_t tick) = 0;
-  /// A core came back from a run, neither at its limit nor for its turn. False: the run of the chip ends here, so none
-  /// is given its turn any more.
+  /// Called if a core's run ended neither at its limit nor for its turn. Returns false to end the run of the chip; then
+  /// no core runs again.
   virtual bool core_stopped(ClusterCore& core, Stop stop) = 0;
 };
 
 /// The order in which the cores, registers and DMA of a cluster act: a round-robin scheduler, whose turns are a quantum
 /// of ticks. The rule, and why it is so: schedule.md.
 ///
-/// It knows ticks of the cluster's clock, and no other time. Each core has its own tick. The cluster asks for one
-/// quantum after the other. Each starts where the one before said.
+/// It only uses ticks of the cluster's clock. Each core has its own tick. The cluster runs one quantum after the other,
+/// each from the tick that the one before returned.
 class ClusterScheduler {
  public:
-  /// Ticks of a quantum in which nobody can find a bank taken.
+  /// Ticks of a quantum without conflicts at the banks.
   static constexpr std::uint64_t kLongQuantum = Banks::kLongestRun;
   /// More ticks than a core can be ahead of the start of the quantum that follows.
   static constexpr std::uint64_t kFarthestAhead = kLongQuantum + Banks::kLongestBlock;
@@ -46,22 +46,22 @@ class ClusterScheduler {
                    ClusterEvents& events);
   ClusterScheduler(const ClusterScheduler&) = delete;
   ClusterScheduler& operator=(const ClusterScheduler&) = delete;
-  /// The next one in the order of their ids. It outlives the scheduler.
+  /// Adds the next core in the order of ids. It must outlive the scheduler.
   void add(ClusterCore& core);
 
-  /// How many cores are awake.
+  /// Returns the number of cores that are awake.
   unsigned awake() const { return awake_; }
-  /// When the next quantum starts; kNoTick while all cores sleep and nothing is to happen by itself.
+  /// Returns the start of the next quantum; kNoTick while all cores sleep and no event is due.
   std::uint64_t next_tick() const;
-  /// Runs the quantum that starts at `start`, and ends before `until` at the latest. `undisturbed`: since the quantum
-  /// before nothing came from outside. The answer is when the next one starts.
+  /// Runs the quantum that starts at `start` and ends before `until`. `undisturbed`: no access from outside since the
+  /// quantum before. Returns the start of the next one.
   std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until, bool undisturbed);
 
-  /// When something next happens in the registers by itself.
+  /// Sets the tick of the registers' next event.
   void set_alarm(std::uint64_t tick) { alarm_ = tick; }
-  /// A core may have begun, woken or fallen asleep, or another interrupt may be at it.
+  /// Called if a core may have started, woken or fallen asleep, or if its interrupts may have changed.
   void cores_changed();
-  /// Every core begins its next run in the interpreter.
+  /// Makes every core start its next run in the interpreter.
   void drop_resume_points();
 
   void visit(state::Visitor& v);
@@ -71,7 +71,7 @@ class ClusterScheduler {
   void share_banks();
   void move_banks(std::uint64_t tick);
   void next_in_front();
-  // The cores that run without asking, one after the other.
+  // The cores whose runs need no permission, one after the other.
   void line_up(std::uint64_t end);
   void queue_cores(std::uint64_t end);
   void rotate_queue();
@@ -81,10 +81,10 @@ class ClusterScheduler {
   std::size_t note_round(std::size_t place, const Hart::RoundEnd& round);
   void run_core(ClusterCore& core, std::uint64_t end);
   void note_stop(ClusterCore& core, Stop stop);
-  // Those in step.
+  // The cores in step.
   std::uint64_t run_quantum_in_step(std::uint64_t start, std::uint64_t until);
   std::uint64_t keep_in_step();
-  // All that has an order of its own.
+  // All events that have an order of their own.
   std::uint64_t finish_quantum(std::uint64_t end);
   void ring();
   std::uint64_t first_ready() const;
@@ -99,15 +99,16 @@ class ClusterScheduler {
   ClusterDma& dma_;
   ClusterEvents& events_;
   std::vector<ClusterCore*> cores_;
-  unsigned awake_ = 0;               // of them
-  std::uint64_t alarm_ = kNoTick;    // of the registers
-  std::uint32_t first_core_ = 0;     // of the next quantum, when all are awake
-  bool dma_first_ = false;           // in it, before the cores; else behind them
-  bool sharing_banks_ = false;       // somebody can find a bank taken
-  bool goes_on_ = true;              // cores are given their turns
-  std::vector<ClusterCore*> queue_;  // of this quantum: who runs without asking, who comes first at a bank in front
-  bool in_step_ = false;             // all who are awake came to the end of their last quantum in translated code
-  std::uint64_t last_ready_ = 0;     // then: the tick of the core that is farthest ahead
+  unsigned awake_ = 0;             // of them
+  std::uint64_t alarm_ = kNoTick;  // of the registers
+  std::uint32_t first_core_ = 0;   // of the next quantum, when all are awake
+  bool dma_first_ = false;         // in it, before the cores; else after them
+  bool sharing_banks_ = false;     // conflicts at the banks are possible
+  bool goes_on_ = true;            // cores are given their turns
+  std::vector<ClusterCore*>
+      queue_;             // of this quantum: cores whose runs need no permission, the first one at a bank in front
+  bool in_step_ = false;  // all awake cores ended their last quantum in translated code
+  std::uint64_t last_ready_ = 0;  // then: the tick of the core that is farthest ahead
   /// DecodedCode::version() when resume points were last dropped for it: they are good in this one only.
   std::uint64_t version_ = 0;
 };

@@ -23,10 +23,10 @@ struct ClusterWays {
   std::vector<std::uint32_t> waits;  // of each port
   std::uint32_t refill_cycles = 0;   // of the instruction cache
   DmaTiming dma;
-  std::uint32_t access_ticks = 1;  // that an access of a core keeps the way that it shares with others
+  std::uint32_t access_ticks = 1;  // for which an access of a core occupies the shared port
 };
 
-/// What a cluster is made of; from the board and its chip.
+/// The settings of a cluster, from the board and its chip.
 struct ClusterSettings {
   unsigned cores = 0;
   std::size_t l1_region = 0;  // index in Memory::regions()
@@ -36,7 +36,7 @@ struct ClusterSettings {
   /// Ticks of a quantum when several cores are awake or the DMA moves data.
   std::uint32_t quantum = 0;
   std::vector<MemoryPort> ports;  // of a core, L1 first; its banks are filled in by the core
-  bool shares_way = false;        // to the SoC: a core's access there waits for those of others
+  bool shares_way = false;        // to the SoC: a core's access waits for those of other cores
   InstructionCacheSettings instruction_cache;
   std::uint32_t clock_hz = 0;
   /// Its registers; the DMA engine is the cluster's.

@@ -17,17 +17,17 @@ namespace mebots::soc {
 /// Which cycles of the banks of a shared memory are taken: a table with a row per tick and a byte per bank, from some
 /// tick on. A bank serves one word per cycle; consecutive words lie in consecutive banks.
 ///
-/// Translated code holds on to places in the table, and goes on in it unchecked. So it has room behind the last
-/// tick that can be waited for, and only whoever has the whole picture lets it start over.
+/// Translated code keeps pointers into the table and advances in it without checks. Therefore the table has reserve
+/// rows after the last tick that a core can wait for, and only the scheduler restarts it.
 class Banks {
  public:
   static constexpr unsigned kMost = 32;
-  /// The table wants to start over when time has come to this row.
+  /// The table should restart when time reaches this row.
   static constexpr std::uint64_t kTurn = 4096;
   /// Most ticks of one run of translated code, and most that it can go beyond them in the block in which they end.
   static constexpr std::uint64_t kLongestRun = 1024;
   static constexpr std::uint64_t kLongestBlock = 5120;
-  /// Ticks from the start on that can be taken: cores come as far in their last block, and may wait there.
+  /// Ticks from the start on that can be reserved: cores reach them in their last block, and may wait there.
   static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
 
   /// `count` must be a power of two, at most kMost.
@@ -37,8 +37,8 @@ class Banks {
 
   unsigned count() const { return count_; }
 
-  /// Ticks from `tick` to the first free cycle of the bank. A tick before the start counts as the start; kReach behind
-  /// it nobody is in the way.
+  /// Returns the ticks from `tick` to the first free cycle of the bank. A tick before the start counts as the start.
+  /// From kReach after the start on, all cycles are free.
   std::uint32_t wait(std::uint64_t tick, std::uint32_t address) const {
     const auto end = start_ + kReach;
     if (tick >= end) return 0;
@@ -46,13 +46,13 @@ class Banks {
     while (at < end && taken_[place_of(at, address)] != 0) ++at;
     return static_cast<std::uint32_t>(at - tick);
   }
-  /// Takes that cycle; the answer is how long to wait for it.
+  /// Reserves that cycle. Returns the ticks to wait for it.
   std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
     const auto waited = wait(tick, address);
     if (tick + waited < start_ + kReach) byte_of(tick + waited, address) = 1;
     return waited;
   }
-  /// Ticks from `tick` on for which somebody may be in the way.
+  /// Returns the ticks from `tick` on in which conflicts are possible.
   std::uint64_t ticks_left(std::uint64_t tick) const { return start_ + kReach - std::min(tick, start_ + kReach); }
 
   /// For who has its turn at the latest after one other, and takes all words from `address` on before `end` at once: of
@@ -64,14 +64,14 @@ class Banks {
     std::uint32_t wait = 0;
     for (; address < end; address += 4) {
       const auto bank = address / 4 & (count_ - 1);
-      const std::uint32_t taken = row[bank];  // 0 or 1: what is next cannot be predicted
+      const std::uint32_t taken = row[bank];  // 0 or 1, without a branch that the host cannot predict
       row[bank + taken * count_] = 1;
       wait |= taken;
     }
     return wait;
   }
 
-  /// Nobody asks for ticks before `tick` any more; ticks do not go back.
+  /// Drops ticks before `tick`. Ticks do not decrease.
   void move_to(std::uint64_t tick) {
     MEBOTS_ASSERT(tick >= start_, "ticks do not go back");
     clear(start_, tick);
@@ -79,13 +79,13 @@ class Banks {
     set_horizon();
   }
   std::uint64_t start() const { return start_; }
-  /// Nothing is taken any more.
+  /// Frees all cycles.
   void free_all() { std::fill(taken_.begin(), taken_.end(), std::uint8_t{0}); }
 
-  /// Whether the table must start over before it can move to `tick`.
+  /// True if the table must restart before it can move to `tick`.
   bool must_start_over(std::uint64_t tick) const { return tick >= base_ + kTurn; }
-  /// The table begins at `tick` from now on, which it moves to. Nothing is taken behind `last`. The answer is how many
-  /// bytes further to the front a row stands now.
+  /// Moves the table so that it begins at `tick`. No cycle after `last` is reserved. Returns the shift of the rows to
+  /// the front in bytes.
   std::uint64_t start_over(std::uint64_t tick, std::uint64_t last) {
     move_to(tick);
     const auto first = std::min(tick - base_, kRows);
@@ -101,9 +101,9 @@ class Banks {
 
   /// For translated code: the byte of the first bank in a tick. The next tick's are count() on.
   std::uint8_t* row(std::uint64_t tick) { return &byte_of(std::max(tick, start_), 0); }
-  /// Where the row behind the last one stands that can be waited for.
+  /// Returns the row after the last one that a core can wait for.
   const std::uint8_t* const* horizon() const { return &horizon_; }
-  /// A table to write to for who is alone. It is not cleared, so what stands in it means nothing.
+  /// Returns a table for a single user to write to. Its content has no meaning.
   std::uint8_t* unread() { return unread_.data(); }
 
   void visit(state::Visitor& v) {
@@ -150,7 +150,7 @@ class Banks {
 
   unsigned count_;
   std::uint64_t base_ = 0;   // tick of the first row
-  std::uint64_t start_ = 0;  // what came before is cleared
+  std::uint64_t start_ = 0;  // earlier rows are cleared
   std::vector<std::uint8_t> taken_;
   std::vector<std::uint8_t> unread_;
   const std::uint8_t* horizon_ = nullptr;
@@ -161,17 +161,17 @@ class BankSchedule {
  public:
   explicit BankSchedule(Banks& banks) : banks_(&banks) {}
 
-  /// How many ticks an access keeps its bank; at least 1.
+  /// Sets the ticks for which an access occupies its bank; at least 1.
   void set_ticks(std::uint32_t ticks) { ticks_ = ticks; }
 
   /// Active cycle `cycle` of the core is tick `cycle + offset` of the banks (modulo 2^64).
   void set_offset(std::uint64_t offset) { offset_ = offset; }
 
-  /// Cycles from active cycle `cycle` to the first in which an access finds its bank free.
+  /// Returns the cycles from active cycle `cycle` to the first in which the bank is free.
   std::uint32_t wait(std::uint64_t cycle, std::uint32_t address) const {
     return banks_->wait(cycle + offset_, address);
   }
-  /// Cycles from there on for which somebody may be in the way.
+  /// Returns the cycles from there on in which conflicts are possible.
   std::uint64_t cycles_left(std::uint64_t cycle) const { return banks_->ticks_left(cycle + offset_); }
 
   /// Extra cycles of an access in active cycle `cycle`.

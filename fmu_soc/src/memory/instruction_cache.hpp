@@ -29,8 +29,8 @@ struct InstructionCacheSettings {
 /// memory.
 ///
 /// A hit changes nothing, as in the chip: the way that a refill takes comes from an 8-bit shift register that moves
-/// with every refill. (Source: GVSoC, models/cache, which names it as that of GAP's fabric controller.) So who knows
-/// that all lines of a piece of code are here need not ask again until one of them has left. A cluster's may take ways
+/// with every refill. (Source: GVSoC, models/cache, which names it as that of GAP's fabric controller.) Therefore
+/// lines that are present need no further check until one of them is evicted. A cluster's may take ways
 /// that hold nothing first, as pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv) does; its register then moves
 /// only when all ways of a set are in use.
 ///
@@ -61,9 +61,9 @@ class InstructionCache {
 
   bool is_shared() const { return !arrivals_.empty(); }
 
-  /// Whether the line is here, or on its way.
+  /// True if the line is present or being fetched.
   bool holds(std::uint32_t line) const { return find(line) != nullptr; }
-  /// Whether a line of the memory covered has arrived, whoever asks.
+  /// True if a line of the covered memory has arrived, for all cores.
   bool has_arrived(std::uint32_t line) const {
     const auto* entry = find(line);
     return entry != nullptr && *entry->present != 0;
@@ -71,9 +71,9 @@ class InstructionCache {
   /// A byte that tells whether the line of this address has arrived, and behind it those of the lines that follow in
   /// the same memory. Translated code asks it with one instruction. Null when the address is not in the memory covered.
   const std::uint8_t* presence(std::uint32_t address) const;
-  /// Cycles that a fetch from this line in cycle `tick` waits; brings it here when it is not.
+  /// Returns the wait cycles of a fetch from this line in cycle `tick`. Fetches the line if it is absent.
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
-  /// Brings a line that is not here; gives the cycles that takes.
+  /// Fetches an absent line. Returns the cycles.
   std::uint32_t refill(std::uint32_t line, std::uint64_t tick) {
     const auto place = (line & set_mask_) * ways_ + way_for(line);
     auto& entry = entries_[place];
@@ -88,16 +88,16 @@ class InstructionCache {
     }
     return refill_cycles_;
   }
-  /// Of a shared cache: nobody asks for a tick before this one any more.
+  /// For a shared cache: no core accesses it before this tick any more.
   void settle(std::uint64_t tick) {
     if (!on_their_way_.empty()) [[unlikely]]
       note_arrivals(tick);
   }
-  /// Likewise: whether nobody else asks for a line before it has arrived for who brings it.
+  /// For a shared cache: true if no other core can need a line before it has arrived for the core that fetches it.
   void set_alone(bool alone);
-  /// Empties it.
+  /// Invalidates all lines.
   void flush();
-  /// Lines fetched from memory since reset of the chip.
+  /// Returns the lines fetched from memory since reset of the chip.
   std::uint64_t refills() const { return state_.refills; }
 
   void visit(state::Visitor& v);

@@ -20,10 +20,10 @@ struct FreeBytes {
 };
 using ZeroedBytes = std::unique_ptr<std::uint8_t[], FreeBytes>;
 
-/// One piece of RAM. Every word has a byte of marks, which tells stores that somebody must hear of them.
+/// A region of RAM. Every word has a byte of marks, which shows stores that a listener needs them.
 struct Region {
-  static constexpr std::uint8_t kCode = 1;   // instructions stand here that the first decode cache has decoded
-  static constexpr std::uint8_t kWatch = 2;  // the host wants to know
+  static constexpr std::uint8_t kCode = 1;   // instructions decoded by the first decode cache
+  static constexpr std::uint8_t kWatch = 2;  // watched by the host
   static constexpr std::uint8_t kLoop = 4;   // the last instruction of a hardware loop begins here
   static constexpr std::uint8_t kAnyCode =
       0xf9;  // kCode, and what Memory::add_code_mark gives to further decode caches
@@ -34,7 +34,7 @@ struct Region {
   ZeroedBytes data;
   ZeroedBytes marks;
 
-  /// Whether `count` bytes from `address` lie inside.
+  /// True if `count` bytes from `address` are inside.
   bool holds(std::uint32_t address, std::uint32_t count) const {
     return address >= base && count <= size && address - base <= size - count;
   }
@@ -53,7 +53,7 @@ class Memory {
   Region* find(std::uint32_t address, std::uint32_t count);
   const Region* find(std::uint32_t address, std::uint32_t count) const;
 
-  /// Copies bytes in or out; false, with nothing done, when they are not all in one region.
+  /// Copies bytes in or out. Returns false, without effect, if they are not all in one region.
   bool read(std::uint32_t address, std::span<std::uint8_t> bytes) const;
   bool write(std::uint32_t address, std::span<const std::uint8_t> bytes);
 
@@ -64,7 +64,7 @@ class Memory {
   void mark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
   /// True when any word that the bytes touch has one of the marks.
   bool marked(std::uint32_t address, std::uint32_t count, std::uint8_t marks) const;
-  /// Takes marks away from every word that the bytes touch.
+  /// Clears marks of every word that the bytes touch.
   void unmark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
 
   /// The mark of one more decode cache on what it has decoded: each has its own, so that it can take it away alone.
