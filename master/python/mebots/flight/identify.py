@@ -97,23 +97,28 @@ def identify(
     target = pathlib.Path(out)
     if target.suffix != ".json" or not target.parent.is_dir():
         raise InputError(f"{target}: name a file that ends in .json, in a folder that is there", "invalid_argument")
+    twice = [str(log) for place, log in enumerate(logs) if _hash(log) in map(_hash, logs[:place])]
+    if twice:
+        raise InputError(f"{twice[0]}: another log has the same content; each flight counts once, so leave one out", "invalid_value")
     flown = [_fly(log, mapping, base, hover, window) for log in logs]
     source = ", ".join(f"{pathlib.Path(log).name} (SHA-256 {_hash(log)})" for log in logs)
     result = Identified([], [], [], [])
+    contents: dict[pathlib.Path, dict[str, Any]] = {}  # written when all fits have come to an end
     new = copy.deepcopy(base.content)
     new.pop("$schema", None)
     new["name"] = f"{base.name}, fitted"
     if "thrust" in fit:
-        _fit_thrust(base, flown, source, new, target, result)
+        _fit_thrust(base, flown, source, new, target, contents, result)
     if "mass" in fit:
         _fit_mass(base, flown, source, new, result)
     if "cell" in fit:
-        _fit_cell(base, flown, source, new, target, result)
+        _fit_cell(base, flown, source, new, target, contents, result)
     for part in ("drone", "rotor", "cell"):  # paths are relative to the new file
         if os.path.isabs(new[part]):
             new[part] = os.path.relpath(new[part], target.parent.resolve())
-    write_json(target, new)
-    result.files.insert(0, target)
+    for file, content in (contents | {target: new}).items():
+        write_json(file, content)
+    result.files.extend([target, *contents])
     return result
 
 
@@ -140,7 +145,10 @@ def _fly(log: str | os.PathLike[str], mapping: str | os.PathLike[str] | None, ba
 
 
 def _hash(file: str | os.PathLike[str]) -> str:
-    return hashlib.sha256(pathlib.Path(file).read_bytes()).hexdigest()[:12]
+    try:
+        return hashlib.sha256(pathlib.Path(file).read_bytes()).hexdigest()[:12]
+    except OSError as error:
+        raise InputError(f"{file}: the log cannot be read: {error.strerror}", "file_not_found") from None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -215,7 +223,15 @@ def _mass_of(base: Airframe) -> dict[str, Any]:
     return {"value": base.mass_kg, "interval": [base.mass_kg - below, base.mass_kg + above]}
 
 
-def _fit_thrust(base: Airframe, flown: Sequence[_Flown], source: str, new: dict[str, Any], target: pathlib.Path, result: Identified) -> None:
+def _fit_thrust(
+    base: Airframe,
+    flown: Sequence[_Flown],
+    source: str,
+    new: dict[str, Any],
+    target: pathlib.Path,
+    contents: dict[pathlib.Path, dict[str, Any]],
+    result: Identified,
+) -> None:
     balance = _balance(flown)
     fit = _ratio(balance.model_n, balance.needed_n, balance.clusters)
     rotor = base.data("rotor")
@@ -240,8 +256,7 @@ def _fit_thrust(base: Airframe, flown: Sequence[_Flown], source: str, new: dict[
     rotor["name"] = f"{rotor['name']}, fitted"
     rotor.pop("$schema", None)
     file = target.with_suffix(".rotor.json")
-    write_json(file, rotor)
-    result.files.append(file)
+    contents[file] = rotor
     new["rotor"] = file.name
     remark = "with 0.1 g for the scale" if base.weighed_kg else "with the interval of the airframe's mass"
     result.estimates.append(Estimate("thrust_coefficient", "N.s2/rad2", factor * old, low * old, high * old, old, remark))
@@ -274,7 +289,15 @@ def _parts_kg(base: Airframe) -> float:
     return base.data("cell")["mass"]["value"] + sum(base.content["decks"][deck]["value"] for deck in base.decks)
 
 
-def _fit_cell(base: Airframe, flown: Sequence[_Flown], source: str, new: dict[str, Any], target: pathlib.Path, result: Identified) -> None:
+def _fit_cell(
+    base: Airframe,
+    flown: Sequence[_Flown],
+    source: str,
+    new: dict[str, Any],
+    target: pathlib.Path,
+    contents: dict[pathlib.Path, dict[str, Any]],
+    result: Identified,
+) -> None:
     flights = [flight for one in flown if (flight := flight_of(one.log, one.traces)) is not None]
     if not flights:
         raise InputError(f"{flown[0].log.file}: a fit of the cell needs battery.voltage; --fit thrust leaves the cell as it is", "missing_key")
@@ -283,8 +306,7 @@ def _fit_cell(base: Airframe, flown: Sequence[_Flown], source: str, new: dict[st
         found = fit_cell(cell, flights, pathlib.Path(folder))
     fitted = fitted_cell(cell, found, source)
     file = target.with_suffix(".cell.json")
-    write_json(file, fitted)
-    result.files.append(file)
+    contents[file] = fitted
     new["cell"] = file.name
     describe_cell(cell, found, len(flights), result.estimates, result.residuals, result.notes)
 
