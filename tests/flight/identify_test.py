@@ -57,6 +57,14 @@ class Thrust(FolderCase):
         self.valid(out)
         self.assertAlmostEqual(mebots.replay(self.log(), out).summary["mass"]["value"], twin.MASS_KG, delta=3e-5)
 
+    def test_a_log_counts_once_and_a_mass_in_grams_is_refused(self):
+        log, airframe, out = self.log(), twin.airframe(self.folder), self.folder / "fitted.json"
+        for logs, mass, message in (([log, log], None, "same content"), ([log], 34.7, "give it in kg")):
+            with self.assertRaises(mebots.InputError) as caught:
+                identify(logs, airframe, out, fit=["thrust"], mass=mass)
+            self.assertIn(message, str(caught.exception))
+        self.assertFalse(out.exists())
+
     def test_mass_and_thrust_together_are_refused_with_the_reason(self):
         with self.assertRaises(mebots.InputError) as caught:
             identify([self.log()], twin.airframe(self.folder), self.folder / "fitted.json", fit=["thrust", "mass"])

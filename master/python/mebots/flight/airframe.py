@@ -43,7 +43,7 @@ class Airframe:
         """The content of the data file ``rotor``, ``cell`` or ``drone``."""
         name = self.part(kind)
         if name.endswith(".json"):
-            return json.loads(pathlib.Path(name).read_text(encoding="utf-8"))
+            return _read_part(kind, pathlib.Path(name))
         return shipped(kind, name)
 
     @property
@@ -69,6 +69,24 @@ class Airframe:
         return self.data("drone")["drag"]["values"][2]
 
 
+_MASS_FACTOR = 5.0
+"""A weighed mass that is further off belongs to another drone, or is in grams."""
+_NEEDED = {"rotor": ("thrust_coefficient", "value"), "cell": ("mass", "value"), "drone": ("drag", "values")}
+"""What is read here; the FMUs check the rest of rotor and cell."""
+
+
+def _read_part(kind: str, file: pathlib.Path) -> dict[str, Any]:
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise InputError(f"{file}: the {kind} file is not JSON: {error}", "syntax_error") from None
+    outer, inner = _NEEDED[kind]
+    part = content.get(outer) if isinstance(content, dict) else None
+    if not isinstance(part, dict) or inner not in part:
+        raise InputError(f"{file}: /{outer}/{inner} is not there, so this is no {kind} file; `mebots schema {kind}` prints its keys", "missing_key")
+    return content
+
+
 def read_airframe(file: str | os.PathLike[str], decks: Sequence[str] | None = None, mass_kg: float | None = None) -> Airframe:
     """Reads an airframe file. Raises InputError with all mistakes of the file.
 
@@ -87,6 +105,13 @@ def read_airframe(file: str | os.PathLike[str], decks: Sequence[str] | None = No
     airframe = Airframe(path, content, fitted, mass_kg)
     for kind in _SHIPPED:
         airframe.data(kind)
+    summed_kg = dataclasses.replace(airframe, weighed_kg=None).mass_kg
+    if mass_kg is not None and not summed_kg / _MASS_FACTOR < mass_kg < summed_kg * _MASS_FACTOR:
+        raise InputError(
+            f"--mass {mass_kg:g}: the parts of {path} have {summed_kg:.4g} kg together, and the mass is more than {_MASS_FACTOR:g} times off; "
+            "give it in kg, or name the airframe that flew",
+            "invalid_value",
+        )
     return airframe
 
 

@@ -77,7 +77,7 @@ def new_cell(
 
 def _digits(value: float) -> float:
     """Half of the last digit of a number as it is printed."""
-    text = f"{value:g}"
+    text = f"{value:.12f}".rstrip("0")
     places = len(text.partition(".")[2])
     return 0.5 * 10.0**-places
 
