@@ -108,6 +108,9 @@ class UsdLogs(LogCase):
 class CsvTables(LogCase):
     MAPPING = {"time": {"column": "t", "unit": "ms"}, "columns": {"u": {"signal": "battery.voltage", "unit": "mV"}}}
 
+    def test_bytes_that_are_not_utf_8_are_refused(self):
+        self.assertIn("0xb0, which is not UTF-8", self.refusal(b"t,u\n1,\xb0\n", self.mapping(self.MAPPING)))
+
     def test_units_and_scale_are_applied(self):
         columns = {
             "u": {"signal": "battery.voltage", "unit": "mV"},
@@ -199,6 +202,7 @@ class ULogs(LogCase):
     def test_broken_files_are_refused_or_read_in_part(self):
         whole = ulog({"battery_status": ("float voltage_v;", "f", [(1000 * i, (12.0,)) for i in range(1, 5)])})
         self.assertIn("ULog", self.refusal(whole[:7]))
+        self.assertIn("byte 16", self.refusal(whole[:16] + b"\xff" * 5000))
         for length in range(8, len(whole)):
             try:
                 read_log(self.file(whole[:length]))

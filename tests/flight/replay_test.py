@@ -101,6 +101,16 @@ class Commands(FlightCase):
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout + done.stderr
 
+    def test_a_flight_that_fails_leaves_the_folder_as_it_was(self):
+        out = self.folder / "out"
+        out.mkdir()
+        (out / "inputs.csv").write_text("mine")
+        whole = (self.folder / "log00").read_bytes()
+        (self.folder / "short").write_bytes(whole[: len(whole) // 20])
+        self.run_mebots(self.folder / "short", "--airframe", self.airframe, "--out", out, code=2)
+        self.assertEqual([(file.name, file.read_text()) for file in out.iterdir()], [("inputs.csv", "mine")])
+        self.run_mebots(self.folder / "log00", "--airframe", self.airframe, "--out", self.folder / "log00", code=2)
+
     def test_the_command_writes_a_page_tables_and_a_mission_that_flies_again(self):
         out = self.folder / "out"
         said = self.run_mebots(self.folder / "log00", "--airframe", self.airframe, "--out", out)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from mebots.errors import Error, InputError
 
-DONE, FAILED, BAD_INPUT = 0, 1, 2
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 def _guarded(work: Callable[[], None]) -> int:
@@ -22,6 +22,9 @@ def _guarded(work: Callable[[], None]) -> int:
     except ModuleNotFoundError as error:
         code = BAD_INPUT
         text = f"Python at {sys.executable} has no package {error.name}: pip install {error.name}, or name another Python by MEBOTS_PYTHON"
+    except KeyboardInterrupt:
+        code = INTERRUPTED
+        text = "stopped by Ctrl-C; no result was written"
     except (Error, OSError) as error:
         code = FAILED
         text = str(error)

@@ -85,6 +85,13 @@ class FlightLog:
     def require(self, names: Iterable[str], purpose: str) -> None:
         """Raises InputError for signals that are not in the log."""
         absent = [name for name in names if not self.has([name])]
+        emptied = [name for name in absent if name in self.signals]
+        if emptied:
+            raise InputError(
+                f"{self.file}: {purpose} needs {', '.join(emptied)}, of which fewer than two samples are good: not a finite number, "
+                "a time that does not grow, or a value that cannot be; check units and times in the mapping",
+                "invalid_value",
+            )
         if absent:
             columns = ", ".join(sorted(signal.column for signal in self.signals.values())[:30]) or "no columns"
             raise InputError(

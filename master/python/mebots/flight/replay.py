@@ -10,6 +10,7 @@ import json
 import math
 import os
 import pathlib
+import tempfile
 from collections.abc import Sequence
 from typing import Any
 
@@ -65,17 +66,26 @@ def replay(
     clean, findings = quality.clean(raw, cells=1)
     folder = None if out is None else pathlib.Path(out)
     if folder is not None:
-        folder.mkdir(parents=True, exist_ok=True)
+        _make(folder)
     inverted = not any(name in raw for name in COMMANDS) and clean.has(["battery.voltage", POSITION[2]])
     if inverted:
         clean = with_commands(clean, flown)
-    traces = fly(clean, flown, folder, step, initial_charge)
+    with tempfile.TemporaryDirectory(prefix="mebots-replay-") as name:  # a flight that fails leaves OUT as it was
+        traces = fly(clean, flown, pathlib.Path(name), step, initial_charge)
+        mission = {file.name: file.read_bytes() for file in pathlib.Path(name).iterdir() if file.name in ("mission.json", "inputs.csv")}
     motion = None if inverted else motion_of(clean, flown, traces.times, traces.good, window, hover)
     rows = errors(raw, clean, traces, motion)
     result = Replay(clean, flown, rows, findings, _summary(clean, flown, traces, motion, window), traces, motion)
     if folder is not None:
-        _write(folder, result)
+        _write(folder, result, mission)
     return result
+
+
+def _make(folder: pathlib.Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--out {folder}: the folder cannot be made: {error.strerror}; name another one", "invalid_argument") from None
 
 
 def _summary(log: FlightLog, airframe: Airframe, traces: Traces, motion: Motion | None, window_s: float) -> dict[str, Any]:
@@ -112,7 +122,9 @@ def _summary(log: FlightLog, airframe: Airframe, traces: Traces, motion: Motion 
     }
 
 
-def _write(folder: pathlib.Path, result: Replay) -> None:
+def _write(folder: pathlib.Path, result: Replay, mission: dict[str, bytes]) -> None:
+    for name, content in mission.items():
+        write_whole(folder / name, [content])
     write_csv(folder / "errors.csv", table(result.errors))
     content = result.summary | {
         "errors": [dataclasses.asdict(one) for one in result.errors],

@@ -25,7 +25,10 @@ _MOST_DRIFT = 0.05
 
 def read_table(file: pathlib.Path, mapping: dict[str, Any], meanings: dict[str, Meaning]) -> FlightLog:
     """Reads a log in CSV by a mapping that ``reading`` has checked. Raises InputError with line and column."""
-    header, *rows = _mebots.read_csv(file)
+    try:
+        header, *rows = _mebots.read_csv(file)
+    except UnicodeDecodeError as error:
+        raise InputError(f"{file}: the table has the byte 0x{error.object[error.start]:02x}, which is not UTF-8; save it as text in UTF-8", "syntax_error") from None
     if not rows:
         raise InputError(f"{file}: the table has a header and no rows", "invalid_value")
     absent = [column for column in meanings if column not in header]

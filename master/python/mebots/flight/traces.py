@@ -32,6 +32,8 @@ CHARGE_S = 0.5
 """The initial charge is the one with which the voltage fits over this long: before the motors are driven, if the log begins
 at rest; else after ``SETTLE_S``."""
 _SHORTEST_REST_S = 0.1
+_LONGEST_S = 7200.0
+"""No cell flies a multirotor for two hours; a longer log has a clock that jumps, or times in another unit."""
 _DIGITS = 12
 
 
@@ -78,6 +80,14 @@ class _Flight:
         self.notes: list[str] = []
         self.start_s = max(float(log[name].times[0]) for name in COMMANDS)
         end_s = min(float(log[name].times[-1]) for name in COMMANDS)
+        if end_s - self.start_s > _LONGEST_S:
+            times = log[COMMANDS[0]].times
+            jump = int(np.argmax(np.diff(times)))
+            raise InputError(
+                f"{log.file}: the commands last {end_s - self.start_s:.6g} s; at most {_LONGEST_S:g} s are replayed. The longest step of the clock "
+                f"is from {times[jump]:.6g} to {times[jump + 1]:.6g} s; check the unit of the times in the mapping, or cut the log there",
+                "invalid_value",
+            )
         self.steps = int((end_s - self.start_s) / step_s)
         self.duration_s = self.steps * step_s
         if self.duration_s < SETTLE_S + CHARGE_S:
@@ -111,6 +121,8 @@ class _Flight:
     def _begin(self) -> tuple[float, float]:
         """How long after the start nothing is compared, and when the time ends in which the charge is fitted."""
         driven = np.max([np.interp(self.grid, self.log[name].times, self.log[name].values) for name in COMMANDS], axis=0) > DRIVEN
+        if not driven.any():
+            self.notes.append(f"no command is above {DRIVEN:g}: the motors never start; check the unit of the commands in the mapping if they did")
         rest_s = (int(np.argmax(driven)) if driven.any() else len(driven) - 1) * self.step_s
         if rest_s < _SHORTEST_REST_S:
             return SETTLE_S, SETTLE_S + CHARGE_S

@@ -23,6 +23,8 @@ from mebots.flight.names import Meaning, named
 
 MAGIC = b"ULog\x01\x12\x35"
 _SIZE_OF_HEADER = 16
+_FIRST_TYPES = {b"B", b"F", b"I", b"M", b"P", b"Q", b"A"}
+"""Types of a message that may come first; pyulog searches without end where none follows."""
 
 _ROTORS = (1, 3, 4, 2)
 """PX4 counts front right, rear left, front left, rear right; MEbots goes round from the front right."""
@@ -55,6 +57,8 @@ def read_ulog(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> Fligh
     data = file.read_bytes()
     if not data.startswith(MAGIC) or len(data) < _SIZE_OF_HEADER:
         raise InputError(f"{file}: byte 0: this is not the start of a ULog file; it is cut off, or of another kind", "syntax_error")
+    if len(data) > _SIZE_OF_HEADER and data[_SIZE_OF_HEADER + 2 : _SIZE_OF_HEADER + 3] not in _FIRST_TYPES:
+        raise InputError(f"{file}: byte {_SIZE_OF_HEADER}: no message of ULog follows the header. Download it again", "syntax_error")
     pyulog = extra("pyulog", "a ULog file", "pyulog", "flight")
     said = io.StringIO()
     try:
