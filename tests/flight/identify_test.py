@@ -100,6 +100,13 @@ class NewCells(FolderCase):
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done.stdout + done.stderr
 
+    def test_the_rule_for_the_resistance_holds_only_for_usual_c_rates(self):
+        for c_rate in (1, 9.9, 41):
+            with self.assertRaisesRegex(mebots.InputError, "--c-rate .*--resistance"):
+                new_cell(self.folder / "cell.json", name="x", capacity=250, mass=7, c_rate=c_rate)
+        self.assertFalse((self.folder / "cell.json").exists())
+        new_cell(self.folder / "cell.json", name="x", capacity=240, mass=7, c_rate=1, resistance=0.08)
+
     def test_what_a_seller_prints_becomes_a_cell(self):
         said = self.run_mebots(*self.WORDS)
         self.assertIn("series_resistance: 0.0625 Ohm", said)

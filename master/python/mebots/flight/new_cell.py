@@ -32,6 +32,7 @@ from mebots.flight.reading import read_log
 TEMPLATE = "bitcraze_250"
 LEAST_LOSS_V, LOSS_V, MOST_LOSS_V = 0.375, 0.46875, 0.5625
 OVERSTATED = 2.0
+RULE_C_RATES = (10, 40)  # C rates near those of the cells from which the loss comes
 SHORT_OF_CAPACITY = 0.1
 _ASSUMED = "assumed by mebots new-cell"
 
@@ -53,7 +54,8 @@ def new_cell(
     :param name: the cell's name.
     :param capacity: [mAh], as printed.
     :param mass: [g], as printed.
-    :param c_rate: continuous discharge current as a multiple of the capacity per hour.
+    :param c_rate: continuous discharge current as a multiple of the capacity per hour. Without ``resistance`` and
+        ``discharge``, from 10 to 40.
     :param resistance: measured series resistance [Ohm].
     :param discharge: log of a discharge from full, with battery.voltage and battery.current, which the cell is fitted to.
     :param mapping: which column of that log is which signal.
@@ -64,6 +66,10 @@ def new_cell(
     for what, value, most in (("capacity", capacity, 1e6), ("mass", mass, 1e6), ("c-rate", c_rate, 1e3), ("resistance", resistance, 1e2)):
         if value is not None and not 0 < value < most:
             raise InputError(f"--{what} {value:g}: a number above 0, below {most:g}, is expected", "invalid_value")
+    if resistance is None and discharge is None and not RULE_C_RATES[0] <= c_rate <= RULE_C_RATES[1]:
+        raise InputError(
+            f"--c-rate {c_rate:g}: the estimate of R0 comes from cells of 15 and 25 C and holds from {RULE_C_RATES[0]} to {RULE_C_RATES[1]} C. "
+            "Give --resistance from a data sheet, or --discharge with a log", "invalid_value")
     cell = _stated(name, capacity, mass, c_rate, resistance)
     result = Identified([], [], [], [file])
     if discharge is not None:
