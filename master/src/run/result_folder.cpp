@@ -43,7 +43,7 @@ ResultFolder::~ResultFolder() {
 }
 
 OutputFile& ResultFolder::create(std::string_view name) {
-  auto& file = files_.emplace_back(reserve(name));
+  auto& file = files_.emplace_back(reserve(name), OutputFile::Mode::fresh);
   waiting_.back().file = &file;
   return file;
 }

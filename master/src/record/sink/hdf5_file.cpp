@@ -99,7 +99,7 @@ void keep_in_memory(DriverFile& file, haddr_t address, std::span<const std::byte
 H5FD_t* open_file(const char* name, unsigned, hid_t access, haddr_t) {
   const auto* info = static_cast<const DriverInfo*>(H5Pget_driver_info(access));
   constexpr int kReadableByAll = 0644;
-  const int descriptor = ::open(name, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, kReadableByAll);
+  const int descriptor = ::open(name, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, kReadableByAll);
   if (descriptor < 0) {
     *info->error_number = errno;
     return nullptr;
@@ -229,6 +229,8 @@ hid_t driver_id() {
 
 File::File(std::filesystem::path path) : path_(std::move(path)) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // HDF5 would print its own stack of errors
+  std::error_code ignored;
+  if (std::filesystem::is_symlink(path_, ignored)) std::filesystem::remove(path_, ignored);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);
   const DriverInfo info{&error_number_};
   H5Pset_driver(access, driver_id(), &info);

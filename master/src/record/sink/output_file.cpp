@@ -63,8 +63,8 @@ void rename_file(const std::filesystem::path& from, const std::filesystem::path&
 
 void write_whole(const std::filesystem::path& path, std::string_view content, Durable durable) {
   const std::filesystem::path beside = path.string() + ".new";
+  OutputFile file(beside, OutputFile::Mode::fresh);
   try {
-    OutputFile file(beside);
     file.append(content);
     if (durable == Durable::yes) file.sync();
     file.close();
@@ -79,14 +79,16 @@ void write_whole(const std::filesystem::path& path, std::string_view content, Du
 
 OutputFile::OutputFile(std::filesystem::path path, Mode mode) : path_(std::move(path)) {
   constexpr int kReadableByAll = 0644;
-  const int how = mode == Mode::anew ? O_CREAT | O_TRUNC : 0;
+  constexpr int kHow[] = {O_CREAT | O_TRUNC, O_CREAT | O_EXCL | O_NOFOLLOW, 0};  // by Mode
+  const int how = kHow[static_cast<std::size_t>(mode)];
+  if (mode == Mode::fresh) ::unlink(path_.c_str());  // open() reports a file that cannot be removed
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CLOEXEC | how, kReadableByAll);
   if (descriptor_ < 0) {
     throw InputError(ErrorCode::file_unwritable,
                      fmt::format("{}: the file cannot be written: {}. Choose another folder with --out", path_.string(),
                                  std::strerror(errno)));
   }
-  if (mode == Mode::anew) return;
+  if (mode != Mode::go_on) return;
   const auto size = ::lseek(descriptor_, 0, SEEK_END);
   if (size > 0) written_bytes_ = static_cast<std::uint64_t>(size);
 }

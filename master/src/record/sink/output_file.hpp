@@ -19,15 +19,16 @@ void rename_file(const std::filesystem::path& from, const std::filesystem::path&
 /// True if a file that is replaced must survive a power failure.
 enum class Durable : bool { no, yes };
 
-/// Writes a file under another name and renames it, so that the file is whole or as it was before. Throws Error.
+/// Writes PATH.new and renames it, so that the file is complete or as before. Throws Error.
 void write_whole(const std::filesystem::path& path, std::string_view content, Durable durable = Durable::no);
 
 /// A file that is written in large pieces and says so when a piece did not arrive.
 class OutputFile {
  public:
   enum class Mode {
-    anew,   ///< makes or empties the file
-    go_on,  ///< opens a file that must be there, and writes at its end
+    anew,   ///< creates or empties the file; follows a symbolic link, such as /dev/stdout
+    fresh,  ///< creates the file; a file or link of this name is removed first, and never followed
+    go_on,  ///< opens an existing file, and writes at its end
   };
 
   /// Throws InputError when the file cannot be opened.
