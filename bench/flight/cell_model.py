@@ -101,7 +101,7 @@ CRACIUN_DECKS_W = 0.5       # assumed: receiver of the Loco deck, 160 mA at 3.3 
 
 @dataclass
 class Set:
-    """Flights of one set beside each other, padded with nan."""
+    """Flights of one set as arrays of equal length, padded with nan."""
     flights: list
     rotors: Rotors
 

@@ -55,7 +55,7 @@ def voltage(axis, flights):
 
 
 def thrust(axis, folder):
-    """Thrust by the measured rotor speeds, beside the weight and the measured acceleration."""
+    """Draws the thrust by the measured rotor speeds, and that by weight and measured acceleration."""
     flight = data.flight(folder, THRUST_FLIGHT)
     pulls = [np.mean((flight.speed_rad_per_s[:, s]**2).sum(axis=0) * flight.upright[s]) for s in flight.blocks()]
     times = [flight.time_s[s].mean() for s in flight.blocks()]

@@ -63,7 +63,7 @@ struct Flow {
 };
 static_assert(offsetof(Flow, instruction_fj) == offsetof(Flow, instructions) + 8, "both are one vector register");
 
-/// Tells which steps lead into another function, beside calls and jumps by a register, which always may.
+/// Finds the steps that may lead into another function. Calls and jumps by a register always may, and are not queried.
 class FlowMap {
  public:
   FlowMap() = default;

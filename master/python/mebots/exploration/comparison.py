@@ -64,7 +64,7 @@ class Evidence:
         own[replicate * width : (replicate + 1) * width] = array.array("d", values)
 
     def put_rows(self, design: int, replicate: int, rows: np.ndarray) -> None:
-        """As ``put`` for consecutive replicates: a row of measures for each, NaN where there is none."""
+        """As ``put`` for consecutive replicates: a row of measures for each. NaN marks a missing measure."""
         width, own = len(self.index), self._measures[design]
         begin, end = replicate * width, (replicate + len(rows)) * width
         if len(own) < begin:
