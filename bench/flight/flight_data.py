@@ -2,17 +2,19 @@
 """Public flights and motor stands of the Crazyflie: where each file lies, what it may be used for, and its reader.
 
 A folder holds checkouts named as their repositories: crazyflie-data-collection (IMRCLab), Crazyflie-2.0-battery-data
-(RaresCraciun), nanobench-iros2026 (syediu). Most have no licence, so that no file of theirs is in this repository.
+(RaresCraciun), nanobench-iros2026 (syediu). Most have no licence, so that no file of theirs is in this repository. Needs the
+package mebots in PYTHONPATH.
 """
 import csv
 import hashlib
 import re
-import struct
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
 import numpy as np
+
+from mebots.flight.usd import read_events
 
 GRAVITY = 9.80665
 CRACIUN = "Crazyflie-2.0-battery-data/Real_path"
@@ -46,50 +48,10 @@ def distinct(paths):
     return list(found.values())
 
 
-def _text(data, at):
-    end = data.index(0, at)
-    return data[at:end].decode(), end + 1
-
-
-def _event_types(data):
-    """Format and columns by event number, and where the events begin."""
-    count, = struct.unpack_from("<H", data, 3)
-    at, types = 5, {}
-    for _ in range(count):
-        number, = struct.unpack_from("<H", data, at)
-        name, at = _text(data, at + 2)
-        columns, = struct.unpack_from("<H", data, at)
-        at, layout, names = at + 2, "<", []
-        for _ in range(columns):
-            column, at = _text(data, at)  # as in "rpm.m1(H)"
-            names.append(column[:-3])
-            layout += column[-2]
-        types[number] = (name, struct.Struct(layout), names)
-    return types, at
-
-
 def read_usd(path):
     """Columns of the event fixedFrequency of a log of Bitcraze's uSD deck; `time` in seconds from its first row."""
-    data = Path(path).read_bytes()
-    if data[:1] != b"\xbc":
-        raise SystemExit(f"{path}: no log of a uSD deck: byte 0 is {data[0]:#x}, not 0xbc")
-    version, = struct.unpack_from("<H", data, 1)
-    if version not in (1, 2):
-        raise SystemExit(f"{path}: version {version} of the format; 1 and 2 are known")
-    head, tick = (struct.Struct("<HI"), 1e-3) if version == 1 else (struct.Struct("<HQ"), 1e-6)
-    types, at = _event_types(data)
-    rows, columns = [], []
-    while at < len(data) - 4:  # the last four bytes are a checksum
-        number, stamp = head.unpack_from(data, at)
-        name, layout, names = types[number]
-        at += head.size
-        if name == "fixedFrequency":
-            rows.append((stamp * tick, *layout.unpack_from(data, at)))
-            columns = names
-        at += layout.size
-    table = np.array(rows)
-    table[:, 0] -= table[0, 0]
-    return dict(zip(["time", *columns], table.T))
+    columns = read_events(Path(path))["fixedFrequency"]
+    return columns | {"time": columns["time"] - columns["time"][0]}
 
 
 @dataclass

@@ -70,6 +70,26 @@ class _Reader:
 
 def read_usd(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> FlightLog:
     """Reads a log. ``meanings`` add to, and go before, the firmware's names. Raises InputError."""
+    log = _parse(file)
+    columns = ((name, times, values) for _, times, kind in _tables(log) for name, values in kind.items())
+    return log_of(file, "Crazyflie uSD log", named(columns, dict(meanings) | CRAZYFLIE), log.notes)
+
+
+def read_events(file: pathlib.Path) -> dict[str, dict[str, Array]]:
+    """Returns the columns of each kind of event as they are in the file, by the event's name. ``time`` is in seconds.
+    Raises InputError."""
+    return {event: {"time": times, **columns} for event, times, columns in _tables(_parse(file))}
+
+
+@dataclasses.dataclass
+class _Log:
+    data: bytes
+    kinds: dict[int, _Kind]
+    version: int
+    notes: list[str]
+
+
+def _parse(file: pathlib.Path) -> _Log:
     data = file.read_bytes()
     if not data:
         raise InputError(f"{file}: the file is empty; {_REMEDY}", "syntax_error")
@@ -82,7 +102,7 @@ def read_usd(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> Flight
     if not whole:
         rest = f", and {end - stop} bytes from byte {stop} on are left out" if stop < end else ""
         notes.append(f"the checksum at the end does not match: the log was cut off or changed{rest}")
-    return log_of(file, "Crazyflie uSD log", named(_columns(data, kinds, version), dict(meanings) | CRAZYFLIE), notes)
+    return _Log(data, kinds, version, notes)
 
 
 def _header(reader: _Reader) -> tuple[dict[int, _Kind], int]:
@@ -134,14 +154,14 @@ def _walk(reader: _Reader, kinds: dict[int, _Kind], end: int, whole: bool) -> in
     return at
 
 
-def _columns(data: bytes, kinds: dict[int, _Kind], version: int) -> Iterator[tuple[str, Array, Array]]:
-    raw = np.frombuffer(data, np.uint8)
-    for kind in kinds.values():
+def _tables(log: _Log) -> Iterator[tuple[str, Array, dict[str, Array]]]:
+    """Yields name, times and columns of each kind of event that has records."""
+    raw = np.frombuffer(log.data, np.uint8)
+    for kind in log.kinds.values():
         if not kind.offsets:
             continue
         size = kind.record.itemsize
         places = np.array(kind.offsets)[:, None] + np.arange(size)
         records = np.ascontiguousarray(raw[places]).view(kind.record)[:, 0]
-        times = records[" time"].astype(np.float64) * _TIMES[version][1]
-        for name in kind.record.names[2:]:
-            yield name, times, records[name].astype(np.float64)
+        times = records[" time"].astype(np.float64) * _TIMES[log.version][1]
+        yield kind.name, times, {name: records[name].astype(np.float64) for name in kind.record.names[2:]}
