@@ -7,7 +7,7 @@
 #include "message/message_hub.hpp"
 #include "resolve/resolve.hpp"
 #include "run/simulation.hpp"
-#include "slave/fmu_slave.hpp"
+#include "slave/fmi/fmi2_slave.hpp"
 
 #include <fmt/format.h>
 
@@ -119,7 +119,7 @@ struct CallCosts {
 
 CallCosts call_costs(const std::shared_ptr<Fmu>& fmu) {
   Silent silent;
-  FmuSlave slave("it", fmu, {}, silent);
+  Fmi2Slave slave("it", fmu, {}, silent);
   slave.setup_experiment({});
   slave.enter_initialization();
   slave.exit_initialization();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/ensemble.hpp"
 
-#include "slave/fmu_slave.hpp"
+#include "slave/fmi/fmi2_slave.hpp"
 
 #include "slave/isolation/isolated_slave.hpp"
 #include "slave/overridden_slave.hpp"
@@ -34,7 +34,7 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
     if (wish.alone()) {
       slave = std::make_unique<isolation::IsolatedSlave>(instance, messages, options.interrupted, grid);
     } else {
-      slave = std::make_unique<FmuSlave>(name, instance.fmu, instance.log_categories, messages, grid);
+      slave = std::make_unique<Fmi2Slave>(name, instance.fmu, instance.log_categories, messages, grid);
     }
     if (wish.go_on_without && options.losses != nullptr) {
       auto& loss = (*options.losses)[i];

@@ -13,7 +13,7 @@ namespace mebots::master {
 struct ResolvedSystem;
 
 /// Watches the process while several FMUs are called: reports what one of them changed for all code in it, and puts it
-/// back. It names one FMU only if no other runs in this process. A slave that is watched alone (FmuSlave) reports its
+/// back. It names one FMU only if no other runs in this process. A slave that is watched alone (Fmi2Slave) reports its
 /// own changes earlier.
 class ProcessWatch {
  public:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Many instances of one FMU: at the same time, and one after the other. scripts/scale.sh does the same in full length.
-#include "slave/fmu_slave.hpp"
+#include "slave/fmi/fmi2_slave.hpp"
 #include "support/sanitizer.hpp"
 #include "test_system.hpp"
 
@@ -23,8 +23,8 @@
 namespace mebots::test {
 namespace {
 
+using master::Fmi2Slave;
 using master::Fmu;
-using master::FmuSlave;
 
 struct Holdings {
   std::size_t files;
@@ -135,7 +135,7 @@ TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
   const auto fmu = std::make_shared<Fmu>(cycled_fmu());
   Messages messages;
   const auto start = [&](const char* name) {
-    auto slave = std::make_unique<FmuSlave>(name, fmu, std::vector<std::string>{}, messages);
+    auto slave = std::make_unique<Fmi2Slave>(name, fmu, std::vector<std::string>{}, messages);
     slave->setup_experiment({});
     slave->enter_initialization();
     slave->exit_initialization();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi/fmu.hpp"
 #include "mebots/input_error.hpp"
-#include "slave/fmu_slave.hpp"
+#include "slave/fmi/fmi2_slave.hpp"
 #include "test_system.hpp"
 
 #include <gmock/gmock.h>
@@ -97,7 +97,7 @@ TEST(Fmu, AWrongGuidIsAnsweredWithTheFmusWords) {
   const ChangedProbe probe([](std::string& xml) { replace(xml, "guid=\"{probe}\"", "guid=\"{other}\""); });
   test::Messages messages;
   try {
-    FmuSlave slave("x", std::make_shared<Fmu>(probe.path()), {}, messages);
+    Fmi2Slave slave("x", std::make_shared<Fmu>(probe.path()), {}, messages);
     FAIL() << "the FMU refuses another GUID";
   } catch (const SlaveError& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("instance 'x'"), HasSubstr("fmi2Instantiate"),
@@ -131,7 +131,7 @@ TEST(Fmu, AnFmuThatCannotSaveItsStateSaysSo) {
   const ChangedProbe probe(
       [](std::string& xml) { replace(xml, "canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", ""); });
   test::Messages messages;
-  FmuSlave slave("x", std::make_shared<Fmu>(probe.path()), {}, messages);
+  Fmi2Slave slave("x", std::make_shared<Fmu>(probe.path()), {}, messages);
   EXPECT_THROW(slave.save_state(), Error);
 }
 

@@ -3,7 +3,7 @@
 #include "mebots/input_error.hpp"
 #include "message/message_hub.hpp"
 #include "model/value_kind.hpp"
-#include "slave/fmu_slave.hpp"
+#include "slave/fmi/fmi2_slave.hpp"
 #include "slave/isolation/child_process.hpp"
 
 #include "child_process.hpp"
@@ -290,7 +290,7 @@ class Host {
     if (!python.empty()) load_python(python);
     triples_ = osmp_triples(fmu_->description());
     taken_.resize(triples_.size());
-    slave_ = std::make_unique<FmuSlave>(name_, fmu_, std::move(categories), log_, grid);
+    slave_ = std::make_unique<Fmi2Slave>(name_, fmu_, std::move(categories), log_, grid);
   }
 
   /// Throws Error if the sandbox lacks a mechanism that the config requires.
@@ -423,7 +423,7 @@ class Host {
   std::vector<std::string> may_lack_;
   std::optional<ForkedCopies> copies_;  // not before the keeper is split off
   std::shared_ptr<Fmu> fmu_;
-  std::unique_ptr<FmuSlave> slave_;
+  std::unique_ptr<Fmi2Slave> slave_;
   std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
   bool closed_ = false;
   bool keeps_library_ = false;

@@ -16,6 +16,8 @@ enum class Need { to_run, always, fmu_state, serialization, directional_derivati
 
 /// Null where the library does not bring the function.
 struct Functions {
+  using Byte = fmi2Byte;
+
   decltype(&fmi2GetTypesPlatform) get_types_platform = nullptr;
   decltype(&fmi2GetVersion) get_version = nullptr;
   decltype(&fmi2SetDebugLogging) set_debug_logging = nullptr;

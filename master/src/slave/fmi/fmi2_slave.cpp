@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/fmi/fmi2_slave.hpp"
+
+#include "mebots/assert.hpp"
+#include "mebots/fmi2/types.hpp"
+
+#include "fmi/call/fmi2_callbacks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+namespace mebots::master {
+namespace {
+
+static_assert(std::is_same_v<fmi2Integer, std::int32_t>);
+static_assert(std::is_same_v<fmi2Boolean, std::int32_t>);
+static_assert(std::is_same_v<fmi2ValueReference, ValueReference>);
+static_assert(InstanceCalls::kOk == fmi2OK && InstanceCalls::kWarning == fmi2Warning &&
+              InstanceCalls::kDiscard == fmi2Discard && InstanceCalls::kError == fmi2Error &&
+              InstanceCalls::kFatal == fmi2Fatal && InstanceCalls::kPending == fmi2Pending);
+
+std::string_view status_name(int status) {
+  return fmi2::status_name(static_cast<fmi2Status>(status));
+}
+
+}  // namespace
+
+Fmi2Slave::Fmi2Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
+                     MessageSink& messages, const TimeGrid& grid)
+    : functions_(&fmu->functions()),
+      calls_(std::move(name), std::move(fmu), std::move(log_categories), messages, grid, status_name),
+      states_(calls_, *functions_, kFmi2StateNames, description().co_simulation->can_get_and_set_fmu_state,
+              description().co_simulation->can_serialize_fmu_state) {
+  callbacks_ = calls_.target().functions(description().co_simulation->can_run_asynchronuously);
+  calls_.on_step_finished([this](int status) { step_finished(status); });
+  // Logging is on from the start: many FMUs say nothing about a failing instantiation otherwise.
+  calls_.instantiate("fmi2Instantiate", [&] {
+    return functions_->instantiate(this->name().c_str(), fmi2CoSimulation, description().guid.c_str(),
+                                   calls_.fmu().resource_uri().c_str(), &callbacks_, fmi2False, fmi2True);
+  });
+  const auto categories = calls_.chosen_categories();
+  if (functions_->set_debug_logging == nullptr || categories.empty()) return;
+  calls_.require("fmi2SetDebugLogging", functions_->set_debug_logging, fmi2True, categories.size(), categories.data());
+}
+
+Fmi2Slave::~Fmi2Slave() {
+  Fmi2Slave::free_instance();
+}
+
+std::optional<std::string> Fmi2Slave::free_instance() {
+  return calls_.free_instance("fmi2FreeInstance", [&] {
+    if (pending_ && functions_->cancel_step != nullptr) calls_.call("fmi2CancelStep", functions_->cancel_step);
+    calls_.call("fmi2FreeInstance", functions_->free_instance);
+  });
+}
+
+void Fmi2Slave::setup_experiment(const Experiment& experiment) {
+  calls_.set_time_ns(experiment.start_ns);
+  const auto& [start_ns, stop_ns, tolerance] = experiment;
+  calls_.watched("fmi2SetupExperiment", [&] {
+    calls_.require("fmi2SetupExperiment", functions_->setup_experiment, tolerance ? fmi2True : fmi2False,
+                   tolerance.value_or(0), to_seconds(start_ns), stop_ns ? fmi2True : fmi2False,
+                   calls_.grid().time_s(stop_ns.value_or(0)));
+  });
+}
+
+void Fmi2Slave::enter_initialization() {
+  calls_.watched("fmi2EnterInitializationMode",
+                 [&] { calls_.require("fmi2EnterInitializationMode", functions_->enter_initialization_mode); });
+}
+
+void Fmi2Slave::exit_initialization() {
+  calls_.watched("fmi2ExitInitializationMode",
+                 [&] { calls_.require("fmi2ExitInitializationMode", functions_->exit_initialization_mode); });
+}
+
+StepResult Fmi2Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  calls_.set_time_ns(start_ns);
+  step_end_ns_ = start_ns + duration_ns;
+  if (callbacks_.stepFinished != nullptr) {
+    const std::lock_guard lock(step_mutex_);
+    step_status_.reset();
+  }
+  const bool never_back = states_.promise_at(start_ns);
+  const int status = calls_.watched_step("fmi2DoStep", [&]() -> int {
+    return calls_.call("fmi2DoStep", functions_->do_step, calls_.grid().time_s(start_ns),
+                       calls_.grid().length_s(start_ns, step_end_ns_), never_back ? fmi2True : fmi2False);
+  });
+  if (status != fmi2Pending) return step_ended(status);
+  if (functions_->get_status == nullptr && callbacks_.stepFinished == nullptr) {
+    calls_.fail("fmi2DoStep", "answered fmi2Pending, but the FMU has no fmi2GetStatus to ask when the step is over");
+  }
+  pending_ = true;
+  StepResult result;
+  result.done = false;
+  result.pending = true;
+  return result;
+}
+
+void Fmi2Slave::step_finished(int status) {
+  {
+    const std::lock_guard lock(step_mutex_);
+    step_status_ = status;
+  }
+  step_over_.notify_all();
+}
+
+/// Returns the status of a pending step after its end; fmi2Pending if it was cancelled. An FMU reports the end by its
+/// callback, by fmi2GetStatus, or by both. fmi2GetStatus is called every 20 us at first, every 2 ms later.
+int Fmi2Slave::wait_for_step(const std::atomic<bool>& cancel) {
+  constexpr std::chrono::microseconds kLongestPause{2000};
+  std::chrono::microseconds pause{20};
+  while (!cancel.load(std::memory_order_relaxed)) {
+    {
+      std::unique_lock lock(step_mutex_);
+      if (step_over_.wait_for(lock, pause, [this] { return step_status_.has_value(); })) return *step_status_;
+    }
+    pause = std::min(2 * pause, kLongestPause);
+    if (functions_->get_status == nullptr) continue;
+    fmi2Status status = fmi2Pending;
+    if (calls_.call("fmi2GetStatus", functions_->get_status, fmi2DoStepStatus, &status) == fmi2OK &&
+        status != fmi2Pending) {
+      return status;
+    }
+  }
+  return fmi2Pending;
+}
+
+StepResult Fmi2Slave::finish_step(const std::atomic<bool>& cancel) {
+  if (!pending_) return Slave::finish_step(cancel);
+  const auto status = wait_for_step(cancel);
+  pending_ = false;
+  if (status != fmi2Pending) return step_ended(status);
+  if (functions_->cancel_step != nullptr) calls_.require("fmi2CancelStep", functions_->cancel_step);
+  StepResult result;
+  result.done = false;
+  result.cancelled = true;
+  return result;
+}
+
+StepResult Fmi2Slave::step_ended(int status) {
+  if (status != fmi2Discard) {
+    calls_.check(status, "fmi2DoStep");
+    calls_.set_time_ns(step_end_ns_);  // of later messages
+    return {};
+  }
+  calls_.deliver_held();
+  StepResult result;
+  result.done = false;
+  fmi2Boolean terminated = fmi2False;
+  if (functions_->get_boolean_status != nullptr &&
+      calls_.call("fmi2GetBooleanStatus", functions_->get_boolean_status, fmi2Terminated, &terminated) == fmi2OK) {
+    result.terminated = terminated != fmi2False;
+  }
+  fmi2Real last_successful_s = 0;
+  if (functions_->get_real_status != nullptr && calls_.call("fmi2GetRealStatus", functions_->get_real_status,
+                                                            fmi2LastSuccessfulTime, &last_successful_s) == fmi2OK) {
+    result.last_successful_s = last_successful_s;
+  }
+  result.messages = calls_.last_messages();
+  return result;
+}
+
+void Fmi2Slave::terminate() {
+  calls_.watched("fmi2Terminate", [&] { calls_.require("fmi2Terminate", functions_->terminate); });
+}
+
+std::uint32_t Fmi2Slave::output_derivative_order() const {
+  return functions_->get_real_output_derivatives == nullptr ? 0
+                                                            : description().co_simulation->max_output_derivative_order;
+}
+
+bool Fmi2Slave::takes_input_derivatives() const {
+  return description().co_simulation->can_interpolate_inputs && functions_->set_real_input_derivatives != nullptr;
+}
+
+void Fmi2Slave::get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                                       std::span<double> values) {
+  calls_.require("fmi2GetRealOutputDerivatives", functions_->get_real_output_derivatives, references.data(),
+                 references.size(), orders.data(), values.data());
+}
+
+void Fmi2Slave::set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                                      std::span<const double> values) {
+  calls_.require("fmi2SetRealInputDerivatives", functions_->set_real_input_derivatives, references.data(),
+                 references.size(), orders.data(), values.data());
+}
+
+void Fmi2Slave::get_reals(std::span<const ValueReference> references, std::span<double> values) {
+  calls_.require("fmi2GetReal", functions_->get_real, references.data(), references.size(), values.data());
+}
+
+void Fmi2Slave::get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) {
+  calls_.require("fmi2GetInteger", functions_->get_integer, references.data(), references.size(), values.data());
+}
+
+void Fmi2Slave::get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) {
+  calls_.require("fmi2GetBoolean", functions_->get_boolean, references.data(), references.size(), values.data());
+  for (auto& value : values) value = value == fmi2False ? fmi2False : fmi2True;
+}
+
+void Fmi2Slave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
+  texts_.assign(references.size(), nullptr);
+  calls_.require("fmi2GetString", functions_->get_string, references.data(), references.size(), texts_.data());
+  for (std::size_t i = 0; i < texts_.size(); ++i) {
+    const auto text = read_text(texts_[i], std::numeric_limits<std::size_t>::max());
+    if (!text && texts_[i] != nullptr) {
+      calls_.fail("fmi2GetString", fmt::format("gave the address {} for the text of {}, and nothing can be read there",
+                                               fmt::ptr(texts_[i]), string_name(references[i])));
+    }
+    values[i] = text.value_or("");
+  }
+}
+
+std::string Fmi2Slave::string_name(ValueReference reference) const {
+  const auto& variables = description().variables;
+  const auto found = std::ranges::find_if(variables, [&](const modeldesc::Variable& variable) {
+    return variable.type == modeldesc::Type::string && variable.value_reference == reference;
+  });
+  return found == variables.end() ? fmt::format("reference {}", reference) : found->name;
+}
+
+void Fmi2Slave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {
+  calls_.require("fmi2SetReal", functions_->set_real, references.data(), references.size(), values.data());
+}
+
+void Fmi2Slave::set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
+  calls_.require("fmi2SetInteger", functions_->set_integer, references.data(), references.size(), values.data());
+}
+
+void Fmi2Slave::set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
+  calls_.require("fmi2SetBoolean", functions_->set_boolean, references.data(), references.size(), values.data());
+}
+
+void Fmi2Slave::set_strings(std::span<const ValueReference> references, std::span<const std::string> values) {
+  texts_.clear();
+  for (const auto& value : values) texts_.push_back(value.c_str());
+  calls_.require("fmi2SetString", functions_->set_string, references.data(), references.size(), texts_.data());
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "slave/fmi/fmu_states.hpp"
+#include "slave/fmi/instance_calls.hpp"
+#include "slave/slave.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// A co-simulation instance of FMI 2.0 inside this process.
+class Fmi2Slave final : public Slave {
+ public:
+  /// Instantiates. The arguments are those of InstanceCalls.
+  Fmi2Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories, MessageSink& messages,
+            const TimeGrid& grid = {});
+  ~Fmi2Slave() override;
+  Fmi2Slave(const Fmi2Slave&) = delete;
+  Fmi2Slave& operator=(const Fmi2Slave&) = delete;
+
+  const std::string& name() const override { return calls_.name(); }
+  const modeldesc::ModelDescription& description() const override { return calls_.description(); }
+
+  void setup_experiment(const Experiment& experiment) override;
+  void enter_initialization() override;
+  void exit_initialization() override;
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  StepResult finish_step(const std::atomic<bool>& cancel) override;
+  void terminate() override;
+  std::optional<std::string> free_instance() override;
+
+  std::uint32_t output_derivative_order() const override;
+  bool takes_input_derivatives() const override;
+  void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                              std::span<double> values) override;
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override;
+
+  void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
+  void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
+  void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
+  void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override;
+  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
+  void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
+  void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
+  void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
+
+  std::unique_ptr<SlaveState> save_state() override { return states_.save(); }
+  void restore_state(const SlaveState& state) override { states_.restore(state); }
+  std::vector<std::byte> serialize(const SlaveState& state) override { return states_.serialize(state); }
+  std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override {
+    return states_.deserialize(bytes);
+  }
+
+ private:
+  StepResult step_ended(int status);
+  void step_finished(int status);
+  int wait_for_step(const std::atomic<bool>& cancel);
+  std::string string_name(ValueReference reference) const;
+
+  const Fmi2Functions* functions_;
+  fmi2CallbackFunctions callbacks_{};
+  std::int64_t step_end_ns_ = 0;
+  bool pending_ = false;  // a step continues in the FMU
+  std::vector<const char*> texts_;
+
+  // An asynchronous FMU reports the end of its step from a thread of its own.
+  std::mutex step_mutex_;
+  std::condition_variable step_over_;
+  std::optional<int> step_status_;
+
+  InstanceCalls calls_;  // after all that callbacks use
+  FmuStates<Fmi2Functions> states_;
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/fmi2/library.hpp"
+#include "slave/fmi/instance_calls.hpp"
+#include "slave/slave.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace mebots::master {
+
+/// How a version of FMI spells what belongs to states.
+struct StateNames {
+  const char* get;
+  const char* set;
+  const char* free;
+  const char* size;
+  const char* serialize;
+  const char* deserialize;
+  const char* can_save;
+  const char* can_serialize;
+};
+
+inline constexpr StateNames kFmi2StateNames = {
+    "fmi2GetFMUstate",       "fmi2SetFMUstate",         "fmi2FreeFMUstate",     "fmi2SerializedFMUstateSize",
+    "fmi2SerializeFMUstate", "fmi2DeSerializeFMUstate", "canGetAndSetFMUstate", "canSerializeFMUstate"};
+
+/// Saves, restores and serialises the states of one instance. `Functions` is the table of a version of FMI, with null
+/// for a function that the FMU does not have or does not claim.
+template <typename Functions>
+class FmuStates {
+ public:
+  /// All that is pointed to must outlive this object.
+  FmuStates(InstanceCalls& calls, const Functions& functions, const StateNames& names, bool can_save,
+            bool can_serialize)
+      : calls_(&calls), functions_(&functions), names_(&names), can_save_(can_save), can_serialize_(can_serialize) {}
+
+  /// Returns true if a step from `start_ns` may tell the FMU that it will not be set back to before that time, because
+  /// no state is kept. An FMU that is told so may drop what it would need to go back.
+  bool promise_at(std::int64_t start_ns) {
+    if (kept_ != 0) return false;
+    promised_ns_ = start_ns;
+    return true;
+  }
+
+  /// See Slave.
+  std::unique_ptr<SlaveState> save();
+  void restore(const SlaveState& state);
+  std::vector<std::byte> serialize(const SlaveState& state);
+  std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes);
+
+ private:
+  class State;
+
+  void require_saving() const;
+  void require_serialization(bool is_there) const;
+  std::vector<std::byte> buffer(std::size_t size);
+  void free_state(void** state) noexcept;
+
+  InstanceCalls* calls_;
+  const Functions* functions_;
+  const StateNames* names_;
+  bool can_save_;
+  bool can_serialize_;
+  int kept_ = 0;
+  std::int64_t promised_ns_ = std::numeric_limits<std::int64_t>::min();
+};
+
+extern template class FmuStates<fmi2::Functions>;
+
+}  // namespace mebots::master

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/time_grid.hpp"
+#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/foreign_call.hpp"
+#include "fmi/fmu.hpp"
+#include "message/message_hub.hpp"
+#include "slave/slave.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace mebots::master {
+
+/// Calls one instance of an FMU, of any version of FMI. Every call goes through here: callbacks find the instance, C++
+/// exceptions become SlaveErrors, messages get names and times, the floating-point environment of the master and of the
+/// FMU stay separate, and changes of the process are undone and reported. Not for use by two threads at once.
+class InstanceCalls final : public CallbackListener {
+ public:
+  /// Returns the standard's name of a status.
+  using StatusName = std::string_view (*)(int status);
+
+  /// What all versions of FMI have in common: the numbers of a status.
+  static constexpr int kOk = 0;
+  static constexpr int kWarning = 1;
+  static constexpr int kDiscard = 2;
+  static constexpr int kError = 3;
+  static constexpr int kFatal = 4;
+  static constexpr int kPending = 5;
+
+  /// `log_categories` are the categories whose ordinary messages (status OK) go to `messages`, "*" for all; warnings
+  /// and errors always go there. `messages` must outlive this object. Points of `grid` are passed to the FMU as the
+  /// nearest doubles.
+  InstanceCalls(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
+                MessageSink& messages, const TimeGrid& grid, StatusName status_name);
+
+  const std::string& name() const { return name_; }
+  Fmu& fmu() const { return *fmu_; }
+  const modeldesc::ModelDescription& description() const { return fmu_->description(); }
+  const TimeGrid& grid() const { return grid_; }
+  MessageSink& messages() const { return *sink_; }
+  /// The environment that the FMU passes to its callbacks.
+  CallbackTarget& target() { return target_; }
+  bool usable() const { return !unusable_; }
+
+  /// The time of messages and errors.
+  std::int64_t time_ns() const { return time_ns_; }
+  void set_time_ns(std::int64_t time_ns) { time_ns_ = time_ns; }
+
+  /// Reports what loading the FMU's library changed, and makes the instance by `make`, which returns null on failure.
+  /// Throws SlaveError.
+  void instantiate(const char* function, const std::function<void*()>& make);
+  /// Frees the instance by `free`; no effect the second time. Returns the error if the FMU failed, which has been
+  /// logged as well.
+  std::optional<std::string> free_instance(const char* function, const std::function<void()>& free);
+  /// Sets the handler of fmi2StepFinished, which a thread of the FMU may call. Only before instantiate().
+  void on_step_finished(std::function<void(int)> handler) { step_finished_ = std::move(handler); }
+  /// The categories of the FMU to switch on by SetDebugLogging; empty if the FMU is to log everything.
+  std::vector<const char*> chosen_categories() const;
+
+  /// Calls a function of the FMU with the instance as its first argument, and returns its result. Throws SlaveError for
+  /// a C++ exception that leaves it.
+  template <typename Function, typename... Arguments>
+  [[gnu::always_inline]] auto call(const char* name, Function* function, Arguments... arguments) {
+    return in_scope(name, [&] { return function(instance_, arguments...); });
+  }
+  /// As call(), and throws SlaveError unless the status is OK or Warning.
+  template <typename Function, typename... Arguments>
+  [[gnu::always_inline]] void require(const char* name, Function* function, Arguments... arguments) {
+    check(call(name, function, arguments...), name);
+  }
+  /// Runs `work`, which makes calls, and reports and undoes what it changed in the process.
+  template <typename Work>
+  void watched(const char* where, Work work);
+  /// As watched() for the steps number 1, 2, 4, 8 ... of an instance: watching every step would take too long.
+  template <typename Work>
+  [[gnu::always_inline]] int watched_step(const char* where, Work work);
+
+  /// Throws SlaveError unless the status is OK or Warning.
+  void check(int status, const char* function);
+  /// Throws SlaveError: instance, time, function, `what` and what the FMU logged.
+  [[noreturn]] void fail(const char* function, std::string_view what);
+  /// Passes held messages on.
+  void deliver_held();
+  /// "The FMU logged: ...", the last warnings and errors of the FMU.
+  std::string last_messages() const;
+
+  void logged(LoggerCall call) override;
+  void step_finished(int status) override { step_finished_(status); }
+
+ private:
+  struct Held {
+    Severity severity;
+    std::string category;
+    std::string text;
+  };
+
+  template <typename Work>
+  [[gnu::always_inline]] auto in_scope(const char* name, Work work);
+  [[noreturn, gnu::noinline]] void leave_by_exception(const char* name, const ForeignException& exception);
+  void leave(const char* name);
+  void report_floats(const FloatEnvironment& found, const char* where);
+  void report_process_changes(const std::vector<std::string>& changes, const char* where);
+  bool is_shown(Severity severity, std::string_view category) const;
+  std::string with_names(std::string_view text) const;
+  void deliver_all_but(std::size_t last);
+
+  std::string name_;
+  std::shared_ptr<Fmu> fmu_;
+  std::vector<std::string> log_categories_;
+  MessageSink* sink_;
+  TimeGrid grid_;
+  StatusName status_name_;
+  void* instance_ = nullptr;
+  std::int64_t time_ns_ = 0;
+  bool unusable_ = false;    // after a fatal status no call is allowed, not even freeing
+  bool is_watched_ = false;  // its changes of the process are reported and undone
+  bool freed_ = false;
+  std::int64_t steps_ = 0;         // called so far
+  std::int64_t watched_step_ = 0;  // the next one that is watched; 0: none
+  std::function<void(int)> step_finished_ = [](int) {};
+
+  // The FMU may log from threads of its own. Errors are held until the call returns: a call that fails carries them in
+  // its exception. Messages of the FMU's threads are held, too: the thread that steps delivers them.
+  mutable std::mutex log_mutex_;
+  std::vector<Held> held_;
+  MessageLimit limit_;                 // of the call, or since the last one
+  std::atomic<bool> any_held_{false};  // or dropped by the limit
+  std::deque<std::string> last_messages_;
+
+  FloatEnvironment ours_ = FloatEnvironment::now();  // of the master's caller
+  FloatEnvironment floats_;                          // of the instance
+  CallbackTarget target_;                            // last: threads of the FMU may log until it is gone
+};
+
+template <typename Work>
+[[gnu::always_inline]] inline auto InstanceCalls::in_scope(const char* name, Work work) {
+  const CallbackScope scope(target_, name, time_ns_);
+  if (floats_ != ours_) floats_.enter();
+  try {
+    if constexpr (std::is_void_v<std::invoke_result_t<Work>>) {
+      call_foreign(work);
+      leave(name);
+    } else {
+      const auto result = call_foreign(work);
+      leave(name);
+      return result;
+    }
+  } catch (const ForeignException& exception) {
+    leave_by_exception(name, exception);
+  }
+}
+
+/// Stores the FMU's floating-point environment for its next call, and restores the master's.
+inline void InstanceCalls::leave(const char* name) {
+  const auto found = FloatEnvironment::now();
+  if (found != floats_) [[unlikely]] {
+    report_floats(found, name);
+    floats_ = found;
+  }
+  if (floats_ != ours_) ours_.enter();
+}
+
+template <typename Work>
+void InstanceCalls::watched(const char* where, Work work) {
+  const auto reach = fmu_->imports().reach;
+  if (!is_watched_ || reach == ProcessReach::nothing) return work();
+  static std::mutex one_at_a_time;
+  const std::unique_lock lock(one_at_a_time, std::try_to_lock);
+  if (!lock.owns_lock()) return work();  // no waiting: the call of another thread may wait for this one
+  const ProcessState before(fmu_->files_of_others(), reach);
+  work();
+  report_process_changes(before.put_right(), where);
+}
+
+template <typename Work>
+[[gnu::always_inline]] inline int InstanceCalls::watched_step(const char* where, Work work) {
+  if (++steps_ != watched_step_) [[likely]]
+    return work();
+  watched_step_ *= 2;
+  int status = kOk;
+  watched(where, [&] { status = work(); });
+  return status;
+}
+
+}  // namespace mebots::master
