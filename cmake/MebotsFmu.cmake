@@ -12,14 +12,16 @@
 #   [RESOURCE_FILES <file>...]    single files that go to resources/; built ones too
 #   [SOURCE_DIR <dir>]            where everything is looked for, instead of the calling folder
 #   [IDENTIFIER <name>]           the "name" of description.json, when the archive has another one
+#   [FMI <version>...]            2, 3 or both; default: "fmi" of description.json, else 2
 # )
 # Looks in the calling folder for description.json, src/fmu.cpp, LICENSE, model.png and reference/; reference/ is that of
 # the FMU whose archive has the name of description.json.
-# Builds ${MEBOTS_FMU_DIR}/<name>.fmu; fmus/ in the build folder when that is not set.
+# Builds ${MEBOTS_FMU_DIR}/<name>.fmu; fmus/ in the build folder when that is not set. With both versions of FMI, this one is
+# of FMI 2.0, and <name>_fmi3.fmu of FMI 3.0. Targets <name>_archive and <name>_fmi3_archive.
 # The same inside this tree and after find_package(mebots).
 function(mebots_add_fmu name)
   cmake_parse_arguments(ARG "" "BOARD;SOURCE_DIR;IDENTIFIER"
-    "MODEL_SOURCES;MODEL_LIBRARIES;MODEL_DEFINITIONS;BUNDLE;LINKED_IN;RESOURCES;RESOURCE_FILES" ${ARGN})
+    "FMI;MODEL_SOURCES;MODEL_LIBRARIES;MODEL_DEFINITIONS;BUNDLE;LINKED_IN;RESOURCES;RESOURCE_FILES" ${ARGN})
   set(source_dir ${CMAKE_CURRENT_SOURCE_DIR})
   if(ARG_SOURCE_DIR)
     get_filename_component(source_dir ${ARG_SOURCE_DIR} ABSOLUTE)
@@ -37,15 +39,33 @@ function(mebots_add_fmu name)
     set(MEBOTS_FMU_DIR ${PROJECT_BINARY_DIR}/fmus)
   endif()
 
+  _mebots_fmi_versions(versions ${source_dir}/description.json ${ARG_FMI})
+  set(generate_options)
+  foreach(version IN LISTS versions)
+    list(APPEND generate_options --fmi ${version})
+  endforeach()
+  if(EXISTS ${source_dir}/model.png)
+    list(APPEND generate_options --icon)
+  endif()
+  set(fmi3_dir ${out_dir})
+  if(versions STREQUAL "2;3")
+    set(fmi3_dir ${out_dir}/fmi3)
+  endif()
+  set(outputs ${out_dir}/variables.hpp ${out_dir}/binding.hpp ${out_dir}/variable_table.cpp ${out_dir}/modelDescription.xml
+      ${out_dir}/index.html)
+  if(3 IN_LIST versions)
+    list(APPEND outputs ${fmi3_dir}/modelDescription.xml ${fmi3_dir}/index.html ${fmi3_dir}/terminalsAndIcons.xml)
+    list(REMOVE_DUPLICATES outputs)
+  endif()
+
   set(board_option)
   if(ARG_BOARD)
     get_filename_component(ARG_BOARD ${ARG_BOARD} ABSOLUTE)
     set(board_option --board ${ARG_BOARD})
   endif()
   add_custom_command(
-    OUTPUT ${out_dir}/modelDescription.xml ${out_dir}/index.html ${out_dir}/variables.hpp
-           ${out_dir}/binding.hpp ${out_dir}/variable_table.cpp
-    COMMAND mebots::mebots-modeldesc generate ${source_dir}/description.json ${board_option} --out ${out_dir}
+    OUTPUT ${outputs}
+    COMMAND mebots::mebots-modeldesc generate ${source_dir}/description.json ${board_option} ${generate_options} --out ${out_dir}
     DEPENDS mebots::mebots-modeldesc ${source_dir}/description.json ${ARG_BOARD}
     COMMENT "Describing ${name}"
     VERBATIM)
@@ -59,21 +79,11 @@ function(mebots_add_fmu name)
   target_compile_definitions(${name}_model PRIVATE ${ARG_MODEL_DEFINITIONS})
   target_link_libraries(${name}_model PUBLIC mebots::interface mebots::data ${ARG_MODEL_LIBRARIES} PRIVATE fmt::fmt-header-only nlohmann_json::nlohmann_json)
 
-  add_library(${name} MODULE ${source_dir}/src/fmu.cpp ${out_dir}/variable_table.cpp)
-  mebots_target(${name})
-  set_target_properties(${name} PROPERTIES PREFIX "" OUTPUT_NAME ${identifier} BUILD_RPATH "\$ORIGIN" BUILD_RPATH_USE_ORIGIN ON
-    SKIP_BUILD_RPATH OFF LIBRARY_OUTPUT_DIRECTORY ${binary_dir})
-  target_link_libraries(${name} PRIVATE mebots::shell ${name}_model fmt::fmt-header-only)
-  set(version_script ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/fmi2.map)
-  target_link_options(${name} PRIVATE -Wl,--version-script=${version_script} -Wl,--disable-new-dtags)
-  set_target_properties(${name} PROPERTIES LINK_DEPENDS ${version_script})
-  if(NOT MEBOTS_SANITIZE)
-    # Leaves out unused code, such as the C++ library's functions that change the process: a library that imports none
-    # of them can run several missions of a study in one process.
-    target_link_options(${name} PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs -Wl,--gc-sections)
-  endif()
+  add_library(${name}_binding OBJECT ${source_dir}/src/fmu.cpp ${out_dir}/variable_table.cpp)
+  set_target_properties(${name}_binding PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  mebots_target(${name}_binding)
+  target_link_libraries(${name}_binding PRIVATE ${name}_model fmt::fmt-header-only)
 
-  set(archive ${MEBOTS_FMU_DIR}/${name}.fmu)
   set(pack_options)
   foreach(license ${source_dir}/LICENSE ${source_dir}/../LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
     if(EXISTS ${license})
@@ -125,12 +135,69 @@ function(mebots_add_fmu name)
     file(GLOB files CONFIGURE_DEPENDS ${source_dir}/reference/*)
     list(APPEND optional_files ${files})
   endif()
-  add_custom_command(
-    OUTPUT ${archive}
-    COMMAND mebots::mebots-modeldesc pack ${archive} --description ${out_dir}/modelDescription.xml --documentation ${out_dir}/index.html
-            --binary $<TARGET_FILE:${name}> ${pack_options}
-    DEPENDS mebots::mebots-modeldesc ${name} ${out_dir}/modelDescription.xml ${out_dir}/index.html ${part_list} ${resource_dependencies} ${optional_files}
-    COMMENT "Packing ${name}.fmu"
-    VERBATIM)
-  add_custom_target(${name}_archive ALL DEPENDS ${archive})
+  foreach(version IN LISTS versions)
+    set(target ${name})
+    set(description_dir ${out_dir})
+    set(library_dir ${binary_dir})
+    set(version_options)
+    if(version EQUAL 3)
+      set(description_dir ${fmi3_dir})
+      set(version_options --terminals ${fmi3_dir}/terminalsAndIcons.xml)
+      if(2 IN_LIST versions)
+        set(target ${name}_fmi3)
+        set(library_dir ${binary_dir}/fmi3)
+      endif()
+    endif()
+    _mebots_fmu_library(${target} ${name} ${identifier} ${version} ${library_dir})
+    set(archive ${MEBOTS_FMU_DIR}/${target}.fmu)
+    add_custom_command(
+      OUTPUT ${archive}
+      COMMAND mebots::mebots-modeldesc pack ${archive} --description ${description_dir}/modelDescription.xml
+              --documentation ${description_dir}/index.html --binary $<TARGET_FILE:${target}> ${pack_options} ${version_options}
+      DEPENDS mebots::mebots-modeldesc ${target} ${description_dir}/modelDescription.xml ${description_dir}/index.html ${part_list}
+              ${resource_dependencies} ${optional_files}
+      COMMENT "Packing ${target}.fmu"
+      VERBATIM)
+    add_custom_target(${target}_archive ALL DEPENDS ${archive})
+  endforeach()
+endfunction()
+
+# The versions that an FMU is built for: those given, else those of its description, else 2.
+function(_mebots_fmi_versions result description)
+  set(versions ${ARGN})
+  if(NOT versions)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${description})
+    file(READ ${description} text)
+    string(JSON versions ERROR_VARIABLE missing GET "${text}" fmi)
+    if(missing)
+      set(versions 2)
+    else()
+      string(REGEX MATCHALL "[0-9]+" versions "${versions}")
+    endif()
+  endif()
+  list(REMOVE_DUPLICATES versions)
+  list(SORT versions)
+  foreach(version IN LISTS versions)
+    if(NOT version MATCHES "^[23]$")
+      message(FATAL_ERROR "${description}: there is no FMI ${version}; use 2, 3 or both")
+    endif()
+  endforeach()
+  set(${result} "${versions}" PARENT_SCOPE)
+endfunction()
+
+# One shared library of the FMU `name`; the version script leaves the functions of the other version out.
+function(_mebots_fmu_library target name identifier version folder)
+  add_library(${target} MODULE $<TARGET_OBJECTS:${name}_binding>)
+  mebots_target(${target})
+  set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${identifier} BUILD_RPATH "\$ORIGIN" BUILD_RPATH_USE_ORIGIN ON
+    SKIP_BUILD_RPATH OFF LINKER_LANGUAGE CXX LIBRARY_OUTPUT_DIRECTORY ${folder})
+  target_link_libraries(${target} PRIVATE mebots::shell ${name}_model fmt::fmt-header-only)
+  set(version_script ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/fmi${version}.map)
+  target_link_options(${target} PRIVATE -Wl,--version-script=${version_script} -Wl,--disable-new-dtags)
+  set_target_properties(${target} PROPERTIES LINK_DEPENDS ${version_script})
+  if(NOT MEBOTS_SANITIZE)
+    # Leaves out unused code, such as the C++ library's functions that change the process: a library that imports none
+    # of them can run several missions of a study in one process.
+    target_link_options(${target} PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs -Wl,--gc-sections)
+  endif()
 endfunction()

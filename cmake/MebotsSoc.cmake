@@ -194,13 +194,21 @@ function(mebots_device_library name)
   endif()
 endfunction()
 
-# mebots_soc_fmu(<name> BOARD <board file> [FIRMWARE <name of mebots_add_firmware>...] [DEVICES <name of mebots_device_library>...])
+# mebots_soc_fmu(<name> BOARD <board file> [FIRMWARE <name of mebots_add_firmware>...] [DEVICES <name of mebots_device_library>...]
+#   [FMI <version>...])
 # The chip with another board and other firmware inside, as target <name>_archive: ${MEBOTS_FMU_DIR}/<name>.fmu. The first
 # firmware runs unless the parameter `firmware` names another; without any, the FMU asks for the path of one. Its
 # variables are those of fmu_soc/description.json and of the board's devices. DEVICES are the libraries that the board
-# names: they travel beside it.
+# names: they travel beside it. FMI as for mebots_add_fmu(); default: 2.
 function(mebots_soc_fmu name)
-  cmake_parse_arguments(ARG "" "BOARD" "FIRMWARE;DEVICES" ${ARGN})
+  cmake_parse_arguments(ARG "" "BOARD" "FIRMWARE;DEVICES;FMI" ${ARGN})
+  if(NOT ARG_FMI)
+    set(ARG_FMI 2)
+  endif()
+  set(archives ${name}_archive)
+  if("2" IN_LIST ARG_FMI AND "3" IN_LIST ARG_FMI)
+    list(APPEND archives ${name}_fmi3_archive)
+  endif()
   set(first_program)
   if(ARG_FIRMWARE)
     list(GET ARG_FIRMWARE 0 first_program)
@@ -217,17 +225,20 @@ function(mebots_soc_fmu name)
   mebots_add_fmu(${name}
     SOURCE_DIR ${root}/fmu_soc
     IDENTIFIER fmu_soc
+    FMI ${ARG_FMI}
     MODEL_SOURCES ${root}/fmu_soc/src/fmu/model.cpp ${root}/fmu_soc/src/fmu/variable_fields.cpp
     MODEL_LIBRARIES mebots::soc_platform
     MODEL_DEFINITIONS MEBOTS_SOC_BOARD="${board_name}" MEBOTS_SOC_FIRMWARE="${first_program}"
     LINKED_IN /usr/include/xbyak/xbyak.h ${MEBOTS_RISCV_LIBGCC}
     BOARD ${board}
     RESOURCE_FILES ${board} ${programs} ${libraries})
-  foreach(firmware IN LISTS ARG_FIRMWARE)
-    add_dependencies(${name}_archive ${firmware}_firmware)
-  endforeach()
-  foreach(library IN LISTS ARG_DEVICES)
-    add_dependencies(${name}_archive ${library}_devices)
+  foreach(archive IN LISTS archives)
+    foreach(firmware IN LISTS ARG_FIRMWARE)
+      add_dependencies(${archive} ${firmware}_firmware)
+    endforeach()
+    foreach(library IN LISTS ARG_DEVICES)
+      add_dependencies(${archive} ${library}_devices)
+    endforeach()
   endforeach()
 endfunction()
 

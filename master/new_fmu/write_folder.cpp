@@ -86,6 +86,8 @@ To build outside of the MEbots tree, install MEbots (`cmake --install`) and add 
 }
 
 std::string cmake_lists(const Plan& plan) {
+  constexpr std::string_view kNote = "# One archive for each version of FMI; the second one's name ends in _fmi3.\n";
+  const bool chosen = !plan.description->fmi.empty();  // by the description, which CMake reads
   return fmt::format(R"(# SPDX-License-Identifier: Apache-2.0
 # Builds alone, against an installed MEbots, and inside its tree by add_subdirectory().
 cmake_minimum_required(VERSION 3.25)
@@ -95,7 +97,7 @@ if(NOT COMMAND mebots_add_fmu)
   enable_testing()
 endif()
 
-mebots_add_fmu({name} MODEL_SOURCES src/model.cpp)
+{note}mebots_add_fmu({name} MODEL_SOURCES src/model.cpp{versions})
 
 find_package(GTest)
 if(GTest_FOUND)
@@ -106,7 +108,8 @@ if(GTest_FOUND)
   gtest_discover_tests({name}_test)
 endif()
 )",
-                     fmt::arg("name", plan.description->name));
+                     fmt::arg("name", plan.description->name), fmt::arg("note", chosen ? "" : kNote),
+                     fmt::arg("versions", chosen ? "" : " FMI 2 3"));
 }
 
 fs::path new_fmu(const fs::path& description_file, fs::path folder) {

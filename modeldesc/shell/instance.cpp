@@ -3,14 +3,16 @@
 
 #include "mebots/assert.hpp"
 #include "mebots/error.hpp"
+#include "mebots/fmu/binary_ref.hpp"
 #include "mebots/state/layout.hpp"
 #include "mebots/state/save.hpp"
-#include "values.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 namespace mebots::shell {
@@ -36,8 +38,9 @@ double time_tolerance_s(double time_s, double step_s) {
 
 }  // namespace
 
-Instance::Instance(const Definition& definition, Logger logger, std::filesystem::path resources)
+Instance::Instance(const Definition& definition, const Version& version, Logger logger, std::filesystem::path resources)
     : definition_(definition),
+      version_(version),
       logger_(std::move(logger)),
       resources_(std::move(resources)),
       variables_(definition.make_variables()) {}
@@ -56,9 +59,20 @@ void Instance::setup_experiment(double start_s, std::optional<double> stop_s) {
   experiment_is_set_ = true;
 }
 
+void Instance::enter_configuration() {
+  if (std::ranges::none_of(definition_.variables, &Variable::is_structural))
+    throw Error("this FMU has no structural parameter to configure");
+  state_ = State::configuration;
+}
+
+void Instance::exit_configuration() {
+  state_ = State::instantiated;
+}
+
 void Instance::enter_initialization() {
   MEBOTS_ASSERT(state_ == State::instantiated);
-  if (!experiment_is_set_) throw Error("the start time is not known; call fmi2SetupExperiment first");
+  if (!experiment_is_set_)
+    throw Error(fmt::format("the start time is not known; call {} first", version_.experiment_function));
   state_ = State::initialization;
 }
 
@@ -81,12 +95,13 @@ void Instance::terminate() {
 void Instance::reset() {
   model_.reset();
   variables_ = definition_.make_variables();
+  binaries_.clear();
   model_is_stale_ = true;
   experiment_is_set_ = false;
   start_ns_ = 0;
   time_ns_ = 0;
   stop_ns_.reset();
-  last_step_status_ = fmi2OK;
+  last_step_status_ = Status::ok;
   state_ = State::instantiated;
 }
 
@@ -123,9 +138,9 @@ void Instance::log(Severity severity, std::string_view category, std::string_vie
     held_.push_back({severity, std::string(category), std::string(message)});
     return;
   }
-  const fmi2Status status = severity == Severity::error     ? fmi2Error
-                            : severity == Severity::warning ? fmi2Warning
-                                                            : fmi2OK;
+  const Status status = severity == Severity::error     ? Status::error
+                        : severity == Severity::warning ? Status::warning
+                                                        : Status::ok;
   logger_.log(status, category, message);
 }
 
@@ -134,6 +149,10 @@ void Instance::get_values(References references, std::span<T> values, Type type,
   texts_made_.clear();
   for (std::size_t i = 0; i < references.size(); ++i) {
     const Variable& variable = find_variable(definition_, references[i], type);
+    const bool started = state_ != State::instantiated && state_ != State::configuration;
+    if (!started && variable.causality == Causality::output)
+      throw Error(
+          fmt::format("{} has no value yet: {}EnterInitializationMode comes first", variable.name, version_.prefix));
     if (state_ == State::initialization && variable.causality == Causality::output) bring_model_up_to_date();
     values[i] = read(variable);
   }
@@ -156,7 +175,9 @@ void Instance::get_booleans(References references, std::span<fmi2Boolean> values
 void Instance::get(References references, std::span<fmi2String> values) {
   get_values(references, values, Type::string, [&](const Variable& v) {
     if (v.offset != kNoField) return field<std::string>(variables_.get(), v).c_str();
-    if (!model_) throw Error(fmt::format("{} does not exist: initialisation did not end well; call fmi2Reset", v.name));
+    if (!model_)
+      throw Error(
+          fmt::format("{} does not exist: initialisation did not end well; call {}Reset", v.name, version_.prefix));
     return texts_made_.emplace_back(model_->on_demand_text(v.name)).c_str();
   });
 }
@@ -164,11 +185,12 @@ void Instance::get(References references, std::span<fmi2String> values) {
 void Instance::check_may_set(const Variable& variable) const {
   if (variable.causality == Causality::output)
     throw Error(fmt::format("{} is an output, which only the model sets", variable.name));
-  const bool initialised = state_ != State::instantiated && state_ != State::initialization;
+  const bool initialised =
+      state_ != State::instantiated && state_ != State::configuration && state_ != State::initialization;
   if (initialised && variable.variability == Variability::fixed)
-    throw Error(fmt::format(
-        "{} is a fixed parameter: set it before fmi2ExitInitializationMode, or call fmi2Reset to start over",
-        variable.name));
+    throw Error(
+        fmt::format("{} is a fixed parameter: set it before {}ExitInitializationMode, or call {}Reset to start over",
+                    variable.name, version_.prefix, version_.prefix));
 }
 
 template <typename T, typename Check, typename Write>
@@ -205,6 +227,36 @@ void Instance::set(References references, std::span<const fmi2String> values) {
       [&](const Variable& v, fmi2String value) { field<std::string>(variables_.get(), v) = value; });
 }
 
+std::span<const std::uint8_t> Instance::get_binary(fmi2ValueReference reference) {
+  const std::array rows = {reference, reference + 1, reference + 2};
+  fmu::BinaryRef binary;
+  std::array<fmi2Integer, 3> parts{};
+  get(rows, parts);
+  std::tie(binary.base_lo, binary.base_hi, binary.size) = std::tuple_cat(parts);
+  return binary.bytes();
+}
+
+void Instance::set_binary(fmi2ValueReference reference, std::span<const std::uint8_t> bytes) {
+  std::vector<std::uint8_t> kept(bytes.begin(), bytes.end());
+  const auto binary = fmu::BinaryRef::to(kept);
+  const std::array rows = {reference, reference + 1, reference + 2};
+  const std::array<fmi2Integer, 3> parts = {binary.base_lo, binary.base_hi, binary.size};
+  set(rows, parts);
+  binaries_[reference] = std::move(kept);
+}
+
+std::size_t Instance::elements_of(const Variable& variable) const {
+  if (variable.size_row == fmu::kFixedSize) return variable.elements;
+  const auto size =
+      field<std::int32_t>(static_cast<const void*>(variables_.get()), definition_.variables[variable.size_row]);
+  return std::min(variable.elements, static_cast<std::size_t>(std::max(size, std::int32_t{0})));
+}
+
+const std::filesystem::path& Instance::resources() const {
+  if (resources_.empty()) throw Error("the importing tool gave no path of the FMU's resources");
+  return resources_;
+}
+
 void Instance::do_step(double point_s, double step_s) {
   if (!(step_s > 0) || !std::isfinite(step_s))
     throw Error(fmt::format("communicationStepSize = {} s: a step above 0 is needed", step_s));
@@ -215,9 +267,9 @@ void Instance::do_step(double point_s, double step_s) {
   // Tools that add up their steps end a run with what rounding left, 2e-13 s, say: the nanosecond is reached already.
   if (end_ns <= time_ns_) return;
   if (stop_ns_ && to_s(end_ns - *stop_ns_) > time_tolerance_s(to_s(*stop_ns_), step_s))
-    throw Error(fmt::format("the step would end at {} s, after the stopTime of {} s given to fmi2SetupExperiment",
-                            to_s(end_ns), to_s(*stop_ns_)));
-  last_step_status_ = fmi2Error;
+    throw Error(fmt::format("the step would end at {} s, after the stopTime of {} s given to {}", to_s(end_ns),
+                            to_s(*stop_ns_), version_.experiment_function));
+  last_step_status_ = Status::error;
   MEBOTS_ASSERT(model_ != nullptr && !model_is_stale_, "a step comes after initialisation");
   MEBOTS_ASSERT(end_ns > time_ns_);
   try {
@@ -227,10 +279,10 @@ void Instance::do_step(double point_s, double step_s) {
     throw;
   }
   time_ns_ = end_ns;
-  last_step_status_ = fmi2OK;
+  last_step_status_ = Status::ok;
 }
 
-double Instance::last_successful_time_s() const {
+double Instance::time_s() const {
   return to_s(time_ns_);
 }
 
@@ -239,11 +291,12 @@ void Instance::take(std::unique_ptr<Model> model) {
   layout_ = model_ ? state::layout_of(*model_) : 0;
 }
 
-std::vector<std::byte> Instance::values(Causality causality) const {
-  return state::save(KeptValues(definition_, causality, variables_.get()));
+std::vector<std::byte> Instance::values(Causality causality) {
+  return state::save(
+      KeptValues(definition_, causality, variables_.get(), version_.keeps_binaries ? &binaries_ : nullptr));
 }
 
-SavedState Instance::save() const {
+SavedState Instance::save() {
   SavedState saved;
   saved.state = state_;
   saved.experiment_is_set = experiment_is_set_;
@@ -262,8 +315,9 @@ SavedState Instance::save() const {
 }
 
 void Instance::restore(const SavedState& saved) {
+  Binaries binaries;
   const auto restore_into = [&](void* variables, Causality causality, const std::vector<std::byte>& bytes) {
-    KeptValues values(definition_, causality, variables);
+    KeptValues values(definition_, causality, variables, version_.keeps_binaries ? &binaries : nullptr);
     state::restore(values, bytes);
   };
   const auto restore_all = [&](void* variables, Model* model) {
@@ -290,6 +344,7 @@ void Instance::restore(const SavedState& saved) {
     try {
       restore_all(variables_.get(), model_.get());
     } catch (...) {
+      binaries_ = std::move(binaries);  // the inputs may point there
       state_ = State::error;
       throw;
     }
@@ -307,13 +362,14 @@ void Instance::restore(const SavedState& saved) {
     take(std::move(model));  // before its variables go
     variables_ = variables;
   }
+  binaries_ = std::move(binaries);
   state_ = saved.state;
   experiment_is_set_ = saved.experiment_is_set;
   model_is_stale_ = saved.model_is_stale;
   start_ns_ = saved.start_ns;
   time_ns_ = saved.time_ns;
   stop_ns_ = saved.stop_ns;
-  last_step_status_ = fmi2OK;
+  last_step_status_ = Status::ok;
 }
 
 }  // namespace mebots::shell

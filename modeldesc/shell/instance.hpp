@@ -6,6 +6,7 @@
 #include "logger.hpp"
 #include "mebots/fmi2/types.hpp"
 #include "saved_state.hpp"
+#include "values.hpp"
 
 #include <deque>
 #include <filesystem>
@@ -21,7 +22,10 @@ namespace mebots::shell {
 /// nothing, unless it says otherwise.
 class Instance final : public Host {
  public:
-  Instance(const Definition& definition, Logger logger, std::filesystem::path resources);
+  Instance(const Definition& definition, const Version& version, Logger logger, std::filesystem::path resources);
+
+  void enter_configuration();
+  void exit_configuration();
 
   void setup_experiment(double start_s, std::optional<double> stop_s);
   void enter_initialization();
@@ -41,12 +45,20 @@ class Instance final : public Host {
   void set_booleans(References references, std::span<const fmi2Boolean> values);
   void set(References references, std::span<const fmi2String> values);
 
+  /// The bytes of a Binary by its first row; valid until the next call.
+  std::span<const std::uint8_t> get_binary(fmi2ValueReference reference);
+  /// Keeps a copy of them.
+  void set_binary(fmi2ValueReference reference, std::span<const std::uint8_t> bytes);
+
+  /// The number of elements of the variable of FMI 3.0 that begins in this row, by the structural parameter as it is.
+  std::size_t elements_of(const Variable& variable) const;
+
   /// Wrong arguments change nothing; an error in the model leaves the state `error`.
   void do_step(double point_s, double step_s);
-  double last_successful_time_s() const;
-  fmi2Status last_step_status() const { return last_step_status_; }
+  double time_s() const;
+  Status last_step_status() const { return last_step_status_; }
 
-  SavedState save() const;
+  SavedState save();
   /// An error after the checks leaves the state `error`.
   void restore(const SavedState& saved);
 
@@ -54,8 +66,11 @@ class Instance final : public Host {
   void set_state(State state) { state_ = state; }
   Logger& logger() { return logger_; }
   const Definition& definition() const { return definition_; }
+  const Version& version() const { return version_; }
+  /// Returns the FMU and build that its states belong to.
+  Owner owner() const { return {definition_.model_identifier, version_.token_name, definition_.*version_.token}; }
 
-  const std::filesystem::path& resources() const override { return resources_; }
+  const std::filesystem::path& resources() const override;
   void log(Severity severity, std::string_view category, std::string_view message) override;
 
  private:
@@ -66,7 +81,7 @@ class Instance final : public Host {
   void check_may_set(const Variable& variable) const;
   /// In initialization mode, outputs exist once the model was made of the values set so far.
   void bring_model_up_to_date();
-  std::vector<std::byte> values(Causality causality) const;
+  std::vector<std::byte> values(Causality causality);
   /// Makes a model and holds back what it says meanwhile, errors excepted.
   std::unique_ptr<Model> make_model(void* variables, std::int64_t start_ns);
   void take(std::unique_ptr<Model> model);
@@ -74,6 +89,7 @@ class Instance final : public Host {
   void deliver_held_messages();
 
   const Definition& definition_;
+  const Version& version_;
   Logger logger_;
   std::filesystem::path resources_;
   State state_ = State::instantiated;
@@ -81,8 +97,9 @@ class Instance final : public Host {
   std::int64_t start_ns_ = 0;
   std::int64_t time_ns_ = 0;
   std::optional<std::int64_t> stop_ns_;
-  fmi2Status last_step_status_ = fmi2OK;
+  Status last_step_status_ = Status::ok;
   std::deque<std::string> texts_made_;  // on-demand texts of the last fmi2GetString; a deque keeps addresses
+  Binaries binaries_;                   // of inputs
   std::shared_ptr<void> variables_;     // outlives the model
   std::unique_ptr<Model> model_;
   std::uint64_t layout_ = 0;    // of what the model shows

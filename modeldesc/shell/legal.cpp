@@ -3,41 +3,45 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 namespace mebots::shell {
 namespace {
 
+/// {0} is the prefix of the version's functions, {1} sets a state, {2} initialises.
 struct StateText {
   State state;
-  std::string_view name;
+  std::string_view name;  // empty: the version's own
   std::string_view way_out;
 };
 
 constexpr std::array<StateText, 8> kStates = {{
-    {State::instantiated, "instantiated",
-     "call fmi2SetupExperiment, fmi2EnterInitializationMode and fmi2ExitInitializationMode first"},
-    {State::initialization, "initialization mode", "call fmi2ExitInitializationMode first, or fmi2Reset to start over"},
-    {State::step_complete, "step complete", "go on with fmi2DoStep, or call fmi2Reset to start over"},
-    {State::step_failed, "step failed", "call fmi2Reset to start over, or fmi2FreeInstance"},
-    {State::step_canceled, "step canceled", "call fmi2Reset to start over, or fmi2FreeInstance"},
-    {State::terminated, "terminated", "call fmi2Reset to start over, or fmi2FreeInstance"},
-    {State::error, "error", "read the error before this one; then fmi2Reset, fmi2SetFMUstate or fmi2FreeInstance"},
+    {State::instantiated, "instantiated", "call {2} first"},
+    {State::initialization, "initialization mode", "call {0}ExitInitializationMode first, or {0}Reset to start over"},
+    {State::step_complete, "", "continue with {0}DoStep, or call {0}Reset to start over"},
+    {State::step_failed, "step failed", "call {0}Reset to start over, or {0}FreeInstance"},
+    {State::configuration, "configuration mode", "call {0}ExitConfigurationMode first"},
+    {State::terminated, "terminated", "call {0}Reset to start over, or {0}FreeInstance"},
+    {State::error, "error", "read the error before this one; then {0}Reset, {1} or {0}FreeInstance"},
     {State::fatal, "fatal", "this instance cannot be used any more"},
 }};
 
 }  // namespace
 
-std::string illegal_call_text(const Function& function, State state) {
+std::string illegal_call_text(const Function& function, State state, const Version& version) {
   std::string allowed;
   std::string_view now;
-  std::string_view way_out;
+  std::string way_out;
   for (const StateText& text : kStates) {
-    if (is_legal(function, text.state)) allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", text.name);
-    if (text.state == state) {
-      now = text.name;
-      way_out = text.way_out;
-    }
+    const std::string_view name = text.name.empty() ? version.step_state : text.name;
+    if (is_legal(function, text.state)) allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", name);
+    if (text.state != state) continue;
+    now = name;
+    way_out = fmt::format(fmt::runtime(text.way_out), version.prefix, version.set_state_function,
+                          version.initialising_functions);
   }
-  if (allowed.empty()) allowed = "no state: steps of this FMU are finished when fmi2DoStep returns";
+  if (allowed.empty())
+    allowed = fmt::format("no state: steps of this FMU are finished when {}DoStep returns", version.prefix);
   return fmt::format("not allowed in state '{}' (allowed in: {}); {}", now, allowed, way_out);
 }
 

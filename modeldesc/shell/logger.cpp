@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace mebots::shell {
 namespace {
@@ -14,24 +15,16 @@ constexpr std::string_view kStandardCategories[] = {"logStatusWarning", "logStat
 
 }  // namespace
 
-Logger::Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name, bool logging_on,
-               std::span<const std::string_view> own_categories)
-    : callback_(callbacks.logger),
-      environment_(callbacks.componentEnvironment),
-      instance_name_(std::move(instance_name)) {
+Logger::Logger(Sink sink, bool logging_on, std::span<const std::string_view> own_categories) : sink_(std::move(sink)) {
   for (const std::string_view name : own_categories) categories_.push_back({std::string(name), logging_on});
   for (const std::string_view name : kStandardCategories) categories_.push_back({std::string(name), logging_on});
 }
 
-void Logger::log(fmi2Status status, std::string_view category, std::string_view message) {
-  if (callback_ == nullptr) return;
-  const bool is_error = status == fmi2Error || status == fmi2Fatal;
+void Logger::log(Status status, std::string_view category, std::string_view message) {
+  if (!sink_) return;
+  const bool is_error = status == Status::error || status == Status::fatal;
   if (!is_error && !is_on(category)) return;
-  // The message is a printf format to the tool, without arguments from us.
-  std::string format;
-  format.reserve(message.size());
-  for (const char c : message) format.append(c == '%' ? 2 : 1, c);
-  callback_(environment_, instance_name_.c_str(), status, std::string(category).c_str(), format.c_str());
+  sink_(status, std::string(category).c_str(), message);
 }
 
 bool Logger::is_on(std::string_view category) const {
@@ -39,7 +32,7 @@ bool Logger::is_on(std::string_view category) const {
                              [&](const Category& c) { return c.on && (c.name == category || c.name == "logAll"); });
 }
 
-void Logger::set_logging(bool on, std::span<const fmi2String> categories) {
+void Logger::set_logging(bool on, std::span<const char* const> categories) {
   const auto find = [&](std::string_view name) {
     const auto found = std::ranges::find(categories_, name, &Category::name);
     if (found == categories_.end()) {
@@ -49,14 +42,21 @@ void Logger::set_logging(bool on, std::span<const fmi2String> categories) {
     }
     return found;
   };
-  for (const fmi2String name : categories) {
+  for (const char* const name : categories) {
     if (name == nullptr) throw Error("a log category is a null pointer");
     find(name);
   }
   // With a list, "on" means these and no others.
   if (categories.empty() || on)
     for (Category& category : categories_) category.on = on && categories.empty();
-  for (const fmi2String name : categories) find(name)->on = on;
+  for (const char* const name : categories) find(name)->on = on;
+}
+
+std::string doubled(std::string_view text, char mark) {
+  std::string result;
+  result.reserve(text.size());
+  for (const char c : text) result.append(c == mark ? 2 : 1, c);
+  return result;
 }
 
 }  // namespace mebots::shell

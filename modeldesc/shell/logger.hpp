@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "face.hpp"
-#include "mebots/fmi2/types.hpp"
+#include "version.hpp"
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,15 +15,16 @@ namespace mebots::shell {
 /// when their category, or logAll, is on.
 class Logger {
  public:
-  Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name, bool logging_on,
-         std::span<const std::string_view> own_categories);
+  /// Calls the tool's logger as its version of FMI has it.
+  using Sink = std::function<void(Status status, const char* category, std::string_view message)>;
 
-  void log(fmi2Status status, std::string_view category, std::string_view message);
+  /// An empty sink drops all messages.
+  Logger(Sink sink, bool logging_on, std::span<const std::string_view> own_categories);
+
+  void log(Status status, std::string_view category, std::string_view message);
 
   /// No categories mean all. Throws mebots::Error for an unknown one, with nothing changed.
-  void set_logging(bool on, std::span<const fmi2String> categories);
-
-  const std::string& instance_name() const { return instance_name_; }
+  void set_logging(bool on, std::span<const char* const> categories);
 
  private:
   struct Category {
@@ -33,10 +34,11 @@ class Logger {
 
   bool is_on(std::string_view category) const;
 
-  fmi2CallbackLogger callback_;
-  fmi2ComponentEnvironment environment_;
-  std::string instance_name_;
+  Sink sink_;
   std::vector<Category> categories_;
 };
+
+/// The text with each `mark` written twice: tools take a single one for a sign of their own.
+std::string doubled(std::string_view text, char mark);
 
 }  // namespace mebots::shell

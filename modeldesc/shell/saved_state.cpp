@@ -36,20 +36,20 @@ void SavedState::visit(state::Visitor& v) {
   v("model", model);
 }
 
-std::vector<std::byte> serialize(const Definition& definition, const SavedState& saved) {
+std::vector<std::byte> serialize(const Owner& owner, const SavedState& saved) {
   const std::vector<std::byte> payload = state::save(saved);
   state::Writer writer;
   writer.put(kMagic);
   writer.put(kFormat);
-  writer.put(std::string(definition.model_identifier));
-  writer.put(std::string(definition.guid));
+  writer.put(std::string(owner.model_identifier));
+  writer.put(std::string(owner.token));
   writer.put(saved.layout);
   writer.put(checksum(saved.layout, payload));
   writer.put(payload);
   return writer.take();
 }
 
-SavedState deserialize(const Definition& definition, std::span<const std::byte> bytes) {
+SavedState deserialize(const Owner& owner, std::span<const std::byte> bytes) {
   constexpr const char* kRemedy = "serialise a state of this FMU and version again";
   state::Reader reader(bytes);
   if (bytes.size() < sizeof kMagic || reader.get<std::uint64_t>() != kMagic)
@@ -59,16 +59,16 @@ SavedState deserialize(const Definition& definition, std::span<const std::byte> 
     throw Error(ErrorCode::state_of_other_build,
                 fmt::format("the state has format {}, this FMU reads format {}; {}", format, kFormat, kRemedy));
   std::string identifier;
-  std::string guid;
+  std::string token;
   reader.get(identifier);
-  reader.get(guid);
-  if (identifier != definition.model_identifier)
+  reader.get(token);
+  if (identifier != owner.model_identifier)
     throw Error(ErrorCode::state_of_other_fmu,
-                fmt::format("the state belongs to {}, this is {}", identifier, definition.model_identifier));
-  if (guid != definition.guid)
+                fmt::format("the state belongs to {}, this is {}", identifier, owner.model_identifier));
+  if (token != owner.token)
     throw Error(ErrorCode::state_of_other_build,
-                fmt::format("the state belongs to {} with GUID {}, this one has {}; {}", identifier, guid,
-                            definition.guid, kRemedy));
+                fmt::format("the state belongs to {} with {} {}, this one has {}; {}", identifier, owner.token_name,
+                            token, owner.token, kRemedy));
   const auto layout = reader.get<std::uint64_t>();
   const auto expected = reader.get<std::uint64_t>();
   std::vector<std::byte> payload;

@@ -13,7 +13,7 @@
 
 namespace mebots::shell {
 
-/// What fmi2GetFMUstate hands out.
+/// What fmi2GetFMUstate and fmi3GetFMUState hand out.
 struct SavedState {
   State state = State::instantiated;
   bool experiment_is_set = false;
@@ -30,11 +30,18 @@ struct SavedState {
   void visit(state::Visitor& v);
 };
 
+/// The FMU and build that a state belongs to.
+struct Owner {
+  std::string_view model_identifier;
+  std::string_view token_name;
+  std::string_view token;
+};
+
 /// The state as bytes that survive the process, behind a header that says whose they are.
-std::vector<std::byte> serialize(const Definition& definition, const SavedState& saved);
+std::vector<std::byte> serialize(const Owner& owner, const SavedState& saved);
 
 /// Throws mebots::Error when the bytes are damaged or belong to another FMU or version. Whether the layout is that of
 /// this build shows when the state is restored: before that there may be no model.
-SavedState deserialize(const Definition& definition, std::span<const std::byte> bytes);
+SavedState deserialize(const Owner& owner, std::span<const std::byte> bytes);
 
 }  // namespace mebots::shell

@@ -2,6 +2,7 @@
 #include "values.hpp"
 
 #include "mebots/error.hpp"
+#include "mebots/fmu/binary_ref.hpp"
 
 #include <fmt/format.h>
 
@@ -91,9 +92,21 @@ void KeptValues::visit(state::Visitor& v) {
   for_each_field(definition_, causality_, [&](const Variable& variable) {
     if (!variable.is_pointer)
       with_type(variable.type, [&]<typename T>(T*) { v(variable.name, field<T>(variables_, variable)); });
-    else if (v.restores())
-      field<std::int32_t>(variables_, variable) = 0;
+    else
+      visit_pointer(v, variable);
   });
+}
+
+void KeptValues::visit_pointer(state::Visitor& v, const Variable& variable) {
+  const bool is_first = variable.name.ends_with(".base.lo");
+  if (binaries_ == nullptr || !is_first) {
+    if (v.restores() && binaries_ == nullptr) field<std::int32_t>(variables_, variable) = 0;
+    return;
+  }
+  auto& bytes = (*binaries_)[static_cast<fmi2ValueReference>(&variable - definition_.variables.data())];
+  v(variable.name, bytes);
+  static_assert(offsetof(fmu::BinaryRef, base_lo) == 0);
+  if (v.restores()) field<fmu::BinaryRef>(variables_, variable) = fmu::BinaryRef::to(bytes);
 }
 
 void copy_values(const Definition& definition, Causality causality, const void* from, void* to) {

@@ -6,7 +6,10 @@
 #include "mebots/fmi2/types.hpp"
 #include "mebots/state/visitor.hpp"
 
+#include <cstdint>
+#include <map>
 #include <string>
+#include <vector>
 
 /// Typed access to an instance's variables by the offsets in the table, and their checks.
 namespace mebots::shell {
@@ -32,19 +35,29 @@ void check_value(const Variable& variable, fmi2Integer value);
 void check_boolean(const Variable& variable, fmi2Boolean value);
 void check_value(const Variable& variable, fmi2String value);
 
-/// All values of one causality as states hold them, by their FMI names. Pointers are not among them: they become null
-/// when the others are restored.
+/// The bytes of binary inputs by their first rows, where the instance owns them.
+using Binaries = std::map<fmi2ValueReference, std::vector<std::uint8_t>>;
+
+/// All values of one causality as states hold them, by their FMI names. Pointers are not among them. When the others
+/// are restored, pointers of inputs point into `binaries`, whose contents are kept; the rest, and all without
+/// `binaries`, become null.
 class KeptValues {
  public:
-  KeptValues(const Definition& definition, Causality causality, void* variables)
-      : definition_(definition), causality_(causality), variables_(variables) {}
+  KeptValues(const Definition& definition, Causality causality, void* variables, Binaries* binaries)
+      : definition_(definition),
+        causality_(causality),
+        variables_(variables),
+        binaries_(causality == Causality::input ? binaries : nullptr) {}
 
   void visit(state::Visitor& v);
 
  private:
+  void visit_pointer(state::Visitor& v, const Variable& variable);
+
   const Definition& definition_;
   Causality causality_;
   void* variables_;
+  Binaries* binaries_;
 };
 
 /// Copies the values of one causality from other variables of the same definition, pointers too.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "description.hpp"
 
+#include "fmi3_keys.hpp"
 #include "generate.hpp"
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
 #include "mebots/error.hpp"
-#include "mebots/modeldesc/xml.hpp"
 
 #include <fmt/format.h>
 
@@ -21,20 +21,6 @@ namespace {
 
 using data::Node;
 using data::Object;
-
-/// A modelDescription.xml could not hold it.
-void check_xml_text(const Node& node, std::string_view text) {
-  if (const auto found = first_no_xml_character(text)) {
-    node.fail(ErrorCode::invalid_value,
-              fmt::format("there is the character \\u{:04x}, which XML cannot hold; remove it", *found));
-  }
-}
-
-std::string xml_text(const Node& node) {
-  auto text = node.text();
-  check_xml_text(node, text);
-  return text;
-}
 
 /// Builds a Description piece by piece and keeps the names unique. Whatever is wrong is noted in the documents that the
 /// nodes are of.
@@ -56,6 +42,7 @@ class DescriptionReader {
       if (name.empty() || is_cpp_namespace(name)) return name;  // none: global
       node.fail(ErrorCode::invalid_value, fmt::format("{} is not a C++ namespace", node.shown()));
     });
+    object.read_if("fmi", result_.fmi, &read_fmi_versions);
     object.read("step", result_.step_s, data::number(data::Limits::positive()));
     object.read("stop_time", result_.stop_time_s, data::number(data::Limits::positive()));
     object.visit_if("log_categories", [this](const Node& node) {
@@ -67,8 +54,10 @@ class DescriptionReader {
       }
     });
     object.visit_if("groups", [this](const Node& node) { read_groups(node); });
+    object.visit_if("arrays", [this](const Node& node) { size_sources_ = read_arrays(node, result_.groups); });
     object.visit_if("enumerations", [this](const Node& node) { read_enumerations(node); });
     object.visit("variables", [this](const Node& node) { read_variables(node); });
+    object.visit_if("terminals", [this](const Node& node) { terminals_.push_back(node); });
     object.finish();
   }
 
@@ -78,12 +67,24 @@ class DescriptionReader {
       device.attempt([&] {
         if (const auto types = device.find("enumerations")) types->attempt([&] { read_enumerations(*types); });
         if (const auto variables = device.find("variables")) variables->attempt([&] { read_variables(*variables); });
+        if (const auto terminals = device.find("terminals")) terminals_.push_back(*terminals);
       });
     }
     result_.source += " and " + file.filename().string();
   }
 
-  /// Once all inputs are known.
+  /// Reads and checks what refers to variables, once all are known.
+  void read_references() {
+    check_dependencies();
+    for (const auto& [group, node] : size_sources_) check_size_source(node, group, result_);
+    for (const auto& node : terminals_) read_terminals(node, result_);
+  }
+
+  Description take() { return std::move(result_); }
+
+ private:
+  using Names = std::map<std::string, std::string>;  // name -> where it was declared
+
   void check_dependencies() const {
     for (const auto& [node, names] : dependencies_) {
       for (const auto& name : names) {
@@ -94,17 +95,12 @@ class DescriptionReader {
     }
   }
 
-  Description take() { return std::move(result_); }
-
- private:
-  using Names = std::map<std::string, std::string>;  // name -> where it was declared
-
   void read_groups(const Node& node) {
     for (const auto& [name, words] : node.members()) {
       words.attempt([&, &name = name, &words = words] {
         check_cpp_name(words, name);
         claim(cpp_names_, name, words);
-        result_.groups.push_back({name, data::list_of(&read_word)(words)});
+        result_.groups.push_back({name, data::list_of(&read_word)(words), false, ""});
         if (words.elements().empty()) words.fail(ErrorCode::invalid_value, "a group needs a word at least");
       });
     }
@@ -265,11 +261,7 @@ class DescriptionReader {
     }
     const std::string group_name = name.substr(open + 1, close - open - 1);
     const auto group = std::ranges::find(result_.groups, group_name, &Group::name);
-    if (group == result_.groups.end()) {
-      std::vector<std::string> known;
-      for (const auto& other : result_.groups) known.push_back(other.name);
-      node.fail_unknown("the group", group_name, known);
-    }
+    if (group == result_.groups.end()) node.fail_unknown("the group", group_name, names_of(result_.groups));
     std::vector<std::string> names;
     for (const std::string& word : group->words) names.push_back(name.substr(0, open) + word + name.substr(close + 1));
     return {static_cast<std::size_t>(group - result_.groups.begin()), names};
@@ -435,6 +427,8 @@ class DescriptionReader {
   Names cpp_names_;
   std::set<std::string> inputs_;
   std::vector<std::pair<Node, std::vector<std::string>>> dependencies_;
+  std::map<std::string, Node> size_sources_;  // of arrays, by group
+  std::vector<Node> terminals_;
 };
 
 }  // namespace
@@ -453,16 +447,16 @@ Description read_description(const std::filesystem::path& file, const std::files
   DescriptionReader reader;
   own.read([&](const Node& root) {
     reader.read_own(root, file);
-    const auto check_dependencies = [&] {
-      if (root.noted() == 0) reader.check_dependencies();  // else inputs may be missing
+    const auto read_references = [&] {
+      if (root.noted() == 0) reader.read_references();  // else variables may be missing
     };
     if (!joined) {
-      check_dependencies();
+      read_references();
       return;
     }
     joined->read([&](const Node& board_root) {
       reader.join_board(board_root, board);
-      if (board_root.noted() == 0) check_dependencies();
+      if (board_root.noted() == 0) read_references();
     });
   });
   return reader.take();

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 /// description.json, read and checked: what every generator of ours starts from.
@@ -17,6 +19,8 @@ enum class FieldType { real, integer, boolean, string, binary, enumeration };
 struct Group {
   std::string name;
   std::vector<std::string> words;
+  bool is_array = false;    // FMI 3.0 has one variable for all words
+  std::string size_source;  // name of the parameter with the array's number of elements; empty = one per word
 };
 
 struct Enumeration {
@@ -46,8 +50,37 @@ struct Field {
   bool on_demand = false;
 };
 
+/// The whole number that a value holds; 0 for other kinds.
+inline std::int64_t whole_number_of(const Value& value) {
+  return std::visit(
+      [](const auto& held) -> std::int64_t {
+        using Held = std::decay_t<decltype(held)>;
+        if constexpr (std::is_integral_v<Held> && !std::is_same_v<Held, bool>) return held;
+        return 0;
+      },
+      value);
+}
+
+/// A bundle of variables that a tool connects at once: a terminal of FMI 3.0.
+struct Terminal {
+  struct Member {
+    std::string name;
+    std::size_t field = 0;    // index in Description::fields
+    std::size_t element = 0;  // of the field, if its group is no array
+  };
+  std::string name;
+  std::string text;
+  std::string kind;
+  std::string matching_rule = "bus";
+  std::vector<Member> members;
+};
+
+/// Versions of FMI that an FMU can be built for.
+enum class FmiVersion { two = 2, three = 3 };
+
 struct Description {
-  std::string source;  // file name without folder
+  std::string source;           // file name without folder
+  std::vector<FmiVersion> fmi;  // empty = 2.0
   std::string name;
   std::string text;
   std::string cpp_namespace;
@@ -57,6 +90,7 @@ struct Description {
   std::vector<Group> groups;
   std::vector<Enumeration> enumerations;
   std::vector<Field> fields;
+  std::vector<Terminal> terminals;
 
   const Enumeration& enumeration(std::string_view name) const;
 };

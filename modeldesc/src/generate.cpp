@@ -7,21 +7,50 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 
 namespace mebots::modeldesc {
-void generate(const Description& description, const std::filesystem::path& folder) {
+namespace {
+
+void make_output_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
     throw Error(ErrorCode::file_unwritable, fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+}
+
+/// Returns the instantiation token.
+std::string generate_fmi3(const Description& description, const ModelDescription& common, bool has_icon,
+                          const std::filesystem::path& folder) {
+  make_output_folder(folder);
+  const Fmi3Text text = write_fmi3_xml(description, common);
+  write_text_file(folder / "modelDescription.xml", text.xml);
+  write_text_file(folder / "index.html", write_fmi3_html(description, common));
+  // There for the build's sake also when empty.
+  write_text_file(folder / "terminalsAndIcons.xml", write_terminals_and_icons(description, has_icon));
+  return text.token;
+}
+
+}  // namespace
+
+void generate(const Description& description, const std::filesystem::path& folder, const GenerateOptions& options) {
+  auto versions = options.fmi.empty() ? description.fmi : options.fmi;
+  if (versions.empty()) versions = {FmiVersion::two};
+  const auto wants = [&](FmiVersion version) { return std::ranges::find(versions, version) != versions.end(); };
+  make_output_folder(folder);
   const ModelDescription model = to_model_description(description);
-  write_text_file(folder / "modelDescription.xml", write_xml(model));
-  write_text_file(folder / "index.html", write_html(model));
+  std::string token;
+  if (wants(FmiVersion::three))
+    token = generate_fmi3(description, model, options.has_icon, wants(FmiVersion::two) ? folder / "fmi3" : folder);
+  if (wants(FmiVersion::two)) {
+    write_text_file(folder / "modelDescription.xml", write_xml(model));
+    write_text_file(folder / "index.html", write_html(model));
+  }
   write_text_file(folder / "variables.hpp", variables_header(description));
   write_text_file(folder / "binding.hpp", binding_header(description));
-  write_text_file(folder / "variable_table.cpp", variable_table_source(description, model.guid));
+  write_text_file(folder / "variable_table.cpp", variable_table_source(description, model.guid, token));
 }
 
 void write_text_file(const std::filesystem::path& file, const std::string& text) {
@@ -41,6 +70,12 @@ std::string sha256_hex(std::string_view bytes) {
   std::string hex;
   for (unsigned int i = 0; i < size; ++i) hex += fmt::format("{:02x}", digest[i]);
   return hex;
+}
+
+std::string token_of(const std::string& text) {
+  const std::string digest = sha256_hex(text);
+  return fmt::format("{{{}-{}-{}-{}-{}}}", digest.substr(0, 8), digest.substr(8, 4), digest.substr(12, 4),
+                     digest.substr(16, 4), digest.substr(20, 12));
 }
 
 }  // namespace mebots::modeldesc

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "fmi3_variables.hpp"
 #include "generate.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 namespace mebots::modeldesc {
 namespace {
@@ -75,7 +78,7 @@ std::string initialiser(const Description& description, const Field& field, std:
     case FieldType::string:
       return given ? cpp_literal(std::get<std::string>(field.starts[i])) : "\"\"";
     case FieldType::binary:
-      return "{}";
+      return field.group ? element_type(field) + "{}" : "{}";
     case FieldType::enumeration: {
       const Enumeration& type = description.enumeration(field.enumeration);
       if (!given) return fmt::format("{}::{}", type.name, resting_item(type).name);
@@ -162,42 +165,76 @@ std::string limit(const std::optional<double>& value, std::string_view none) {
   return value ? fmt::format("{}", *value) : std::string(none);
 }
 
-void write_rows(std::string& out, const Description& description, const Field& field) {
-  for (std::size_t i = 0; i < field.fmi_names.size(); ++i) {
-    const auto row = [&](std::string_view part, std::string_view part_field) {
-      const std::string name = field.fmi_names[i] + (part.empty() ? "" : fmt::format(".{}", part));
-      std::string offset = "mebots::fmu::kNoField";
-      if (!field.on_demand) {
-        offset = fmt::format("offsetof(V, {}.{}{})", member_of(field.causality), field.cpp_name, part_field);
-        if (field.group && part_field.empty()) {
-          const std::string prefix = field.type == FieldType::enumeration ? qualifier(description) : "";
-          offset += fmt::format(" + {} * sizeof({}{})", i, prefix, element_type(field));
-        }
+/// What FMI 3.0 makes of the rows of a variable.
+struct Rows3 {
+  std::size_t elements = 0;
+  std::string size_row = "mebots::fmu::kFixedSize";
+  bool is_structural = false;
+};
+
+/// By row; rows in which no variable of FMI 3.0 begins are missing.
+std::map<std::size_t, Rows3> fmi3_rows(const Description& description) {
+  std::map<std::size_t, Rows3> rows;
+  for (const Fmi3Variable& variable : fmi3_variables(description)) {
+    Rows3& row = rows[variable.value_reference];
+    row.elements = variable.elements;
+    if (variable.size_reference) row.size_row = std::to_string(*variable.size_reference);
+    row.is_structural = variable.is_structural;
+  }
+  return rows;
+}
+
+class TableWriter {
+ public:
+  TableWriter(std::string& out, const Description& description, std::map<std::size_t, Rows3> rows3)
+      : out_(out), description_(description), rows3_(std::move(rows3)) {}
+
+  void write(const Field& field) {
+    for (std::size_t i = 0; i < field.fmi_names.size(); ++i) {
+      if (field.type != FieldType::binary) {
+        write_row(field, i, field.fmi_names[i], "");
+        continue;
       }
-      line(out, "    {{.name = {},", cpp_literal(name));
-      line(out, "     .type = mebots::fmu::Type::{},", table_type(field.type));
-      line(out, "     .causality = mebots::fmu::Causality::{},", to_string(field.causality));
-      line(out, "     .variability = mebots::fmu::Variability::{},", to_string(field.variability));
-      line(out, "     .offset = {},", offset);
-      line(out, "     .min = {},", limit(field.min, "-kInfinity"));
-      line(out, "     .max = {},", limit(field.max, "kInfinity"));
-      line(out, "     .unit = {},", cpp_literal(field.unit));
-      if (field.type == FieldType::enumeration)
-        line(out, "     .items = k{}Items,", field.enumeration);
-      else
-        line(out, "     .items = {{}},");
-      line(out, "     .is_pointer = {}}},", field.type == FieldType::binary);
-    };
-    if (field.type == FieldType::binary) {
-      const std::string index = field.group ? fmt::format("[{}]", i) : "";
-      row("base.lo", index + ".base_lo");
-      row("base.hi", index + ".base_hi");
-      row("size", index + ".size");
-    } else {
-      row("", "");
+      for (const auto& [role, member] : {std::pair{"base.lo", "base_lo"}, {"base.hi", "base_hi"}, {"size", "size"}})
+        write_row(field, i, fmt::format("{}.{}", field.fmi_names[i], role), member);
     }
   }
-}
+
+ private:
+  void write_row(const Field& field, std::size_t element, const std::string& name, const std::string& part) {
+    std::string offset = "mebots::fmu::kNoField";
+    if (!field.on_demand) {
+      offset = fmt::format("offsetof(V, {}.{})", member_of(field.causality), field.cpp_name);
+      const std::string prefix = field.type == FieldType::enumeration ? qualifier(description_) : "";
+      const std::string type = prefix + element_type(field);
+      if (field.group) offset += fmt::format(" + {} * sizeof({})", element, type);
+      if (!part.empty()) offset += fmt::format(" + offsetof({}, {})", type, part);
+    }
+    line(out_, "    {{.name = {},", cpp_literal(name));
+    line(out_, "     .type = mebots::fmu::Type::{},", table_type(field.type));
+    line(out_, "     .causality = mebots::fmu::Causality::{},", to_string(field.causality));
+    line(out_, "     .variability = mebots::fmu::Variability::{},", to_string(field.variability));
+    line(out_, "     .offset = {},", offset);
+    line(out_, "     .min = {},", limit(field.min, "-kInfinity"));
+    line(out_, "     .max = {},", limit(field.max, "kInfinity"));
+    line(out_, "     .unit = {},", cpp_literal(field.unit));
+    if (field.type == FieldType::enumeration)
+      line(out_, "     .items = k{}Items,", field.enumeration);
+    else
+      line(out_, "     .items = {{}},");
+    line(out_, "     .is_pointer = {},", field.type == FieldType::binary);
+    const auto found = rows3_.find(row_++);
+    const Rows3 row3 = found == rows3_.end() ? Rows3{} : found->second;
+    line(out_, "     .elements = {},", row3.elements);
+    line(out_, "     .size_row = {},", row3.size_row);
+    line(out_, "     .is_structural = {}}},", row3.is_structural);
+  }
+
+  std::string& out_;
+  const Description& description_;
+  std::map<std::size_t, Rows3> rows3_;
+  std::size_t row_ = 0;
+};
 
 }  // namespace
 
@@ -239,7 +276,7 @@ std::string binding_header(const Description& description) {
   return out;
 }
 
-std::string variable_table_source(const Description& description, const std::string& guid) {
+std::string variable_table_source(const Description& description, const std::string& guid, const std::string& token) {
   std::string out;
   file_head(out, description);
   line(out, "#include \"{}/binding.hpp\"", description.name);
@@ -256,7 +293,8 @@ std::string variable_table_source(const Description& description, const std::str
   }
   line(out, "// The value reference is the index.");
   line(out, "constexpr mebots::fmu::Variable kVariables[] = {{");
-  for (const Field& field : description.fields) write_rows(out, description, field);
+  TableWriter table(out, description, token.empty() ? std::map<std::size_t, Rows3>{} : fmi3_rows(description));
+  for (const Field& field : description.fields) table.write(field);
   line(out, "}};\n");
   if (!description.log_categories.empty()) {
     line(out, "constexpr std::string_view kLogCategories[] = {{");
@@ -267,6 +305,7 @@ std::string variable_table_source(const Description& description, const std::str
   line(out, "const mebots::fmu::Definition mebots::fmu::kDefinition = {{");
   line(out, "    .model_identifier = {},", cpp_literal(description.name));
   line(out, "    .guid = {},", cpp_literal(guid));
+  line(out, "    .instantiation_token = {},", cpp_literal(token));
   line(out, "    .variables = kVariables,");
   line(out, "    .log_categories = {},", description.log_categories.empty() ? "{}" : "kLogCategories");
   line(out, "    .make_variables = []() -> std::shared_ptr<void> {{ return std::make_shared<V>(); }},");

@@ -30,8 +30,21 @@ int main(int argc, char** argv) {
       ->type_name("FILE.json")
       ->required();
   generate_command->add_option("--board", board, "board file whose devices' variables join in")->type_name("FILE.json");
+  std::vector<int> versions;
+  bool has_icon = false;
+  generate_command
+      ->add_option("--fmi", versions,
+                   "version of FMI, 2 or 3 (may repeat); what is of 3.0 alone goes to FOLDER/fmi3 then. Default: the "
+                   "description's")
+      ->check(CLI::IsMember({2, 3}));
+  generate_command->add_flag("--icon", has_icon, "the archive will have a picture (pack --icon); FMI 3.0 announces it");
   generate_command->add_option("--out", folder, "folder to write to")->type_name("FOLDER")->required();
-  generate_command->callback([&] { generate(read_description(description, board), folder); });
+  generate_command->callback([&] {
+    GenerateOptions options;
+    options.has_icon = has_icon;
+    for (const int version : versions) options.fmi.push_back(static_cast<FmiVersion>(version));
+    generate(read_description(description, board), folder, options);
+  });
 
   std::string archive;
   FmuParts parts;
@@ -48,7 +61,11 @@ int main(int argc, char** argv) {
       ->type_name("FOLDER");
   pack_command->add_option("--resource-file", parts.resource_files, "file that goes to resources/ (may repeat)")
       ->type_name("FILE");
-  pack_command->add_option("--icon", parts.icon, "picture that becomes model.png")->type_name("FILE.png");
+  pack_command
+      ->add_option("--icon", parts.icon, "picture that becomes model.png; in FMI 3.0, terminalsAndIcons/icon.png")
+      ->type_name("FILE.png");
+  pack_command->add_option("--terminals", parts.terminals, "terminalsAndIcons.xml of FMI 3.0; left out if empty")
+      ->type_name("FILE.xml");
   pack_command->add_option("--license", parts.license, "licence text of the FMU")->type_name("FILE");
   pack_command->add_option("--license-id", parts.license_id, "the same as an SPDX expression")->type_name("EXPRESSION");
   pack_command

@@ -7,8 +7,11 @@
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
 #include "mebots/modeldesc/xml.hpp"
+#include "mebots/text_file.hpp"
 
+#include <elf.h>
 #include <fmt/format.h>
+#include <pugixml.hpp>
 
 #include <algorithm>
 #include <map>
@@ -45,18 +48,49 @@ void add_folder(const fs::path& folder, const std::string& target, std::vector<P
       files.push_back({target + entry.path().lexically_relative(folder).generic_string(), entry.path()});
 }
 
+/// What the archive's layout and papers need of a modelDescription.xml.
+struct Subject {
+  bool is_fmi3 = false;
+  std::string name;
+  std::string version;
+  std::string model_identifier;
+};
+
+Subject read_subject(const fs::path& file) {
+  const std::string text = xml_as_utf8(text_of(file), file.string());
+  pugi::xml_document document;
+  parse_xml(document, text, file.string());
+  const auto root = document.document_element();
+  const auto co_simulation = root.child("CoSimulation");
+  if (!co_simulation) throw Error(ErrorCode::fmu_unsupported, fmt::format("{}: has no <CoSimulation>", file.string()));
+  return {std::string_view(root.attribute("fmiVersion").value()).starts_with("3."), root.attribute("modelName").value(),
+          root.attribute("version").value(), co_simulation.attribute("modelIdentifier").value()};
+}
+
+/// The folder of the library's platform. FMI 2.0 has one name for all 64-bit Linux.
+std::string_view platform(const fs::path& binary, bool is_fmi3) {
+  if (!is_fmi3) return "linux64";
+  return read_elf_library(binary).machine == EM_AARCH64 ? "aarch64-linux" : "x86_64-linux";
+}
+
+/// Folders and files whose places differ between the versions.
+void add_versioned(const FmuParts& parts, const Subject& subject, std::vector<PackedFile>& files) {
+  if (!parts.icon.empty()) files.push_back({subject.is_fmi3 ? "terminalsAndIcons/icon.png" : "model.png", parts.icon});
+  std::error_code error;
+  if (!parts.terminals.empty() && fs::file_size(parts.terminals, error) > 0)
+    files.push_back({"terminalsAndIcons/terminalsAndIcons.xml", parts.terminals});
+}
+
 }  // namespace
 
 void pack_fmu(const fs::path& archive, const FmuParts& parts) {
-  const ModelDescription description = read_xml(parts.description);
-  if (!description.co_simulation)
-    throw Error(ErrorCode::fmu_unsupported, fmt::format("{}: has no <CoSimulation>", parts.description.string()));
-  const std::string binaries = "binaries/linux64/";
+  const Subject subject = read_subject(parts.description);
+  const std::string binaries = fmt::format("binaries/{}/", platform(parts.binary, subject.is_fmi3));
 
   std::vector<PackedFile> files;
   files.push_back({"modelDescription.xml", parts.description});
   files.push_back({"documentation/index.html", parts.documentation});
-  files.push_back({binaries + description.co_simulation->model_identifier + ".so", parts.binary});
+  files.push_back({binaries + subject.model_identifier + ".so", parts.binary});
 
   std::map<std::string, fs::path> bundled;
   for (const fs::path& library : parts.libraries) {
@@ -69,7 +103,7 @@ void pack_fmu(const fs::path& archive, const FmuParts& parts) {
     files.push_back({binaries + name, library});
   }
 
-  if (!parts.icon.empty()) files.push_back({"model.png", parts.icon});
+  add_versioned(parts, subject, files);
   if (!parts.license.empty()) files.push_back({"documentation/licenses/license.txt", parts.license});
   const auto others = parts.parts.empty() ? std::vector<Part>{} : read_parts(parts.parts);
   std::set<std::string> licensed;  // two libraries of one package share its licence
@@ -78,7 +112,7 @@ void pack_fmu(const fs::path& archive, const FmuParts& parts) {
       files.push_back({fmt::format("documentation/licenses/{}.txt", part.name), part.text});
   const TemporaryFolder made("mebots-pack");
   const auto bill = made.path() / "sbom.spdx.json";
-  write_text_file(bill, spdx_document({description.model_name, description.version, parts.license_id}, others));
+  write_text_file(bill, spdx_document({subject.name, subject.version, parts.license_id}, others));
   files.push_back({"documentation/sbom.spdx.json", bill});
   if (!parts.reference.empty()) add_folder(parts.reference, "documentation/reference/", files);
   for (const fs::path& folder : parts.resource_folders) add_folder(folder, "resources/", files);

@@ -35,15 +35,16 @@ std::string spdx_document(const Product& product, std::vector<Part> parts);
 
 /// What goes into an FMU.
 struct FmuParts {
-  std::filesystem::path description;                    // modelDescription.xml
-  std::filesystem::path documentation;                  // index.html
-  std::filesystem::path binary;                         // becomes binaries/linux64/<model identifier>.so
-  std::filesystem::path icon;                           // model.png; may be empty
-  std::filesystem::path license;                        // becomes documentation/licenses/license.txt; may be empty
-  std::filesystem::path reference;                      // folder, becomes documentation/reference; may be empty
-  std::vector<std::filesystem::path> libraries;         // beside the binary, under their SONAME
-  std::filesystem::path parts;                          // list of other people's (parts.hpp); may be empty
-  std::string license_id;                               // SPDX expression of `license`; may be empty
+  std::filesystem::path description;             // modelDescription.xml
+  std::filesystem::path documentation;           // index.html
+  std::filesystem::path binary;                  // becomes binaries/<platform>/<model identifier>.so
+  std::filesystem::path icon;                    // model.png, FMI 3.0: terminalsAndIcons/icon.png; may be empty
+  std::filesystem::path terminals;               // terminalsAndIcons.xml of FMI 3.0; may be empty, or an empty file
+  std::filesystem::path license;                 // becomes documentation/licenses/license.txt; may be empty
+  std::filesystem::path reference;               // folder, becomes documentation/reference; may be empty
+  std::vector<std::filesystem::path> libraries;  // beside the binary, under their SONAME
+  std::filesystem::path parts;                   // list of other people's (parts.hpp); may be empty
+  std::string license_id;                        // SPDX expression of `license`; may be empty
   std::vector<std::filesystem::path> resource_folders;  // their contents go to resources/
   std::vector<std::filesystem::path> resource_files;    // go to resources/
 };

@@ -105,12 +105,6 @@ void add_structure(const Description& description, ModelDescription& result) {
   }
 }
 
-std::string guid_of(const ModelDescription& description) {
-  const std::string digest = sha256_hex(write_xml(description));
-  return fmt::format("{{{}-{}-{}-{}-{}}}", digest.substr(0, 8), digest.substr(8, 4), digest.substr(12, 4),
-                     digest.substr(16, 4), digest.substr(20, 12));
-}
-
 }  // namespace
 
 ModelDescription to_model_description(const Description& description) {
@@ -150,7 +144,7 @@ ModelDescription to_model_description(const Description& description) {
   for (const std::string& unit : used_units)
     if (!unit.empty()) result.units.push_back(parse_unit(unit));
   add_structure(description, result);
-  result.guid = guid_of(result);
+  result.guid = token_of(write_xml(result));
   return result;
 }
 

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "fmi3_variables.hpp"
 #include "generate.hpp"
 
 #include <fmt/format.h>
+
+#include <map>
+#include <string>
+#include <vector>
 
 namespace mebots::modeldesc {
 namespace {
@@ -43,17 +48,53 @@ std::string range_text(const Variable& variable) {
   return "";
 }
 
-void write_table(std::string& out, const ModelDescription& description, Causality causality, const char* heading) {
-  std::string rows;
+/// A row of a table of variables.
+struct Row {
+  std::string name;
+  std::string unit;
+  std::string type;
+  std::string start;
+  std::string range;
+  std::string text;
+};
+using Rows = std::map<Causality, std::vector<Row>>;
+
+Rows rows_of(const ModelDescription& description) {
+  Rows rows;
   for (const Variable& variable : description.variables) {
-    if (variable.causality != causality) continue;
     const std::string type =
         variable.declared_type.empty() ? std::string(to_string(variable.type)) : variable.declared_type;
-    rows += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                        escaped(variable.name), escaped(variable.unit), escaped(type),
-                        start_text(description, variable), range_text(variable), escaped(variable.text));
+    rows[variable.causality].push_back(
+        {variable.name, variable.unit, type, start_text(description, variable), range_text(variable), variable.text});
   }
-  if (rows.empty()) return;
+  return rows;
+}
+
+/// Of an array, the start values of its elements in one cell.
+Rows fmi3_rows(const Description& description, const ModelDescription& common) {
+  Rows rows;
+  for (const Fmi3Variable& variable : fmi3_variables(description)) {
+    const Field& field = *variable.field;
+    std::string type = field.enumeration.empty() ? fmi3_type(variable) : field.enumeration;
+    if (variable.is_array) type += fmt::format("[{}]", variable.elements);
+    std::string start;
+    for (std::size_t i = 0; i < variable.elements && field.type != FieldType::binary; ++i)
+      start += (i == 0 ? "" : ", ") + start_text(common, common.variables[variable.value_reference + i]);
+    if (field.starts.empty()) start.clear();
+    rows[field.causality].push_back({variable.name, field.unit, type, start,
+                                     range_text(common.variables[variable.value_reference]), variable.text});
+  }
+  return rows;
+}
+
+void write_table(std::string& out, const Rows& all, Causality causality, const char* heading) {
+  const auto found = all.find(causality);
+  if (found == all.end()) return;
+  std::string rows;
+  for (const Row& row : found->second)
+    rows +=
+        fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                    escaped(row.name), escaped(row.unit), escaped(row.type), row.start, row.range, escaped(row.text));
   out += fmt::format(
       "<h2>{}</h2>\n<table>\n<tr><th>Name</th><th>Unit</th><th>Type</th><th>Start</th><th>Range</th><th>Meaning</th></"
       "tr>\n"
@@ -61,9 +102,7 @@ void write_table(std::string& out, const ModelDescription& description, Causalit
       heading, rows);
 }
 
-}  // namespace
-
-std::string write_html(const ModelDescription& description) {
+std::string write_page(const ModelDescription& description, std::string_view version, const Rows& rows) {
   std::string out = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{0}</title>\n<style>\n"
       "body {{ font-family: sans-serif; max-width: 70em; margin: 2em auto; padding: 0 1em; color: #222; }}\n"
@@ -72,13 +111,14 @@ std::string write_html(const ModelDescription& description) {
       "th {{ background: #f2f2f2; }}\n</style>\n</head>\n<body>\n<h1>{0}</h1>\n<p>{1}.</p>\n",
       escaped(description.model_name), escaped(description.text));
   out += fmt::format(
-      "<p>An FMI 2.0 co-simulation unit. Default step {:g} s, default stop time {:g} s; any step size works, state can "
+      "<p>An FMI {} co-simulation unit. Default step {:g} s, default stop time {:g} s; any step size works, state can "
       "be "
       "saved, restored and serialised, and one process may hold many instances.</p>\n",
-      description.default_experiment.step_size_s.value_or(0), description.default_experiment.stop_time_s.value_or(0));
-  write_table(out, description, Causality::parameter, "Parameters");
-  write_table(out, description, Causality::input, "Inputs");
-  write_table(out, description, Causality::output, "Outputs");
+      version, description.default_experiment.step_size_s.value_or(0),
+      description.default_experiment.stop_time_s.value_or(0));
+  write_table(out, rows, Causality::parameter, "Parameters");
+  write_table(out, rows, Causality::input, "Inputs");
+  write_table(out, rows, Causality::output, "Outputs");
   for (const TypeDefinition& type : description.types) {
     if (type.type != Type::enumeration) continue;
     out += fmt::format("<h2>Type {}</h2>\n<table>\n<tr><th>Value</th><th>Name</th></tr>\n", escaped(type.name));
@@ -95,6 +135,16 @@ std::string write_html(const ModelDescription& description) {
       "href=\"licenses/license.txt\">licenses/license.txt</a>.</p>\n</body>\n</html>\n",
       escaped(description.generation_tool), escaped(description.license));
   return out;
+}
+
+}  // namespace
+
+std::string write_html(const ModelDescription& description) {
+  return write_page(description, "2.0", rows_of(description));
+}
+
+std::string write_fmi3_html(const Description& description, const ModelDescription& common) {
+  return write_page(common, "3.0", fmi3_rows(description, common));
 }
 
 }  // namespace mebots::modeldesc

@@ -1,40 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/modeldesc/xml.hpp"
+#include "xml_writer.hpp"
 
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
-#include <sstream>
-
 namespace mebots::modeldesc {
 namespace {
-
-// pugixml prints doubles with fixed digits; fmt gives the shortest text that reads back as the same number.
-std::string number(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.ends_with(".0")) text.resize(text.size() - 2);
-  return text;
-}
-
-class Element {
- public:
-  explicit Element(pugi::xml_node node) : node_(node) {}
-
-  Element child(const char* name) { return Element(node_.append_child(name)); }
-  Element& text(const char* name, const std::string& value) {
-    node_.append_attribute(name).set_value(value.c_str());
-    return *this;
-  }
-  Element& text_if(const char* name, const std::string& value) { return value.empty() ? *this : text(name, value); }
-  Element& number_if(const char* name, const std::optional<double>& value) {
-    return value ? text(name, number(*value)) : *this;
-  }
-  Element& flag_if(const char* name, bool value) { return value ? text(name, "true") : *this; }
-  void comment(const char* value) { node_.append_child(pugi::node_comment).set_value(value); }
-
- private:
-  pugi::xml_node node_;
-};
 
 void write_co_simulation(Element root, const CoSimulation& flags) {
   Element element = root.child("CoSimulation");
@@ -55,29 +27,9 @@ void write_co_simulation(Element root, const CoSimulation& flags) {
   for (const std::string& file : flags.source_files) files.child("File").text("name", file);
 }
 
-void write_units(Element root, const std::vector<Unit>& units) {
-  if (units.empty()) return;
-  Element definitions = root.child("UnitDefinitions");
-  for (const Unit& unit : units) {
-    Element element = definitions.child("Unit").text("name", unit.name);
-    if (unit.has_base) {
-      Element base = element.child("BaseUnit");
-      for (std::size_t i = 0; i < kBaseUnits.size(); ++i)
-        if (unit.exponents[i] != 0) base.text(std::string(kBaseUnits[i]).c_str(), std::to_string(unit.exponents[i]));
-      if (unit.factor != 1) base.text("factor", number(unit.factor));
-      if (unit.offset != 0) base.text("offset", number(unit.offset));
-    }
-    for (const DisplayUnit& display : unit.display_units) {
-      Element shown = element.child("DisplayUnit").text("name", display.name);
-      if (display.factor != 1) shown.text("factor", number(display.factor));
-      if (display.offset != 0) shown.text("offset", number(display.offset));
-    }
-  }
-}
-
 /// A whole number as text when the type counts in them.
 std::string limit_text(double value, Type type) {
-  return type == Type::real ? number(value) : fmt::format("{}", static_cast<std::int64_t>(value));
+  return type == Type::real ? number_text(value) : fmt::format("{}", static_cast<std::int64_t>(value));
 }
 
 template <typename Source>
@@ -104,7 +56,7 @@ void write_types(Element root, const std::vector<TypeDefinition>& types) {
 }
 
 void write_start(Element element, const Value& start) {
-  if (const auto* real = std::get_if<double>(&start)) element.text("start", number(*real));
+  if (const auto* real = std::get_if<double>(&start)) element.text("start", number_text(*real));
   if (const auto* integer = std::get_if<std::int32_t>(&start)) element.text("start", std::to_string(*integer));
   if (const auto* boolean = std::get_if<bool>(&start)) element.text("start", *boolean ? "true" : "false");
   if (const auto* text = std::get_if<std::string>(&start)) element.text("start", *text);
@@ -163,12 +115,8 @@ void write_unknowns(Element structure, const char* name, const std::vector<Unkno
 }  // namespace
 
 std::string write_xml(const ModelDescription& description) {
-  pugi::xml_document document;
-  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
-  declaration.append_attribute("version") = "1.0";
-  declaration.append_attribute("encoding") = "UTF-8";
-
-  Element root(document.append_child("fmiModelDescription"));
+  XmlText text("fmiModelDescription");
+  Element root = text.root();
   root.text("fmiVersion", description.fmi_version)
       .text("modelName", description.model_name)
       .text("guid", description.guid)
@@ -185,27 +133,14 @@ std::string write_xml(const ModelDescription& description) {
   if (description.co_simulation) write_co_simulation(root, *description.co_simulation);
   write_units(root, description.units);
   write_types(root, description.types);
-  if (!description.log_categories.empty()) {
-    Element categories = root.child("LogCategories");
-    for (const LogCategory& category : description.log_categories)
-      categories.child("Category").text("name", category.name).text_if("description", category.text);
-  }
-  const DefaultExperiment& experiment = description.default_experiment;
-  if (experiment != DefaultExperiment{})
-    root.child("DefaultExperiment")
-        .number_if("startTime", experiment.start_time_s)
-        .number_if("stopTime", experiment.stop_time_s)
-        .number_if("tolerance", experiment.tolerance)
-        .number_if("stepSize", experiment.step_size_s);
+  write_log_categories(root, description.log_categories);
+  write_default_experiment(root, description.default_experiment);
   Element variables = root.child("ModelVariables");
   for (std::size_t i = 0; i < description.variables.size(); ++i) write_variable(variables, description.variables[i], i);
   Element structure = root.child("ModelStructure");
   write_unknowns(structure, "Outputs", description.outputs);
   write_unknowns(structure, "Derivatives", description.derivatives);
   write_unknowns(structure, "InitialUnknowns", description.initial_unknowns);
-
-  std::ostringstream text;
-  document.save(text, "  ", pugi::format_default, pugi::encoding_utf8);
   return text.str();
 }
 

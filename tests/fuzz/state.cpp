@@ -114,6 +114,7 @@ namespace mebots::fmu {
 
 const Definition kDefinition = {"kept",
                                 "{fuzz}",
+                                "",
                                 kVariables,
                                 {},
                                 [] { return std::static_pointer_cast<void>(std::make_shared<Variables>()); },

@@ -413,6 +413,7 @@ BoardDevice read_device(const Node& node, std::set<std::string>& names) {
   object.read_if("variables", device.variables,
                  data::list_of([&](const Node& member) { return read_variable(member, described); }));
   object.read_if("enumerations", device.enumerations, by_name<BoardEnumeration>(&read_enumeration));
+  object.allow({"terminals"});  // of the FMU, not of the chip
   object.finish();
   if (!on_bus) check_part(node, object, device);
   if (!object.sound()) return device;

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fmi3_variables.hpp"
+
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+namespace mebots::modeldesc {
+namespace {
+
+/// "rotor" of "rotor[1]", "rotor[2]" and so on; empty for other words.
+std::string common_stem(const Group& group) {
+  const std::string stem = group.words.front().substr(0, group.words.front().rfind('['));
+  const auto has_stem = [&](const std::string& word) {
+    return word.ends_with(']') && word.substr(0, word.rfind('[')) == stem;
+  };
+  return std::ranges::all_of(group.words, has_stem) ? stem : "";
+}
+
+/// The field's name with a stem for the {group}, or without it: drone.position of drone.position.{axis}.
+std::string array_name(const Field& field, const Group& group) {
+  std::string name = field.name;
+  const auto open = name.find('{');
+  const std::string stem = common_stem(group);
+  const std::string word = stem.empty() && open == 0 ? group.name : stem;
+  name.replace(open, group.name.size() + 2, word);
+  if (!word.empty()) return name;
+  if (const auto dots = name.find(".."); dots != std::string::npos) name.erase(dots, 1);
+  if (name.ends_with('.')) name.pop_back();
+  return name;
+}
+
+std::string array_text(const Field& field, const Group& group) {
+  return common_stem(group).empty() ? fmt::format("{} ({})", field.text, fmt::join(group.words, ", ")) : field.text;
+}
+
+void check_names(const Description& description, const std::vector<Fmi3Variable>& variables) {
+  std::set<std::string_view> names = {kTimeName};
+  for (const Fmi3Variable& variable : variables) {
+    if (names.insert(variable.name).second) continue;
+    throw Error(
+        ErrorCode::duplicate_name,
+        fmt::format("{}: in FMI 3.0, {} would have the name {}, which is {}; rename it, or take its group out of "
+                    "'arrays'",
+                    description.source, variable.field->name, variable.name,
+                    variable.name == kTimeName ? "that of the independent variable" : "taken"));
+  }
+}
+
+}  // namespace
+
+std::size_t rows_per_element(const Field& field) {
+  return field.type == FieldType::binary ? kOsmpRoles.size() : 1;
+}
+
+std::vector<Fmi3Variable> fmi3_variables(const Description& description) {
+  std::vector<Fmi3Variable> variables;
+  std::size_t row = 0;
+  for (const Field& field : description.fields) {
+    const Group* group = field.group ? &description.groups[*field.group] : nullptr;
+    const bool is_array = group != nullptr && group->is_array;
+    const std::size_t count = is_array ? 1 : field.fmi_names.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      Fmi3Variable variable;
+      variable.field = &field;
+      variable.name = is_array ? array_name(field, *group) : field.fmi_names[i];
+      variable.text = is_array ? array_text(field, *group) : field.text;
+      variable.value_reference = static_cast<std::uint32_t>(row);
+      variable.first = i;
+      variable.elements = is_array ? field.fmi_names.size() : 1;
+      variable.start_elements = variable.elements;
+      variable.rows = variable.elements * rows_per_element(field);
+      variable.is_array = is_array;
+      row += variable.rows;
+      variables.push_back(std::move(variable));
+    }
+  }
+  for (Fmi3Variable& variable : variables) {
+    if (!variable.is_array) continue;
+    const Group& group = description.groups[*variable.field->group];
+    if (group.size_source.empty()) continue;
+    const auto source =
+        std::ranges::find(variables, group.size_source, [](const Fmi3Variable& v) { return v.field->name; });
+    source->is_structural = true;
+    variable.size_reference = source->value_reference;
+    variable.start_elements = static_cast<std::size_t>(whole_number_of(source->field->starts.front()));
+  }
+  check_names(description, variables);
+  return variables;
+}
+
+const char* fmi3_type(const Fmi3Variable& variable) {
+  switch (variable.field->type) {
+    case FieldType::real:
+      return "Float64";
+    case FieldType::integer:
+      return variable.is_structural ? "UInt64" : "Int32";
+    case FieldType::boolean:
+      return "Boolean";
+    case FieldType::string:
+      return "String";
+    case FieldType::binary:
+      return "Binary";
+    case FieldType::enumeration:
+      return "Enumeration";
+  }
+  return "";
+}
+
+}  // namespace mebots::modeldesc

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/modeldesc/model_description.hpp"
+
+#include <pugixml.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What the writers of XML for all versions of FMI share.
+namespace mebots::modeldesc {
+
+/// The shortest text that reads back as the same number; pugixml would print fixed digits.
+std::string number_text(double value);
+
+class Element {
+ public:
+  explicit Element(pugi::xml_node node) : node_(node) {}
+
+  Element child(const char* name) { return Element(node_.append_child(name)); }
+  Element& text(const char* name, const std::string& value) {
+    node_.append_attribute(name).set_value(value.c_str());
+    return *this;
+  }
+  Element& text_if(const char* name, const std::string& value) { return value.empty() ? *this : text(name, value); }
+  Element& number_if(const char* name, const std::optional<double>& value) {
+    return value ? text(name, number_text(*value)) : *this;
+  }
+  Element& flag_if(const char* name, bool value) { return value ? text(name, "true") : *this; }
+  void comment(const char* value) { node_.append_child(pugi::node_comment).set_value(value); }
+
+ private:
+  pugi::xml_node node_;
+};
+
+/// A document of one root, as text.
+class XmlText {
+ public:
+  explicit XmlText(const char* root);
+  Element root() { return Element(document_.document_element()); }
+  std::string str() const;
+
+ private:
+  pugi::xml_document document_;
+};
+
+void write_units(Element root, const std::vector<Unit>& units);
+void write_log_categories(Element root, const std::vector<LogCategory>& categories);
+void write_default_experiment(Element root, const DefaultExperiment& experiment);
+
+}  // namespace mebots::modeldesc
