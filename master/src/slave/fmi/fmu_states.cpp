@@ -69,8 +69,8 @@ void FmuStates<Functions>::restore(const SlaveState& state) {
   const auto& saved = static_cast<const State&>(state);
   if (saved.time_ns < promised_ns_) {
     throw Error(ErrorCode::wrong_call_order,
-                fmt::format("instance '{}': its state of {} s cannot be restored: at {} s no state was kept, so its "
-                            "FMU was told that it will not be set back (noSetFMUStatePriorToCurrentPoint). Keep a "
+                fmt::format("instance '{}': its state of {} s cannot be restored: at {} s no state was kept, so the "
+                            "FMU was promised that it will not be set back (noSetFMUStatePriorToCurrentPoint). Keep a "
                             "state for as long as the run may go back",
                             calls_->name(), to_seconds(saved.time_ns), to_seconds(promised_ns_)));
   }

@@ -40,8 +40,8 @@ class FmuStates {
             bool can_serialize)
       : calls_(&calls), functions_(&functions), names_(&names), can_save_(can_save), can_serialize_(can_serialize) {}
 
-  /// Returns true if a step from `start_ns` may tell the FMU that it will not be set back to before that time, because
-  /// no state is kept. An FMU that is told so may drop what it would need to go back.
+  /// Returns true if a step from `start_ns` may promise the FMU that it will not be set back to before that time,
+  /// because no state is kept. An FMU with that promise may drop what it would need to go back.
   bool promise_at(std::int64_t start_ns) {
     if (kept_ != 0) return false;
     promised_ns_ = start_ns;
