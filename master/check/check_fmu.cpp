@@ -3,6 +3,7 @@
 
 #include "behaviour_check.hpp"
 #include "checks.hpp"
+#include "fmi3_probes.hpp"
 
 #include "mebots/file_kind.hpp"
 #include "mebots/modeldesc/archive.hpp"
@@ -15,6 +16,7 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <pugixml.hpp>
 
 namespace mebots::check {
 namespace {
@@ -38,7 +40,12 @@ class FmuCheck {
   Report run() {
     report_.fmu = fmu_.string();
     report_.level = options_.level;
-    if (archive() && description() && options_.run && binaries()) behaviour();
+    if (archive()) {
+      if (text_is_fmi3())
+        run_fmi3();
+      else if (description() && options_.run && binaries())
+        behaviour();
+    }
     for (auto& check : report_.checks) {
       report_.untold +=
           std::erase_if(check.findings, [&](const Finding& finding) { return finding.level > options_.level; });
@@ -69,10 +76,84 @@ class FmuCheck {
     return fs::is_regular_file(folder_.path() / "modelDescription.xml");
   }
 
+  std::string description_text() const {
+    std::ifstream stream(folder_.path() / "modelDescription.xml", std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  }
+
+  /// The version first: each standard has its own rules. A file that is no XML is for those of FMI 2.0.
+  bool text_is_fmi3() const {
+    pugi::xml_document document;
+    document.load_file((folder_.path() / "modelDescription.xml").c_str());
+    return std::string_view(document.document_element().attribute("fmiVersion").value()).starts_with("3.");
+  }
+
+  void run_fmi3() {
+    const auto text = description_text();
+    Check& schema = add(Group::description, "modelDescription.xml has the elements and attributes of FMI 3.0");
+    check_schema(text, schema);
+    std::optional<Fmi3Description> description;
+    try {
+      description.emplace(text);
+    } catch (const Error& error) {
+      if (!has_error(schema)) Findings(schema).error(error.what(), "mend what the message names");
+      return;
+    }
+    std::string kinds;
+    for (const auto node : description->interfaces()) kinds += fmt::format(" {}", node.name());
+    report_.summary = fmt::format("FMI 3.0{}, {} variables", kinds, description->variables().size());
+    check_fmi3_text(*description);
+    if (!options_.run || has_error(schema)) return;
+    const Fmi3Target target{&*description, folder_.path(), fmi3_library_path(*description, folder_.path())};
+    if (fmi3_binaries(target)) fmi3_behaviour(target);
+  }
+
+  void check_fmi3_text(const Fmi3Description& description) {
+    const auto group = Group::description;
+    check_fmi3_head(description,
+                    add(group, "identifier, capabilities, log categories and default experiment are sound"));
+    check_fmi3_names(description, add(group, "variables have unique names and value references"));
+    check_fmi3_kinds(description, add(group, "causality, variability, initial and start go together"));
+    check_fmi3_types(description, add(group, "units and types are defined, and start values are within limits"));
+    check_fmi3_arrays(description, add(group, "dimensions and structural parameters are sound"));
+    check_fmi3_clocks(description, add(group, "clocks have their intervals"));
+    check_fmi3_structure(description, add(group, "ModelStructure lists all outputs and initial unknowns"));
+    check_fmi3_terminals(description, folder_.path(), add(group, "terminals and icons are sound"));
+    check_extra(folder_.path(), add(group, "layered standards have their manifests"));
+  }
+
+  bool fmi3_binaries(const Fmi3Target& target) {
+    Check& platforms = add(Group::binaries, "every platform has its library", Level::interoperable);
+    check_fmi3_platforms(*target.description, target.folder, platforms);
+    if (has_error(platforms) || !is_there(target.library)) return false;
+    Check& symbols =
+        add(Group::binaries, "the functions of FMI 3.0 are exported, and nothing else", Level::interoperable);
+    check_fmi3_symbols(*target.description, target.library, symbols);
+    Check& needed = add(Group::binaries, "all libraries it needs can be found", Level::interoperable);
+    check_needed_libraries(target.library, needed);
+    return !has_error(symbols) && !has_error(needed);
+  }
+
+  void fmi3_behaviour(const Fmi3Target& target) {
+    bool runs = true;
+    for (auto& probe : fmi3_probes(target)) {
+      Check& check = add(Group::behaviour, probe.name);
+      check.skipped = !probe.skipped.empty() ? probe.skipped : runs || probe.is_plain ? "" : "a plain run fails";
+      if (!check.skipped.empty()) continue;
+      run_in_child(crash_rule(), check, probe.run);
+      if (probe.is_plain) runs = !has_error(check);
+    }
+  }
+
+  CrashRule crash_rule() const {
+    CrashRule rule;
+    rule.deadline_s = options_.deadline_s;
+    rule.given_up = options_.given_up;
+    return rule;
+  }
+
   bool description() {
-    const auto file = folder_.path() / "modelDescription.xml";
-    std::ifstream stream(file, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    const auto text = description_text();
     check_schema(text, add(Group::description, "modelDescription.xml has the elements and attributes of FMI 2.0"));
     Check& readable = add(Group::description, "modelDescription.xml can be read as a whole", Level::interoperable);
     try {
@@ -166,10 +247,8 @@ class FmuCheck {
                         ? fmt::format("made at --level {}", to_string(probe.level))
                         : probe.skipped;
     if (!check.skipped.empty()) return true;
-    CrashRule rule;
+    CrashRule rule = crash_rule();
     rule.severity = probe.crash;
-    rule.deadline_s = options_.deadline_s;
-    rule.given_up = options_.given_up;
     run_in_child(rule, check, [&](Witness& witness) {
       const Library library(target, witness);
       probe.run(library);

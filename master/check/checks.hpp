@@ -17,9 +17,11 @@ void check_archive(const std::filesystem::path& archive, Findings findings);
 /// The same for an open archive (libzip's zip_t).
 void check_archive(zip& archive, Findings findings);
 
-/// Compares the text of a modelDescription.xml with the grammar of FMI 2.0: elements, their order and number,
-/// attributes, the form of their values, and the encoding.
+/// Compares the text of a modelDescription.xml with the grammar of the version of FMI that it names: elements, their
+/// order and number, attributes, the form of their values, and the encoding.
 void check_schema(std::string_view text, Findings findings);
+/// The same for the text of a terminalsAndIcons.xml.
+void check_terminals_schema(std::string_view text, Findings findings);
 
 using modeldesc::ModelDescription;
 

@@ -17,7 +17,7 @@ enum class Severity { error, warning };
 /// How strict a check is: each level has the findings of those before it.
 enum class Level {
   interoperable,  ///< what keeps other tools from running the FMU, or it from leaving them alone
-  standard,       ///< what FMI 2.0 demands
+  standard,       ///< what FMI demands
   pedantic        ///< what a careful author does beyond: answers to illegal calls, hidden symbols, accuracy
 };
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <pugixml.hpp>
 #include <string>
 #include <vector>
@@ -16,7 +17,9 @@ namespace {
 
 class SchemaCheck {
  public:
-  SchemaCheck(std::string_view text, Findings findings) : text_(text), findings_(findings) {}
+  /// Without a grammar, that of the version that the file names.
+  SchemaCheck(std::string_view text, Findings findings, std::optional<Grammar> grammar)
+      : text_(text), findings_(findings), grammar_(grammar) {}
 
   void run() {
     check_bytes();
@@ -28,23 +31,26 @@ class SchemaCheck {
                       "write the file with an XML library");
       return;
     }
+    const auto root = document.document_element();
+    if (!grammar_) grammar_ = grammar_of(root.attribute("fmiVersion").value());
+    const char* const wanted = names_terminals() ? "fmiTerminalsAndIcons" : "fmiModelDescription";
     for (const auto node : document.children()) {
       if (node.type() == pugi::node_doctype)
-        findings_.warning(
-            fmt::format("line {}: there is a DOCTYPE, which FMI 2.0 does not use", line(node.offset_debug())),
-            "remove it: careful tools refuse such files");
+        findings_.warning(fmt::format("line {}: there is a DOCTYPE, which FMI {} does not use",
+                                      line(node.offset_debug()), grammar_->version),
+                          "remove it: careful tools refuse such files");
       const std::string encoding = node.type() == pugi::node_declaration ? node.attribute("encoding").value() : "";
       if (!encoding.empty() && encoding != "UTF-8" && encoding != "utf-8")
-        findings_.error(fmt::format("the file declares the encoding {}; FMI 2.0 requires UTF-8", encoding),
-                        "write it in UTF-8");
+        findings_.error(
+            fmt::format("the file declares the encoding {}; FMI {} requires UTF-8", encoding, grammar_->version),
+            "write it in UTF-8");
     }
-    const auto root = document.document_element();
-    if (std::string_view(root.name()) != "fmiModelDescription") {
-      findings_.error(fmt::format("the root element is <{}>, not <fmiModelDescription>", root.name()),
+    if (std::string_view(root.name()) != wanted) {
+      findings_.error(fmt::format("the root element is <{}>, not <{}>", root.name(), wanted),
                       "is this the description of an FMU?");
       return;
     }
-    check_element(root, schema_rules());
+    check_element(root, *grammar_->root);
   }
 
  private:
@@ -83,11 +89,12 @@ class SchemaCheck {
     for (const auto attribute : node.attributes()) {
       const std::string_view name = attribute.name();
       if (name.starts_with("xmlns") || name.starts_with("xsi:")) continue;
+      if (grammar_->foreign_attributes && name.find(':') != std::string_view::npos) continue;
       const auto found = std::ranges::find(rule.attributes, name, &AttributeRule::name);
       if (found == rule.attributes.end()) {
         if (!rule.anything)
           error(
-              node, fmt::format("there is no attribute {} in FMI 2.0", name),
+              node, fmt::format("there is no attribute {} in FMI {}", name, grammar_->version),
               rule.attributes.empty() ? "remove it" : fmt::format("remove it; known here: {}", names(rule.attributes)));
         continue;
       }
@@ -109,14 +116,14 @@ class SchemaCheck {
       const std::string_view name = child.name();
       const auto found = std::ranges::find(rule.children, name, &ChildRule::name);
       if (found == rule.children.end()) {
-        error(child, fmt::format("<{}> has no such child in FMI 2.0", node.name()),
+        error(child, fmt::format("<{}> has no such child in FMI {}", node.name(), grammar_->version),
               rule.children.empty() ? "remove it" : fmt::format("remove it; known here: {}", names(rule.children)));
         continue;
       }
       const auto position = static_cast<std::size_t>(found - rule.children.begin());
       // FMI allows ModelExchange and CoSimulation in either order.
       const bool swapped = name == "ModelExchange" && last == 1;
-      if (position < last && !swapped)
+      if (position < last && !swapped && !rule.unordered)
         error(child, fmt::format("it must be before <{}>", rule.children[last].name),
               fmt::format("the order is: {}", names(rule.children)));
       last = std::max(last, position);
@@ -128,6 +135,8 @@ class SchemaCheck {
     for (const auto& child : rule.children)
       if (counts[child.name] < child.least)
         error(node, fmt::format("it holds no <{}>", child.name), fmt::format("add one, or remove <{}>", node.name()));
+    if (rule.unordered && counts.empty())
+      error(node, "it holds nothing", fmt::format("add one of {}, or remove it", names(rule.children)));
     if (rule.alternatives && chosen != 1)
       error(node, fmt::format("\"{}\" has {} types", node.attribute("name").value(), chosen),
             "give it one of <Real>, <Integer>, <Boolean>, <String>, <Enumeration>");
@@ -151,15 +160,22 @@ class SchemaCheck {
     return 1 + std::count(text_.begin(), text_.begin() + end, '\n');
   }
 
+  bool names_terminals() const { return grammar_->root == grammar_of_terminals().root; }
+
   std::string_view text_;
   Findings findings_;
+  std::optional<Grammar> grammar_;
   std::size_t errors_ = 0;
 };
 
 }  // namespace
 
 void check_schema(std::string_view text, Findings findings) {
-  SchemaCheck(text, findings).run();
+  SchemaCheck(text, findings, std::nullopt).run();
+}
+
+void check_terminals_schema(std::string_view text, Findings findings) {
+  SchemaCheck(text, findings, grammar_of_terminals()).run();
 }
 
 }  // namespace mebots::check

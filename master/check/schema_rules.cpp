@@ -12,17 +12,8 @@
 namespace mebots::check {
 namespace {
 
-/// Attributes are `name` or `name:form`, with `!` when they must be there. Children are names of elements, as
-/// `name=rule` where an element's rule depends on where it stands; `?` at most once, `+` at least once, `*` any number,
-/// else exactly once. `|` before the children: exactly one of them.
-struct Row {
-  std::string_view rule;
-  std::string_view attributes;
-  std::string_view children;
-};
-
 // FMI 2.0.4, sections 2.2 and 4.3.1, written from the text of the standard.
-constexpr Row kRows[] = {
+constexpr RuleRow kRows[] = {
     {"fmiModelDescription",
      "fmiVersion! modelName! guid! description author version copyright license generationTool "
      "generationDateAndTime:date variableNamingConvention:naming numberOfEventIndicators:count",
@@ -127,15 +118,17 @@ ChildRule child_rule(std::string_view word, const Rules& rules) {
   return {std::string(name), &found->second, none_or_one || any ? 0U : 1U, one_or_more || any ? SIZE_MAX : 1U};
 }
 
-Rules read_rows() {
+Rules read_rows(std::span<const RuleRow> rows) {
   Rules rules;
-  for (const Row& row : kRows) rules[row.rule];  // children point to rules that stand below
-  for (const Row& row : kRows) {
+  for (const RuleRow& row : rows) rules[row.rule];  // children point to rules that stand below
+  for (const RuleRow& row : rows) {
     ElementRule& rule = rules[row.rule];
     for_each_word(row.attributes, [&](std::string_view word) { rule.attributes.push_back(attribute_rule(word)); });
     for_each_word(row.children, [&](std::string_view word) {
       if (word == "|") {
         rule.alternatives = true;
+      } else if (word == "&") {
+        rule.unordered = true;
       } else if (word == "...") {
         rule.anything = true;
       } else {
@@ -146,11 +139,21 @@ Rules read_rows() {
   return rules;
 }
 
+const Rules& fmi3_rules() {
+  static const Rules kRules = read_rows(fmi3_rule_rows());
+  return kRules;
+}
+
 }  // namespace
 
-const ElementRule& schema_rules() {
-  static const Rules kRules = read_rows();
-  return kRules.at("fmiModelDescription");
+Grammar grammar_of(std::string_view fmi_version) {
+  static const Rules kRules = read_rows(kRows);
+  if (fmi_version.starts_with("3.")) return {"3.0", &fmi3_rules().at("fmiModelDescription"), true};
+  return {"2.0", &kRules.at("fmiModelDescription"), false};
+}
+
+Grammar grammar_of_terminals() {
+  return {"3.0", &fmi3_rules().at("fmiTerminalsAndIcons"), true};
 }
 
 }  // namespace mebots::check

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,10 +44,31 @@ struct ElementRule {
   std::vector<AttributeRule> attributes;
   std::vector<ChildRule> children;
   bool alternatives = false;  // exactly one of `children` but for Annotations
+  bool unordered = false;     // at least one of `children`, in any order
   bool anything = false;      // a vendor's own contents
 };
 
-/// Returns the rule of the root element, fmiModelDescription. All other rules are its children.
-const ElementRule& schema_rules();
+/// A row of a grammar as text. Attributes are `name` or `name:form`, with `!` when they must be there. Children are
+/// names of elements, as `name=rule` where an element's rule depends on its place; `?` at most once, `+` at least once,
+/// `*` any number, else exactly once. `|` before the children: exactly one of them; `&`: at least one, in any order.
+struct RuleRow {
+  std::string_view rule;
+  std::string_view attributes;
+  std::string_view children;
+};
+
+/// The grammar of FMI 3.0.
+std::span<const RuleRow> fmi3_rule_rows();
+
+/// A version of FMI, as its files name it.
+struct Grammar {
+  std::string_view version;  // for people, "3.0"
+  const ElementRule* root;   // fmiModelDescription, or fmiTerminalsAndIcons
+  bool foreign_attributes;   // attributes of other name spaces may be there
+};
+
+/// Returns the grammar of modelDescription.xml in this version: that of 3.0 for 3.x, else that of 2.0.
+Grammar grammar_of(std::string_view fmi_version);
+Grammar grammar_of_terminals();
 
 }  // namespace mebots::check

@@ -17,6 +17,9 @@ namespace {
 constexpr std::string_view kSpace = " \t\r\n";
 constexpr std::string_view kFlagWords[] = {"true", "false", "0", "1"};
 constexpr std::string_view kNamingWords[] = {"flat", "structured"};
+constexpr std::string_view kCausality3Words[] = {
+    "parameter", "calculatedParameter", "structuralParameter", "input", "output", "local", "independent"};
+constexpr std::string_view kIntervalWords[] = {"constant", "fixed", "tunable", "changing", "countdown", "triggered"};
 constexpr std::string_view kDependencyWords[] = {"dependent", "constant", "fixed", "tunable", "discrete"};
 
 template <const auto& kWords>
@@ -73,13 +76,35 @@ bool is_date(std::string_view text) {
   return text.empty() || ((take("Z") || take("+00:00") || take("-00:00")) && text.empty());
 }
 
-bool is_list_of_dependencies(std::string_view text) {
+template <bool (*holds)(std::string_view)>
+bool is_list(std::string_view text) {
   for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
     const auto end = std::min(text.find_first_of(kSpace), text.size());
-    if (!is_one_of<kDependencyWords>(text.substr(0, end))) return false;
+    if (!holds(text.substr(0, end))) return false;
     text.remove_prefix(end);
   }
   return true;
+}
+
+bool is_hexadecimal(std::string_view text) {
+  return text.size() % 2 == 0 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
+}
+
+/// 3.0, 3.0.2 or 3.1-alpha.1: a major version of 3 without leading zeros.
+bool is_fmi3_version(std::string_view text) {
+  if (!text.starts_with("3.")) return false;
+  text.remove_prefix(2);
+  const auto number = [&] {
+    const bool zero = text.starts_with('0');
+    const auto digits = take_digits(text);
+    return digits == 1 || (digits > 1 && !zero);
+  };
+  if (!number()) return false;
+  if (text.starts_with('.')) {
+    text.remove_prefix(1);
+    if (!number()) return false;
+  }
+  return text.empty() || (text.starts_with('-') && text.size() > 1);
 }
 
 }  // namespace
@@ -96,7 +121,28 @@ const Form& find_form(std::string_view name) {
       {"causality", is_one_of<fmi2::kCausalityWords>, either(fmi2::kCausalityWords)},
       {"variability", is_one_of<fmi2::kVariabilityWords>, either(fmi2::kVariabilityWords)},
       {"initial", is_one_of<fmi2::kInitialWords>, either(fmi2::kInitialWords)},
-      {"dependencies", is_list_of_dependencies, "a list of " + either(kDependencyWords)},
+      {"dependencies", is_list<is_one_of<kDependencyWords>>, "a list of " + either(kDependencyWords)},
+      // Of FMI 3.0.
+      {"fmi3", is_fmi3_version, "3.0, or a later 3.x"},
+      {"causality3", is_one_of<kCausality3Words>, either(kCausality3Words)},
+      {"interval", is_one_of<kIntervalWords>, either(kIntervalWords)},
+      {"int8", is_number<std::int8_t>, "a whole number of 8 bits"},
+      {"uint8", is_number<std::uint8_t>, "a whole number from 0 to 255"},
+      {"int16", is_number<std::int16_t>, "a whole number of 16 bits"},
+      {"uint16", is_number<std::uint16_t>, "a whole number from 0 to 65535"},
+      {"int64", is_number<std::int64_t>, "a whole number of 64 bits"},
+      {"uint64", is_number<std::uint64_t>, "a whole number of 64 bits, at least 0"},
+      {"hex", is_hexadecimal, "bytes as pairs of hexadecimal digits"},
+      {"numbers", is_list<is_real>, "numbers with spaces between"},
+      {"flags", is_list<is_one_of<kFlagWords>>, "true or false, once per element"},
+      {"int8s", is_list<is_number<std::int8_t>>, "whole numbers of 8 bits"},
+      {"uint8s", is_list<is_number<std::uint8_t>>, "whole numbers from 0 to 255"},
+      {"int16s", is_list<is_number<std::int16_t>>, "whole numbers of 16 bits"},
+      {"uint16s", is_list<is_number<std::uint16_t>>, "whole numbers from 0 to 65535"},
+      {"wholes", is_list<is_number<std::int32_t>>, "whole numbers of 32 bits"},
+      {"counts", is_list<is_number<std::uint32_t>>, "whole numbers from 0 to 4294967295"},
+      {"int64s", is_list<is_number<std::int64_t>>, "whole numbers of 64 bits"},
+      {"uint64s", is_list<is_number<std::uint64_t>>, "whole numbers of 64 bits, at least 0"},
   };
   const auto* const found = std::ranges::find(kForms, name, &Form::name);
   if (found == std::end(kForms))

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "finding.hpp"
+
+#include <pugixml.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Checks of FMUs of FMI 3.0 that look at the text of their files, so that each finding has its line.
+namespace mebots::check {
+
+/// A variable as it is declared, with FMI's defaults filled in.
+struct Fmi3Declared {
+  pugi::xml_node node;
+  std::string name;
+  std::uint32_t reference = 0;
+  std::string type;  ///< name of the element
+  std::string causality;
+  std::string variability;
+  std::string initial;  ///< empty for inputs, clocks and the independent variable
+  std::vector<std::string> starts;
+  std::size_t elements = 1;  ///< product of the dimensions as they are at the start
+
+  bool is_float() const { return type.starts_with("Float"); }
+};
+
+/// A modelDescription.xml of FMI 3.0 whose form is sound.
+class Fmi3Description {
+ public:
+  /// Throws mebots::Error for text that is no XML.
+  explicit Fmi3Description(std::string text);
+
+  pugi::xml_node root() const { return document_.document_element(); }
+  const std::vector<Fmi3Declared>& variables() const { return variables_; }
+  /// Null if no variable has it.
+  const Fmi3Declared* find(std::uint32_t reference) const;
+  /// "line 12".
+  std::string line(pugi::xml_node node) const;
+  /// "line 12, cell.voltage".
+  std::string place(const Fmi3Declared& variable) const;
+  /// <CoSimulation> and the other kinds that the FMU offers.
+  std::vector<pugi::xml_node> interfaces() const;
+
+ private:
+  void read(pugi::xml_node node);
+
+  std::string text_;
+  pugi::xml_document document_;
+  std::vector<Fmi3Declared> variables_;
+  std::map<std::uint32_t, std::size_t> by_reference_;
+};
+
+/// Words of an attribute that is a list.
+std::vector<std::string> words_of(std::string_view text);
+
+/// Checks identifiers, capabilities, log categories and default experiment.
+void check_fmi3_head(const Fmi3Description& description, Findings findings);
+/// Checks that names and value references are unique, aliases included.
+void check_fmi3_names(const Fmi3Description& description, Findings findings);
+/// Checks combinations of causality, variability, initial and start, and that there is one independent variable.
+void check_fmi3_kinds(const Fmi3Description& description, Findings findings);
+/// Checks that units and types are defined, and that start values are within limits and known items.
+void check_fmi3_types(const Fmi3Description& description, Findings findings);
+/// Checks dimensions, structural parameters and the number of start values.
+void check_fmi3_arrays(const Fmi3Description& description, Findings findings);
+/// Checks intervals of clocks, and references to clocks and previous values.
+void check_fmi3_clocks(const Fmi3Description& description, Findings findings);
+/// Checks that ModelStructure lists outputs and initial unknowns, each once, with dependencies that exist.
+void check_fmi3_structure(const Fmi3Description& description, Findings findings);
+
+/// Checks terminalsAndIcons/terminalsAndIcons.xml and its pictures, if there is one.
+void check_fmi3_terminals(const Fmi3Description& description, const std::filesystem::path& folder, Findings findings);
+/// Checks the names of folders in extra/, and the manifests of layered standards.
+void check_extra(const std::filesystem::path& folder, Findings findings);
+/// Checks that each folder of binaries/ is a platform and has the libraries that the description names.
+void check_fmi3_platforms(const Fmi3Description& description, const std::filesystem::path& folder, Findings findings);
+/// Checks that the library exports the functions of the kinds of FMU that it offers.
+void check_fmi3_symbols(const Fmi3Description& description, const std::filesystem::path& library, Findings findings);
+
+/// The library of this machine's platform for the first interface; it may be missing.
+std::filesystem::path fmi3_library_path(const Fmi3Description& description, const std::filesystem::path& folder);
+
+}  // namespace mebots::check

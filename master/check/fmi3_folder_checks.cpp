@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files of an unpacked FMU of FMI 3.0 beside its description.
+#include "checks.hpp"
+#include "fmi3_description.hpp"
+
+#include "fmi/library_state.hpp"
+#include "mebots/error.hpp"
+#include "mebots/file_kind.hpp"
+#include "mebots/modeldesc/elf_library.hpp"
+#include "mebots/modeldesc/xml.hpp"
+#include "mebots/text_file.hpp"
+
+#include <elf.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+namespace mebots::check {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 5> kArchitectures = {"aarch64", "riscv32", "riscv64", "x86", "x86_64"};
+struct System {
+  std::string_view name;
+  std::string_view suffix;
+};
+constexpr std::array<System, 3> kSystems = {{{"linux", ".so"}, {"windows", ".dll"}, {"darwin", ".dylib"}}};
+
+/// Suffix of the platform's libraries; empty if the name is no platform. Others than the standard's own may be there,
+/// named <architecture>-<system>{-<ABI>}.
+std::string_view suffix_of(std::string_view platform) {
+  const auto dash = platform.find('-');
+  if (dash == std::string_view::npos || dash == 0) return {};
+  auto system = platform.substr(dash + 1);
+  system = system.substr(0, system.find('-'));
+  const auto* const found = std::ranges::find(kSystems, system, &System::name);
+  if (found == kSystems.end() || std::ranges::find(kArchitectures, platform.substr(0, dash)) == kArchitectures.end())
+    return {};
+  return found->suffix;
+}
+
+void check_terminal(pugi::xml_node terminal, const std::set<std::string>& variables, Findings findings) {
+  const std::string_view rule = terminal.attribute("matchingRule").value();
+  const bool by_name = rule == "plug" || rule == "bus";
+  std::set<std::string> members;
+  for (const auto member : terminal.children("TerminalMemberVariable")) {
+    const std::string variable = member.attribute("variableName").value();
+    const std::string name = member.attribute("memberName").value();
+    if (!variables.contains(variable))
+      findings.error(fmt::format("terminal {}: {} is no variable", terminal.attribute("name").value(), variable),
+                     "name one of modelDescription.xml");
+    if (by_name && (name.empty() || !members.insert(name).second))
+      findings.error(fmt::format("terminal {}: {}", terminal.attribute("name").value(),
+                                 name.empty() ? fmt::format("{} has no memberName", variable)
+                                              : fmt::format("two members are named {}", name)),
+                     fmt::format("the matching rule {} needs different names", rule));
+  }
+  for (const auto inner : terminal.children("Terminal")) check_terminal(inner, variables, findings);
+}
+
+/// An attribute by its name without the prefix of its name space.
+pugi::xml_attribute local_attribute(pugi::xml_node node, std::string_view name) {
+  for (const auto attribute : node.attributes()) {
+    std::string_view own = attribute.name();
+    own.remove_prefix(own.find(':') == std::string_view::npos ? 0 : own.find(':') + 1);
+    if (own == name) return attribute;
+  }
+  return {};
+}
+
+void check_manifest(const fs::path& file, const std::string& shown, Findings findings) {
+  pugi::xml_document document;
+  try {
+    modeldesc::parse_xml(document, modeldesc::xml_as_utf8(text_of(file), shown), shown);
+  } catch (const Error& error) {
+    findings.error(error.what(), "write the manifest as FMI 3.0, section 2.6 says");
+    return;
+  }
+  const auto root = document.document_element();
+  for (const char* const name : {"fmi-ls-name", "fmi-ls-version"})
+    if (*local_attribute(root, name).value() == '\0')
+      findings.error(fmt::format("{}: the attribute {} is missing", shown, name), "add it");
+  if (!local_attribute(root, "fmi-ls-description"))
+    findings.at(Level::pedantic)
+        .warning(fmt::format("{}: the attribute fmi-ls-description is missing", shown), "add it for people");
+}
+
+bool is_reversed_domain(std::string_view name) {
+  const auto is_label = [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.'; };
+  return name.find('.') != std::string_view::npos && name.front() != '.' && name.back() != '.' &&
+         std::ranges::all_of(name, is_label);
+}
+
+/// Functions of all FMUs, and of single kinds. Each is a list with spaces between.
+constexpr std::string_view kCommon =
+    "GetVersion SetDebugLogging FreeInstance EnterInitializationMode ExitInitializationMode EnterEventMode Terminate "
+    "Reset GetFloat32 GetFloat64 GetInt8 GetUInt8 GetInt16 GetUInt16 GetInt32 GetUInt32 GetInt64 GetUInt64 GetBoolean "
+    "GetString GetBinary GetClock SetFloat32 SetFloat64 SetInt8 SetUInt8 SetInt16 SetUInt16 SetInt32 SetUInt32 "
+    "SetInt64 "
+    "SetUInt64 SetBoolean SetString SetBinary SetClock GetNumberOfVariableDependencies GetVariableDependencies "
+    "GetFMUState SetFMUState FreeFMUState SerializedFMUStateSize SerializeFMUState DeserializeFMUState "
+    "GetDirectionalDerivative GetAdjointDerivative EnterConfigurationMode ExitConfigurationMode GetIntervalDecimal "
+    "GetIntervalFraction GetShiftDecimal GetShiftFraction SetIntervalDecimal SetIntervalFraction SetShiftDecimal "
+    "SetShiftFraction EvaluateDiscreteStates UpdateDiscreteStates";
+constexpr std::string_view kModelExchange =
+    "InstantiateModelExchange EnterContinuousTimeMode CompletedIntegratorStep SetTime SetContinuousStates "
+    "GetContinuousStateDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates "
+    "GetNumberOfEventIndicators GetNumberOfContinuousStates";
+constexpr std::string_view kCoSimulation = "InstantiateCoSimulation EnterStepMode GetOutputDerivatives DoStep";
+constexpr std::string_view kScheduledExecution = "InstantiateScheduledExecution ActivateModelPartition";
+
+std::vector<std::string> wanted_functions(const Fmi3Description& description) {
+  std::vector<std::string> names = words_of(kCommon);
+  for (const auto node : description.interfaces()) {
+    const std::string_view kind = node.name();
+    for (auto& name : words_of(kind == "ModelExchange"  ? kModelExchange
+                               : kind == "CoSimulation" ? kCoSimulation
+                                                        : kScheduledExecution))
+      names.push_back(std::move(name));
+  }
+  for (auto& name : names) name.insert(0, "fmi3");
+  return names;
+}
+
+}  // namespace
+
+fs::path fmi3_library_path(const Fmi3Description& description, const fs::path& folder) {
+  const auto interfaces = description.interfaces();
+  const std::string identifier =
+      interfaces.empty() ? "" : description.interfaces().front().attribute("modelIdentifier").value();
+  return folder / "binaries" / "x86_64-linux" / (identifier + ".so");
+}
+
+void check_fmi3_terminals(const Fmi3Description& description, const fs::path& folder, Findings findings) {
+  const auto place = folder / "terminalsAndIcons";
+  const auto file = place / "terminalsAndIcons.xml";
+  if (!is_file(file)) return;
+  const std::string text = text_of(file);
+  check_terminals_schema(text, findings);
+  if (findings.any()) return;
+  pugi::xml_document document;
+  modeldesc::parse_xml(document, text, "terminalsAndIcons.xml");
+  std::set<std::string> variables;
+  for (const Fmi3Declared& variable : description.variables()) {
+    variables.insert(variable.name);
+    for (const auto alias : variable.node.children("Alias")) variables.insert(alias.attribute("name").value());
+  }
+  std::set<std::string> names;
+  for (const auto terminal : document.document_element().child("Terminals").children("Terminal")) {
+    if (!names.insert(terminal.attribute("name").value()).second)
+      findings.error(fmt::format("the terminal {} is there twice", terminal.attribute("name").value()), "rename one");
+    check_terminal(terminal, variables, findings);
+  }
+  if (document.document_element().child("GraphicalRepresentation").child("Icon") && !is_file(place / "icon.png"))
+    findings.error("terminalsAndIcons.xml announces an icon, but terminalsAndIcons/icon.png is missing",
+                   "add the picture, or remove <Icon>");
+}
+
+void check_extra(const fs::path& folder, Findings findings) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder / "extra", ignored)) {
+    const auto name = entry.path().filename().string();
+    if (!is_reversed_domain(name))
+      findings.warning(fmt::format("extra/{} is not named after a reversed domain", name),
+                       "name it like org.example.subject, so that it has no other tool's name");
+    const auto manifest = entry.path() / "fmi-ls-manifest.xml";
+    if (is_file(manifest)) check_manifest(manifest, fmt::format("extra/{}/fmi-ls-manifest.xml", name), findings);
+  }
+}
+
+void check_fmi3_platforms(const Fmi3Description& description, const fs::path& folder, Findings findings) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder / "binaries", ignored)) {
+    const auto name = entry.path().filename().string();
+    const auto suffix = suffix_of(name);
+    if (suffix.empty()) {
+      findings.warning(fmt::format("binaries/{} is not a platform that FMI 3.0 names", name),
+                       "FMI 3.0 names platforms <architecture>-<system>: x86_64-linux, aarch64-darwin, x86_64-windows");
+      continue;
+    }
+    for (const auto node : description.interfaces()) {
+      const auto library = std::string(node.attribute("modelIdentifier").value()) + std::string(suffix);
+      if (!is_there(entry.path() / library))
+        findings.error(fmt::format("binaries/{} holds no {}, the library of <{}>", name, library, node.name()),
+                       "name the library after modelIdentifier");
+    }
+  }
+  const auto library = fmi3_library_path(description, folder);
+  if (!is_there(library)) {
+    findings.warning(
+        fmt::format("there is no binary for 64-bit Linux (binaries/x86_64-linux/{})", library.filename().string()),
+        "build one: its behaviour cannot be checked here");
+    return;
+  }
+  if (const auto machine = modeldesc::read_elf_library(library).machine; machine != EM_X86_64)
+    findings.error(
+        fmt::format("binaries/x86_64-linux/{} is for ELF machine {}, not x86-64", library.filename().string(), machine),
+        "put it into the folder of its platform");
+}
+
+void check_fmi3_symbols(const Fmi3Description& description, const fs::path& library, Findings findings) {
+  const auto exports = modeldesc::read_elf_library(library).exports();
+  const std::set<std::string> names(exports.begin(), exports.end());
+  std::vector<std::string> missing;
+  for (const auto& name : wanted_functions(description))
+    if (!names.contains(name)) missing.push_back(name);
+  if (!missing.empty())
+    findings.error(
+        fmt::format("{} lacks {}", library.filename().string(), fmt::join(missing, ", ")),
+        "export them with default visibility and C linkage; a function that is not offered returns fmi3Error");
+  const auto others = std::ranges::count_if(names, [](const std::string& name) {
+    return !name.starts_with("fmi3") && name != master::kKeepsNoState && !name.starts_with("_");
+  });
+  if (others != 0)
+    findings.at(Level::pedantic)
+        .warning(fmt::format("{} exports {} names that do not begin with fmi3: they can collide with another FMU's",
+                             library.filename().string(), others),
+                 "hide them: -fvisibility=hidden, or a linker version script that keeps fmi3*");
+}
+
+}  // namespace mebots::check

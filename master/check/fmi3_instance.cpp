@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fmi3_instance.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace mebots::check {
+namespace {
+
+constexpr double kAssumedStep_s = 0.01;
+
+}  // namespace
+
+Fmi3Library::Fmi3Library(const Fmi3Target& target, Witness& witness) : target_(target), witness_(witness) {
+  witness.doing("loading the library");
+  handle_ = dlopen(target.library.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle_ == nullptr) throw Fmi3Refused(fmt::format("the library cannot be loaded: {}", dlerror()));
+  const auto experiment = target.description->root().child("DefaultExperiment");
+  const auto fixed = target.description->root().child("CoSimulation").attribute("fixedInternalStepSize");
+  step_s_ = fixed ? fixed.as_double() : experiment.attribute("stepSize").as_double(kAssumedStep_s);
+  if (!(step_s_ > 0)) step_s_ = kAssumedStep_s;
+  start_s_ = experiment.attribute("startTime").as_double(0);
+}
+
+void* Fmi3Library::address(const char* name) const {
+  void* const found = dlsym(handle_, name);
+  if (found == nullptr) throw Fmi3Refused(fmt::format("the library lacks {}", name));
+  return found;
+}
+
+Fmi3Instance::Fmi3Instance(const Fmi3Library& library, Kind kind, const char* name) : library_(library) {
+  const auto& target = library.target();
+  const std::string resources = (target.folder / "resources" / "").string();
+  const char* const token = target.description->root().attribute("instantiationToken").value();
+  if (kind == Kind::co_simulation) {
+    constexpr const char* kFunction = "fmi3InstantiateCoSimulation";
+    library.witness().doing(kFunction);
+    handle_ = library.find<decltype(fmi3InstantiateCoSimulation)>(kFunction)(
+        name, token, resources.c_str(), false, false, false, false, nullptr, 0, this, &Fmi3Instance::log, nullptr);
+  } else {
+    constexpr const char* kFunction = "fmi3InstantiateModelExchange";
+    library.witness().doing(kFunction);
+    handle_ = library.find<decltype(fmi3InstantiateModelExchange)>(kFunction)(name, token, resources.c_str(), false,
+                                                                              false, this, &Fmi3Instance::log);
+  }
+  if (handle_ == nullptr) throw Fmi3Refused(fmt::format("there is no instance: {}", last_message_));
+}
+
+Fmi3Instance::~Fmi3Instance() {
+  library_.witness().doing("fmi3FreeInstance");
+  library_.find<decltype(fmi3FreeInstance)>("fmi3FreeInstance")(handle_);
+}
+
+void Fmi3Instance::require(std::string_view name, fmi3Status status) const {
+  if (status == fmi3OK || status == fmi3Warning) return;
+  throw Fmi3Refused(fmt::format("{} returned {}{}{}", name, fmi3::status_name(status),
+                                last_message_.empty() ? "" : ": ", last_message_));
+}
+
+void Fmi3Instance::start() {
+  MEBOTS_CALL(*this, fmi3EnterInitializationMode, false, 0.0, library_.start_s(), false, 0.0);
+  MEBOTS_CALL(*this, fmi3ExitInitializationMode);
+}
+
+void Fmi3Instance::run(int first, int last) {
+  const double h = library_.step_s();
+  for (int k = first; k < last; ++k) {
+    const double point = library_.start_s() + k * h;
+    bool event = false;
+    bool terminate = false;
+    bool early = false;
+    double reached = point;
+    MEBOTS_CALL(*this, fmi3DoStep, point, h, true, &event, &terminate, &early, &reached);
+    if (early) throw Fmi3Refused("fmi3DoStep returned early, though earlyReturnAllowed was false");
+    if (!(std::abs(reached - (point + h)) <= 1e-9 * std::max(1.0, std::abs(point + h))))
+      throw Fmi3Refused(fmt::format("lastSuccessfulTime is {} s after a step to {} s", reached, point + h));
+  }
+}
+
+std::string Fmi3Instance::read(const Fmi3Declared& variable) {
+  const auto count = variable.elements;
+  const fmi3ValueReference* const reference = &variable.reference;
+  std::string bytes;
+#define MEBOTS_READ(name, ctype)                                                                          \
+  if (variable.type == #name || (variable.type == "Enumeration" && std::string_view(#name) == "Int64")) { \
+    std::vector<std::byte> values(count * sizeof(ctype));                                                 \
+    auto* const typed = reinterpret_cast<ctype*>(values.data());                                          \
+    MEBOTS_CALL(*this, fmi3Get##name, reference, std::size_t{1}, typed, count);                           \
+    return {reinterpret_cast<const char*>(values.data()), values.size()};                                 \
+  }
+  MEBOTS_FMI3_EACH_NUMBER_TYPE(MEBOTS_READ)
+#undef MEBOTS_READ
+  if (variable.type == "String") {
+    std::vector<fmi3String> values(count, nullptr);
+    MEBOTS_CALL(*this, fmi3GetString, reference, std::size_t{1}, values.data(), count);
+    for (const fmi3String value : values) bytes += value == nullptr ? std::string("\x01") : std::string(value) + '\0';
+  } else if (variable.type == "Binary") {
+    std::vector<fmi3Binary> values(count, nullptr);
+    std::vector<std::size_t> sizes(count, 0);
+    MEBOTS_CALL(*this, fmi3GetBinary, reference, std::size_t{1}, sizes.data(), values.data(), count);
+    for (std::size_t i = 0; i < count; ++i)
+      bytes += std::to_string(sizes[i]) + ':' + std::string(reinterpret_cast<const char*>(values[i]), sizes[i]);
+  }
+  return bytes;
+}
+
+Fmi3Values Fmi3Instance::outputs() {
+  Fmi3Values values;
+  for (const auto& variable : library_.target().description->variables()) {
+    const bool is_clocked = variable.type == "Clock" || variable.node.attribute("clocks");
+    if (variable.causality == "output" && !is_clocked) values.push_back({&variable, read(variable)});
+  }
+  return values;
+}
+
+std::string Fmi3Instance::serialized() {
+  fmi3FMUState state = nullptr;
+  MEBOTS_CALL(*this, fmi3GetFMUState, &state);
+  std::size_t size = 0;
+  MEBOTS_CALL(*this, fmi3SerializedFMUStateSize, state, &size);
+  std::string bytes(size, '\0');
+  MEBOTS_CALL(*this, fmi3SerializeFMUState, state, reinterpret_cast<fmi3Byte*>(bytes.data()), size);
+  MEBOTS_CALL(*this, fmi3FreeFMUState, &state);
+  return bytes;
+}
+
+void Fmi3Instance::restore(const std::string& bytes) {
+  fmi3FMUState state = nullptr;
+  MEBOTS_CALL(*this, fmi3DeserializeFMUState, reinterpret_cast<const fmi3Byte*>(bytes.data()), bytes.size(), &state);
+  MEBOTS_CALL(*this, fmi3SetFMUState, state);
+  MEBOTS_CALL(*this, fmi3FreeFMUState, &state);
+}
+
+void Fmi3Instance::reset() {
+  MEBOTS_CALL(*this, fmi3Reset);
+}
+
+void Fmi3Instance::terminate() {
+  MEBOTS_CALL(*this, fmi3Terminate);
+}
+
+void Fmi3Instance::log(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String /*category*/,
+                       fmi3String message) {
+  if (environment == nullptr || message == nullptr || status == fmi3OK) return;
+  static_cast<Fmi3Instance*>(environment)->last_message_ = message;
+}
+
+}  // namespace mebots::check

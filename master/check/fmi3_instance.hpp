@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "fmi3_probes.hpp"
+
+#include "mebots/error.hpp"
+#include "mebots/fmi3/functions.hpp"
+
+#include <dlfcn.h>
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mebots::check {
+
+/// The FMU refused something that it must do.
+class Fmi3Refused : public Error {
+ public:
+  using Error::Error;
+};
+
+/// The loaded library. Only inside a child process.
+class Fmi3Library {
+ public:
+  /// Throws Fmi3Refused when the loader refuses it.
+  Fmi3Library(const Fmi3Target& target, Witness& witness);
+
+  const Fmi3Target& target() const { return target_; }
+  Witness& witness() const { return witness_; }
+  /// The function of this name; throws Fmi3Refused if the library lacks it.
+  template <typename Function>
+  Function* find(const char* name) const {
+    return reinterpret_cast<Function*>(address(name));
+  }
+  /// Steps and start time of a run, as the description has them.
+  double step_s() const { return step_s_; }
+  double start_s() const { return start_s_; }
+
+ private:
+  void* address(const char* name) const;
+
+  const Fmi3Target& target_;
+  Witness& witness_;
+  void* handle_;
+  double step_s_;
+  double start_s_;
+};
+
+/// A value as it is read: its bytes, and how to show it.
+struct Fmi3Value {
+  const Fmi3Declared* variable;
+  std::string bytes;
+};
+using Fmi3Values = std::vector<Fmi3Value>;
+
+/// One instance; freed at the end of its life. Each call names itself to the witness before it is made.
+class Fmi3Instance {
+ public:
+  enum class Kind { co_simulation, model_exchange };
+
+  /// Throws Fmi3Refused when the FMU gives no instance.
+  Fmi3Instance(const Fmi3Library& library, Kind kind, const char* name);
+  ~Fmi3Instance();
+  Fmi3Instance(const Fmi3Instance&) = delete;
+  Fmi3Instance& operator=(const Fmi3Instance&) = delete;
+
+  /// Calls a function of the library with this instance as its first argument. Throws Fmi3Refused unless it returns
+  /// fmi3OK or fmi3Warning.
+  template <typename Function, typename... Arguments>
+  void call(const char* name, Arguments... arguments) {
+    library_.witness().doing(name);
+    require(name, library_.find<Function>(name)(handle_, arguments...));
+  }
+  void require(std::string_view name, fmi3Status status) const;
+
+  void start();
+  /// From step `first` to step `last` of the run.
+  void run(int first, int last);
+  /// All outputs, clocked ones left out.
+  Fmi3Values outputs();
+  std::string serialized();
+  void restore(const std::string& bytes);
+  void reset();
+  void terminate();
+
+ private:
+  std::string read(const Fmi3Declared& variable);
+  static void log(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message);
+
+  const Fmi3Library& library_;
+  fmi3Instance handle_ = nullptr;
+  std::string last_message_;
+};
+
+#define MEBOTS_CALL(instance, function, ...) (instance).call<decltype(function)>(#function __VA_OPT__(, ) __VA_ARGS__)
+
+}  // namespace mebots::check

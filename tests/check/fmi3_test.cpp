@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// `mebots check` on FMUs of FMI 3.0: sound ones, and one mistake at a time.
+#include "check_fmu.hpp"
+#include "checks.hpp"
+#include "fmi3_description.hpp"
+#include "support.hpp"
+
+#include "mebots/modeldesc/archive.hpp"
+#include "mebots/text_file.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace mebots::check {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr const char* kDescription = R"xml(<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="sound" instantiationToken="{culprit3:none}">
+  <CoSimulation modelIdentifier="culprit3" canGetAndSetFMUState="true" canSerializeFMUState="true"/>
+  <UnitDefinitions><Unit name="m"><BaseUnit m="1"/></Unit></UnitDefinitions>
+  <TypeDefinitions>
+    <EnumerationType name="Mode"><Item name="off" value="0"/><Item name="on" value="1"/></EnumerationType>
+    <Float64Type name="Length" unit="m"/>
+  </TypeDefinitions>
+  <LogCategories><Category name="logStatusError"/></LogCategories>
+  <DefaultExperiment startTime="0" stopTime="1" stepSize="0.1"/>
+  <ModelVariables>
+    <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+    <UInt64 name="n" valueReference="1" causality="structuralParameter" variability="fixed" start="2"/>
+    <Float64 name="u" valueReference="2" causality="input" start="1 2" unit="m" min="0" max="9"><Dimension valueReference="1"/></Float64>
+    <Enumeration name="mode" valueReference="3" declaredType="Mode" causality="input" start="1"/>
+    <String name="label" valueReference="4" causality="parameter" variability="fixed"><Start value="a"/></String>
+    <Float64 name="y" valueReference="5" causality="output" declaredType="Length"><Alias name="y2"/></Float64>
+    <Float64 name="der(y)" valueReference="6" causality="local" derivative="5"/>
+    <Clock name="tick" valueReference="7" causality="input" intervalVariability="fixed" intervalDecimal="0.1"/>
+    <Int32 name="count" valueReference="8" causality="local" clocks="7" initial="exact" start="0"/>
+  </ModelVariables>
+  <ModelStructure>
+    <Output valueReference="5" dependencies="2 3" dependenciesKind="dependent fixed"/>
+    <InitialUnknown valueReference="5" dependencies=""/>
+  </ModelStructure>
+</fmiModelDescription>
+)xml";
+
+std::string replaced(const std::string& piece, const std::string& other) {
+  std::string text = kDescription;
+  const auto at = text.find(piece);
+  EXPECT_NE(at, std::string::npos) << piece;
+  return text.replace(at, piece.size(), other);
+}
+
+/// Findings of all checks of the text.
+std::vector<std::string> of_text(const std::string& text) {
+  Report report;
+  const auto add = [&]() -> Check& { return report.checks.emplace_back(); };
+  check_schema(text, add());
+  const Fmi3Description description(text);
+  for (auto* const check : {&check_fmi3_head, &check_fmi3_names, &check_fmi3_kinds, &check_fmi3_types,
+                            &check_fmi3_arrays, &check_fmi3_clocks, &check_fmi3_structure})
+    check(description, add());
+  return findings(report);
+}
+
+TEST(CheckFmi3, ASoundDescriptionPasses) {
+  EXPECT_THAT(of_text(kDescription), IsEmpty());
+}
+
+TEST(CheckFmi3, EachMistakeOfADescriptionIsNamed) {
+  const auto expect = [](const std::string& piece, const std::string& other, const char* text) {
+    EXPECT_THAT(of_text(replaced(piece, other)), Contains(HasSubstr(text))) << piece << " -> " << other;
+  };
+  // Form, by the grammar of FMI 3.0.
+  expect("instantiationToken=", "guid=", "line 2, <fmiModelDescription>: there is no attribute guid in FMI 3.0");
+  expect("fmiVersion=\"3.0\"", "fmiVersion=\"3.x\"", "fmiVersion is \"3.x\"");
+  expect("canGetAndSetFMUState", "canGetAndSetFMUstate", "there is no attribute canGetAndSetFMUstate");
+  expect("start=\"2\"/>", "start=\"-2\"/>", "start is \"-2\"");
+  expect("start=\"1 2\"", "start=\"1,2\"", "start is \"1,2\"");
+  expect("variability=\"fixed\" start=\"2\"", "variability=\"fixed\" start=\"two\"", "start is \"two\"");
+  expect("variability=\"fixed\" start=\"2\"", "variability=\"fixed\" start=\"99999999999999999999\"",
+         "start is \"99999999999999999999\"");
+  expect("<Output valueReference=\"5\"", "<Outputs valueReference=\"5\"", "has no such child in FMI 3.0");
+  expect("<Int32 name=\"count\"", "<Real name=\"r\" valueReference=\"9\"/><Int32 name=\"count\"", "line 20, <Real>");
+  expect("causality=\"structuralParameter\"", "causality=\"structural\"", "causality is \"structural\"");
+  // Meaning.
+  expect("modelIdentifier=\"culprit3\"", "modelIdentifier=\"3x\"", "\"3x\" is no C identifier");
+  expect("canGetAndSetFMUState=\"true\" ", "", "canSerializeFMUState without canGetAndSetFMUState");
+  expect("stopTime=\"1\"", "stopTime=\"-1\"", "stopTime -1 is before startTime 0");
+  expect("name=\"y2\"", "name=\"u\"", "the name u is already taken");
+  expect("valueReference=\"8\"", "valueReference=\"4\"", "the value reference 4 is that of another variable");
+  expect("causality=\"independent\"", "causality=\"local\"", "there are 0 independent variables");
+  expect("causality=\"parameter\" variability=\"fixed\"", "causality=\"parameter\" variability=\"discrete\"",
+         "causality parameter and variability discrete do not go together");
+  expect(" declaredType=\"Length\"", " declaredType=\"Length\" start=\"1\"",
+         "has a start value, which the FMU computes");
+  expect("<Start value=\"a\"/>", "", "label has no start value");
+  expect("declaredType=\"Mode\"", "declaredType=\"Length\"", "Length is a <Float64Type>");
+  expect("unit=\"m\" min", "unit=\"km\" min", "the unit km is not defined");
+  expect("start=\"1 2\"", "start=\"1 20\"", "u: start 20 is above max 9");
+  expect("causality=\"input\" start=\"1\"", "causality=\"input\" start=\"7\"", "start 7 is no item of Mode");
+  expect("start=\"1 2\"", "start=\"1 2 3\"", "u has 3 start values for 2 elements");
+  expect("<Dimension valueReference=\"1\"/>", "<Dimension valueReference=\"3\"/>",
+         "no structural parameter or constant");
+  expect("<Dimension valueReference=\"1\"/>", "<Dimension/>", "needs either start or valueReference");
+  expect(" intervalDecimal=\"0.1\"", "", "intervalVariability fixed has no interval");
+  expect("intervalDecimal=\"0.1\"", "intervalDecimal=\"-1\"", "its interval is -1 s");
+  expect("clocks=\"7\"", "clocks=\"2\"", "count: clocks has u, which is no clock");
+  expect("<Output valueReference=\"5\"", "<Output valueReference=\"2\"", "y: it is missing as <Output>");
+  expect("<InitialUnknown valueReference=\"5\" dependencies=\"\"/>", "", "y: it is missing as <InitialUnknown>");
+  expect("dependencies=\"2 3\"", "dependencies=\"2 99\"", "it depends on 99, which is no variable");
+  expect("\"dependent fixed\"", "\"dependent\"", "1 kinds for 2 dependencies");
+}
+
+/// A folder as if it had been unpacked.
+class Fmi3FolderTest : public testing::Test {
+ protected:
+  void write(const std::string& name, const std::string& text) {
+    std::filesystem::create_directories((folder_.path() / name).parent_path());
+    std::ofstream(folder_.path() / name) << text;
+  }
+  template <typename Check>
+  std::vector<std::string> found(const Check& check) {
+    Report report;
+    check(report.checks.emplace_back());
+    return findings(report);
+  }
+  std::vector<std::string> terminals(const std::string& inside) {
+    write("terminalsAndIcons/terminalsAndIcons.xml",
+          "<fmiTerminalsAndIcons fmiVersion=\"3.0\">" + inside + "</fmiTerminalsAndIcons>");
+    return found([&](Findings findings) { check_fmi3_terminals(description_, folder_.path(), findings); });
+  }
+
+  modeldesc::TemporaryFolder folder_{"fmi3-check"};
+  Fmi3Description description_{kDescription};
+};
+
+TEST_F(Fmi3FolderTest, TerminalsNameVariablesAndMembersOnce) {
+  const auto terminal = [](const std::string& members) {
+    return "<Terminals><Terminal name=\"t\" matchingRule=\"bus\">" + members + "</Terminal></Terminals>";
+  };
+  const std::string u = "<TerminalMemberVariable variableName=\"u\" memberName=\"a\" variableKind=\"signal\"/>";
+  EXPECT_THAT(terminals(terminal(u)), IsEmpty());
+  EXPECT_THAT(terminals(terminal(u + u)), Contains(HasSubstr("two members are named a")));
+  EXPECT_THAT(
+      terminals(terminal("<TerminalMemberVariable variableName=\"w\" memberName=\"a\" variableKind=\"signal\"/>")),
+      Contains(HasSubstr("terminal t: w is no variable")));
+  EXPECT_THAT(terminals("<Terminals/>"), Contains(HasSubstr("holds no <Terminal>")));
+  EXPECT_THAT(
+      terminals("<GraphicalRepresentation><Icon x1=\"0\" y1=\"0\" x2=\"1\" y2=\"1\"/></GraphicalRepresentation>"),
+      Contains(HasSubstr("icon.png is missing")));
+}
+
+TEST_F(Fmi3FolderTest, ManifestsOfLayeredStandardsAreLookedAt) {
+  const auto extra = [&] { return found([&](Findings findings) { check_extra(folder_.path(), findings); }); };
+  write(
+      "extra/org.example.ls/fmi-ls-manifest.xml",
+      "<x xmlns:ls=\"urn:ls\" ls:fmi-ls-name=\"org.example.ls\" ls:fmi-ls-version=\"1\" ls:fmi-ls-description=\"d\"/>");
+  EXPECT_THAT(extra(), IsEmpty());
+  write("extra/org.example.ls/fmi-ls-manifest.xml", "<x fmi-ls-name=\"n\"/>");
+  EXPECT_THAT(extra(), Contains(HasSubstr("the attribute fmi-ls-version is missing")));
+  write("extra/org.example.ls/fmi-ls-manifest.xml", "<x");
+  EXPECT_THAT(extra(), Contains(HasSubstr("fmi-ls-manifest.xml")));
+  write("extra/mine/file.txt", "");
+  EXPECT_THAT(extra(), Contains(HasSubstr("extra/mine is not named after a reversed domain")));
+}
+
+TEST_F(Fmi3FolderTest, PlatformsHaveTheNamesOfFmi3) {
+  write("binaries/linux64/culprit3.so", "");
+  write("binaries/aarch64-darwin/other.dylib", "");
+  const auto platforms =
+      found([&](Findings findings) { check_fmi3_platforms(description_, folder_.path(), findings); });
+  EXPECT_THAT(platforms, Contains(HasSubstr("binaries/linux64 is not a platform that FMI 3.0 names")));
+  EXPECT_THAT(platforms, Contains(HasSubstr("binaries/aarch64-darwin holds no culprit3.dylib")));
+  EXPECT_THAT(platforms, Contains(HasSubstr("no binary for 64-bit Linux (binaries/x86_64-linux/culprit3.so)")));
+}
+
+/// Findings about culprit3.cpp with this crime, which offers co-simulation and model exchange.
+std::vector<std::string> culprit3(const std::string& crime) {
+  const auto description = fmt::format(R"xml(<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="culprit3" instantiationToken="{{culprit3:{}}}">
+  <ModelExchange modelIdentifier="culprit3" canGetAndSetFMUState="true"/>
+  <CoSimulation modelIdentifier="culprit3" canGetAndSetFMUState="true" canSerializeFMUState="true"/>
+  <DefaultExperiment startTime="0" stopTime="1" stepSize="0.05"/>
+  <ModelVariables>
+    <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+    <Float64 name="y" valueReference="1" causality="output"/>
+    <Float64 name="der(y)" valueReference="2" derivative="1"/>
+  </ModelVariables>
+  <ModelStructure>
+    <Output valueReference="1"/>
+    <ContinuousStateDerivative valueReference="2"/>
+    <InitialUnknown valueReference="1"/>
+    <InitialUnknown valueReference="2"/>
+  </ModelStructure>
+</fmiModelDescription>
+)xml",
+                                       crime);
+  Workshop workshop;
+  return findings(workshop.archive({{"modelDescription.xml", description},
+                                    {"binaries/x86_64-linux/culprit3.so", text_of(CULPRIT3_LIBRARY)}}),
+                  true);
+}
+
+TEST(CheckFmi3, EachCrimeOfALibraryIsNamed) {
+  EXPECT_THAT(culprit3("none"), IsEmpty());
+  EXPECT_THAT(culprit3("refuses"), Contains(HasSubstr("there is no instance: no licence")));
+  EXPECT_THAT(culprit3("crashes"), Contains(HasSubstr("fmi3DoStep")));
+  EXPECT_THAT(culprit3("infinite"), Contains(HasSubstr("y is inf after step 1")));
+  EXPECT_THAT(culprit3("early"), Contains(HasSubstr("returned early, though earlyReturnAllowed was false")));
+  EXPECT_THAT(culprit3("past"), Contains(HasSubstr("lastSuccessfulTime is -0.05 s after a step to 0.05 s")));
+  EXPECT_THAT(culprit3("shared"), Contains(HasSubstr("beside another instance: y has other bits")));
+  EXPECT_THAT(culprit3("keeps"), Contains(HasSubstr("after fmi3Reset: y has other bits")));
+  EXPECT_THAT(culprit3("forgets"), Contains(HasSubstr("after fmi3SetFMUState: y has other bits")));
+  EXPECT_THAT(culprit3("truncates"), Contains(HasSubstr("after fmi3SetFMUState: y has other bits")));
+  EXPECT_THAT(culprit3("divides"), Contains(HasSubstr("the derivative of state 0 is nan at step 0")));
+  EXPECT_THAT(culprit3("endless"), Contains(HasSubstr("fmi3UpdateDiscreteStates asks for more after 1000 times")));
+}
+
+TEST(CheckFmi3, OurOwnFmusAreCleanAndAreRun) {
+  for (const char* const fmu : {"bank", "lag_fmi3"}) {
+    const auto archive = fmt::format(MEBOTS_BINARY_DIR "/test_fmus/{}.fmu", fmu);
+    EXPECT_THAT(findings(archive, true), IsEmpty()) << fmu;
+  }
+}
+
+}  // namespace
+}  // namespace mebots::check
