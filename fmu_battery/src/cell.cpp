@@ -2,6 +2,7 @@
 #include "cell.hpp"
 
 #include "mebots/data/document.hpp"
+#include "mebots/data/estimate.hpp"
 #include "mebots/data/object.hpp"
 
 #include <fmt/format.h>
@@ -58,7 +59,7 @@ void check_release_voltage(const data::Node& node, Cell& cell) {
                       cell.release_voltage_v, kLeastHysteresis_v, cell.cut_off_voltage_v, full_v));
 }
 
-Cell read_cell(const data::Node& node) {
+Cell read_cell(const data::Node& node, const CellPositions& positions) {
   using data::Limits;
   using data::quantity;
   data::Object object(node);
@@ -68,19 +69,30 @@ Cell read_cell(const data::Node& node) {
   object.comment("notes");
   object.read("mass", cell.mass_kg, quantity("kg", Limits::positive()));
   object.read("capacity", cell.capacity_c, quantity("C", Limits::positive()));
-  double capacity_left = 1;
-  if (object.read_if("capacity_factor", capacity_left, quantity("1", Limits::positive())))
-    cell.capacity_c *= capacity_left;
-  object.read("cut_off_voltage", cell.cut_off_voltage_v, quantity("V", Limits::at_least(0)));
+  data::Estimate capacity_factor{1, {}};
+  data::Estimate cut_off_voltage;
+  data::Estimate cut_off_delay;
+  object.read_if("capacity_factor", capacity_factor, data::estimate("1", Limits::positive()));
+  object.read("cut_off_voltage", cut_off_voltage, data::estimate("V", Limits::at_least(0)));
+  object.read_if("cut_off_delay", cut_off_delay, data::estimate("s", Limits::at_least(0)));
+  const data::Placement placement("cell '" + cell.name + "'", cell.warnings);
+  cell.capacity_c *= placement.value(capacity_factor, positions.capacity, "capacity_factor", "calibration.capacity");
+  cell.cut_off_voltage_v =
+      placement.value(cut_off_voltage, positions.cut_off_voltage, "cut_off_voltage", "calibration.cut_off_voltage");
+  cell.cut_off_delay_s =
+      placement.value(cut_off_delay, positions.cut_off_delay, "cut_off_delay", "calibration.cut_off_delay");
   cell.release_voltage_v = cell.cut_off_voltage_v + kUsualHysteresis_v;
   object.read_if("release_voltage", cell.release_voltage_v, quantity("V", Limits::positive()));
   object.read("continuous_current", cell.continuous_current_a, quantity("A", Limits::positive()));
   object.read("self_discharge_current", cell.self_discharge_current_a, quantity("A", Limits::at_least(0)));
   object.read("hold_below_state_of_charge", cell.hold_below_soc, quantity("1", Limits::between(0, 1)));
-  double ohms = 1;
+  data::Estimate resistance_factor{1, {}};
   double farads = 1;
-  object.read("resistance_factor", ohms, quantity("1", Limits::positive()));
+  object.read("resistance_factor", resistance_factor, data::estimate("1", Limits::positive()));
   object.read("capacitance_factor", farads, quantity("1", Limits::positive()));
+  const double ohms =
+      placement.value(resistance_factor, positions.resistance, "resistance_factor", "calibration.resistance");
+  farads *= resistance_factor.value / ohms;
   object.read("open_circuit_voltage", cell.open_circuit_v, &read_open_circuit);
   const auto element = [&](std::string_view key, std::string_view unit, double factor, Curve& curve) {
     object.read(key, curve, [&](const data::Node& member) {
@@ -111,8 +123,8 @@ Circuit Cell::circuit_at(double s) const {
   return {open_circuit_v(s), series_ohm(held), pair1_ohm(held), pair1_farad(held), pair2_ohm(held), pair2_farad(held)};
 }
 
-Cell load_cell(const std::filesystem::path& path) {
-  return data::Document(path).read(&read_cell);
+Cell load_cell(const std::filesystem::path& path, const CellPositions& positions) {
+  return data::Document(path).read([&](const data::Node& node) { return read_cell(node, positions); });
 }
 
 double terminal_current_a(double source_v, double series_ohm, double power_w) {

@@ -42,8 +42,10 @@ constexpr long kMaxEvaluations = 5 * kMaxSteps;
 // Where a piece of an advance cannot be integrated, one of a tenth is tried, down to this.
 constexpr double kPieceFactor = 10;
 constexpr double kShortestPiece = 1e-15;
+// The detector of a low voltage lets go so far above the cut-off. Less would be within the tolerance of event location.
+constexpr double kDetectorHysteresis_v = 1e-3;
 
-enum Root : int { kProtectionRoot, kEmptyRoot, kFullRoot, kRootCount };
+enum Root : int { kProtectionRoot, kNoPowerRoot, kEmptyRoot, kFullRoot, kRootCount };
 
 }  // namespace
 
@@ -96,7 +98,7 @@ class Integrator::Solver {
 
   Result advance(CellState& state, Ledger& ledger, const Demand& demand, Protection protection, double duration_s) {
     protection_ = protection;
-    conducts_ = protection == Protection::closed || demand.charges();
+    conducts_ = protection != Protection::open || demand.charges();
     demand_ = conducts_ ? demand : Demand{};
     MEBOTS_ASSERT(duration_s > 0);
     MEBOTS_ASSERT(state.soc >= 0 && state.soc <= 1 + kSocTolerance);
@@ -150,7 +152,15 @@ class Integrator::Solver {
     if (!charged_ && !charging_) return Event::empty;
     if (charging_ && state.soc >= 1) return Event::full;
     const double margin = protection_margin(state.soc, state.pair1_v, state.pair2_v);
-    if (protection_ == Protection::open) return margin <= 0 ? Event::release : Event::none;
+    switch (protection_) {
+      case Protection::open:
+        return margin <= 0 ? Event::release : Event::none;
+      case Protection::low:
+        if (power_margin_w(state.soc, state.pair1_v, state.pair2_v) < 0) return Event::no_power;
+        return margin <= 0 ? Event::recovered : Event::none;
+      case Protection::closed:
+        break;
+    }
     return margin < 0 ? Event::cut_off : Event::none;
   }
 
@@ -191,19 +201,40 @@ class Integrator::Solver {
       state.soc = 1;
       return Event::full;
     }
-    return protection_ == Protection::open ? Event::release : Event::cut_off;
+    if (found[kNoPowerRoot] != 0) return Event::no_power;
+    switch (protection_) {
+      case Protection::open:
+        return Event::release;
+      case Protection::low:
+        return Event::recovered;
+      case Protection::closed:
+        break;
+    }
+    return Event::cut_off;
   }
 
-  /// Falls through 0 where the protection opens [W]: the power that may still be added before the terminals are at the
-  /// cut-off. Where it closes [V]: what the terminals lack to the release voltage.
+  double series_ohm(double soc) const { return cell_.series_ohm(std::max(soc, cell_.hold_below_soc)); }
+
+  /// Falls through 0 where no current gives the power any more [W].
+  double power_margin_w(double soc, double pair1_v, double pair2_v) const {
+    return power_limit_w(cell_.open_circuit_v(soc) - pair1_v - pair2_v, series_ohm(soc), 0) - demand_.terminal_w();
+  }
+
+  /// Falls through 0 where the protection changes. Closed [W]: the power that may be added before the terminals are at
+  /// the cut-off. Low [W]: the power that must be removed before they are above it. Open [V]: the voltage that the
+  /// terminals lack to the release voltage.
   double protection_margin(double soc, double pair1_v, double pair2_v) const {
-    const double held = std::max(soc, cell_.hold_below_soc);
     const double source_v = cell_.open_circuit_v(soc) - pair1_v - pair2_v;
-    const double series_ohm = cell_.series_ohm(held);
-    if (protection_ == Protection::closed)
-      return power_limit_w(source_v, series_ohm, cell_.cut_off_voltage_v) - demand_.terminal_w();
-    const double current_a = terminal_current_a(source_v, series_ohm, demand_.terminal_w());
-    return cell_.release_voltage_v - (source_v - series_ohm * current_a);
+    const double ohm = series_ohm(soc);
+    switch (protection_) {
+      case Protection::closed:
+        return power_limit_w(source_v, ohm, cell_.cut_off_voltage_v) - demand_.terminal_w();
+      case Protection::low:
+        return demand_.terminal_w() - power_limit_w(source_v, ohm, cell_.cut_off_voltage_v + kDetectorHysteresis_v);
+      case Protection::open:
+        break;
+    }
+    return cell_.release_voltage_v - (source_v - ohm * terminal_current_a(source_v, ohm, demand_.terminal_w()));
   }
 
   static int right_hand_side(double /*t*/, N_Vector y_vector, N_Vector derivative_vector, void* self) {
@@ -244,6 +275,8 @@ class Integrator::Solver {
     const double* y = N_VGetArrayPointer(y_vector);
     // A constant never crosses zero: it switches a function off.
     g[kProtectionRoot] = solver.conducts_ ? solver.protection_margin(y[kSoc], y[kPair1], y[kPair2]) : 1;
+    const bool is_low = solver.protection_ == Protection::low;
+    g[kNoPowerRoot] = is_low ? solver.power_margin_w(y[kSoc], y[kPair1], y[kPair2]) : 1;
     g[kEmptyRoot] = solver.charged_ ? y[kSoc] : 1;
     g[kFullRoot] = solver.charging_ ? 1 - y[kSoc] : 1;
     return 0;

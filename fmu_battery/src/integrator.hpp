@@ -61,15 +61,18 @@ struct Demand {
 /// Why an advance ended before its time.
 enum class Event {
   none,
-  cut_off,  // the terminal voltage would fall under the cut-off, or no current gives that much power
-  empty,    // state of charge 0
-  full,     // state of charge 1 while charging
-  release,  // a charger has lifted the terminals behind an open protection to the release voltage
+  cut_off,    // the terminal voltage would fall under the cut-off, or no current gives that much power
+  no_power,   // while low: no current gives that much power
+  recovered,  // while low: the terminal voltage is above the cut-off again
+  empty,      // state of charge 0
+  full,       // state of charge 1 while charging
+  release,    // a charger has lifted the terminals behind an open protection to the release voltage
 };
 
 /// The switch between cell and bus.
 enum class Protection {
   closed,
+  low,   // still closed, with the terminal voltage under the cut-off: its delay passes
   open,  // blocks discharge; a charge passes, as through the body diode of the discharge transistor
 };
 
@@ -99,9 +102,9 @@ class Integrator {
   };
 
   /// Moves `state` on by `duration_s`, or up to the first event, and adds to `ledger`.
-  /// If the protection is closed, the cell feeds `demand`. If it is open, only a demand that charges the cell acts.
-  /// A duration that the solver cannot integrate whole is divided. If the smallest part fails too, throws mebots::Error
-  /// with duration, power and remedy, and leaves `state` and `ledger` unchanged.
+  /// If the protection is closed or low, the cell feeds `demand`. If it is open, only a demand that charges the cell
+  /// acts. A duration that the solver cannot integrate whole is divided. If the smallest part fails too, throws
+  /// mebots::Error with duration, power and remedy, and leaves `state` and `ledger` unchanged.
   Result advance(CellState& state, Ledger& ledger, const Demand& demand, Protection protection, double duration_s);
 
   /// Evaluations of the right-hand side so far; a measure of cost.

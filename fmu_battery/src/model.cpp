@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace mebots::battery {
@@ -33,13 +34,16 @@ double checked_soc(double soc) {
 
 Model::Model(const Parameters& parameters, const std::filesystem::path& resources, EventLog log)
     : log_(std::move(log)),
-      cell_(load_cell(data::find_file(resources / "cells", parameters.cell_name, "cell.name"))),
+      cell_(load_cell(data::find_file(resources / "cells", parameters.cell_name, "cell.name"),
+                      {parameters.calibration_resistance, parameters.calibration_capacity,
+                       parameters.calibration_cut_off_voltage, parameters.calibration_cut_off_delay})),
       source_converter_(load_converter(resources / "converters.json", parameters.source_converter, "source.converter")),
       integrator_(cell_) {
   for (std::size_t i = 0; i < load::kCount; ++i) {
     load_converter_[i] = load_converter(resources / "converters.json", parameters.load_converter[i],
                                         fmt::format("{}.converter", load::kWords[i]));
   }
+  for (const auto& warning : cell_.warnings) log_(warning);
   state_.soc = checked_soc(parameters.cell_initial_state_of_charge);
   full_ = state_.soc >= 1;
 }
@@ -50,11 +54,12 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
   const double source_v = circuit.open_circuit_v - state_.pair1_v - state_.pair2_v;
   if (state_.soc <= 0) {
     handle(Event::empty, seconds(start_ns));
-  } else if (source_v < cell_.cut_off_voltage_v ||
-             now.terminal_w() > power_limit_w(source_v, circuit.series_ohm, source_v / 2)) {
+  } else if (source_v < cell_.cut_off_voltage_v) {
     // At t = 0 only what no load can mend opens the protection: a load that brings the voltage under cut-off does so in
     // the first step. Else loads that need the bus, and a bus that gives way to them, would never agree on a start.
-    handle(Event::cut_off, seconds(start_ns));
+    open(cut_off_text(), seconds(start_ns));
+  } else if (now.terminal_w() > power_limit_w(source_v, circuit.series_ohm, source_v / 2)) {
+    handle(Event::no_power, seconds(start_ns));
   }
   write(inputs, start_ns, outputs);
   outputs.losses_power_w = 0;
@@ -68,15 +73,23 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
   double passed_s = 0;
   while (duration_s - passed_s > kShortest) {
     const Demand now = demand(inputs);
-    const auto protection = connected_ ? Protection::closed : Protection::open;
-    const auto [reached_s, event] = integrator_.advance(state_, ledger_, now, protection, duration_s - passed_s);
+    // At the end of the delay the protection opens inside the step.
+    const double until_s =
+        low_ ? std::min(duration_s - passed_s, cell_.cut_off_delay_s - low_s_) : duration_s - passed_s;
+    const auto [reached_s, event] = integrator_.advance(state_, ledger_, now, protection(), until_s);
     if (conducts(now)) {
       for (std::size_t i = 0; i < load::kCount; ++i) load_energy_j_[i] += inputs.load_power_w[i] * reached_s;
     }
-    if (event == Event::none) break;
+    if (event == Event::none && !low_) break;
     passed_s += reached_s;
     MEBOTS_ASSERT(passed_s <= duration_s);
-    handle(event, seconds(start_ns) + passed_s);
+    const double now_s = seconds(start_ns) + passed_s;
+    if (low_) low_s_ += reached_s;
+    if (event != Event::none) {
+      handle(event, now_s);
+    } else if (cell_.cut_off_delay_s - low_s_ <= kShortest) {
+      handle_low(now_s);
+    }
   }
   const double lost_j = (ledger_.ohmic_j - before.ohmic_j) + (ledger_.converters_j - before.converters_j);
   write(inputs, start_ns + duration_ns, outputs);
@@ -117,15 +130,41 @@ void Model::handle(Event event, double time_s) {
     return;
   }
   if (!connected_) return;  // emptied by self-discharge behind an open protection
-  connected_ = false;
-  if (event == Event::empty) {
-    log_(fmt::format("t = {:.9g} s: the cell is empty; the protection opens", time_s));
+  if (event == Event::recovered) {
+    low_ = false;
+  } else if (event == Event::cut_off && cell_.cut_off_delay_s > 0) {
+    low_ = true;
+    low_s_ = 0;
+  } else if (event == Event::empty) {
+    open("the cell is empty", time_s);
+  } else if (event == Event::no_power) {
+    open(fmt::format("no current gives the power of the loads at a state of charge of {:.4f}", state_.soc), time_s);
   } else {
-    log_(fmt::format(
-        "t = {:.9g} s: the terminal voltage falls under the cut-off of {} V at a state of charge of {:.4f}; "
-        "the protection opens",
-        time_s, cell_.cut_off_voltage_v, state_.soc));
+    open(cut_off_text(), time_s);
   }
+}
+
+std::string Model::cut_off_text() const {
+  return fmt::format("the terminal voltage falls under the cut-off of {} V at a state of charge of {:.4f}",
+                     cell_.cut_off_voltage_v, state_.soc);
+}
+
+void Model::handle_low(double time_s) {
+  open(fmt::format(
+           "the terminal voltage has been under the cut-off of {} V for {:.9g} s, at a state of charge of {:.4f}",
+           cell_.cut_off_voltage_v, cell_.cut_off_delay_s, state_.soc),
+       time_s);
+}
+
+void Model::open(std::string_view why, double time_s) {
+  connected_ = false;
+  low_ = false;
+  log_(fmt::format("t = {:.9g} s: {}; the protection opens", time_s, why));
+}
+
+Protection Model::protection() const {
+  if (!connected_) return Protection::open;
+  return low_ ? Protection::low : Protection::closed;
 }
 
 void Model::watch_current(double current_a, std::int64_t now_ns) {
@@ -180,6 +219,8 @@ void Model::visit(state::Visitor& v) {
   v("ledger", ledger_);
   v("load_energy_j", load_energy_j_);
   v("connected", connected_);
+  v("low", low_);
+  v("low_s", low_s_);
   v("full", full_);
   v("over_current", over_current_);
   v("over_current_told", over_current_told_);

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <string_view>
 
 namespace mebots::battery {
@@ -17,13 +18,13 @@ namespace mebots::battery {
 /// Cell, protection, converters, loads and source of one power bus. Plain C++; fmu.cpp binds it to FMI.
 ///
 /// Inputs are powers and are held during a step; outputs are values at the end of the step.
-/// The protection opens at the instant when the terminal voltage falls under the cut-off (or no current can give
-/// the power asked for) and at state of charge 0. An open protection blocks discharge: bus voltage, current and
-/// delivered power are 0, also for the rest of that step. If the source gives more than the loads take, it supplies
-/// them and charges the cell through the open protection. The protection closes at the instant when the terminal
-/// voltage reaches the release voltage. A full cell takes no charge before its state of charge has fallen under
-/// kResumeChargingBelow. Until then the source carries what the loads take and the rest of its power is not counted as
-/// given.
+/// The protection opens after the terminal voltage has been under the cut-off for the cell's delay, at the instant when
+/// no current can give the power asked for, and at state of charge 0. An open protection blocks discharge: bus voltage,
+/// current and delivered power are 0, also for the rest of that step. If the source gives more than the loads take, it
+/// supplies them and charges the cell through the open protection. The protection closes at the instant when the
+/// terminal voltage reaches the release voltage. A full cell takes no charge before its state of charge has fallen
+/// under kResumeChargingBelow. Until then the source carries what the loads take and the rest of its power is not
+/// counted as given.
 class Model {
  public:
   static constexpr double kResumeChargingBelow = 0.999;
@@ -53,7 +54,11 @@ class Model {
 
  private:
   Demand demand(const Inputs& inputs) const;
+  Protection protection() const;
   void handle(Event event, double time_s);
+  void handle_low(double time_s);
+  std::string cut_off_text() const;
+  void open(std::string_view why, double time_s);
   void watch_current(double current_a, std::int64_t now_ns);
   void write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs);
 
@@ -70,6 +75,8 @@ class Model {
   bool conducts(const Demand& demand) const { return connected_ || demand.charges(); }
 
   bool connected_ = true;
+  bool low_ = false;  // the terminal voltage is under the cut-off, for low_s_ by now
+  double low_s_ = 0;
   bool full_ = false;
   bool over_current_ = false;
   bool over_current_told_ = false;

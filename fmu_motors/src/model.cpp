@@ -48,13 +48,17 @@ PowerModel checked(PowerModel model) {
 
 }  // namespace
 
-Model::Model(const Parameters& parameters, const std::filesystem::path& resources)
-    : rotor_(load_rotor(data::find_file(resources / "rotors", parameters.rotor_data, "rotor_data"))),
+Model::Model(const Parameters& parameters, const std::filesystem::path& resources, const Log& log)
+    : rotor_(load_rotor(data::find_file(resources / "rotors", parameters.rotor_data, "rotor_data"),
+                        {parameters.calibration_thrust, parameters.calibration_power})),
       power_model_(checked(parameters.power_model)),
       avionics_base_power_w_(parameters.avionics_base_power_w),
       inflow_(parameters.inflow),
       inflow_radius_m_(parameters.inflow_radius_m),
       bus_resistance_ohm_(parameters.bus_resistance_ohm) {
+  for (const auto& warning : rotor_.warnings) {
+    if (log) log(warning);
+  }
   check(bus_resistance_ohm_, "bus.resistance", "Ohm", data::Limits::between(0, kMost));
   check(inflow_radius_m_, "inflow.radius", "m", data::Limits::at_least(0.001));
   check(avionics_base_power_w_, "avionics.base_power", "W", data::Limits::at_least(0));
@@ -85,7 +89,7 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   }
   earlier_current_a_ = last_current_a_;
   last_current_a_ = motor_c / duration_s;
-  outputs.bench_power_w = bench_j / duration_s;
+  outputs.bench_power_w = rotor_.power_factor * bench_j / duration_s;
   outputs.hover_power_w = driven ? hover_power_w(rotor_, inputs.body_mass_kg, inputs.air_density_kg_per_m3) : 0;
   outputs.propel_power_w = driven ? propel_power_w(rotor_, inputs.body_mass_kg, inputs.body_speed_m_per_s) : 0;
   // A rotor never feeds the bus.

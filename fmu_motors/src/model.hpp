@@ -8,6 +8,8 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <string_view>
 
 namespace mebots::motors {
 
@@ -17,8 +19,11 @@ namespace mebots::motors {
 /// speed are values at its end, powers are means over it.
 class Model {
  public:
-  /// Reads `resources`/rotors/<name>.json. Throws mebots::Error naming parameter or file, key, value and limit.
-  Model(const Parameters& parameters, const std::filesystem::path& resources);
+  using Log = std::function<void(std::string_view)>;
+
+  /// Reads `resources`/rotors/<name>.json. Throws mebots::Error naming parameter or file, key, value and limit. Reports
+  /// warnings to `log`.
+  Model(const Parameters& parameters, const std::filesystem::path& resources, const Log& log = {});
 
   /// Writes the outputs at the start: standing rotors.
   void start(const Inputs& inputs, Outputs& outputs);

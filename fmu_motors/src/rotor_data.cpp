@@ -2,6 +2,7 @@
 #include "rotor_data.hpp"
 
 #include "mebots/data/document.hpp"
+#include "mebots/data/estimate.hpp"
 #include "mebots/data/object.hpp"
 
 #include <fmt/format.h>
@@ -84,7 +85,15 @@ void read_motor_form(data::Object& object, RotorData& rotor) {
   }
 }
 
-RotorData read_rotor(const data::Node& node) {
+/// More thrust at the same torque and power. Both are stored per thrust.
+void place_thrust(RotorData& rotor, double thrust_coefficient) {
+  const double ratio = thrust_coefficient / rotor.thrust_coefficient;
+  rotor.thrust_coefficient = thrust_coefficient;
+  rotor.torque_per_thrust_m /= ratio;
+  rotor.power_per_thrust_w_per_n /= ratio;
+}
+
+RotorData read_rotor(const data::Node& node, const RotorPositions& positions) {
   using data::quantity;
   const auto positive = Limits::positive();
   data::Object object(node);
@@ -92,7 +101,11 @@ RotorData read_rotor(const data::Node& node) {
   object.comment("$schema");
   object.read("name", rotor.name, &data::Node::text);
   object.comment("notes");
-  object.read("thrust_coefficient", rotor.thrust_coefficient, quantity("N.s2/rad2", positive));
+  data::Estimate thrust_coefficient;
+  data::Estimate power_factor{1, {}};
+  object.read("thrust_coefficient", thrust_coefficient, data::estimate("N.s2/rad2", positive));
+  rotor.thrust_coefficient = thrust_coefficient.value;
+  object.read_if("power_factor", power_factor, data::estimate("1", positive));
   object.read("reference_density", rotor.reference_density_kg_per_m3, quantity("kg/m3", positive));
   object.read("torque_per_thrust", rotor.torque_per_thrust_m, quantity("m", positive));
   object.read("inertia", rotor.inertia_kg_m2, quantity("kg.m2", positive));
@@ -102,6 +115,10 @@ RotorData read_rotor(const data::Node& node) {
   object.read("lift_to_drag", rotor.lift_to_drag, quantity("1", positive));
   object.allow({"bench"});  // what the figures come from; for people and tests
   object.finish();
+  const data::Placement placement("rotor '" + rotor.name + "'", rotor.warnings);
+  rotor.power_factor = placement.value(power_factor, positions.power, "power_factor", "calibration.power");
+  place_thrust(rotor,
+               placement.value(thrust_coefficient, positions.thrust, "thrust_coefficient", "calibration.thrust"));
   return rotor;
 }
 
@@ -119,8 +136,8 @@ double RotorData::steady_speed_rad_per_s(double voltage_v) const {
   return speed_rad_per_s[i - 1] + weight * (speed_rad_per_s[i] - speed_rad_per_s[i - 1]);
 }
 
-RotorData load_rotor(const std::filesystem::path& path) {
-  return data::Document(path).read(&read_rotor);
+RotorData load_rotor(const std::filesystem::path& path, const RotorPositions& positions) {
+  return data::Document(path).read([&](const data::Node& node) { return read_rotor(node, positions); });
 }
 
 }  // namespace mebots::motors

@@ -24,6 +24,7 @@ struct ElectricMotor {
 /// A rotor with its motor, as its data file describes it (fmu_motors/README.md documents the format).
 struct RotorData {
   std::string name;
+  double power_factor = 1;        // multiplies the electrical power
   double thrust_coefficient = 0;  // F = k w^2 [N s^2/rad^2] at the reference density
   double reference_density_kg_per_m3 = 0;
   double torque_per_thrust_m = 0;
@@ -40,6 +41,8 @@ struct RotorData {
   double propulsion_efficiency = 0;
   double lift_to_drag = 0;
 
+  std::vector<std::string> warnings;  // positions without an interval in the file
+
   /// Speed [rad/s] that the rotor settles at under a voltage [V, >= 0], by the table of a rotor without `motor`.
   double steady_speed_rad_per_s(double voltage_v) const;
 
@@ -49,7 +52,14 @@ struct RotorData {
   }
 };
 
-/// Reads and checks a rotor file. Throws mebots::Error naming file, key, value and limit.
-RotorData load_rotor(const std::filesystem::path& path);
+/// Positions in the intervals of the file's quantities, from -1 to 1: 0 is the value.
+struct RotorPositions {
+  double thrust = 0;  // of thrust_coefficient; torque and power at a speed stay
+  double power = 0;   // of power_factor
+};
+
+/// Reads and checks a rotor file. Throws mebots::Error naming file, key, value and limit, and for a position outside -1
+/// to 1.
+RotorData load_rotor(const std::filesystem::path& path, const RotorPositions& positions = {});
 
 }  // namespace mebots::motors

@@ -23,7 +23,12 @@ class Binding final : public fmu::Model {
 
  private:
   static scene::Scene read_scene(const Parameters& parameters, const fmu::Host& host) {
-    return scene::load_scene(data::find_file(host.resources() / "scenes", parameters.scene_name, "scene.name"));
+    auto scene = scene::load_scene(data::find_file(host.resources() / "scenes", parameters.scene_name, "scene.name"));
+    if (!parameters.drone_name.empty()) {
+      scene.drone =
+          scene::load_drone(data::find_file(host.resources() / "drones", parameters.drone_name, "drone.name"));
+    }
+    return scene;
   }
 
   World world_;

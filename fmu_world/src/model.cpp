@@ -109,6 +109,16 @@ std::vector<std::string> names_of(const std::vector<scene::Solid>& solids) {
   return names;
 }
 
+Calibration calibrate(scene::Drone& drone, const Parameters& parameters) {
+  Calibration calibration;
+  const data::Placement placement("drone '" + drone.name + "'", calibration.warnings);
+  drone.drag_n_s_per_m *=
+      placement.value(drone.drag_factor, parameters.calibration_drag, "drag_factor", "calibration.drag");
+  calibration.dry_mass_factor =
+      placement.value(drone.dry_mass_factor, parameters.calibration_mass, "dry_mass_factor", "calibration.mass");
+  return calibration;
+}
+
 RigidState start_of(const scene::Scene& scene, const Parameters& parameters) {
   RigidState state;
   for (std::size_t i = 0; i < 3; ++i) require_finite(parameters.start_offset_m[i], "start.offset.", axis::kWords[i]);
@@ -128,6 +138,7 @@ bool starts_on_ground(const scene::Scene& scene, const Parameters& parameters) {
 World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inputs, Outputs& outputs, EventLog log,
              std::int64_t start_ns)
     : scene_(std::move(scene)),
+      calibration_(calibrate(scene_.drone, parameters)),
       in_(parameters),
       inputs_(inputs),
       outputs_(outputs),
@@ -151,6 +162,7 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
       gates_({scene_.gates.begin(), scene_.gates.end()}, scene_.drone.body_size_m),
       state_(start_of(scene_, parameters)),
       flight_control_(scene_.drone, parameters.stabiliser_controller, parameters.stabiliser_state, state_, start_ns) {
+  for (const auto& warning : calibration_.warnings) log_(warning);
   require_at_least_zero(in_.drone_dry_mass_kg, "drone.dry_mass");
   require_at_least_zero(in_.range_noise_m, "range.noise");
   checked(in_.rotors_inertia_kg_m2, 0.0, 1.0, "rotors.inertia");
@@ -237,7 +249,7 @@ void World::check_inputs() const {
 }
 
 void World::take_mass() {
-  const double mass_kg = in_.drone_dry_mass_kg + inputs_.cell_mass_kg;
+  const double mass_kg = calibration_.dry_mass_factor * in_.drone_dry_mass_kg + inputs_.cell_mass_kg;
   if (mass_kg != mass_kg_) set_mass(mass_kg);
 }
 

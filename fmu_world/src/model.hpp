@@ -30,6 +30,12 @@ namespace mebots::world {
 /// Called with a sentence for each event of the flight.
 using EventLog = std::function<void(std::string_view)>;
 
+/// What the calibration parameters make of the drone beside its drag.
+struct Calibration {
+  double dry_mass_factor = 1;
+  std::vector<std::string> warnings;
+};
+
 /// A drone in its world: rigid body, stabiliser, take-off and landing, gates, sensors.
 ///
 /// A step of h is cut into n = ceil(h / physics.step) equal inner steps. Rotor thrusts, wind and set-points
@@ -76,6 +82,7 @@ class World {
   void report(std::int64_t time_ns, std::string_view what) const;
 
   scene::Scene scene_;
+  Calibration calibration_;
   const Parameters& in_;
   const Inputs& inputs_;
   Outputs& outputs_;

@@ -115,17 +115,40 @@ std::string value_text(const Json& value) {
   return value.dump();
 }
 
-void append_values(const Json& values, const Json& units, const std::string& prefix, std::vector<std::string>& lines) {
+Json member_of(const Json& object, const std::string& label) {
+  return object.is_object() && object.contains(label) ? object.at(label) : Json();
+}
+
+std::string interval_text(const Json& interval) {
+  return fmt::format("{} to {}", value_text(interval[0]), value_text(interval[1]));
+}
+
+/// `intervals`: of the values, under the same labels.
+void append_values(const Json& values, const Json& units, const Json& intervals, const std::string& prefix,
+                   std::vector<std::string>& lines) {
   for (const auto& [label, value] : values.items()) {
-    const auto unit = units.is_object() && units.contains(label) ? units.at(label) : Json();
+    const auto unit = member_of(units, label);
+    const auto interval = member_of(intervals, label);
     if (value.is_object()) {
-      append_values(value, unit, prefix + label + ".", lines);
+      append_values(value, unit, interval, prefix + label + ".", lines);
       continue;
     }
     const bool shown_unit = unit.is_string() && unit != "1";
-    lines.push_back(fmt::format("  {:<24} {}{}", prefix + label, value_text(value),
-                                shown_unit ? " " + unit.get<std::string>() : ""));
+    lines.push_back(fmt::format("  {:<24} {}{}{}", prefix + label, value_text(value),
+                                shown_unit ? " " + unit.get<std::string>() : "",
+                                interval.is_array() ? fmt::format(" ({})", interval_text(interval)) : ""));
   }
+}
+
+/// The line of a run with drawn flights.
+std::string uncertainty_line(const Json& uncertainty) {
+  std::vector<std::string> outcomes;
+  for (const auto& [outcome, count] : uncertainty["outcomes"].items())
+    outcomes.push_back(fmt::format("{} {}", outcome, count.get<int>()));
+  const auto time = member_of(uncertainty["intervals"], "simulated_time");
+  return fmt::format("uncertainty: simulated {} s in 9 of 10 flights, other ranges below ({} draws: {})",
+                     time.is_array() ? interval_text(time) : "nothing", uncertainty["flights"].get<int>(),
+                     fmt::join(outcomes, ", "));
 }
 
 }  // namespace
@@ -138,7 +161,9 @@ std::vector<std::string> end_lines(const master::Run& run) {
   lines.push_back(fmt::format("simulated {} s in {} of stepping, {:.3g} x real time",
                               master::to_seconds(report.simulated_ns), short_duration(report.wall.stepping_s),
                               report.real_time_factor()));
-  append_values(run.values().values(), run.values().units(), "", lines);
+  const auto uncertainty = member_of(run.summary(), "uncertainty");
+  if (!uncertainty.is_null()) lines.push_back(uncertainty_line(uncertainty));
+  append_values(run.values().values(), run.values().units(), member_of(uncertainty, "intervals"), "", lines);
   lines.push_back(fmt::format("results: {} ({} rows, {} columns), {}", run.files()->rows_file().string(), report.rows,
                               run.columns(), (run.files()->folder() / "summary.json").string()));
   return lines;

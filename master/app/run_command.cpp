@@ -8,6 +8,7 @@
 #include "base/time.hpp"
 #include "io/config/command_line.hpp"
 #include "io/config/load_system.hpp"
+#include "run/draws.hpp"
 #include "run/run.hpp"
 #ifdef MEBOTS_HAS_live
 #include "live_run.hpp"
@@ -45,7 +46,8 @@ struct ReportOptions {
   std::vector<std::string> expect;  ///< outcomes of which one must come
   std::filesystem::path junit;      ///< JUnit file to write; empty = none
   bool quiet = false;
-  std::optional<int> live_port;  ///< of a new run: a browser may look at it; 0 = any port
+  std::optional<std::string> uncertainty;  ///< "calibration" or "none", in place of the config's
+  std::optional<int> live_port;            ///< of a new run: a browser may look at it; 0 = any port
 };
 
 RunOptions options_of(const TypedOptions& typed) {
@@ -104,6 +106,27 @@ void show_end(const Run& run, Console& console) {
   }
 }
 
+bool wants_draws(const Run& run, const ReportOptions& options) {
+  if (run.report().end_reason == EndReason::interrupted) return false;
+  return options.uncertainty ? *options.uncertainty == "calibration" : run.system().draws_calibration;
+}
+
+/// Flies the draws of a run that has ended, and adds their intervals to its summary.
+void fly_draws(Run& run, Console& console) {
+  master::DrawnFlights draws(run);
+  const auto progress = [&console](int flight) {
+    console.redraw(fmt::format("uncertainty: flight {} of {}", flight, master::DrawnFlights::kFlights));
+  };
+  const bool done = draws.fly(progress);
+  console.redraw("");
+  for (const auto& text : draws.without_effect()) console.warning(text);
+  if (done) {
+    run.report_uncertainty(draws.json());
+  } else {
+    console.warning("uncertainty: interrupted, so the summary has no intervals");
+  }
+}
+
 /// Any run on the command line, from the one that `open` makes to the exit code.
 int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptions& options) {
   Console console(options.quiet);
@@ -125,6 +148,7 @@ int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptio
     run->listen([&](const Message& message) { console.message(message); });
     run->add(progress);
     run_to_the_end(*run, options.live_port, console);
+    if (wants_draws(*run, options)) fly_draws(*run, console);
     show_end(*run, console);
     code = exit_code(*run, options, console);
   } catch (const InputError& error) {
@@ -218,6 +242,11 @@ void add_run(CLI::App& app, Action& action) {
       ->add_option("--checkpoint-every", run->checkpoint_every,
                    "Write a checkpoint at t = 0 and then at this interval of simulated time [s]")
       ->type_name("SECONDS");
+  command
+      ->add_option("--uncertainty", report->uncertainty,
+                   "calibration: make 19 more flights with drawn parameters, and report intervals; none: make none")
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"calibration", "none"}));
   command->add_flag("--isolate", run->run.isolate, "Run every instance in a separate process");
   command
       ->add_option("--live", report->live_port,

@@ -9,6 +9,7 @@
 #include "io/study/study_file.hpp"
 #include "mebots/data/csv.hpp"
 #include "record/sink/hdf5_tables.hpp"
+#include "run/draws.hpp"
 
 #include <mebots/run.hpp>
 
@@ -256,6 +257,11 @@ PYBIND11_MODULE(_mebots, module) {
   module.def("check_study", [](const std::string& text, const std::filesystem::path& file) {
     return mebots::master::refused_as_input([&] { return study::read(text, file); }).dump();
   });
+  module.def("calibration_parameters", [](const std::filesystem::path& config) {
+    const auto names = [&] { return mebots::master::calibration_parameters(config); };
+    return mebots::master::refused_as_input(names);
+  });
+  module.def("unit_draw", &mebots::master::unit_draw);
   py::class_<mebots::master::TableColumn>(module, "TableColumn")
       .def(py::init<std::string, std::string, decltype(mebots::master::TableColumn::values)>());
   py::class_<mebots::master::Table>(module, "Table")

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/data/object.hpp"
 
+#include "mebots/data/estimate.hpp"
+
 #include "mebots/nearest_names.hpp"
 
 #include <fmt/format.h>
@@ -71,31 +73,8 @@ void read_source(Object& object) {
   });
 }
 
-void read_interval(Object& object, double value) {
-  object.visit_if("interval", [value](const Node& node) {
-    const auto ends = read_numbers(node, {});
-    if (ends.size() != 2) node.fail(ErrorCode::invalid_value, "two numbers are needed: the lower and the upper end");
-    if (!(ends[0] <= value && value <= ends[1])) {
-      node.fail(ErrorCode::invalid_value,
-                fmt::format("the interval from {} to {} must contain the value, {}", ends[0], ends[1], value));
-    }
-  });
-}
-
 double read_quantity(const Node& node, std::string_view unit, const Limits& limits) {
-  Object object(node);
-  double value = 0;
-  const bool known = object.read("value", value, number(limits));
-  read_unit(object, unit);
-  read_source(object);
-  object.comment("fitted_on");
-  if (known) {
-    read_interval(object, value);
-  } else {
-    object.allow({"interval"});
-  }
-  object.finish();
-  return value;
+  return read_estimate(node, unit, limits).value;
 }
 
 }  // namespace mebots::data

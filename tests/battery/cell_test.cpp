@@ -72,5 +72,34 @@ TEST(Cell, PowerLimitIsThePowerAtTheCutOffOrTheGreatestPower) {
   EXPECT_LT(power_limit_w(2.7, 0.1, 2.8), 0);  // not even an open circuit keeps the voltage up
 }
 
+TEST(CellCalibration, MovesQuantitiesWithinTheirIntervals) {
+  const auto path = kParams / "cells" / "bitcraze_250_flights.json";
+  const Cell as_stated = load_cell(path);
+  const Cell worst = load_cell(path, {.resistance = 1, .capacity = -1, .cut_off_voltage = 1, .cut_off_delay = -1});
+  EXPECT_DOUBLE_EQ(worst.series_ohm(0.5) / as_stated.series_ohm(0.5), 1.44);
+  EXPECT_DOUBLE_EQ(worst.pair1_ohm(0.5) * worst.pair1_farad(0.5),
+                   as_stated.pair1_ohm(0.5) * as_stated.pair1_farad(0.5));
+  EXPECT_DOUBLE_EQ(worst.capacity_c, 0.8 * as_stated.capacity_c);
+  EXPECT_DOUBLE_EQ(worst.cut_off_voltage_v, 2.85);
+  EXPECT_DOUBLE_EQ(worst.cut_off_delay_s, 0.115);
+  EXPECT_TRUE(worst.warnings.empty());
+  // Half way to the lower end.
+  EXPECT_DOUBLE_EQ(load_cell(path, {.resistance = -0.5}).series_ohm(0.5) / as_stated.series_ohm(0.5), 0.915);
+}
+
+TEST(CellCalibration, WarnsWhereTheFileHasNoInterval) {
+  const auto path = kParams / "cells" / "bitcraze_250.json";
+  const Cell cell = load_cell(path, {.resistance = 1});
+  EXPECT_EQ(cell.series_ohm(0.5), load_cell(path).series_ohm(0.5));
+  ASSERT_EQ(cell.warnings.size(), 1U);
+  EXPECT_THAT(cell.warnings.front(), testing::HasSubstr("calibration.resistance has no effect"));
+}
+
+TEST(CellCalibration, RefusesPositionsOutside) {
+  const auto path = kParams / "cells" / "bitcraze_250_flights.json";
+  EXPECT_THAT(error_of([&] { load_cell(path, {.capacity = 1.1}); }),
+              testing::HasSubstr("calibration.capacity = 1.1 must be >= -1 and <= 1"));
+}
+
 }  // namespace
 }  // namespace mebots::battery

@@ -61,6 +61,61 @@ TEST(Protection, OpensAtOnceWhenNoCurrentGivesThatPower) {
   EXPECT_THAT(bench.events.back(), HasSubstr("t = 0.001 s"));
 }
 
+constexpr double kDelay_s = 0.144;  // of bitcraze_250_flights
+
+/// A load under which the terminals of bitcraze_250_flights are below the cut-off at a state of charge of 0.3, though a
+/// current gives its power.
+constexpr double kLow_w = 20;
+
+TEST(ProtectionDelay, OpensOnceTheVoltageWasLowForTheDelayWhateverTheStep) {
+  for (const std::int64_t step_ns : {kMillisecond, 7 * kMillisecond, 2 * kSecond}) {
+    Bench bench(parameters("bitcraze_250_flights", 0.3));
+    bench.inputs.load_power_w[load::motors] = kLow_w;
+    while (bench.outputs.cell_connected) bench.step(step_ns);
+    EXPECT_NEAR(bench.outputs.energy_delivered_j / kLow_w, kDelay_s, 1e-9);
+    EXPECT_THAT(bench.events.back(),
+                HasSubstr("t = 0.144 s: the terminal voltage has been under the cut-off of 2.8 V"));
+    EXPECT_NEAR(bench.outputs.energy_imbalance_j, 0, 1e-9);
+  }
+}
+
+TEST(ProtectionDelay, BeginsAgainAfterTheVoltageRecovered) {
+  Bench bench(parameters("bitcraze_250_flights", 0.3));
+  for (int i = 0; i < 10; ++i) {
+    bench.inputs.load_power_w[load::motors] = kLow_w;
+    for (int k = 0; k < 70; ++k) bench.step(2 * kMillisecond);
+    EXPECT_LT(bench.outputs.bus_voltage_v, 2.8);
+    EXPECT_TRUE(bench.outputs.cell_connected);
+    bench.inputs.load_power_w[load::motors] = 1;
+    bench.step(2 * kMillisecond);
+    EXPECT_GT(bench.outputs.bus_voltage_v, 2.8);
+  }
+  EXPECT_TRUE(bench.events.empty());
+}
+
+TEST(ProtectionDelay, IsSavedOnTheWay) {
+  Bench straight(parameters("bitcraze_250_flights", 0.3));
+  straight.inputs.load_power_w[load::motors] = kLow_w;
+  for (int k = 0; k < 50; ++k) straight.step(2 * kMillisecond);
+  Bench restored(parameters("bitcraze_250_flights", 0.3));
+  state::restore(restored.model, state::save(straight.model));
+  restored.now_ns = straight.now_ns;
+  restored.inputs = straight.inputs;
+  for (auto* bench : {&straight, &restored}) bench->step(kSecond);
+  EXPECT_EQ(straight.events.back(), restored.events.back());
+  EXPECT_EQ(straight.outputs.energy_delivered_j, restored.outputs.energy_delivered_j);
+}
+
+TEST(ProtectionDelay, DoesNotHoldWhereNoCurrentGivesThePower) {
+  Bench bench(parameters("bitcraze_250_flights", 0.8));
+  bench.step(kMillisecond);
+  bench.inputs.load_power_w[load::auxiliary] = 500;
+  bench.step(kMillisecond);
+  EXPECT_FALSE(bench.outputs.cell_connected);
+  EXPECT_EQ(bench.outputs.energy_delivered_j, 0);
+  EXPECT_THAT(bench.events.back(), HasSubstr("no current gives the power"));
+}
+
 TEST(Protection, OpensAtTheStartWhenTheFirstLoadIsTooMuch) {
   Inputs heavy;
   heavy.load_power_w[load::motors] = 500;

@@ -128,6 +128,47 @@ TEST_F(RotorFile, IntervalOfOneNumberIsRefused) {
   EXPECT_THAT(refused(), HasSubstr("/inertia/interval: two numbers are needed"));
 }
 
+TEST(RotorCalibration, ThrustMovesWithoutSpeedTorqueAndPower) {
+  Parameters most;
+  most.rotor_data = "crazyflie_legacy";
+  most.calibration_thrust = 1;
+  Parameters as_stated = most;
+  as_stated.calibration_thrust = 0;
+  Stand moved(most);
+  Stand still(as_stated);
+  for (auto* stand : {&moved, &still}) {
+    stand->command(0.6);
+    stand->settle();
+  }
+  EXPECT_NEAR(moved.outputs.rotor_thrust_n[0] / still.outputs.rotor_thrust_n[0], 2.061 / 1.989, 1e-12);
+  EXPECT_NEAR(moved.outputs.rotor_speed_rad_per_s[0], still.outputs.rotor_speed_rad_per_s[0], 1e-9);
+  EXPECT_NEAR(moved.outputs.rotor_torque_n_m[0], still.outputs.rotor_torque_n_m[0], 1e-15);
+  EXPECT_NEAR(moved.outputs.power_w, still.outputs.power_w, 1e-9);
+}
+
+TEST(RotorCalibration, PowerMovesAlone) {
+  Parameters most;
+  most.rotor_data = "crazyflie_legacy";
+  most.calibration_power = -1;
+  Parameters as_stated = most;
+  as_stated.calibration_power = 0;
+  Stand moved(most);
+  Stand still(as_stated);
+  for (auto* stand : {&moved, &still}) {
+    stand->command(0.6);
+    stand->settle();
+  }
+  EXPECT_EQ(moved.outputs.rotor_thrust_n, still.outputs.rotor_thrust_n);
+  EXPECT_NEAR(moved.outputs.power_w / still.outputs.power_w, 0.955, 1e-12);
+}
+
+TEST(RotorCalibration, WarnsWhereTheFileHasNoInterval) {
+  const auto rotor = load_rotor(rotor_file("crazyflie_bench"), {.thrust = 1, .power = 1});
+  EXPECT_EQ(rotor.thrust_coefficient, bench_rotor().thrust_coefficient);
+  ASSERT_EQ(rotor.warnings.size(), 2U);
+  EXPECT_THAT(rotor.warnings[1], HasSubstr("calibration.thrust has no effect"));
+}
+
 TEST_F(RotorFile, UnknownNameListsTheKnownOnes) {
   Parameters wrong;
   wrong.rotor_data = "mavic";

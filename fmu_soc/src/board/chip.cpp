@@ -5,7 +5,10 @@
 
 #include "mebots/assert.hpp"
 #include "mebots/data/document.hpp"
+#include "mebots/data/estimate.hpp"
 #include "mebots/data/object.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -185,10 +188,31 @@ const Chip& gap8_silicon() {
   return silicon;
 }
 
+namespace {
+
+/// Null for an unknown name.
+const Chip* chip_named(std::string_view energies) {
+  if (energies == "gap8") return &gap8();
+  return energies == "gap8_silicon" ? &gap8_silicon() : nullptr;
+}
+
+}  // namespace
+
 const Chip& chip_of(const BoardDescription& board) {
-  if (board.energy == "gap8") return gap8();
-  MEBOTS_ASSERT(board.energy == "gap8_silicon", "the reader of boards knows no other");
-  return gap8_silicon();
+  const auto* chip = chip_named(board.energy);
+  MEBOTS_ASSERT(chip != nullptr, "the reader of boards knows no other");
+  return *chip;
+}
+
+Chip calibrated_chip(const std::string& energies, double position) {
+  const auto* named = chip_named(energies);
+  if (named == nullptr)
+    throw Error(fmt::format("energy.name = '{}' is unknown; there are gap8 and gap8_silicon", energies));
+  auto chip = *named;
+  std::vector<std::string> warnings;
+  const data::Estimate factor{1, data::Estimate::Interval{chip.checks.least, chip.checks.most}};
+  chip.energy.scale = data::Placement(energies, warnings).value(factor, position, "checks", "calibration.energy");
+  return chip;
 }
 
 }  // namespace mebots::soc

@@ -62,5 +62,9 @@ const Chip& gap8_silicon();
 /// The chip with the energies that the board names: gap8()'s own, or gap8_silicon's, which were calibrated on currents
 /// of a GAPuino.
 const Chip& chip_of(const BoardDescription& board);
+/// The chip with the energies of this name, every one multiplied: `position` is that of the factor in the interval of
+/// the checks, from -1 (least) over 0 (1) to 1 (most). Throws Error naming the FMU's parameter for an unknown name and
+/// for a position outside.
+Chip calibrated_chip(const std::string& energies, double position);
 
 }  // namespace mebots::soc

@@ -90,21 +90,24 @@ EnergyMeter::Rates EnergyMeter::rates_at(const PowerState& state) const {
   const auto fc_banks = inventory_.fc_memory_bytes / kBankBytes;
   MEBOTS_ASSERT(tables_.reference_instruction_j > 0);
   Rates rates;
-  rates.instruction = tables_.instruction.at(fc) / tables_.reference_instruction_j;
-  rates.core_gated_w = tables_.core_clock_gated.at(fc);
-  rates.memory_access_j = tables_.memory_access.at(fc);
-  rates.far_word_j = tables_.interconnect_word.at(fc);
-  rates.fc_background_w = tables_.fc_background.at(fc);
-  rates.leakage_w = tables_.core_leakage.at(fc) + tables_.memory_leakage.at(fc) * fc_banks;
-  rates.retention_w = tables_.memory_leakage.at(retention) * fc_banks;
+  const auto at = [this](const EnergyTable& table, const OperatingPoint& point) {
+    return tables_.scale * table.at(point);
+  };
+  rates.instruction = at(tables_.instruction, fc) / tables_.reference_instruction_j;
+  rates.core_gated_w = at(tables_.core_clock_gated, fc);
+  rates.memory_access_j = at(tables_.memory_access, fc);
+  rates.far_word_j = at(tables_.interconnect_word, fc);
+  rates.fc_background_w = at(tables_.fc_background, fc);
+  rates.leakage_w = at(tables_.core_leakage, fc) + at(tables_.memory_leakage, fc) * fc_banks;
+  rates.retention_w = at(tables_.memory_leakage, retention) * fc_banks;
   if (inventory_.cluster_cores == 0) return rates;
-  rates.l1_access_j = tables_.l1_access.at(cluster);
-  rates.dma_active_w = tables_.dma_active.at(cluster);
-  rates.dma_background_w = tables_.dma_background.at(cluster);
-  rates.cluster_background_w = tables_.cluster_background.at(cluster);
-  rates.cluster_leakage_w = tables_.cluster_leakage.at(cluster) +
-                            tables_.core_leakage.at(cluster) * inventory_.cluster_cores +
-                            tables_.memory_leakage.at(cluster) * inventory_.l1_bytes / kBankBytes;
+  rates.l1_access_j = at(tables_.l1_access, cluster);
+  rates.dma_active_w = at(tables_.dma_active, cluster);
+  rates.dma_background_w = at(tables_.dma_background, cluster);
+  rates.cluster_background_w = at(tables_.cluster_background, cluster);
+  rates.cluster_leakage_w = at(tables_.cluster_leakage, cluster) +
+                            at(tables_.core_leakage, cluster) * inventory_.cluster_cores +
+                            at(tables_.memory_leakage, cluster) * inventory_.l1_bytes / kBankBytes;
   return rates;
 }
 

@@ -129,6 +129,7 @@ struct EnergyTables {
   EnergyTable cluster_background;  // W while the cluster is on
   EnergyTable cluster_leakage;     // W while the cluster is on, beside cores and L1
   double retention_voltage_v = 0;
+  double scale = 1;  // multiplies every energy
 
   /// Notes what is wrong in the node's document.
   static EnergyTables read(const data::Node& node);

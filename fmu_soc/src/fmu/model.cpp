@@ -114,8 +114,10 @@ Model::Model(Variables& variables, const std::filesystem::path& resources, const
              Listeners listeners)
     : variables_(variables),
       listeners_(listeners),
-      soc_(board, chip_of(board), settings_of(variables.parameters),
-           firmware_of(variables.parameters, resources, board), std::move(listeners)),
+      energies_(variables.parameters.energy_name.empty() ? board.energy : variables.parameters.energy_name),
+      chip_(calibrated_chip(energies_, variables.parameters.calibration_energy)),
+      soc_(board, chip_, settings_of(variables.parameters), firmware_of(variables.parameters, resources, board),
+           std::move(listeners)),
       fields_(soc_, &variables) {
   const auto requests = requests_of(variables.parameters, listeners_);
   if (requests.any()) session_ = std::make_unique<observe::Session>(requests, soc_);
@@ -135,7 +137,7 @@ void Model::start(std::int64_t start_ns) {
   const auto& checks = soc_.energy_checks();
   variables_.outputs.energy_checks =
       fmt::format("{} checks of {}: silicon took {:.2f} to {:.2f} times, no confidence interval", checks.count,
-                  soc_.board().energy, checks.least, checks.most);
+                  energies_, checks.least, checks.most);
   take_inputs();
   write(0);
 }
@@ -202,8 +204,9 @@ void Model::write(double step_s) {
   outputs.core_faulted = soc_.faulted();
   outputs.core_exit_code = soc_.exit_code();
   outputs.energy_total_j = energy.total_j();
-  outputs.energy_total_least_j = soc_.energy_checks().least * energy.total_j();
-  outputs.energy_total_most_j = soc_.energy_checks().most * energy.total_j();
+  const auto uncalibrated_j = energy.total_j() / chip_.energy.scale;
+  outputs.energy_total_least_j = soc_.energy_checks().least * uncalibrated_j;
+  outputs.energy_total_most_j = soc_.energy_checks().most * uncalibrated_j;
   for (std::size_t i = 0; i < kParts; ++i) outputs.energy_j[i] = energy.by_part_j[i];
   outputs.energy_core_active_j = energy.core_active_j();
   outputs.energy_memory_j = energy.memory_j();

@@ -49,6 +49,8 @@ class Model {
 
   Variables& variables_;
   Listeners listeners_;
+  std::string energies_;
+  Chip chip_;
   Soc soc_;
   VariableFields fields_;
   std::unique_ptr<observe::Session> session_;

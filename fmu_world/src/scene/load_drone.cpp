@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mebots/data/document.hpp"
+#include "mebots/data/estimate.hpp"
 #include "mebots/data/object.hpp"
 #include "scene/load.hpp"
 #include "scene/vector_reader.hpp"
@@ -130,6 +131,8 @@ Drone read_drone(const Node& node) {
   object.read("load_size", drone.load_size_m, sourced_vector("m", positive));
   object.read("arm", drone.arm_m, quantity("m", positive));
   object.read("drag", drone.drag_n_s_per_m, sourced_vector("N.s/m", Limits::at_least(0.0)));
+  object.read_if("drag_factor", drone.drag_factor, data::estimate("1", positive));
+  object.read_if("dry_mass_factor", drone.dry_mass_factor, data::estimate("1", positive));
   object.read("torque_per_thrust", drone.torque_per_thrust_m, quantity("m", positive));
   object.read("rotor_lag", drone.rotor_lag_s, quantity("s", Limits::at_least(0.0)));
   object.read("range_limit", drone.range_limit_m, quantity("m", positive));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "math/rotation.hpp"
+#include "mebots/data/estimate.hpp"
 #include "scene/mesh.hpp"
 
 #include <Eigen/Core>
@@ -191,6 +192,8 @@ struct Drone {
   Eigen::Vector3d load_size_m{0.032, 0.028, 0.02};         ///< box over which mass beyond the reference is spread
   double arm_m = 0.03253;                                  ///< rotor distance from the centre along x and along y
   Eigen::Vector3d drag_n_s_per_m{0.0147, 0.0147, 0.0128};  ///< linear drag along body axes
+  data::Estimate drag_factor{1, {}};                       ///< multiplies the drag
+  data::Estimate dry_mass_factor{1, {}};                   ///< multiplies the mass without the cell
   double torque_per_thrust_m = 0.00735;                    ///< reaction torque over thrust that the stabiliser expects
   double rotor_lag_s = 0.1;                                ///< first-order lag of thrust that the stabiliser expects
   double range_limit_m = 4.0;                              ///< farthest distance that the range sensor sees

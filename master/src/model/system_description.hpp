@@ -318,6 +318,7 @@ struct SystemDescription {
   ViewDescription view;
   std::optional<CouplingDescription> coupling;  ///< nothing = no report
   std::vector<LogDescription> log;
+  bool draws_calibration = false;    ///< "uncertainty": "calibration"
   unsigned threads = 1;              ///< the most that step slaves at the same time, where that is faster
   std::vector<std::string> notices;  ///< of the reader, for the user
   std::shared_ptr<const modeldesc::TemporaryFolder> unpacked;  ///< where an SSP's FMUs lie

@@ -662,6 +662,7 @@ nlohmann::ordered_json Run::summary() const {
   for (const auto& loss : losses()) {
     json["lost_instances"][loss.name] = {{"at", to_seconds(*loss.at_ns)}, {"error", loss.text}};
   }
+  if (uncertainty_) json["uncertainty"] = *uncertainty_;
   if (coupling_) json["coupling"] = coupling_->json();
   if (options_.statistics) json["statistics"] = statistics_json(statistics_, report.wall.simulating_s());
   return json;
@@ -677,6 +678,11 @@ std::vector<InstanceLoss> Run::losses() const {
 const ResolvedSystem& Run::resolved() const {
   require_alive("a variable is asked for");
   return resolved_;
+}
+
+void Run::report_uncertainty(const nlohmann::ordered_json& uncertainty) {
+  uncertainty_ = std::make_unique<nlohmann::ordered_json>(uncertainty);
+  if (files_ && files_->kept()) write_summary();
 }
 
 void Run::note_write(const std::string& text) {

@@ -147,6 +147,8 @@ class Run {
   const ResolvedSystem& resolved() const;
   /// Reads or sets variables of an instance. An error of the FMU fails the run. From a listener: at a point only.
   void call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work);
+  /// Adds the intervals of drawn flights to the summary of a run that has ended.
+  void report_uncertainty(const nlohmann::ordered_json& uncertainty);
   /// What was set on the way, for the summary.
   void note_write(const std::string& text);
   /// Rows so far. Throws InputError without the option `in_memory`.
@@ -190,6 +192,7 @@ class Run {
   void say(Severity severity, std::string_view category, const std::string& text);
 
   RunOptions options_;
+  std::unique_ptr<nlohmann::ordered_json> uncertainty_;
   std::optional<Checkpoint> checkpoint_;  ///< to go on from
   std::optional<SavedRun> past_;          ///< the same, of another run
   RunState state_ = RunState::open;

@@ -166,6 +166,29 @@ TEST(Model, SaysBetweenWhichEnergiesTheChecksOfItsFiguresLie) {
   }
 }
 
+TEST(Energies, AreSelectedByNameAndMovedWithinTheirChecks) {
+  const auto folder = resources_with("gap8");
+  const auto joules = [&](const std::string& name, double position) {
+    Variables variables;
+    variables.parameters.energy_name = name;
+    variables.parameters.calibration_energy = position;
+    Model model(variables, folder, {});
+    model.start(0);
+    model.step(0, 100 * kMs);
+    const auto& outputs = variables.outputs;
+    const auto& checks = (name == "gap8_silicon" ? gap8_silicon() : gap8()).checks;
+    EXPECT_NEAR(outputs.power_w * 0.1, outputs.energy_total_j, 1e-12);
+    EXPECT_NEAR(outputs.energy_total_most_j / outputs.energy_total_least_j, checks.most / checks.least, 1e-12);
+    return outputs.energy_total_j;
+  };
+  EXPECT_EQ(joules("", 0), joules("gap8", 0));
+  EXPECT_NE(joules("gap8_silicon", 0), joules("gap8", 0));
+  EXPECT_NEAR(joules("gap8", 1) / joules("gap8", 0), gap8().checks.most, 1e-12);
+  EXPECT_NEAR(joules("gap8_silicon", -0.5) / joules("gap8_silicon", 0), (1 + gap8_silicon().checks.least) / 2, 1e-12);
+  EXPECT_THROW(joules("gap9", 0), Error);
+  EXPECT_THROW(joules("gap8", 1.5), Error);
+}
+
 /// Core n of four turns 100 (n + 1) times in a loop, then sleeps.
 TEST(Model, CyclesOfTheClusterAreThoseOfItsCoresEachByItsNumber) {
   Variables variables;

@@ -6,10 +6,11 @@ from processor to processor, so logarithms are taken in decimal arithmetic, whic
 from __future__ import annotations
 
 import decimal
-import hashlib
 import math
 import statistics
 from typing import Any
+
+from mebots import _mebots
 
 _NORMAL = statistics.NormalDist()
 _DIGITS = decimal.Context(prec=40)
@@ -56,8 +57,7 @@ def normal(u: float) -> float:
 
 def unit(seed: int, name: str, index: int) -> float:
     """A number of the uniform distribution on the open interval (0, 1): 53 bits of a SHA-256."""
-    digest = hashlib.sha256(f"{seed}\0{name}\0{index}".encode()).digest()
-    return (int.from_bytes(digest[:8], "big") >> 11) * 2.0**-53 + 2.0**-54
+    return _mebots.unit_draw(seed, name, index)
 
 
 def value(spread: dict[str, Any] | list[Any], u: float) -> Any:

@@ -40,7 +40,7 @@ class Turn:
     place: Values
     writes: Values
 
-_NOT_OF_A_MISSION = ("text", "record", "pictures", "view", "log", "threads")  # change what is shown, not what happens
+_NOT_OF_A_MISSION = ("text", "record", "pictures", "view", "log", "threads", "uncertainty")  # change what is shown, not what happens
 _OF_RESULTS = ("record", "pictures", "view", "log")
 
 _PATH = re.compile(r"(?<![\w.~/])/(?:[^\s/:;,'\"]+/)+([^\s/:;,'\"]*)")

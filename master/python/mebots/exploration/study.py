@@ -10,6 +10,7 @@ import pathlib
 from typing import Any
 
 from mebots import _mebots
+from mebots.errors import InputError
 from mebots.exploration.files import write_whole
 
 NAME = "study.json"
@@ -122,7 +123,8 @@ class Study:
     def on(self, mission: pathlib.Path) -> Study:
         """The same question of another mission."""
         path = mission.absolute()
-        return dataclasses.replace(self, mission=path, text=_written({**json.loads(self.text), "mission": str(path)}))
+        content = {**json.loads(self.text), "mission": str(path)}
+        return dataclasses.replace(self, mission=path, text=_written(content), draws=_draws_of(content))
 
     def objective(self, label: str) -> Objective:
         return next(one for one in self.objectives if one.label == label)
@@ -167,7 +169,7 @@ def _study(place: str, folder: pathlib.Path, content: dict[str, Any]) -> Study:
         design=design,
         replicates=draws.get("replicates", 1),
         draws_seed=draws.get("seed", 0),
-        draws=draws.get("variables", {}),
+        draws=_draws_of(content),
         objectives=tuple(_objective(label, one) for label, one in content.get("objectives", {}).items()),
         constraints=tuple(_constraint(label, one) for label, one in content.get("constraints", {}).items()),
         processor_time_s=limits.get("processor_time"),
@@ -180,6 +182,21 @@ def _study(place: str, folder: pathlib.Path, content: dict[str, Any]) -> Study:
         splitting=_splitting(content["splitting"]) if "splitting" in content else None,
         results=content.get("results", False),
     )
+
+
+def _draws_of(content: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Returns the variables that are drawn. "uncertainty" adds the mission's calibration parameters."""
+    drawn = dict(content.get("draws", {}).get("variables", {}))
+    if "uncertainty" in content:
+        given = {*drawn, *content["design"].get("factors", {})}
+        names = _mebots.calibration_parameters(content["mission"])
+        if not names:
+            raise InputError(
+                f"'uncertainty': no FMU of {content['mission']} has a parameter calibration.* that can be drawn",
+                "unknown_name",
+            )
+        drawn |= {name: {"uniform": [-1.0, 1.0]} for name in names if name not in given}
+    return drawn
 
 
 def _written(content: dict[str, Any]) -> str:

@@ -52,6 +52,7 @@ constexpr Section kSections[] = {
     {"view", false, &config::read_view, true},
     {"coupling", false, &config::read_coupling, true},
     {"log", false, &config::read_log, true},
+    {"uncertainty", false, &config::read_uncertainty},
     {"threads", false, &config::read_threads},
 };
 

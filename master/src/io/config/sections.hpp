@@ -31,6 +31,7 @@ void read_pictures(const data::Node& node, SystemDescription& system);
 void read_view(const data::Node& node, SystemDescription& system);
 void read_log(const data::Node& node, SystemDescription& system);
 void read_coupling(const data::Node& node, SystemDescription& system);
+void read_uncertainty(const data::Node& node, SystemDescription& system);
 void read_threads(const data::Node& node, SystemDescription& system);
 
 }  // namespace mebots::master::config

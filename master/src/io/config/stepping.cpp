@@ -93,6 +93,10 @@ void read_threads(const Node& node, SystemDescription& system) {
   }
 }
 
+void read_uncertainty(const Node& node, SystemDescription& system) {
+  system.draws_calibration = data::word_of<bool>({{"calibration", true}})(node);
+}
+
 namespace {
 
 double limit(const Node& node) {

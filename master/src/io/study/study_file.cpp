@@ -484,6 +484,12 @@ void check_study(const Node& root, const std::filesystem::path& folder) {
   } else {
     study.visit("objectives", objectives);
   }
+  study.visit_if("uncertainty", [&](const Node& node) {
+    static_cast<void>(read_known(node, "the kind of uncertainty", {"calibration"}));
+    if (study.has("draws")) return;
+    node.complain(ErrorCode::missing_key,
+                  "'uncertainty' needs 'draws': its key replicates is the number of draws of each design");
+  });
   study.visit_if("constraints", [&](const Node& node) { check_constraints(node, names); });
   study.visit_if("limits", &check_limits);
   study.visit_if("rounds", [&](const Node& node) { check_rounds(node, names); });
