@@ -1,57 +1,84 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the table of docs/hover.md: seconds of hover over cell and payload, each with two values of the cell's resistance.
+"""Prints the table of docs/hover.md, seconds of hover over cell and payload with their intervals, and draws
+docs/img/hover_cells.png from it.
 
-Usage: hover_table.py MEBOTS
+    PYTHONPATH=BUILD/python .venv/bin/python bench/world/hover_table.py [--jobs N]
 
-The first value uses the resistances of the cell file. The second one multiplies them by 5/3 and divides the capacitances by it, so that
-the time constants stay. For bitcraze_250 these are 0.105 and 0.175 ohm.
+Each cell of the table has one flight with the values of the data files, and 19 with parameters drawn from their intervals,
+as `mebots run configs/hover.json --uncertainty calibration` flies them.
 """
-import json
+import argparse
+import collections
+import csv
 import pathlib
-import subprocess
 import sys
 import tempfile
 
+import mebots
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-CELLS = ROOT / "fmu_battery/params/cells"
-NAMES = ("bitcraze_250", "ufx_250", "cyclone_300", "lipol_350")
-PAYLOADS = (0, 5, 10, 15)  # g
-BARE = 0.0199  # kg, of configs/hover.json
-WORST = 5 / 3
+sys.path.insert(0, str(ROOT / "scripts"))
+import figure_style as style  # noqa: E402
+from figure_style import plt  # noqa: E402
+
+CELLS = ("bitcraze_250_flights", "ufx_250_scaled", "cyclone_300_scaled", "lipol_350_scaled")
+PAYLOADS_G = (0, 5, 10, 15)
+BARE_KG = 0.0199  # of configs/hover.json
+CELL, MASS = "battery.cell.name", "world.drone.dry_mass"
 
 
-def worse_cell(name, folder):
-    cell = json.loads((CELLS / f"{name}.json").read_text())
-    cell["$schema"] = "mebots-cell.schema.json"
-    cell["resistance_factor"]["value"] *= WORST
-    cell["capacitance_factor"]["value"] /= WORST
-    path = folder / f"{name}.json"
-    path.write_text(json.dumps(cell))
-    return path
+def flown(folder, jobs, **sections):
+    """{(cell, payload): [(seconds, outcome)]}"""
+    masses = {round(BARE_KG + payload / 1000, 4): payload for payload in PAYLOADS_G}
+    study = {
+        "mission": str(ROOT / "configs/hover.json"),
+        "design": {"kind": "grid", "factors": {CELL: list(CELLS), MASS: list(masses)}},
+        "objectives": {"charge": {"summary": "state_of_charge"}},
+    } | sections
+    mebots.sweep(study, folder, jobs=jobs)
+    found = collections.defaultdict(list)
+    with open(folder / "missions.csv", newline="", encoding="utf-8") as stream:
+        for row in csv.DictReader(stream):
+            if row["message"]:
+                sys.exit(row["message"])
+            found[row[CELL], masses[float(row[MASS])]].append((float(row["simulated_time [s]"]), row["outcome"]))
+    return found
 
 
-def endurance(mebots, cell, payload, out):
-    run = subprocess.run(
-        [mebots, "run", ROOT / "configs/hover.json", "--out", out, "--set", f"battery.cell.name={cell}",
-         f"world.drone.dry_mass={BARE + payload / 1000:.4f}"], capture_output=True, text=True)
-    if run.returncode:
-        sys.exit(run.stderr)
-    summary = json.loads((out / "summary.json").read_text())
-    return f"{summary['simulated_time']:.0f}" + ("" if summary["outcome"] == "battery_empty" else "*")
+def shown(value, draws):
+    """The least and greatest of the draws; how many of them did not take off or sank before the cell was empty."""
+    seconds = [time for time, _ in draws]
+    early = sum(outcome != "battery_empty" for _, outcome in draws)
+    (time, outcome), = value
+    note = f", {early} of {len(draws)} sank" if early else ""
+    return f"{time:.0f} s{'' if outcome == 'battery_empty' else f' ({outcome})'} ({min(seconds):.0f} to {max(seconds):.0f}{note})"
+
+
+def draw(values, draws):
+    figure, axis = plt.subplots(figsize=(7, 3.8), layout="constrained")
+    for cell, colour in zip(CELLS, style.PALETTE, strict=False):
+        ranges = [[time for time, _ in draws[cell, payload]] for payload in PAYLOADS_G]
+        axis.fill_between(PAYLOADS_G, [min(one) for one in ranges], [max(one) for one in ranges], color=colour, alpha=0.12, lw=0)
+        axis.plot(PAYLOADS_G, [values[cell, payload][0][0] for payload in PAYLOADS_G], "o-", ms=4, color=colour, label=cell)
+    axis.set(xlabel="payload [g]", ylabel="hover [s]", xticks=PAYLOADS_G, ylim=(0, None))
+    axis.legend(fontsize=8)
+    style.save(figure, ROOT / "docs/img/hover_cells.png")
 
 
 def main():
-    if len(sys.argv) != 2:
-        sys.exit(__doc__)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--jobs", type=int)
+    jobs = parser.parse_args().jobs
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
-        print("| payload | " + " | ".join(f"`{name}`" for name in NAMES) + " |")
-        print("|---" * (len(NAMES) + 1) + "|")
-        for payload in PAYLOADS:
-            cells = [f"{endurance(sys.argv[1], worse_cell(name, folder), payload, folder / 'out')} to "
-                     f"{endurance(sys.argv[1], name, payload, folder / 'out')} s" for name in NAMES]
-            print(f"| {payload} g | " + " | ".join(cells) + " |", flush=True)
+        values = flown(folder / "values", jobs)
+        draws = flown(folder / "draws", jobs, draws={"replicates": 19}, uncertainty="calibration")
+    print("| payload | " + " | ".join(f"`{cell}`" for cell in CELLS) + " |")
+    print("|---" * (len(CELLS) + 1) + "|")
+    for payload in PAYLOADS_G:
+        print(f"| {payload} g | " + " | ".join(shown(values[cell, payload], draws[cell, payload]) for cell in CELLS) + " |")
+    draw(values, draws)
 
 
 if __name__ == "__main__":

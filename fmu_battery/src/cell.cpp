@@ -68,15 +68,22 @@ Cell read_cell(const data::Node& node, const CellPositions& positions) {
   object.read("name", cell.name, &data::Node::text);
   object.comment("notes");
   object.read("mass", cell.mass_kg, quantity("kg", Limits::positive()));
-  object.read("capacity", cell.capacity_c, quantity("C", Limits::positive()));
+  data::Estimate capacity;
   data::Estimate capacity_factor{1, {}};
   data::Estimate cut_off_voltage;
   data::Estimate cut_off_delay;
+  object.read("capacity", capacity, data::estimate("C", Limits::positive()));
   object.read_if("capacity_factor", capacity_factor, data::estimate("1", Limits::positive()));
   object.read("cut_off_voltage", cut_off_voltage, data::estimate("V", Limits::at_least(0)));
   object.read_if("cut_off_delay", cut_off_delay, data::estimate("s", Limits::at_least(0)));
   const data::Placement placement("cell '" + cell.name + "'", cell.warnings);
-  cell.capacity_c *= placement.value(capacity_factor, positions.capacity, "capacity_factor", "calibration.capacity");
+  if (capacity.interval && !capacity_factor.interval) {
+    capacity.value = placement.value(capacity, positions.capacity, "capacity", "calibration.capacity");
+  } else {
+    capacity_factor.value =
+        placement.value(capacity_factor, positions.capacity, "capacity_factor", "calibration.capacity");
+  }
+  cell.capacity_c = capacity.value * capacity_factor.value;
   cell.cut_off_voltage_v =
       placement.value(cut_off_voltage, positions.cut_off_voltage, "cut_off_voltage", "calibration.cut_off_voltage");
   cell.cut_off_delay_s =

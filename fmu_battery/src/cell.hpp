@@ -46,7 +46,7 @@ struct Cell {
 /// Positions in the intervals of the file's quantities, from -1 to 1: 0 is the value.
 struct CellPositions {
   double resistance = 0;  // of resistance_factor; capacitances change inversely, so that time constants stay
-  double capacity = 0;    // of capacity_factor
+  double capacity = 0;    // of capacity_factor or, if that has no interval, of capacity
   double cut_off_voltage = 0;
   double cut_off_delay = 0;
 };

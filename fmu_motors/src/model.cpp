@@ -17,6 +17,10 @@ namespace {
 /// Up to here the products of a few inputs are finite. The world's forces and motion have the same limit.
 constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
+/// A surge is a current that was less than this share of it in the step before.
+constexpr double kEarlierShare = 0.1;
+/// A smaller sag does no harm, and other loads may have caused it.
+constexpr double kLeastSag_v = 0.02;
 
 void check(double value, std::string_view name, std::string_view unit, const data::Limits& limits) {
   if (limits.admit(value)) return;
@@ -49,7 +53,8 @@ PowerModel checked(PowerModel model) {
 }  // namespace
 
 Model::Model(const Parameters& parameters, const std::filesystem::path& resources, const Log& log)
-    : rotor_(load_rotor(data::find_file(resources / "rotors", parameters.rotor_data, "rotor_data"),
+    : log_(log),
+      rotor_(load_rotor(data::find_file(resources / "rotors", parameters.rotor_data, "rotor_data"),
                         {parameters.calibration_thrust, parameters.calibration_power})),
       power_model_(checked(parameters.power_model)),
       avionics_base_power_w_(parameters.avionics_base_power_w),
@@ -57,7 +62,7 @@ Model::Model(const Parameters& parameters, const std::filesystem::path& resource
       inflow_radius_m_(parameters.inflow_radius_m),
       bus_resistance_ohm_(parameters.bus_resistance_ohm) {
   for (const auto& warning : rotor_.warnings) {
-    if (log) log(warning);
+    if (log_) log_(warning);
   }
   check(bus_resistance_ohm_, "bus.resistance", "Ohm", data::Limits::between(0, kMost));
   check(inflow_radius_m_, "inflow.radius", "m", data::Limits::at_least(0.001));
@@ -76,6 +81,7 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   double bench_j = 0;
   double motor_c = 0;
   bool driven = false;
+  warn_of_double_sag(inputs.bus_voltage_v);
   const double supply_v = supply_voltage_v(inputs);
   for (std::size_t i = 0; i < rotor::kCount; ++i) {
     const RotorDrive drive = drive_of(inputs, supply_v, i);
@@ -113,6 +119,24 @@ double Model::supply_voltage_v(const Inputs& inputs) const {
   }
   return (bus_v + bus_resistance_ohm_ * (earlier_current_a_ + all.counter_current_a)) /
          (1 + bus_resistance_ohm_ * all.conductance_s);
+}
+
+/// bus.resistance lowers the voltage by the change of current that bus.voltage does not contain yet. If bus.voltage falls
+/// by the surge of the step that has just ended, it contains that change already: battery and motors do not step at the
+/// same time.
+void Model::warn_of_double_sag(double bus_v) {
+  const double surge_a = last_current_a_ - earlier_current_a_;
+  const bool is_surge = earlier_current_a_ < kEarlierShare * last_current_a_;
+  const double sag_v = bus_resistance_ohm_ * surge_a;
+  const double fall_v = last_bus_v_ - bus_v;
+  last_bus_v_ = bus_v;
+  if (warned_of_double_sag_ || !is_surge || sag_v < kLeastSag_v || fall_v < sag_v / 2) return;
+  warned_of_double_sag_ = true;
+  if (!log_) return;
+  log_(fmt::format("bus.voltage fell by {:.3g} V together with the last step's current of {:.3g} A, so that "
+                   "bus.resistance = {} Ohm counts the sag twice. Set it to 0, or step motors and battery at the same "
+                   "time (algorithm jacobi)",
+                   fall_v, last_current_a_, bus_resistance_ohm_));
 }
 
 RotorDrive Model::drive_of(const Inputs& inputs, double supply_v, std::size_t i) const {
@@ -158,6 +182,8 @@ void Model::visit(state::Visitor& v) {
   v("energy_j", energy_j_);
   v("last_current_a", last_current_a_);
   v("earlier_current_a", earlier_current_a_);
+  v("last_bus_v", last_bus_v_);
+  v("warned_of_double_sag", warned_of_double_sag_);
 }
 
 }  // namespace mebots::motors

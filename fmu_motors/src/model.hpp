@@ -40,7 +40,9 @@ class Model {
   double inflow_power_w(const Inputs& inputs) const;
   RotorDrive drive_of(const Inputs& inputs, double supply_v, std::size_t i) const;
   double supply_voltage_v(const Inputs& inputs) const;
+  void warn_of_double_sag(double bus_v);
 
+  Log log_;
   RotorData rotor_;
   PowerModel power_model_;
   double avionics_base_power_w_;
@@ -53,6 +55,8 @@ class Model {
   // From the bus through the windings, means of the last step and of the one before.
   double last_current_a_ = 0;
   double earlier_current_a_ = 0;
+  double last_bus_v_ = 0;
+  bool warned_of_double_sag_ = false;
 };
 
 }  // namespace mebots::motors

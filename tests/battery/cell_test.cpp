@@ -2,6 +2,9 @@
 #include "support.hpp"
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 namespace mebots::battery {
 namespace {
@@ -93,6 +96,15 @@ TEST(CellCalibration, WarnsWhereTheFileHasNoInterval) {
   EXPECT_EQ(cell.series_ohm(0.5), load_cell(path).series_ohm(0.5));
   ASSERT_EQ(cell.warnings.size(), 1U);
   EXPECT_THAT(cell.warnings.front(), testing::HasSubstr("calibration.resistance has no effect"));
+}
+
+TEST(CellCalibration, CapacityMovesInItsOwnIntervalIfItsFactorHasNone) {
+  auto json = nlohmann::json::parse(std::ifstream(kParams / "cells" / "bitcraze_250.json"));
+  json["capacity"]["interval"] = {810, 900};
+  const auto path = std::filesystem::path(testing::TempDir()) / "printed.json";
+  std::ofstream(path) << json;
+  EXPECT_DOUBLE_EQ(load_cell(path, {.capacity = -1}).capacity_c, 810);
+  EXPECT_DOUBLE_EQ(load_cell(path, {.capacity = 1}).capacity_c, 900);
 }
 
 TEST(CellCalibration, RefusesPositionsOutside) {

@@ -14,7 +14,8 @@ import twin
 
 import mebots
 from mebots.flight.airframe import shipped
-from mebots.flight.identify import identify
+from mebots.flight.cell_fit import CellFit
+from mebots.flight.identify import describe_cell, fitted_cell, identify
 from mebots.flight.new_cell import new_cell
 
 MEBOTS = str(pathlib.Path(os.environ["MEBOTS_BUILD"]) / "bin" / "mebots")
@@ -90,6 +91,22 @@ class Cells(FolderCase):
         self.assertAlmostEqual(estimates["series_resistance"].value, 1.5, delta=0.1)
         self.assertEqual(len(estimates) + sum("stays at the base's value" in note for note in found.notes), 3)
         self.assertRegex(found.residuals[0], r"rms \d\.\d mV; with the base cell \d\d")
+
+
+    def test_an_aged_cell_has_its_own_capacity_and_intervals_that_a_draw_can_use(self):
+        base = shipped("cell", "bitcraze_250_flights")
+        base["capacity_factor"] |= {"value": 0.8, "interval": [0.7, 0.9]}
+        found = CellFit({"capacity": (1.1, 1.0, 1.2), "series_resistance": (1.2, 1.14, 1.26)}, {}, 0.01, 0.02, 100)
+        estimates = []
+        describe_cell(base, found, 1, estimates, [], [])
+        capacity = next(one for one in estimates if one.name == "capacity")
+        np.testing.assert_allclose([capacity.value, capacity.low, capacity.base], [1.1 * 720, 720, 720])
+        cell = fitted_cell(base, found, "a log")
+        np.testing.assert_allclose(cell["capacity"]["interval"], [900, 1080])
+        self.assertNotIn("interval", cell["capacity_factor"])
+        np.testing.assert_allclose(cell["resistance_factor"]["interval"], [0.95, 1.05])
+        (self.folder / "cell.json").write_text(json.dumps(cell))
+        self.valid(self.folder / "cell.json")
 
 
 class NewCells(FolderCase):

@@ -36,6 +36,10 @@ class Rules(unittest.TestCase):
         self.assertEqual(findings, [])
         self.assertEqual(len(cleaned["battery.voltage"]), len(TIMES))
 
+    def test_a_voltage_in_another_unit_is_refused_with_its_median(self):
+        with self.assertRaisesRegex(mebots.InputError, r"battery\.voltage: 1000 of 1000 values cannot be battery\.voltage, which is from 0\.5 to 4\.4 V; their median is 38"):
+            clean(log(**{"battery.voltage": 1000 * log()["battery.voltage"].values}), cells=1)
+
     def test_a_voltage_that_stays_on_one_value_is_excluded(self):
         cleaned, findings = clean(log(**{"battery.voltage": np.full(len(TIMES), 3.7)}))
         self.assertEqual(counts(findings), {"stuck": len(TIMES)})

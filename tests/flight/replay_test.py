@@ -15,6 +15,7 @@ import twin
 from logs import usd_log
 
 import mebots
+from mebots.flight.motion import GRAVITY_M_PER_S2
 
 SOURCE = pathlib.Path(os.environ["MEBOTS_SOURCE"])
 MEBOTS = str(pathlib.Path(os.environ["MEBOTS_BUILD"]) / "bin" / "mebots")
@@ -92,7 +93,7 @@ class Twins(FlightCase):
         (self.folder / "hover").write_bytes(usd_log([event], records))
         self.assertIsNone(mebots.replay(self.folder / "hover", self.airframe).motion)
         thrust = mebots.replay(self.folder / "hover", self.airframe, hover=True).error("thrust.vertical", "measured speeds")
-        self.assertAlmostEqual(thrust.measured, twin.MASS_KG * 9.81, places=6)
+        self.assertAlmostEqual(thrust.measured, twin.MASS_KG * GRAVITY_M_PER_S2, places=6)
 
 
 class Commands(FlightCase):
@@ -110,6 +111,9 @@ class Commands(FlightCase):
         self.run_mebots(self.folder / "short", "--airframe", self.airframe, "--out", out, code=2)
         self.assertEqual([(file.name, file.read_text()) for file in out.iterdir()], [("inputs.csv", "mine")])
         self.run_mebots(self.folder / "log00", "--airframe", self.airframe, "--out", self.folder / "log00", code=2)
+        (self.folder / "page" / "replay.html").mkdir(parents=True)
+        said = self.run_mebots(self.folder / "log00", "--airframe", self.airframe, "--out", self.folder / "page", code=2)
+        self.assertIn("replay.html is a folder there", said)
 
     def test_the_command_writes_a_page_tables_and_a_mission_that_flies_again(self):
         out = self.folder / "out"

@@ -9,6 +9,7 @@ import numpy as np
 from logs import usd_log
 
 import mebots
+from mebots.flight.motion import GRAVITY_M_PER_S2
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 STATE = (
@@ -54,7 +55,7 @@ def fly(folder, duration_s=12.0, charge=0.8, rotor="crazyflie_l250", cell="bitcr
     climb = np.zeros(len(times))
     for k in range(len(times) - 1):
         force_n = (thrust_n[k] + thrust_n[k + 1]) / 2 - DRAG * climb[k]
-        climb[k + 1] = climb[k] + STEP_S * (force_n / MASS_KG - 9.81)
+        climb[k + 1] = climb[k] + STEP_S * (force_n / MASS_KG - GRAVITY_M_PER_S2)
     rpm = [np.round(one * 30 / math.pi) for one in speeds]
     return times, [np.round(one * 65535) for one in duty], rpm, np.round(1000 * voltage), climb
 

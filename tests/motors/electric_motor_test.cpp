@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace mebots::motors {
 namespace {
@@ -219,6 +221,32 @@ TEST(ElectricMotor, RestoredRunWithBusResistanceGoesOnWithTheSameBits) {
   second.stand.outputs = first.stand.outputs;
   for (int i = 0; i < 10; ++i) second.step();
   EXPECT_EQ(state::first_difference(straight.stand.model, second.stand.model), std::nullopt);
+}
+
+/// Starts four motors on a cell of 0.15 Ohm. The voltage at a step contains the current of so many steps before.
+std::vector<std::string> warnings_with_delay(std::size_t steps) {
+  Parameters parameters;
+  parameters.rotor_data = "crazyflie_legacy";
+  parameters.bus_resistance_ohm = 0.15;
+  std::vector<std::string> warnings;
+  Model model(parameters, kParams, [&](std::string_view text) { warnings.emplace_back(text); });
+  Inputs inputs;
+  Outputs outputs;
+  std::vector<double> current_a(steps, 0.0);
+  for (int k = 0; k < 500; ++k) {
+    inputs.rotor_command.fill(k < 10 ? 0 : 0.6);
+    inputs.bus_voltage_v = 4.1 - 0.15 * current_a[current_a.size() - steps];
+    model.step(inputs, 2 * kMillisecond, outputs);
+    current_a.push_back(outputs.power_w / inputs.bus_voltage_v);
+  }
+  return warnings;
+}
+
+TEST(BusResistance, WarnsWhereTheVoltageContainsTheLastStepsCurrentAlready) {
+  EXPECT_TRUE(warnings_with_delay(2).empty()) << "jacobi";
+  const auto warnings = warnings_with_delay(1);  // gauss-seidel
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings.front(), testing::HasSubstr("bus.resistance = 0.15 Ohm counts the sag twice"));
 }
 
 }  // namespace

@@ -102,6 +102,11 @@ def _blocks(log: FlightLog, traces: Traces, steps: int) -> Array:
     return np.where(samples > 0, total / np.maximum(samples, 1), np.nan)
 
 
+def capacity_c(cell: dict[str, Any]) -> float:
+    """Returns the charge that a cell file's content states, aged by its factor."""
+    return cell["capacity"]["value"] * cell.get("capacity_factor", {"value": 1.0})["value"]
+
+
 def scaled_cell(base: dict[str, Any], factors: dict[str, float]) -> dict[str, Any]:
     """The base cell with these factors."""
     cell = copy.deepcopy(base)
@@ -201,9 +206,8 @@ class _Problem:
         per_block = round(BLOCK_S / STEP_S)
         earlier = round(before_s / STEP_S)
         content = json.loads(cell.read_text(encoding="utf-8"))
-        capacity_c = content["capacity"]["value"] * content.get("capacity_factor", {"value": 1.0})["value"]
         # What was drawn before, at about the mean voltage of the log.
-        drawn = before_s * float(flight.power_w[:per_block].mean()) / float(np.nanmean(flight.voltage_v)) / capacity_c
+        drawn = before_s * float(flight.power_w[:per_block].mean()) / float(np.nanmean(flight.voltage_v)) / capacity_c(content)
         mission = self.folder / f"flight{number}.json"
         config = {
             "step": STEP_S,

@@ -23,7 +23,7 @@ from mebots.errors import InputError
 from mebots.exploration.files import write_whole
 from mebots.flight import quality
 from mebots.flight.airframe import Airframe, read_airframe
-from mebots.flight.cell_fit import FACTORS, CellFit, fit_cell, flight_of, scaled_cell
+from mebots.flight.cell_fit import FACTORS, CellFit, capacity_c, fit_cell, flight_of, scaled_cell
 from mebots.flight.compare import MEASURED_SPEEDS, thrusts
 from mebots.flight.fitting import Fit, clusters_of, solve
 from mebots.flight.log import FlightLog
@@ -322,8 +322,13 @@ def fitted_cell(base: dict[str, Any], found: CellFit, source: str) -> dict[str, 
         for curve in curves.get(name, []):
             cell[curve]["source"] = cell[curve].get("source", base["name"]) + text
             cell[curve]["fitted_on"] = source
+        if name == "series_resistance":
+            factor = cell["resistance_factor"]["value"]
+            cell["resistance_factor"] |= {"interval": [factor * low / value, factor * high / value], "fitted_on": source}
+            cell["resistance_factor"]["source"] += "; interval: 95 % of the series resistance, by mebots identify"
         if name == "capacity":
-            charge = base["capacity"]["value"]
+            charge = base["capacity"]["value"]  # capacity_factor stays, and multiplies the interval too
+            cell.get("capacity_factor", {}).pop("interval", None)
             cell["capacity"] |= {"interval": [low * charge, high * charge], "fitted_on": source, "source": "mebots identify, least squares of voltages; interval: 95 %"}
     return cell
 
@@ -335,7 +340,7 @@ def describe_cell(
         if name in found.factors:
             value, low, high = found.factors[name]
             if name == "capacity":
-                charge = base["capacity"]["value"]
+                charge = capacity_c(base)
                 estimates.append(Estimate("capacity", "C", value * charge, low * charge, high * charge, charge))
             else:
                 estimates.append(Estimate(name, "1", value, low, high, 1.0, f"factor on the base cell's {name.replace('_', ' ')}"))

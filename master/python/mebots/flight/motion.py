@@ -19,7 +19,7 @@ from mebots.flight.airframe import Airframe
 from mebots.flight.log import COMMANDS, POSITION, Array, FlightLog, Signal
 from mebots.flight.quality import DRIVEN, Mask, covered, mean_over
 
-GRAVITY_M_PER_S2 = 9.81
+GRAVITY_M_PER_S2 = 9.80665
 LEAST_COMMAND = 0.6
 """A smaller mean command than this share of the flight's median one lifts no drone."""
 GROUND_HEIGHT_M = 0.05

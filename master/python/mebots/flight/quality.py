@@ -47,6 +47,8 @@ LIMITS: dict[str, tuple[float, float]] = {
     "acceleration": (-400, 400),
     "rate": (-100, 100),
 }
+MOST_IMPOSSIBLE = 0.5
+"""Share of impossible samples above which the log is refused."""
 HIGHEST_CELL_V = 4.4
 """No charger of a LiPo cell goes higher."""
 
@@ -92,14 +94,16 @@ class _Cleaner:
 
 def clean(log: FlightLog, cells: int | None = None) -> tuple[FlightLog, list[Finding]]:
     """Returns the log without its bad samples, and what was found. ``cells``: LiPo cells in series, if that is known.
-    Raises InputError for a clock that goes back for good."""
+    Raises InputError for a clock that goes back for good, and for a signal that is impossible most of the time."""
     work = _Cleaner(log)
     for name in work.known():
         _check_times(work, name)
     for name in work.known():
         work.note(name, "gap", _before_gap(work.signals[name]), False)
     for name in work.known():
-        work.drop(name, "impossible", _beyond(work.signals[name], cells))
+        bad = _beyond(work.signals[name], cells)
+        _require_possible(log, work.signals[name], bad, cells)
+        work.drop(name, "impossible", bad)
     for name in (*COMMANDS, *SPEEDS):
         if name in work.signals:
             work.drop(name, "straight", _straight(work.signals[name]))
@@ -157,11 +161,26 @@ def _check_times(work: _Cleaner, name: str) -> None:
     work.drop(name, "time_back", back)
 
 
-def _beyond(signal: Signal, cells: int | None) -> Mask:
+def _bounds(signal: Signal, cells: int | None) -> tuple[float, float]:
     low, high = _limits(signal.name) or (-np.inf, np.inf)
-    if signal.name == "battery.voltage" and cells:
-        high = HIGHEST_CELL_V * cells
+    return low, HIGHEST_CELL_V * cells if signal.name == "battery.voltage" and cells else high
+
+
+def _beyond(signal: Signal, cells: int | None) -> Mask:
+    low, high = _bounds(signal, cells)
     return (signal.values < low) | (signal.values > high)
+
+
+def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | None) -> None:
+    """Bad samples are few. Where most are, the column has another unit or is another quantity."""
+    if not bad.size or bad.mean() <= MOST_IMPOSSIBLE:
+        return
+    low, high = _bounds(signal, cells)
+    raise InputError(
+        f"{log.file}: {signal.column}: {int(bad.sum())} of {bad.size} values cannot be {signal.name}, which is from {low:g} to "
+        f"{high:g} {signal.unit}; their median is {np.median(signal.values):g}. Check the unit of the column in the mapping",
+        "wrong_unit",
+    )
 
 
 def _runs(same: Mask) -> Iterator[tuple[int, int]]:

@@ -81,11 +81,18 @@ def replay(
     return result
 
 
+_FILES = ("mission.json", "inputs.csv", "errors.csv", "replay.json", "traces.csv", "replay.html")
+
+
 def _make(folder: pathlib.Path) -> None:
+    """Makes the folder, and refuses one where a file cannot be written: a replay takes minutes."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"--out {folder}: the folder cannot be made: {error.strerror}; name another one", "invalid_argument") from None
+    for name in _FILES:
+        if (folder / name).is_dir():
+            raise InputError(f"--out {folder}: {name} is a folder there, and a file is to be written; name another folder", "invalid_argument")
 
 
 def _summary(log: FlightLog, airframe: Airframe, traces: Traces, motion: Motion | None, window_s: float) -> dict[str, Any]:
