@@ -73,17 +73,21 @@ class Flight:
         return [s for s in whole if (self.speed_rad_per_s[:, s] > 500).all()]
 
 
-def flight(folder, name):
-    """A flight named jana* or rl*. The logs of rl* have no state: its tilt and climb count as zero."""
-    rl = name.startswith("rl")
-    log = read_usd(Path(folder) / (f"{STANDS}/cf21_imrc2025" if rl else FLIGHTS) / name)
-    duty = "motor.m{}" if rl else "pwm.m{}_pwm"
+def flight_of(log, name, mass_kg, duty="pwm.m{}_pwm"):
+    """Columns of a log as a flight. Without a state, tilt and climb count as zero."""
     length = len(log["time"])
-    upright = np.ones(length) if rl else 1 - 2 * (log["stateEstimate.qx"]**2 + log["stateEstimate.qy"]**2)
-    return Flight(name, RL_MASS_KG if rl else JANA_MASS_KG, log["time"],
-                  np.array([log[f"rpm.m{i}"] for i in range(1, 5)]) * np.pi / 30,
+    has_state = "stateEstimate.qx" in log
+    upright = 1 - 2 * (log["stateEstimate.qx"]**2 + log["stateEstimate.qy"]**2) if has_state else np.ones(length)
+    return Flight(name, mass_kg, log["time"], np.array([log[f"rpm.m{i}"] for i in range(1, 5)]) * np.pi / 30,
                   np.array([log[duty.format(i)] for i in range(1, 5)]) / 65535, 1e-3 * log["pm.vbatMV"],
-                  upright, np.zeros(length) if rl else log["stateEstimate.vz"])
+                  upright, log["stateEstimate.vz"] if has_state else np.zeros(length))
+
+
+def flight(folder, name):
+    """A flight named jana* or rl*. The logs of rl* have no state."""
+    if name.startswith("rl"):
+        return flight_of(read_usd(Path(folder) / STANDS / "cf21_imrc2025" / name), name, RL_MASS_KG, "motor.m{}")
+    return flight_of(read_usd(Path(folder) / FLIGHTS / name), name, JANA_MASS_KG)
 
 
 @dataclass

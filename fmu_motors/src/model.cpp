@@ -121,9 +121,9 @@ double Model::supply_voltage_v(const Inputs& inputs) const {
          (1 + bus_resistance_ohm_ * all.conductance_s);
 }
 
-/// bus.resistance lowers the voltage by the change of current that bus.voltage does not contain yet. If bus.voltage falls
-/// by the surge of the step that has just ended, it contains that change already: battery and motors do not step at the
-/// same time.
+/// bus.resistance lowers the voltage by the change of current that bus.voltage does not contain yet. If bus.voltage
+/// falls by the surge of the step that has just ended, it contains that change already: battery and motors do not step
+/// at the same time.
 void Model::warn_of_double_sag(double bus_v) {
   const double surge_a = last_current_a_ - earlier_current_a_;
   const bool is_surge = earlier_current_a_ < kEarlierShare * last_current_a_;
@@ -133,10 +133,11 @@ void Model::warn_of_double_sag(double bus_v) {
   if (warned_of_double_sag_ || !is_surge || sag_v < kLeastSag_v || fall_v < sag_v / 2) return;
   warned_of_double_sag_ = true;
   if (!log_) return;
-  log_(fmt::format("bus.voltage fell by {:.3g} V together with the last step's current of {:.3g} A, so that "
-                   "bus.resistance = {} Ohm counts the sag twice. Set it to 0, or step motors and battery at the same "
-                   "time (algorithm jacobi)",
-                   fall_v, last_current_a_, bus_resistance_ohm_));
+  log_(
+      fmt::format("bus.voltage fell by {:.3g} V together with the last step's current of {:.3g} A, so that "
+                  "bus.resistance = {} Ohm counts the sag twice. Set it to 0, or step motors and battery at the same "
+                  "time (algorithm jacobi)",
+                  fall_v, last_current_a_, bus_resistance_ohm_));
 }
 
 RotorDrive Model::drive_of(const Inputs& inputs, double supply_v, std::size_t i) const {

@@ -13,8 +13,6 @@ from support import MEBOTS, SOURCE, StudyCase
 NAMES = ["world.calibration.mass", "world.calibration.drag", "motors.calibration.thrust", "motors.calibration.power",
          "battery.calibration.resistance", "battery.calibration.capacity", "battery.calibration.cut_off_voltage",
          "battery.calibration.cut_off_delay"]
-SETS = {"motors.rotor_data": "crazyflie_legacy", "motors.bus.resistance": 0.15,
-        "battery.cell.name": "bitcraze_250_flights"}
 
 
 class Calibration(StudyCase):
@@ -23,8 +21,7 @@ class Calibration(StudyCase):
     def mission(self, **parameters):
         content = json.loads((SOURCE / "configs/hover.json").read_text())
         content["stop_time"] = 4
-        content["uncertainty"] = "calibration"
-        for name, value in (SETS | parameters).items():
+        for name, value in parameters.items():
             instance, variable = name.split(".", 1)
             content["instances"][instance]["parameters"][variable] = value
         (self.folder / "mission.json").write_text(json.dumps(content))

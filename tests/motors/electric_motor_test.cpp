@@ -223,7 +223,7 @@ TEST(ElectricMotor, RestoredRunWithBusResistanceGoesOnWithTheSameBits) {
   EXPECT_EQ(state::first_difference(straight.stand.model, second.stand.model), std::nullopt);
 }
 
-/// Starts four motors on a cell of 0.15 Ohm. The voltage at a step contains the current of so many steps before.
+/// Starts four motors on a cell of 0.15 Ohm. The voltage at a step contains the current of `steps` steps before.
 std::vector<std::string> warnings_with_delay(std::size_t steps) {
   Parameters parameters;
   parameters.rotor_data = "crazyflie_legacy";

@@ -49,9 +49,18 @@ inline std::vector<BenchRow> bench_rows() {
   return rows;
 }
 
+/// Of the rotor whose bench table the tests have.
+inline Parameters bench_parameters() {
+  Parameters parameters;
+  parameters.rotor_data = "crazyflie_bench";
+  return parameters;
+}
+
 /// A model with its variables, as fmu.cpp holds them.
 struct Stand {
-  explicit Stand(const Parameters& parameters = {}) : model(parameters, kParams) { model.start(inputs, outputs); }
+  explicit Stand(const Parameters& parameters = bench_parameters()) : model(parameters, kParams) {
+    model.start(inputs, outputs);
+  }
 
   void command(double value) { inputs.rotor_command.fill(value); }
   void step(std::int64_t duration_ns) { model.step(inputs, duration_ns, outputs); }

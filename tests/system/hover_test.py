@@ -13,11 +13,12 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 GRAVITY = 9.80665
 AVIONICS = 0.96  # W, avionics.base_power of fmu_motors
-FLOWN = ("motors.rotor_data=crazyflie_legacy", "motors.bus.resistance=0.15", "battery.cell.name=bitcraze_250_flights")
+BENCH = ("motors.rotor_data=crazyflie_bench", "motors.bus.resistance=0", "battery.cell.name=bitcraze_250",
+         "world.drone.name=crazyflie_bench")
 
 
 def hover(mebots, out, *sets):
-    command = [mebots, "run", ROOT / "configs/hover.json", "--out", out]
+    command = [mebots, "run", ROOT / "configs/hover.json", "--out", out, "--uncertainty", "none"]
     if sets:
         command += ["--set", *sets]
     subprocess.run([str(part) for part in command], check=True, capture_output=True)
@@ -51,14 +52,14 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         out = pathlib.Path(scratch) / "out"
 
-        bare = hover(mebots, out)
+        bare = hover(mebots, out, *BENCH)
         assert bare["outcome"] == "battery_empty", bare["outcome"]
         near(bare["mass"], 0.027, 1e-9, "mass without payload")
         seconds = bare["simulated_time"]
         near(bare["energy"]["motors"] / seconds, bench_power(0.027), 0.005, "motor power without payload")
         near(bare["energy"]["avionics"] / seconds, AVIONICS, 0.001, "power of the avionics")
 
-        loaded = hover(mebots, out, "world.drone.dry_mass=0.0299")
+        loaded = hover(mebots, out, *BENCH, "world.drone.dry_mass=0.0299")
         assert loaded["outcome"] == "battery_empty", loaded["outcome"]
         near(loaded["energy"]["motors"] / loaded["simulated_time"], bench_power(0.037), 0.005, "motor power with 10 g")
         # The loss in the cell grows with the square of the current: endurance falls faster than power rises.
@@ -66,13 +67,13 @@ def main():
         assert loaded["simulated_time"] / seconds < powers[0] / powers[1], (loaded["simulated_time"], seconds)
 
         # The bus falls from 3.9 to 3.0 V; the loss by the current's ripple falls with it.
-        flown = hover(mebots, out, *FLOWN, "world.drone.dry_mass=0.0299")
+        flown = hover(mebots, out, "world.drone.dry_mass=0.0299")
         assert flown["outcome"] == "battery_empty", flown["outcome"]
         power = flown["energy"]["motors"] / flown["simulated_time"]
         assert motor_power(0.037, 3.0) < power < motor_power(0.037, 3.9), power
-        assert flown["simulated_time"] < 0.8 * hover(mebots, out, *FLOWN)["simulated_time"]
+        assert flown["simulated_time"] < 0.8 * hover(mebots, out)["simulated_time"]
 
-        sinks = hover(mebots, out, "world.drone.dry_mass=0.06")
+        sinks = hover(mebots, out, "world.drone.dry_mass=0.042")
         assert sinks["outcome"] == "thrust_lost", sinks["outcome"]
         stays = hover(mebots, out, "world.drone.dry_mass=0.09")
         assert stays["outcome"] == "no_take_off", stays["outcome"]

@@ -37,7 +37,7 @@ void measure(const OperatingPoint& point, const std::string& board_path, const m
   listeners.faults = [](std::string_view text) { fmt::print(stderr, "{}\n", text); };
   listeners.console = [&](std::string_view line) { lines.emplace_back(line); };
   const auto board = mebots::soc::read_board(board_path);
-  mebots::soc::Soc chip(board, mebots::soc::gap8(), settings, program, listeners);
+  mebots::soc::Soc chip(board, mebots::soc::chip_of(board), settings, program, listeners);
   double begin_j = 0.0;
   unsigned cores = 0;
   unsigned inferences = 0;

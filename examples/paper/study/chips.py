@@ -62,9 +62,14 @@ def ends_apart(first, second):
 
 
 def furthest(first, second, value, kinds=IN_THE_AIR):
-    """How far a value of the endurance flights is apart at most, where both have it."""
-    return max(abs(a[value] - b[value]) for _, _, kind, a, b in lives_of_both(first, second)
-               if kind in kinds and None not in (a[value], b[value]))
+    """How far a value of the endurance flights is apart at most, where both have it; none if no two have it."""
+    return max((abs(a[value] - b[value]) for _, _, kind, a, b in lives_of_both(first, second)
+                if kind in kinds and None not in (a[value], b[value])), default=None)
+
+
+def opens_apart(first, second, kinds, digits):
+    apart = furthest(first, second, "opens", kinds)
+    return "in no flight of both" if apart is None else f"at most {apart:.{digits}f} % of charge apart"
 
 
 def told_of_experiments(both):
@@ -79,9 +84,8 @@ def told_of_experiments(both):
              for chip, one, other in zip(both, (a, b), (b, a)) if other["to_ten_s"] is None is not one["to_ten_s"]]
     yield (f"The endurance flights that come to 10 % with both chips do so at most {furthest(first, second, 'to_ten_s'):.1f} s apart; "
            f"with one chip alone: {', '.join(alone) or 'none'}. Their times in the air are at most "
-           f"{furthest(first, second, 'air_s'):.1f} s apart. The protection opens in hover at most "
-           f"{furthest(first, second, 'opens', ('hover', 'empty')):.3f} % of charge apart, in cruise "
-           f"{furthest(first, second, 'opens', ('cruise',)):.2f} %.")
+           f"{furthest(first, second, 'air_s'):.1f} s apart. The protection opens in hover "
+           f"{opens_apart(first, second, ('hover', 'empty'), 3)}, in cruise {opens_apart(first, second, ('cruise',), 2)}.")
 
 
 def told_of_decisions(both):

@@ -16,6 +16,10 @@ BATTERIES = {  # name in fmu_battery/params/cells -> (label, capacity mAh, mass 
     "cyclone_300": ("Cyclone", 300, 8.1),
     "lipol_350": ("Lipol", 350, 9.2),
 }
+CELLS = {"bitcraze_250": "bitcraze_250_flights", **{name: f"{name}_scaled" for name in ("ufx_250", "cyclone_300", "lipol_350")}}
+"""The cell files that fly, by battery."""
+MODELS = "fitted on flights"
+"""Of rotors, cells and the chip's energies in the experiments. Data without it were flown with those of 2015."""
 HEAVIEST_G = max(mass for _, _, mass in BATTERIES.values())
 
 # The chips that fly: the ends of their shipped missions' names in configs/. Those missions say what a chip changes.
@@ -93,7 +97,7 @@ class Flight:
         values["soc.mission.cruise_speed"] = self.speed_km_h * KM_H
         values["soc.mission.initial_speed"] = self.speed_km_h * KM_H
         values["soc.mission.policy"] = "adaptive" if self.adaptive else "constant"
-        values["battery.cell.name"] = self.battery
+        values["battery.cell.name"] = CELLS[self.battery]
         values["motors.power_model"] = "hover_propel" if self.motors == "paper" else "bench"
         if self.equal_mass:
             _, _, mass = BATTERIES[self.battery]

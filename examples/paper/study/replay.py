@@ -11,7 +11,7 @@ import fmpy
 import numpy as np
 from fmpy.fmi2 import FMU2Slave
 
-from missions import ROOT
+from missions import CELLS, ROOT
 from results import CRUISE
 
 # The columns beside the bench's, one thing less from left to right: label, whether the flight controller's power and the
@@ -27,12 +27,14 @@ LONGEST_S = 1800.0
 
 @functools.cache
 def cell(name, resistance):
-    """What to name as cell: its name, or the path of a copy that has hardly any resistance."""
+    """What to name as cell for a battery: its file's name, or the path of a copy that has hardly any resistance."""
+    name = CELLS[name]
     if resistance:
         return name
     data = json.loads((ROOT / f"fmu_battery/params/cells/{name}.json").read_text())
-    data["resistance_factor"]["value"] *= RESISTANCE
-    data["capacitance_factor"]["value"] /= RESISTANCE
+    for key, factor in (("resistance_factor", RESISTANCE), ("capacitance_factor", 1 / RESISTANCE)):
+        data[key]["value"] *= factor
+        data[key].pop("interval", None)
     path = pathlib.Path(tempfile.mkdtemp(prefix="mebots-cell-")) / f"{name}.json"
     path.write_text(json.dumps(data))
     return str(path)

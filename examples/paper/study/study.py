@@ -20,7 +20,7 @@ import collect
 import experiments
 import landing
 import report
-from missions import CHIPS, FIRST_CHIP, MOTORS, ROOT, SECOND_CHIP
+from missions import CHIPS, FIRST_CHIP, MODELS, MOTORS, ROOT, SECOND_CHIP
 from results import PASSED
 from run import Place, fly_all
 
@@ -36,6 +36,7 @@ def fly_experiments(place, data):
     summaries = fly_all(experiments.speeds() + sum(in_the_air.values(), []) + experiments.batteries(), place)
     if all(s["fresh"] for s in summaries.values()):
         data["wall_s"], data["jobs"] = time.monotonic() - started, place.jobs
+    data["models"] = MODELS
     data["costs"] = collect.costs(summaries)
     data["batteries"] = collect.batteries({n: s for n, s in summaries.items() if n.startswith("a-")})
     data["lives"] = {motors: collect.lives(summaries, motors) for motors in MOTORS}
@@ -105,8 +106,11 @@ def check_published(count, place):
 
 
 def published_beside(chip):
-    """What the report of the first chip has beside it: the second's published data."""
-    return json.loads(PUBLISHED[SECOND_CHIP].read_text()) if chip == FIRST_CHIP else None
+    """What the report of the first chip has beside it: the second's published data, if the same models flew it."""
+    if chip != FIRST_CHIP:
+        return None
+    first, second = (json.loads(PUBLISHED[one].read_text()) for one in (FIRST_CHIP, SECOND_CHIP))
+    return second if second.get("models") == first.get("models") else None
 
 
 def publish(chip, data, folder):

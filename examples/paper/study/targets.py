@@ -45,7 +45,7 @@ def of_batteries(data):
     ufx = [ten["ufx_250"][c] / s - 1 for c, s in zip(COLUMNS, standard)]
     yield row("T2", "UFX hovers longer than standard", "15 s, 4 %", "{:.0f} s, {:.1f} %",
               [(f * s, 100 * f) for f, s in zip(ufx, standard)],
-              "More than the paper's in every column but the bench's: P_hover goes with the mass to the power of 1.5.")
+              "More than the paper's in every column: P_hover goes with the mass to the power of 1.5.")
     lipol = [100 * (ten["lipol_350"][c] / s - 1) for c, s in zip(COLUMNS, standard)]
     yield row("T3", "LiPol hovers longer than standard", "33 %", "{:.1f} %", lipol,
               "Depends on how much the cell's resistance takes: without it least. The paper's own 33 % of 410 s are 135 s; its "
@@ -94,9 +94,8 @@ def of_speeds(data):
         label = "adaptive" if name == "adaptive" else f"{name} km/h"
         when = "at the landing" if where == "end" else "at the gate's plane"
         tells = {("0.1", "end"): "The paper's motors without flight controller are nearest.",
-                 ("0.1", "gate"): "Told at the plane, its motors with the flight controller are as near.",
-                 ("adaptive", "gate"): "Told at the plane, since our flight is stuck there. At the paper's own 0.244 % a "
-                                       "second 89 s would leave 78.4 %."}[name, where]
+                 ("0.1", "gate"): "At the plane, too.",
+                 ("adaptive", "gate"): "At the paper's own 0.244 % a second 89 s would leave 78.4 %."}[name, where]
         yield row("T11", f"charge left, {label}, {when}", f"{paper} %",
                   "{:.1f} %", [left[name][c][where] for c in COLUMNS], tells)
     for name, paper in (("0.1", 1.0), ("0.2", 0.17), ("0.3", 1.4)):

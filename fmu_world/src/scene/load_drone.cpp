@@ -135,6 +135,8 @@ Drone read_drone(const Node& node) {
   object.read_if("dry_mass_factor", drone.dry_mass_factor, data::estimate("1", positive));
   object.read("torque_per_thrust", drone.torque_per_thrust_m, quantity("m", positive));
   object.read("rotor_lag", drone.rotor_lag_s, quantity("s", Limits::at_least(0.0)));
+  object.read_if("start_command", drone.start_command, quantity("1", {0.0, 1.0, false}));
+  object.read_if("start_time", drone.start_time_s, quantity("s", Limits::at_least(0.0)));
   object.read("range_limit", drone.range_limit_m, quantity("m", positive));
   object.read("thrust_curve", drone.thrust_curve, &read_thrust_curve);
   object.visit_if("range_sensor", [&](const Node& section) { drone.range = read_range(section); });

@@ -196,6 +196,8 @@ struct Drone {
   data::Estimate dry_mass_factor{1, {}};                   ///< multiplies the mass without the cell
   double torque_per_thrust_m = 0.00735;                    ///< reaction torque over thrust that the stabiliser expects
   double rotor_lag_s = 0.1;                                ///< first-order lag of thrust that the stabiliser expects
+  double start_command = 1.0;                              ///< greatest command when the motors start on the ground
+  double start_time_s = 0.0;                               ///< it rises to 1 in this time
   double range_limit_m = 4.0;                              ///< farthest distance that the range sensor sees
   std::vector<ThrustPoint> thrust_curve;                   ///< rising, from (0, 0) to the greatest command
   std::optional<RangeData> range;                          ///< absent: the drone's file does not tell

@@ -12,6 +12,8 @@ namespace {
 
 /// Below this speed a braking drone takes the place it is at as the one to hold.
 constexpr double kStoppedSpeed_m_per_s = 0.05;
+/// A drone whose underside is lower starts on the ground.
+constexpr double kOnGround_m = 0.01;
 
 /// The horizontal part shortened to `limit`, the vertical one left alone.
 Eigen::Vector3d limited_horizontally(const Eigen::Vector3d& v, double limit) {
@@ -33,9 +35,19 @@ void Stabiliser::set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) 
 void Stabiliser::start(const RigidState& state, double yaw_rad) {
   memory_ = {};
   memory_.running = true;
+  memory_.starting = drone_.start_time_s > 0.0 && state.p_WB_m.z() < 0.5 * drone_.body_size_m.z() + kOnGround_m;
   memory_.heading_rad = yaw_rad;
   memory_.velocity_H_m_per_s = yaw_rotation(-yaw_rad) * state.v_WB_m_per_s;
   memory_.last_rate_B_rad_per_s = state.body_rate_rad_per_s();
+}
+
+/// Of one rotor. Full commands would make the motors take more current from standstill than a cell can give.
+double Stabiliser::greatest_thrust_n(double dt_s) {
+  if (!memory_.starting) return curve_.max_thrust_n();
+  const double share = memory_.since_start_s / drone_.start_time_s;
+  memory_.since_start_s += dt_s;
+  memory_.starting = share < 1.0;
+  return curve_.thrust_for(drone_.start_command + std::min(share, 1.0) * (1.0 - drone_.start_command));
 }
 
 Eigen::Vector3d Stabiliser::wanted_velocity(const StabiliserGoal& goal, const RigidState& state, double yaw_rad) {
@@ -140,13 +152,15 @@ const RotorValues& Stabiliser::update(const StabiliserGoal& goal, const RigidSta
   const double collective_n = mass_kg_ * std::max(held_W.dot(R_WB.col(2)), gains_.min_thrust_share * kGravity_m_per_s2);
   const Eigen::Vector3d torque_B = wanted_torque(goal, state, yaw_rad, up_W, dt_s);
 
-  const RotorValues thrust = mix(drone_, curve_.max_thrust_n(), collective_n, torque_B);
+  const RotorValues thrust = mix(drone_, greatest_thrust_n(dt_s), collective_n, torque_B);
   for (std::size_t i = 0; i < kRotors; ++i) memory_.command[i] = curve_.command_for(thrust[i]);
   return memory_.command;
 }
 
 void Stabiliser::visit(state::Visitor& v) {
   v("running", memory_.running);
+  v("starting", memory_.starting);
+  v("since_start_s", memory_.since_start_s);
   v("holding", memory_.holding);
   v("hold_W_m", numbers(memory_.hold_W_m));
   v("heading_rad", memory_.heading_rad);

@@ -108,6 +108,8 @@ class Stabiliser {
   /// Everything that the controller remembers.
   struct Memory {
     bool running = false;
+    bool starting = false;       ///< on the ground, with the motors just switched on
+    double since_start_s = 0.0;  ///< while starting
     bool holding = false;
     Eigen::Vector3d hold_W_m = Eigen::Vector3d::Zero();
     double heading_rad = 0.0;                                      ///< reference
@@ -120,6 +122,7 @@ class Stabiliser {
   };
 
   void start(const RigidState& state, double yaw_rad);
+  double greatest_thrust_n(double dt_s);
   Eigen::Vector3d wanted_velocity(const StabiliserGoal& goal, const RigidState& state, double yaw_rad);
   Eigen::Vector3d wanted_acceleration(const StabiliserGoal& goal, const RigidState& state, double yaw_rad, double dt_s);
   Eigen::Vector3d wanted_torque(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,

@@ -141,8 +141,8 @@ std::filesystem::path resources_with(std::string_view energies) {
   std::filesystem::copy(resources() / "gate.elf", path, std::filesystem::copy_options::overwrite_existing);
   std::ifstream file(resources() / "ai_deck.json");
   std::string board(std::istreambuf_iterator<char>(file), {});
-  constexpr std::string_view kChip = R"("chip": "gap8",)";
-  board.insert(board.find(kChip) + kChip.size(), fmt::format(R"("energy": "{}",)", energies));
+  constexpr std::string_view kEnergy = R"("energy": "gap8_silicon")";
+  board.replace(board.find(kEnergy), kEnergy.size(), fmt::format(R"("energy": "{}")", energies));
   std::ofstream(path / "ai_deck.json") << board;
   return path;
 }

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Flies a mission with the models that were the defaults before those fitted on flights, to the bits that it had then.
+
+Usage: old_models_test.py MEBOTS CONFIG SHA256
+
+SHA256: the first digits of the hash of results.csv.
+"""
+import hashlib
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SETS = ("motors.rotor_data=crazyflie_bench", "motors.bus.resistance=0", "battery.cell.name=bitcraze_250",
+        "world.drone.name=crazyflie_bench")
+
+
+def main():
+    mebots, config, expected = sys.argv[1:]
+    energies = () if config.endswith("_gap8.json") else ("soc.energy.name=gap8",)  # the others had silicon's
+    with tempfile.TemporaryDirectory() as out:
+        command = [mebots, "run", ROOT / "configs" / config, "--out", out, "--quiet", "--expect", "passed", "--set", *SETS, *energies]
+        subprocess.run([str(word) for word in command], check=True)
+        found = hashlib.sha256((pathlib.Path(out) / "results.csv").read_bytes()).hexdigest()
+    assert found.startswith(expected), f"{config}: {found}, expected {expected}..."
+
+
+if __name__ == "__main__":
+    main()
