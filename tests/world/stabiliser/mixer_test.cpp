@@ -66,8 +66,8 @@ TEST(ThrustCurve, CommandAndThrustInvertEachOther) {
 
 TEST(ThrustCurve, GivesTheBenchRows) {
   // 41.7 g of the whole drone at 75 % duty.
-  EXPECT_NEAR(ThrustCurve(mixed_drone().thrust_curve).thrust_for(0.75), 0.0417 * 9.80665 / 4.0,
-              1e-6);  // rounded in the file
+  const auto drone = test::shipped_drone("crazyflie_bench");
+  EXPECT_NEAR(ThrustCurve(drone.thrust_curve).thrust_for(0.75), 0.0417 * 9.80665 / 4.0, 1e-6);  // rounded in the file
 }
 
 TEST(Gains, PutAllThreePolesWhereTheyShallBe) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <vector>
 
 /// Step responses of the closed loop: world, stabiliser and four lagging rotors, one communication step
 /// apart. Bounds are the design's (fmu_world/docs/stabiliser.md), wide enough for every lag and step tested.
@@ -188,6 +189,33 @@ TEST(Stabiliser, ComesBackFromATiltOf45Degrees) {
   }
   EXPECT_GT(state.rotation()(2, 2), std::cos(0.01));
   EXPECT_LT(state.v_WB_m_per_s.norm(), 0.02);
+}
+
+/// Greatest command of a drone that shall climb 1 m, at each millisecond of the first 1.2 s.
+std::vector<double> commands_of_a_start(const scene::Drone& drone, double height_m) {
+  Stabiliser stabiliser(drone);
+  stabiliser.set_mass(0.04, drone.inertia_kg_m2);
+  RigidState state;
+  state.p_WB_m.z() = height_m;
+  StabiliserGoal goal;
+  goal.motors_on = true;
+  goal.altitude_m = height_m + 1.0;
+  std::vector<double> greatest;
+  for (int i = 0; i < 1200; ++i) {
+    const auto& command = stabiliser.update(goal, state, 1e-3);
+    greatest.push_back(*std::max_element(command.begin(), command.end()));
+  }
+  return greatest;
+}
+
+TEST(Stabiliser, LimitsTheCommandsOfAStartOnTheGroundAsTheDroneFileSays) {
+  const auto drone = test::shipped_drone("crazyflie");
+  const auto commands = commands_of_a_start(drone, 0.5 * drone.body_size_m.z());
+  EXPECT_NEAR(commands[0], drone.start_command, 1e-9);
+  EXPECT_NEAR(commands[500], drone.start_command + 0.5 * (1.0 - drone.start_command), 1e-9);
+  EXPECT_GT(commands[1100], 0.999) << "without a limit the integrator asks for all that there is";
+  EXPECT_GT(commands_of_a_start(drone, 3.0)[0], 0.9) << "in the air";
+  EXPECT_GT(commands_of_a_start(test::shipped_drone("crazyflie_bench"), 0.0)[0], 0.7);
 }
 
 TEST(Stabiliser, CommandsNothingWithTheMotorsOff) {

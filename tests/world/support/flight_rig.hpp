@@ -13,8 +13,15 @@
 
 namespace mebots::world::test {
 
+inline scene::Drone shipped_drone(const std::string& name) {
+  return scene::load_drone(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/drones/" + name + ".json");
+}
+
+/// With the drone whose motors start without a limit, so that transients are those of the control loops.
 inline scene::Scene shipped_scene(const std::string& name) {
-  return scene::load_scene(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/scenes/" + name + ".json");
+  auto scene = scene::load_scene(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/scenes/" + name + ".json");
+  scene.drone = shipped_drone("crazyflie_bench");
+  return scene;
 }
 
 /// Four rotors that follow their commands with a first-order lag (solved exactly over a step), on a bus
