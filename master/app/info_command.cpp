@@ -121,7 +121,7 @@ void print_description(const ModelDescription& model) {
   print_field("made by", model.generation_tool);
   print_field("made at", model.generation_date_and_time);
   if (model.co_simulation) print_flags(*model.co_simulation);
-  if (model.has_model_exchange) print_field("model exchange", "yes (not used by mebots)");
+  if (model.model_exchange) print_field("model exchange", "yes (not used by mebots)");
   const auto& experiment = model.default_experiment;
   if (experiment.start_time_s) print_field("start time", fmt::format("{} s", *experiment.start_time_s));
   if (experiment.step_size_s) print_field("step", fmt::format("{} s", *experiment.step_size_s));

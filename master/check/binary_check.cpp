@@ -34,7 +34,11 @@ bool is_wanted(fmi2::Need need, const modeldesc::CoSimulation& flags) {
   switch (need) {
     case fmi2::Need::to_run:
     case fmi2::Need::always:
+    case fmi2::Need::to_step:
+    case fmi2::Need::co_simulation:
       return true;
+    case fmi2::Need::to_integrate:
+      return false;  // the library for model exchange may be another one
     case fmi2::Need::fmu_state:
       return flags.can_get_and_set_fmu_state;
     case fmi2::Need::serialization:
@@ -152,7 +156,8 @@ void check_symbols(const ModelDescription& model, const fs::path& library, Findi
   std::set<std::string> known;
   fmi2::for_each_function([&](const char* name, auto, fmi2::Need need) {
     known.insert(name);
-    if (!names.contains(name)) (is_wanted(need, *model.co_simulation) ? missing : spared).emplace_back(name);
+    if (need != fmi2::Need::to_integrate && !names.contains(name))
+      (is_wanted(need, *model.co_simulation) ? missing : spared).emplace_back(name);
   });
   if (!missing.empty())
     findings.error(
@@ -183,7 +188,8 @@ bool can_be_run(const ModelDescription& model, const fs::path& library) {
   const std::set<std::string> names(exports.begin(), exports.end());
   bool all = names.contains("fmi2Reset");
   fmi2::for_each_function([&](const char* name, auto, fmi2::Need need) {
-    const bool called = need != fmi2::Need::always && need != fmi2::Need::directional_derivative;
+    const bool called =
+        need != fmi2::Need::always && need != fmi2::Need::co_simulation && need != fmi2::Need::directional_derivative;
     if (called && is_wanted(need, *model.co_simulation) && !names.contains(name)) all = false;
   });
   return all;

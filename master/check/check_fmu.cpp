@@ -164,7 +164,7 @@ class FmuCheck {
     }
     report_.summary =
         fmt::format("FMI {}{}{}, {} variables", model_.fmi_version, model_.co_simulation ? " co-simulation" : "",
-                    model_.has_model_exchange ? " model exchange" : "", model_.variables.size());
+                    model_.model_exchange ? " model exchange" : "", model_.variables.size());
     const auto group = Group::description;
     check_head(model_, folder_.path(),
                add(group, "identifier, capabilities, log categories and default experiment are sound"));

@@ -209,7 +209,7 @@ class Probes {
                         return l.functions().instantiate("none", fmi2CoSimulation, nullptr, l.resource_uri().c_str(),
                                                          &callbacks, fmi2False, fmi2False);
                       });
-    if (!model_->has_model_exchange)
+    if (!model_->model_exchange)
       add_instantiation("fmi2Instantiate for model exchange, which is not described", Level::pedantic,
                         [](const Library& l, const auto& callbacks, const std::string& guid) {
                           return l.functions().instantiate("exchange", fmi2ModelExchange, guid.c_str(),

@@ -194,7 +194,7 @@ class XmlReader {
 
   ModelDescription read() {
     read_root();
-    read_co_simulation();
+    read_implementations();
     root_.child("UnitDefinitions").each_child("Unit", [&](const Element& e) { read_unit(e); });
     root_.child("TypeDefinitions").each_child("SimpleType", [&](const Element& e) { read_type(e); });
     root_.child("LogCategories").each_child("Category", [&](const Element& e) {
@@ -247,23 +247,35 @@ class XmlReader {
     return element.number<std::uint32_t>(name, "a count").value_or(0);
   }
 
-  void read_co_simulation() {
-    result_.has_model_exchange = static_cast<bool>(root_.child("ModelExchange"));
-    const Element element = root_.child("CoSimulation");
-    if (!element) {
-      if (!result_.has_model_exchange) root_.fail("neither <CoSimulation> nor <ModelExchange> is there");
-      return;
-    }
+  void read_implementations() {
+    const Element model_exchange = root_.child("ModelExchange");
+    const Element co_simulation = root_.child("CoSimulation");
+    if (!co_simulation && !model_exchange) root_.fail("neither <CoSimulation> nor <ModelExchange> is there");
+    if (model_exchange) read_model_exchange(model_exchange);
+    if (co_simulation) read_co_simulation(co_simulation);
+  }
+
+  void read_model_exchange(const Element& element) {
+    ModelExchange& flags = result_.model_exchange.emplace();
+    read_implementation(element, flags);
+    flags.completed_integrator_step_not_needed = element.flag("completedIntegratorStepNotNeeded", false);
+  }
+
+  void read_co_simulation(const Element& element) {
     CoSimulation& flags = result_.co_simulation.emplace();
+    read_implementation(element, flags);
+    flags.can_handle_variable_communication_step_size = element.flag("canHandleVariableCommunicationStepSize", false);
+    flags.can_interpolate_inputs = element.flag("canInterpolateInputs", false);
+    flags.max_output_derivative_order = count(element, "maxOutputDerivativeOrder");
+    flags.can_run_asynchronuously = element.flag("canRunAsynchronuously", false);
+  }
+
+  static void read_implementation(const Element& element, Implementation& flags) {
     flags.model_identifier = element.required_text("modelIdentifier");
     // It becomes part of a path.
     if (flags.model_identifier.empty() || flags.model_identifier.find_first_of("/\\") != std::string::npos)
       element.fail(fmt::format("modelIdentifier is \"{}\", which is not a C name", flags.model_identifier));
     flags.needs_execution_tool = element.flag("needsExecutionTool", false);
-    flags.can_handle_variable_communication_step_size = element.flag("canHandleVariableCommunicationStepSize", false);
-    flags.can_interpolate_inputs = element.flag("canInterpolateInputs", false);
-    flags.max_output_derivative_order = count(element, "maxOutputDerivativeOrder");
-    flags.can_run_asynchronuously = element.flag("canRunAsynchronuously", false);
     flags.can_be_instantiated_only_once_per_process = element.flag("canBeInstantiatedOnlyOncePerProcess", false);
     flags.can_not_use_memory_management_functions = element.flag("canNotUseMemoryManagementFunctions", false);
     flags.can_get_and_set_fmu_state = element.flag("canGetAndSetFMUstate", false);

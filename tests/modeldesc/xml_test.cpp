@@ -51,7 +51,7 @@ std::string foreign(const std::string& variables, const std::string& structure =
   return R"(<?xml version="1.0"?>
 <!DOCTYPE fmiModelDescription [<!ENTITY secret SYSTEM "file:///etc/passwd">]>
 <fmiModelDescription fmiVersion="2.0" modelName="m" guid="g" xmlns:v="urn:v">
-  <ModelExchange modelIdentifier="m"/>
+  <ModelExchange modelIdentifier="m_me" completedIntegratorStepNotNeeded="true"/>
   <CoSimulation modelIdentifier="m_cs" canHandleVariableCommunicationStepSize="1"/>
   <UnitDefinitions><Unit name="V"><BaseUnit kg="1" m="2" s="-3" A="-1"/><DisplayUnit name="mV" factor="1000"/></Unit>
     <Unit name="bag"/></UnitDefinitions>
@@ -70,7 +70,10 @@ TEST(Xml, FillsInWhatFmiLeavesOut) {
                                                    R"(<Outputs><Unknown index="3"/></Outputs>
     <Derivatives><Unknown index="4" dependencies="1 2" dependenciesKind="dependent fixed"/></Derivatives>)"),
                                            "foreign.xml");
-  EXPECT_TRUE(x.has_model_exchange);
+  ASSERT_TRUE(x.model_exchange);
+  EXPECT_EQ(x.model_exchange->model_identifier, "m_me");
+  EXPECT_TRUE(x.model_exchange->completed_integrator_step_not_needed);
+  EXPECT_FALSE(x.model_exchange->can_serialize_fmu_state);
   EXPECT_EQ(x.co_simulation->model_identifier, "m_cs");
   EXPECT_TRUE(x.co_simulation->can_handle_variable_communication_step_size);
   EXPECT_FALSE(x.co_simulation->can_get_and_set_fmu_state);

@@ -234,7 +234,8 @@ Fmi2Functions load_functions(void* library, const std::string& archive) {
   const auto functions = fmi2::find_functions(library);
   std::vector<std::string> missing;
   fmi2::for_each_function([&](const char* name, auto member, fmi2::Need need) {
-    if (need == fmi2::Need::to_run && functions.*member == nullptr) missing.emplace_back(name);
+    const bool is_needed = need == fmi2::Need::to_run || need == fmi2::Need::to_step;
+    if (is_needed && functions.*member == nullptr) missing.emplace_back(name);
   });
   if (!missing.empty()) {
     throw InputError(ErrorCode::fmu_inconsistent,

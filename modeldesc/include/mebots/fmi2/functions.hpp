@@ -3,7 +3,7 @@
 
 #include "mebots/fmi2/types.hpp"
 
-/// The functions that an FMI 2.0 co-simulation FMU exports. A caller that loads them at run time takes their
+/// The functions that an FMI 2.0 FMU exports. A caller that loads them at run time takes their
 /// types from here: `decltype(&fmi2DoStep)`.
 #define MEBOTS_FMI2_EXPORT __attribute__((visibility("default")))
 
@@ -73,5 +73,17 @@ MEBOTS_FMI2_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component, fmi2StatusKind ki
 MEBOTS_FMI2_EXPORT fmi2Status fmi2GetIntegerStatus(fmi2Component, fmi2StatusKind kind, fmi2Integer* value);
 MEBOTS_FMI2_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component, fmi2StatusKind kind, fmi2Boolean* value);
 MEBOTS_FMI2_EXPORT fmi2Status fmi2GetStringStatus(fmi2Component, fmi2StatusKind kind, fmi2String* value);
+
+MEBOTS_FMI2_EXPORT fmi2Status fmi2EnterEventMode(fmi2Component);
+MEBOTS_FMI2_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component, fmi2EventInfo* info);
+MEBOTS_FMI2_EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component);
+MEBOTS_FMI2_EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component, fmi2Boolean no_set_state_before_current_point,
+                                                          fmi2Boolean* enter_event_mode, fmi2Boolean* terminate);
+MEBOTS_FMI2_EXPORT fmi2Status fmi2SetTime(fmi2Component, fmi2Real time);
+MEBOTS_FMI2_EXPORT fmi2Status fmi2SetContinuousStates(fmi2Component, const fmi2Real states[], std::size_t count);
+MEBOTS_FMI2_EXPORT fmi2Status fmi2GetDerivatives(fmi2Component, fmi2Real derivatives[], std::size_t count);
+MEBOTS_FMI2_EXPORT fmi2Status fmi2GetEventIndicators(fmi2Component, fmi2Real indicators[], std::size_t count);
+MEBOTS_FMI2_EXPORT fmi2Status fmi2GetContinuousStates(fmi2Component, fmi2Real states[], std::size_t count);
+MEBOTS_FMI2_EXPORT fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component, fmi2Real nominals[], std::size_t count);
 
 }  // extern "C"

@@ -10,9 +10,18 @@
 /// The functions of an FMU's shared library as a table of pointers, and what the standard says about each.
 namespace mebots::fmi2 {
 
-/// When the standard demands a function of a co-simulation library: always (`to_run`: no simulation does without it),
-/// or when modelDescription.xml claims a capability.
-enum class Need { to_run, always, fmu_state, serialization, directional_derivative };
+/// When the standard demands a function of a library: always (`to_run`: no simulation does without it), for
+/// co-simulation (`to_step`: none does without it) or model exchange, or when modelDescription.xml claims a capability.
+enum class Need {
+  to_run,
+  always,
+  to_step,
+  co_simulation,
+  to_integrate,
+  fmu_state,
+  serialization,
+  directional_derivative
+};
 
 /// Null where the library does not bring the function.
 struct Functions {
@@ -52,9 +61,19 @@ struct Functions {
   decltype(&fmi2GetIntegerStatus) get_integer_status = nullptr;
   decltype(&fmi2GetBooleanStatus) get_boolean_status = nullptr;
   decltype(&fmi2GetStringStatus) get_string_status = nullptr;
+  decltype(&fmi2EnterEventMode) enter_event_mode = nullptr;
+  decltype(&fmi2NewDiscreteStates) new_discrete_states = nullptr;
+  decltype(&fmi2EnterContinuousTimeMode) enter_continuous_time_mode = nullptr;
+  decltype(&fmi2CompletedIntegratorStep) completed_integrator_step = nullptr;
+  decltype(&fmi2SetTime) set_time = nullptr;
+  decltype(&fmi2SetContinuousStates) set_continuous_states = nullptr;
+  decltype(&fmi2GetDerivatives) get_derivatives = nullptr;
+  decltype(&fmi2GetEventIndicators) get_event_indicators = nullptr;
+  decltype(&fmi2GetContinuousStates) get_continuous_states = nullptr;
+  decltype(&fmi2GetNominalsOfContinuousStates) get_nominals_of_continuous_states = nullptr;
 };
 
-/// Calls action(name, pointer to the member of Functions, Need) for every function of co-simulation.
+/// Calls action(name, pointer to the member of Functions, Need) for every function.
 template <typename Action>
 void for_each_function(Action action) {
   using F = Functions;
@@ -83,15 +102,25 @@ void for_each_function(Action action) {
   action("fmi2SerializeFMUstate", &F::serialize_fmu_state, Need::serialization);
   action("fmi2DeSerializeFMUstate", &F::deserialize_fmu_state, Need::serialization);
   action("fmi2GetDirectionalDerivative", &F::get_directional_derivative, Need::directional_derivative);
-  action("fmi2SetRealInputDerivatives", &F::set_real_input_derivatives, Need::always);
-  action("fmi2GetRealOutputDerivatives", &F::get_real_output_derivatives, Need::always);
-  action("fmi2DoStep", &F::do_step, Need::to_run);
-  action("fmi2CancelStep", &F::cancel_step, Need::always);
-  action("fmi2GetStatus", &F::get_status, Need::always);
-  action("fmi2GetRealStatus", &F::get_real_status, Need::always);
-  action("fmi2GetIntegerStatus", &F::get_integer_status, Need::always);
-  action("fmi2GetBooleanStatus", &F::get_boolean_status, Need::always);
-  action("fmi2GetStringStatus", &F::get_string_status, Need::always);
+  action("fmi2SetRealInputDerivatives", &F::set_real_input_derivatives, Need::co_simulation);
+  action("fmi2GetRealOutputDerivatives", &F::get_real_output_derivatives, Need::co_simulation);
+  action("fmi2DoStep", &F::do_step, Need::to_step);
+  action("fmi2CancelStep", &F::cancel_step, Need::co_simulation);
+  action("fmi2GetStatus", &F::get_status, Need::co_simulation);
+  action("fmi2GetRealStatus", &F::get_real_status, Need::co_simulation);
+  action("fmi2GetIntegerStatus", &F::get_integer_status, Need::co_simulation);
+  action("fmi2GetBooleanStatus", &F::get_boolean_status, Need::co_simulation);
+  action("fmi2GetStringStatus", &F::get_string_status, Need::co_simulation);
+  action("fmi2EnterEventMode", &F::enter_event_mode, Need::to_integrate);
+  action("fmi2NewDiscreteStates", &F::new_discrete_states, Need::to_integrate);
+  action("fmi2EnterContinuousTimeMode", &F::enter_continuous_time_mode, Need::to_integrate);
+  action("fmi2CompletedIntegratorStep", &F::completed_integrator_step, Need::to_integrate);
+  action("fmi2SetTime", &F::set_time, Need::to_integrate);
+  action("fmi2SetContinuousStates", &F::set_continuous_states, Need::to_integrate);
+  action("fmi2GetDerivatives", &F::get_derivatives, Need::to_integrate);
+  action("fmi2GetEventIndicators", &F::get_event_indicators, Need::to_integrate);
+  action("fmi2GetContinuousStates", &F::get_continuous_states, Need::to_integrate);
+  action("fmi2GetNominalsOfContinuousStates", &F::get_nominals_of_continuous_states, Need::to_integrate);
 }
 
 /// Looks all functions up in a library from dlopen; those that it lacks stay null.

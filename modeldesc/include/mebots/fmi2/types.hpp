@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string_view>
 
-/// The C types of FMI 2.0 (functional mock-up interface standard, version 2.0.4, sections 2.1 and 4.2), as far as
-/// co-simulation needs them. Names and values are the standard's: they are the binary interface.
+/// The C types of FMI 2.0 (functional mock-up interface standard, version 2.0.4, sections 2.1, 3.2 and 4.2). Names and
+/// values are the standard's: they are the binary interface.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 
@@ -32,6 +32,15 @@ using fmi2CallbackLogger = void (*)(fmi2ComponentEnvironment environment, fmi2St
 using fmi2CallbackAllocateMemory = void* (*)(std::size_t count, std::size_t size);
 using fmi2CallbackFreeMemory = void (*)(void* memory);
 using fmi2StepFinished = void (*)(fmi2ComponentEnvironment environment, fmi2Status status);
+
+struct fmi2EventInfo {
+  fmi2Boolean newDiscreteStatesNeeded;
+  fmi2Boolean terminateSimulation;
+  fmi2Boolean nominalsOfContinuousStatesChanged;
+  fmi2Boolean valuesOfContinuousStatesChanged;
+  fmi2Boolean nextEventTimeDefined;
+  fmi2Real nextEventTime;
+};
 
 struct fmi2CallbackFunctions {
   fmi2CallbackLogger logger;

@@ -91,21 +91,32 @@ struct Unknown {
   bool operator==(const Unknown&) const = default;
 };
 
-/// The <CoSimulation> element: present when the FMU can be stepped.
-struct CoSimulation {
+/// What <CoSimulation> and <ModelExchange> have in common.
+struct Implementation {
   std::string model_identifier;  // name of the shared library without suffix
   bool needs_execution_tool = false;
-  bool can_handle_variable_communication_step_size = false;
-  bool can_interpolate_inputs = false;
-  std::uint32_t max_output_derivative_order = 0;
-  bool can_run_asynchronuously = false;
   bool can_be_instantiated_only_once_per_process = false;
   bool can_not_use_memory_management_functions = false;
   bool can_get_and_set_fmu_state = false;
   bool can_serialize_fmu_state = false;
   bool provides_directional_derivative = false;
   std::vector<std::string> source_files;
+  bool operator==(const Implementation&) const = default;
+};
+
+/// The <CoSimulation> element: present when the FMU can be stepped.
+struct CoSimulation : Implementation {
+  bool can_handle_variable_communication_step_size = false;
+  bool can_interpolate_inputs = false;
+  std::uint32_t max_output_derivative_order = 0;
+  bool can_run_asynchronuously = false;
   bool operator==(const CoSimulation&) const = default;
+};
+
+/// The <ModelExchange> element: present when the FMU gives derivatives for a solver outside.
+struct ModelExchange : Implementation {
+  bool completed_integrator_step_not_needed = false;
+  bool operator==(const ModelExchange&) const = default;
 };
 
 struct DefaultExperiment {
@@ -168,7 +179,7 @@ struct ModelDescription {
   std::string generation_date_and_time;
   bool structured_names = false;  // variableNamingConvention
   std::uint32_t number_of_event_indicators = 0;
-  bool has_model_exchange = false;
+  std::optional<ModelExchange> model_exchange;
   std::optional<CoSimulation> co_simulation;
   std::vector<Unit> units;
   std::vector<TypeDefinition> types;
