@@ -65,7 +65,9 @@ set(linked /usr/include/nlohmann/json.hpp /usr/include/fmt/core.h /usr/include/e
 # mebots-fmu-host holds these, since an FMU may bring other versions of them.
 execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libstdc++.a OUTPUT_VARIABLE cxx_library
   OUTPUT_STRIP_TRAILING_WHITESPACE)
-list(APPEND linked ${cxx_library} ${MEBOTS_STATIC_PUGIXML} ${MEBOTS_STATIC_SECCOMP})
+find_library(MEBOTS_STATIC_CVODE libsundials_cvode.a REQUIRED)
+mark_as_advanced(MEBOTS_STATIC_CVODE)
+list(APPEND linked ${cxx_library} ${MEBOTS_STATIC_PUGIXML} ${MEBOTS_STATIC_SECCOMP} ${MEBOTS_STATIC_CVODE})
 set(needed)
 foreach(library fmt zip pugixml png deflate crypto hdf5_serial)
   find_library(MEBOTS_NEEDED_${library} ${library})

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/state/visitor.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// Counts the work of the solver of a continuous system.
+struct SolverCounts {
+  std::int64_t steps = 0;
+  std::int64_t rejected_steps = 0;  ///< by the error test, or because Newton's method failed
+  std::int64_t evaluations = 0;     ///< of the right-hand side, those for Jacobians included
+  std::int64_t jacobians = 0;
+  std::int64_t restarts = 0;  ///< of the solver, at order 1
+  std::int64_t state_events = 0;
+  std::int64_t time_events = 0;
+  std::int64_t step_events = 0;   ///< requested by completedIntegratorStep
+  std::int64_t input_events = 0;  ///< changes of discrete inputs at communication points
+
+  void visit(state::Visitor& v) {
+    v("steps", steps);
+    v("rejected_steps", rejected_steps);
+    v("evaluations", evaluations);
+    v("jacobians", jacobians);
+    v("restarts", restarts);
+    v("state_events", state_events);
+    v("time_events", time_events);
+    v("step_events", step_events);
+    v("input_events", input_events);
+  }
+};
+
+/// Of one continuous system.
+struct SolverStatistics {
+  std::vector<std::string> members;  ///< names of its instances
+  std::int64_t states = 0;
+  std::int64_t event_indicators = 0;
+  double relative_tolerance = 0;
+  SolverCounts counts;
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model/value_kind.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace mebots::master {
+
+/// The answer of an instance that computes values.
+enum class Evaluation {
+  ok,
+  recoverable,  ///< not at this time and these states: a smaller step of the solver may help
+};
+
+/// The result of one update of the discrete states.
+struct DiscreteUpdate {
+  bool needs_another = false;
+  bool terminate = false;
+  bool nominals_changed = false;
+  std::optional<double> next_event_s = {};
+};
+
+/// The result of a completed step of the solver.
+struct CompletedStep {
+  bool enter_event_mode = false;
+  bool terminate = false;
+};
+
+/// A model that gives derivatives to a solver outside: an instance of an FMU for model exchange of any version of FMI.
+/// After initialisation it is in event mode. All calls throw Error if the instance fails.
+class ContinuousInstance {
+ public:
+  virtual ~ContinuousInstance() = default;
+
+  virtual const std::string& name() const = 0;
+  virtual std::size_t state_count() const = 0;
+  virtual std::size_t indicator_count() const = 0;
+  /// The name of a state, for messages.
+  virtual std::string state_name(std::size_t state) const = 0;
+
+  virtual void set_time(double time_s) = 0;
+  virtual void get_states(std::span<double> states) = 0;
+  virtual Evaluation set_states(std::span<const double> states) = 0;
+  virtual Evaluation get_derivatives(std::span<double> derivatives) = 0;
+  virtual Evaluation get_indicators(std::span<double> indicators) = 0;
+  virtual void get_nominals(std::span<double> nominals) = 0;
+
+  virtual Evaluation get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;
+  virtual Evaluation set_reals(std::span<const ValueReference> references, std::span<const double> values) = 0;
+
+  virtual void enter_event_mode() = 0;
+  virtual DiscreteUpdate update_discrete_states() = 0;
+  virtual void enter_continuous_time_mode() = 0;
+  virtual bool needs_completed_step() const { return true; }
+  virtual CompletedStep completed_step() = 0;
+
+  virtual bool has_directional_derivatives() const { return false; }
+  virtual std::span<const ValueReference> state_references() const { return {}; }
+  virtual std::span<const ValueReference> derivative_references() const { return {}; }
+  /// Computes the change of `unknowns` that belongs to a change `seed` of `knowns`. Only if
+  /// has_directional_derivatives().
+  virtual void directional_derivatives(std::span<const ValueReference> /*unknowns*/,
+                                       std::span<const ValueReference> /*knowns*/, std::span<const double> /*seed*/,
+                                       std::span<double> /*change*/) {}
+};
+
+}  // namespace mebots::master

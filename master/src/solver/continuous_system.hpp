@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/signal_guard.hpp"
+#include "mebots/state/visitor.hpp"
+#include "model/solver_description.hpp"
+#include "model/solver_statistics.hpp"
+#include "solver/integrator.hpp"
+#include "solver/wiring.hpp"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// Connections of a continuous system that carry values in event mode only: discrete Reals, Integers, Booleans, texts.
+class DiscreteLinks {
+ public:
+  virtual ~DiscreteLinks() = default;
+  /// Moves the values. Returns true if an input has changed.
+  virtual bool transfer() = 0;
+};
+
+/// Continuous inputs from outside that change within a communication step.
+class OuterInputs {
+ public:
+  virtual ~OuterInputs() = default;
+  /// Sets the inputs whose value depends on time.
+  virtual Evaluation set_at(double time_s) = 0;
+};
+
+/// How far a continuous system came.
+struct Advanced {
+  double time_s = 0;
+  std::optional<std::string> terminated_by = {};  ///< the member that requested the end, if one did
+};
+
+/// Connected instances that one solver integrates. From event to event the solver keeps its order and step over
+/// communication points; a step that reaches beyond a point is interpolated there, and completed when the system passes
+/// its end. Members must be in event mode before initialize().
+class ContinuousSystem final : private Equations {
+ public:
+  struct Parts {
+    std::vector<ContinuousInstance*> members;
+    std::vector<Wire> wires;
+    DiscreteLinks* discrete = nullptr;    ///< null if there are none
+    OuterInputs* inputs = nullptr;        ///< null if no input depends on time
+    double relative_tolerance = 1e-6;     ///< unless the description has one
+    std::optional<double> latest_s = {};  ///< the system is never evaluated after this time
+    const std::atomic<bool>* interrupted = &kNeverInterrupted;
+  };
+
+  /// All that is pointed to must outlive the system.
+  ContinuousSystem(Parts parts, const SolverDescription& description);
+
+  /// Iterates the events of the start and enters continuous-time mode. Returns the member that requested the end, if
+  /// one did.
+  std::optional<std::string> initialize(double time_s);
+  /// Integrates to `end_s`, with all events up to it. Afterwards all members are at that time, or where one of them
+  /// requested the end. Throws Error: an instance failed, values are not finite, the solver or an event iteration found
+  /// no solution, or there are too many steps or events. Throws InterruptedError.
+  Advanced advance(double end_s);
+  double time_s() const { return time_s_; }
+
+  /// A continuous input from outside has changed: the solver starts anew at the present time.
+  void input_changed() { restart_is_due_ = true; }
+  /// Puts all members into event mode at the present time, so that discrete inputs can be set. The next advance()
+  /// begins with an event.
+  void enter_event_mode();
+  bool in_event_mode() const { return in_event_mode_; }
+
+  const SolverStatistics& statistics() const { return statistics_; }
+
+  /// The state of the solver. The members' own states must be restored first.
+  void visit(state::Visitor& v);
+  /// What the solver does at the next advance() after a visit that restored: repeats the steps since its last start,
+  /// from which the bits of the steps to come follow. `keep` saves the members' states and returns what restores them.
+  /// Returns false if the repetition ends at other states, because a member computes with more than time, states and
+  /// inputs; then the solver starts anew at the present time.
+  bool repeat_steps(const std::function<std::function<void()>()>& keep);
+  bool must_repeat() const { return must_repeat_; }
+
+ private:
+  /// The last start of the solver.
+  struct Anchor {
+    double time_s = 0;
+    double scale_s = 0;
+    std::int64_t steps = 0;  ///< taken since
+    std::vector<double> states;
+    std::vector<double> inputs;
+
+    void visit(state::Visitor& v);
+  };
+  enum class EventKind { none, state, time, step, input };
+  static constexpr double kNoEvent = std::numeric_limits<double>::infinity();
+
+  std::size_t state_count() const override { return states_.size(); }
+  std::size_t root_count() const override { return indicators_.size(); }
+  Evaluation derivatives(double time_s, std::span<const double> states, std::span<double> derivatives) override;
+  Evaluation roots(double time_s, std::span<const double> states, std::span<double> values) override;
+  bool has_jacobian() const override { return has_jacobian_; }
+  Evaluation jacobian(double time_s, std::span<const double> states, const Columns& jacobian) override;
+  std::string failure() const override { return failure_; }
+
+  std::string subject() const override;
+
+  Evaluation place(double time_s, std::span<const double> states);
+  void place_exactly();
+  Evaluation check_finite(std::size_t member, std::span<const double> derivatives, double time_s);
+  bool has_crossed();
+  void begin_at_point();
+  void take_step();
+  EventKind complete_step();
+  EventKind event_after_step(bool requested);
+  void handle_event(EventKind kind);
+  void iterate_event();
+  bool update_members();
+  bool propagate_in_event();
+  void leave_event_mode();
+  void start_solver();
+  void restart_from_anchor();
+  void count_solver_work();
+  void count_event(EventKind kind);
+  std::size_t member_of_indicator(std::size_t indicator) const;
+  std::string causes() const;
+
+  Parts parts_;
+  SolverDescription description_;
+  Wiring wiring_;
+  std::vector<std::size_t> first_states_;      // by member
+  std::vector<std::size_t> first_indicators_;  // by member
+  bool has_jacobian_ = false;
+  SolverStatistics statistics_;
+
+  double time_s_ = 0;           // of the point or event that the members are at
+  std::vector<double> states_;  // at that time
+  double step_end_s_ = 0;       // of the solver's last step
+  bool step_is_open_ = false;   // the last step leads beyond time_s_ and is not completed
+  bool ended_at_root_ = false;  // the last step did
+  bool restart_is_due_ = false;
+  bool in_event_mode_ = true;
+  double next_event_s_ = kNoEvent;
+  std::vector<double> indicators_;
+  std::vector<std::uint8_t> above_;  // by indicator: whether it was above zero after the last event
+  std::vector<double> tolerances_;   // absolute
+  std::vector<double> recent_events_s_;
+  Anchor anchor_;
+
+  bool must_repeat_ = false;
+  std::int64_t steps_before_ = 0;  // when this advance() began
+  double scale_s_ = 1;             // length of this advance()
+  std::string failure_;
+  std::string terminated_by_;
+  std::vector<std::size_t> causes_;  // members that caused the last event
+  std::size_t next_event_member_ = 0;
+  Integrator::Counts counted_;  // of the integrator since its last start, in statistics_ already
+  std::unique_ptr<Integrator> integrator_;
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "solver/continuous_instance.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// A Real of one member of a continuous system.
+struct MemberVariable {
+  std::size_t member = 0;
+  ValueReference reference = 0;
+
+  auto operator<=>(const MemberVariable&) const = default;
+};
+
+/// A Real output of one member that drives a continuous Real input of another one: the input gets factor * value +
+/// offset, or the sum of this over its wires.
+struct Wire {
+  MemberVariable from;
+  MemberVariable to;
+  double factor = 1;
+  double offset = 0;
+  /// References of the inputs that the output depends on directly; absent if it may depend on all.
+  std::optional<std::vector<ValueReference>> dependencies = {};
+  std::string from_name = {};  ///< "instance.variable", for messages
+  std::string to_name = {};
+};
+
+/// The wires of one continuous system, in an order in which every output is read after the inputs that it depends on
+/// have been set. Outputs are read in stages: all outputs of one stage and member in one call. Wires that form a loop,
+/// and those behind a loop, are evaluated together until no value changes.
+class Wiring {
+ public:
+  /// `members` must outlive the wiring.
+  Wiring(std::vector<ContinuousInstance*> members, const std::vector<Wire>& wires);
+
+  /// Moves the values of all wires. Throws Error (algebraic_loop) with the path of a loop that does not settle.
+  Evaluation evaluate();
+  bool has_loop() const { return !loop_.reads.empty(); }
+  bool empty() const { return stages_.empty() && !has_loop(); }
+
+  /// Values of the inputs, in an order of their own.
+  std::span<const double> inputs() const { return inputs_; }
+  /// The values from which the iteration of a loop starts at each evaluation. Results then do not depend on the
+  /// evaluations before.
+  void set_loop_start(std::span<const double> inputs) { loop_start_.assign(inputs.begin(), inputs.end()); }
+
+  /// Computes the change of all derivatives that belongs to a change of one state of a member by 1. The derivatives of
+  /// a member begin at its place in `first_states`. Only without a loop, and if all members have directional
+  /// derivatives.
+  void propagate(std::size_t member, std::size_t state, std::span<const std::size_t> first_states,
+                 std::span<double> derivatives);
+
+ private:
+  /// Outputs of one member that are read together. Their values are adjacent.
+  struct Read {
+    std::size_t member = 0;
+    std::vector<ValueReference> references = {};
+    std::size_t first = 0;
+  };
+  /// Inputs of one member that are set together. Their values are adjacent.
+  struct Write {
+    std::size_t member = 0;
+    std::vector<ValueReference> references = {};
+    std::size_t first = 0;
+  };
+  struct Stage {
+    std::vector<Read> reads = {};
+    std::vector<Write> writes = {};
+  };
+  /// input += factor * output + offset
+  struct Term {
+    std::size_t output;
+    double factor;
+    double offset;
+  };
+  class Builder;
+
+  /// The changes of what a member computes with, in propagate().
+  struct Change {
+    std::vector<ValueReference> knowns = {};
+    std::vector<double> seed = {};
+  };
+
+  Evaluation read(const Stage& stage);
+  void collect(const Stage& stage);
+  Evaluation write(const Stage& stage);
+  Evaluation settle_loop();
+  void change_inputs(const Stage& stage, std::span<const double> output_changes, std::vector<Change>& changes) const;
+
+  std::vector<ContinuousInstance*> members_;
+  std::vector<Stage> stages_;
+  Stage loop_;
+  std::string loop_path_;
+  std::vector<double> outputs_;
+  std::vector<double> inputs_;
+  std::vector<std::vector<Term>> terms_;  // by input
+  std::vector<double> loop_start_;
+};
+
+}  // namespace mebots::master
