@@ -67,6 +67,20 @@ void print_flags(const CoSimulation& co_simulation) {
   print_field("co-simulation", fmt::format("{} ({})", co_simulation.model_identifier, fmt::join(yes, ", ")));
 }
 
+void print_flags(const ModelDescription& model, const ModelExchange& exchange) {
+  std::vector<std::string> facts = {fmt::format("{} states", model.derivatives.size()),
+                                    fmt::format("{} event indicators", model.number_of_event_indicators)};
+  const auto flag = [&](bool value, const char* name) {
+    if (value) facts.emplace_back(name);
+  };
+  flag(exchange.can_get_and_set_fmu_state, "saves state");
+  flag(exchange.can_serialize_fmu_state, "serialises state");
+  flag(exchange.provides_directional_derivative, "directional derivatives");
+  flag(exchange.can_be_instantiated_only_once_per_process, "one instance per process");
+  flag(exchange.needs_execution_tool, "needs its tool");
+  print_field("model exchange", fmt::format("{} ({})", exchange.model_identifier, fmt::join(facts, ", ")));
+}
+
 /// A table whose columns are as wide as their longest cell; the last one runs free.
 void print_table(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
@@ -121,7 +135,7 @@ void print_description(const ModelDescription& model) {
   print_field("made by", model.generation_tool);
   print_field("made at", model.generation_date_and_time);
   if (model.co_simulation) print_flags(*model.co_simulation);
-  if (model.model_exchange) print_field("model exchange", "yes (not used by mebots)");
+  if (model.model_exchange) print_flags(model, *model.model_exchange);
   const auto& experiment = model.default_experiment;
   if (experiment.start_time_s) print_field("start time", fmt::format("{} s", *experiment.start_time_s));
   if (experiment.step_size_s) print_field("step", fmt::format("{} s", *experiment.step_size_s));

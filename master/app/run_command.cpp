@@ -96,6 +96,7 @@ void show_end(const Run& run, Console& console) {
                                 master::to_seconds(*loss.at_ns)));
   }
   for (const auto& line : end_lines(run)) console.line(line);
+  for (const auto& line : solvers_table(run.solvers())) console.line(line);
   if (run.options().statistics) {
     for (const auto& line : statistics_table(run.statistics(), run.report().wall.simulating_s())) console.line(line);
   }

@@ -117,8 +117,50 @@ Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const Sl
     member.slave = std::move(slaves[i]);
     members_.push_back(std::move(member));
   }
-  for (const auto& connection : system.connections) connect(connection);
+  for (const auto& connection : system.connections) {
+    if (!connection.inner) connect(connection);
+  }
+  for (auto& member : members_) {
+    for_each_input_list(member, [&](const auto& list) { member.outer_sizes.push_back(list.size()); });
+  }
+  for (const auto& connection : system.connections) {
+    if (connection.inner) connect(connection);
+  }
   order_steps();
+}
+
+/// Calls action(list) for every list that connections fill on the side of their inputs.
+template <typename Action>
+void Ensemble::for_each_input_list(Member& member, Action action) {
+  const auto bank_lists = [&](auto& bank) {
+    action(bank.references);
+    action(bank.variables);
+    action(bank.values);
+  };
+  bank_lists(member.inputs.reals);
+  bank_lists(member.inputs.integers);
+  bank_lists(member.inputs.booleans);
+  bank_lists(member.inputs.strings);
+  action(member.real_copies);
+  action(member.integer_copies);
+  action(member.flag_copies);
+  action(member.boolean_copies);
+  action(member.string_copies);
+  action(member.conversions);
+  action(member.mappings);
+  action(member.item_checks);
+}
+
+/// After initialisation, continuous systems evaluate the connections between their members. These were added last.
+void Ensemble::drop_inner_connections() {
+  for (auto& member : members_) {
+    auto size = member.outer_sizes.begin();
+    for_each_input_list(member, [&](auto& list) {
+      list.erase(list.begin() + static_cast<std::ptrdiff_t>(*size), list.end());
+      ++size;
+    });
+    choose_input_path(member);
+  }
 }
 
 SignalId Ensemble::watch(const ResolvedVariable& variable) {
@@ -216,7 +258,7 @@ void Ensemble::link_derivatives(const ResolvedConnection& connection, SignalId f
   const auto orders = members_[connection.from.instance].slave->output_derivative_order();
   const bool continuous = connection.from.variable->variability == Variability::continuous &&
                           connection.to.variable->variability == Variability::continuous;
-  if (orders == 0 || !continuous || !target.slave->takes_input_derivatives()) return;
+  if (connection.inner || orders == 0 || !continuous || !target.slave->takes_input_derivatives()) return;
   auto& source = members_[connection.from.instance];
   target.derivatives.push_back(
       {.connection = &connection,
@@ -291,9 +333,7 @@ void Ensemble::lay_out() {
   for (auto& member : members_) {
     member.output_kinds = kinds_in(member.outputs);
     if (member.keeps_earlier) member.earlier_reals.resize(member.outputs.reals.values.size());
-    member.input_kinds = kinds_in(member.inputs);
-    member.takes_reals_as_they_are =
-        member.input_kinds == bit(ValueKind::real) && member.conversions.empty() && member.derivatives.empty();
+    choose_input_path(member);
     addresses(
         member.real_copies, [&](SignalId id) { return &real(id); }, member.inputs.reals.values);
     addresses(
@@ -310,6 +350,12 @@ void Ensemble::lay_out() {
       mapping.copy.to = &bank.values[mapping.copy.slot];
     }
   }
+}
+
+void Ensemble::choose_input_path(Member& member) {
+  member.input_kinds = kinds_in(member.inputs);
+  member.takes_reals_as_they_are =
+      member.input_kinds == bit(ValueKind::real) && member.conversions.empty() && member.derivatives.empty();
 }
 
 void Ensemble::initialize(std::int64_t stop_ns) {
@@ -332,6 +378,7 @@ void Ensemble::initialize_slaves(std::int64_t stop_ns) {
     stop_if_interrupted(*interrupted_);
     member.slave->exit_initialization();
   }
+  drop_inner_connections();
   for (std::size_t i = 0; i < members_.size(); ++i) read_outputs(i, start_ns);
 }
 

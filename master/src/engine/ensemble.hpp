@@ -190,11 +190,16 @@ class Ensemble {
     Derivatives output_derivatives;  // read with the outputs, so that the order of instances is nothing to them
     Derivatives input_derivatives;
     std::vector<ItemCheck> item_checks;
-    bool told_of_texts = false;  // a text that is not UTF-8 has had its notice
+    std::vector<std::size_t> outer_sizes;  // of the lists of inputs, without inner connections
+    bool told_of_texts = false;            // a text that is not UTF-8 has had its notice
   };
 
   void lay_out();
   void connect(const ResolvedConnection& connection);
+  template <typename Action>
+  static void for_each_input_list(Member& member, Action action);
+  void drop_inner_connections();
+  static void choose_input_path(Member& member);
   void initialize_slaves(std::int64_t stop_ns);
   void set_starts(std::size_t instance);
   void link_derivatives(const ResolvedConnection& connection, SignalId from, std::size_t to);

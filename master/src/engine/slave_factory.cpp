@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "engine/continuous_groups.hpp"
 #include "engine/ensemble.hpp"
 
 #include "slave/fmi/fmi2_slave.hpp"
@@ -25,13 +26,16 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
   if (options.statistics != nullptr) options.statistics->instances.resize(system.instances.size());
   if (options.losses != nullptr) options.losses->resize(system.instances.size());
   const auto grid = system.description->grid();
+  ContinuousGroups groups(system, messages, options);
   std::vector<std::unique_ptr<Slave>> slaves;
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = system.instances[i];
     const auto& name = instance.description->name;
     const auto& wish = instance.isolation;
     std::unique_ptr<Slave> slave;
-    if (wish.alone()) {
+    if (instance.kind == FmuKind::model_exchange) {
+      slave = groups.make_slave(i);
+    } else if (wish.alone()) {
       slave = std::make_unique<isolation::IsolatedSlave>(instance, messages, options.interrupted, grid);
     } else {
       slave = std::make_unique<Fmi2Slave>(name, instance.fmu, instance.log_categories, messages, grid);
@@ -52,6 +56,7 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
     }
     slaves.push_back(std::move(slave));
   }
+  groups.connect();
   return slaves;
 }
 

@@ -119,11 +119,13 @@ const Fmi2Functions& Fmu::functions() {
   return *functions_;
 }
 
-void Fmu::require_co_simulation() const {
-  if (description_.co_simulation) return;
-  throw InputError(
-      ErrorCode::fmu_unsupported,
-      fmt::format("{}: this FMU is for model exchange only; a co-simulation FMU is needed", archive_.string()));
+FmuKind Fmu::kind() const {
+  const auto usual = description_.co_simulation ? FmuKind::co_simulation : FmuKind::model_exchange;
+  const auto kind = wish_.value_or(usual);
+  if (implementation_of(description_, kind) != nullptr) return kind;
+  throw InputError(ErrorCode::fmu_unsupported,
+                   fmt::format("{}: this FMU does not offer <{}>. Leave out \"kind\", or set it to \"{}\"",
+                               archive_.string(), element_of(kind), word_of(usual)));
 }
 
 const LibraryImports& Fmu::imports() {
@@ -159,8 +161,7 @@ void Fmu::set_difference_elsewhere(std::string text) {
 }
 
 void Fmu::load() {
-  require_co_simulation();
-  const auto& identifier = description_.co_simulation->model_identifier;
+  const auto& identifier = implementation_of(description_, kind())->model_identifier;
   const auto file = library_file();
   if (!is_there(file)) {
     auto found = binaries(folder_);
@@ -193,7 +194,7 @@ void Fmu::load() {
     throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: the FMU's shared library cannot be loaded: {}. {}",
                                                               archive_.string(), why, way_out(why)));
   }
-  functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string()));
+  functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string(), kind()));
   check_version();
 }
 
@@ -212,8 +213,7 @@ void Fmu::check_version() const {
 }
 
 std::filesystem::path Fmu::library_file() const {
-  const auto identifier = description_.co_simulation ? description_.co_simulation->model_identifier : std::string();
-  return folder_ / "binaries" / "linux64" / (identifier + ".so");
+  return folder_ / "binaries" / "linux64" / (implementation_of(description_, kind())->model_identifier + ".so");
 }
 
 std::string Fmu::resource_uri() const {
@@ -230,11 +230,12 @@ std::string file_uri(const std::filesystem::path& path) {
   return uri;
 }
 
-Fmi2Functions load_functions(void* library, const std::string& archive) {
+Fmi2Functions load_functions(void* library, const std::string& archive, FmuKind kind) {
   const auto functions = fmi2::find_functions(library);
   std::vector<std::string> missing;
   fmi2::for_each_function([&](const char* name, auto member, fmi2::Need need) {
-    const bool is_needed = need == fmi2::Need::to_run || need == fmi2::Need::to_step;
+    const auto to_run_kind = kind == FmuKind::co_simulation ? fmi2::Need::to_step : fmi2::Need::to_integrate;
+    const bool is_needed = need == fmi2::Need::to_run || need == to_run_kind;
     if (is_needed && functions.*member == nullptr) missing.emplace_back(name);
   });
   if (!missing.empty()) {

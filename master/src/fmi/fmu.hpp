@@ -7,6 +7,7 @@
 #include "fmi/unpack_folder.hpp"
 #include "mebots/fmi2/library.hpp"
 #include "mebots/modeldesc/model_description.hpp"
+#include "model/fmu_kind.hpp"
 
 #include <atomic>
 #include <filesystem>
@@ -31,8 +32,9 @@ using Fmi2Functions = fmi2::Functions;
 /// shared library when first asked for. The library's code goes too, unless a thread may still run in it.
 class Fmu {
  public:
-  /// Throws InputError for anything that is not an FMU of version 2.0 for co-simulation.
-  explicit Fmu(std::filesystem::path archive);
+  /// `wish` is the kind of its instances; if absent, co-simulation if the FMU offers it. Throws InputError for anything
+  /// that is not an FMU.
+  explicit Fmu(std::filesystem::path archive, std::optional<FmuKind> wish = {});
   /// One that another process has unpacked into `folder`, and will remove.
   Fmu(std::filesystem::path archive, std::filesystem::path folder);
   ~Fmu();
@@ -48,8 +50,8 @@ class Fmu {
   /// The FMU's functions. Loads its shared library on the first call; throws InputError naming the
   /// missing library or function when that fails.
   const Fmi2Functions& functions();
-  /// Throws InputError if the FMU is for model exchange only.
-  void require_co_simulation() const;
+  /// The kind of its instances. Throws InputError if the FMU does not offer the wished one.
+  FmuKind kind() const;
   /// The shared library for this platform, whether it is there or not.
   std::filesystem::path library_file() const;
   bool is_loaded() const { return library_ != nullptr; }
@@ -104,6 +106,7 @@ class Fmu {
   std::size_t threads_left() const;
 
   std::filesystem::path archive_;
+  std::optional<FmuKind> wish_;
   std::unique_ptr<UnpackFolder> own_folder_;  // null when another process unpacked it
   std::filesystem::path folder_;
   std::vector<std::string> notices_;  // before the description, whose reading fills them
@@ -128,13 +131,14 @@ class Fmu {
 /// Opens each archive once, however many instances come from it, in however many runs one after the other.
 class FmuLibrary {
  public:
-  /// As it was when it was opened first, whatever became of the file since; anew after an fmi2Fatal.
-  std::shared_ptr<Fmu> open(const std::filesystem::path& archive);
+  /// As it was when it was opened first, whatever became of the file since; anew after an fmi2Fatal. The two kinds of
+  /// one archive may have different libraries, so they are two FMUs.
+  std::shared_ptr<Fmu> open(const std::filesystem::path& archive, std::optional<FmuKind> wish = {});
   /// Forgets the FMUs that were used and are not clean: open() unpacks and loads them again.
   void forget_changed();
 
  private:
-  std::map<std::filesystem::path, std::shared_ptr<Fmu>> fmus_;
+  std::map<std::pair<std::filesystem::path, std::optional<FmuKind>>, std::shared_ptr<Fmu>> fmus_;
 };
 
 /// A path as a `file:///` URI, everything unusual percent-encoded.
@@ -144,7 +148,7 @@ std::string file_uri(const std::filesystem::path& path);
 inline constexpr const char* kTypesPlatform = "default";
 
 /// Looks the functions up in a library from dlopen. Throws InputError listing those that are missing and without which
-/// no simulation runs (`mebots check` asks for all); `archive` names the FMU in it.
-Fmi2Functions load_functions(void* library, const std::string& archive);
+/// no simulation of this kind runs (`mebots check` asks for all); `archive` names the FMU in it.
+Fmi2Functions load_functions(void* library, const std::string& archive, FmuKind kind = FmuKind::co_simulation);
 
 }  // namespace mebots::master

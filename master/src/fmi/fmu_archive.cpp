@@ -5,17 +5,18 @@
 
 namespace mebots::master {
 
-Fmu::Fmu(std::filesystem::path archive)
+Fmu::Fmu(std::filesystem::path archive, std::optional<FmuKind> wish)
     : archive_(std::move(archive)),
+      wish_(wish),
       own_folder_(std::make_unique<UnpackFolder>()),
       folder_(own_folder_->path()),
       description_(unpack_fmu(archive_, folder_, notices_)) {
   std::filesystem::create_directories(folder_ / "resources");  // an FMU may count on it
 }
 
-std::shared_ptr<Fmu> FmuLibrary::open(const std::filesystem::path& archive) {
-  auto& fmu = fmus_[archive];
-  if (!fmu || fmu->corrupted()) fmu = std::make_shared<Fmu>(archive);
+std::shared_ptr<Fmu> FmuLibrary::open(const std::filesystem::path& archive, std::optional<FmuKind> wish) {
+  auto& fmu = fmus_[{archive, wish}];
+  if (!fmu || fmu->corrupted()) fmu = std::make_shared<Fmu>(archive, wish);
   return fmu;
 }
 

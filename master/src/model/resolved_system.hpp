@@ -53,6 +53,7 @@ struct ResolvedConnection {
   bool pointer = false;  ///< part of an OSMP binary: valid only in this process, for a while
   double factor = 1;
   double offset = 0;
+  bool inner = false;               ///< within a continuous system, which evaluates it; not moved at points
   bool sum = false;                 ///< one of several whose values the input gets added up
   std::vector<ValuePair> map = {};  ///< ordered by `from`; other values pass as they are
 
@@ -70,14 +71,23 @@ struct ResolvedInstance {
   const InstanceDescription* description = nullptr;
   std::shared_ptr<Fmu> fmu;                            ///< a handle for fmi/ and above; nothing of model/ uses it
   const modeldesc::ModelDescription* model = nullptr;  ///< the FMU's, kept by `fmu`
-  IsolationDescription isolation;                      ///< as described, or its own process if the FMU cannot share one
-  Interpreter interpreter;                             ///< of an FMU in its own process
+  FmuKind kind = FmuKind::co_simulation;
+  IsolationDescription isolation;  ///< as described, or its own process if the FMU cannot share one
+  Interpreter interpreter;         ///< of an FMU in its own process
   std::vector<StartValue> starts;
   std::vector<std::string> log_categories;
   std::optional<double> tolerance;  ///< for fmi2SetupExperiment: the config's, else the FMU's default
 
+  /// What the FMU declares for the kind of this instance.
+  const modeldesc::Implementation& implementation() const { return *implementation_of(*model, kind); }
   /// The arguments of fmi2SetupExperiment for a run over this time.
   Experiment experiment(std::int64_t start_ns, std::int64_t stop_ns) const;
+};
+
+/// Instances of model exchange that one solver integrates.
+struct ResolvedContinuousSystem {
+  std::vector<std::size_t> members;  ///< in the order of the config
+  const SolverDescription* solver = nullptr;
 };
 
 /// A free input whose source is a column of a file, as an override that acts from start to end.
@@ -88,8 +98,9 @@ struct InputSignal {
 
 struct ResolvedSystem {
   const SystemDescription* description = nullptr;
-  std::vector<ResolvedInstance> instances;         ///< in the order of the config
-  std::vector<ResolvedConnection> connections;     ///< ordered by target, so that their order in the config is nothing
+  std::vector<ResolvedInstance> instances;      ///< in the order of the config
+  std::vector<ResolvedConnection> connections;  ///< ordered by target, so that their order in the config is nothing
+  std::vector<ResolvedContinuousSystem> continuous_systems;  ///< every instance of model exchange is in one
   std::map<ResolvedVariable, InputSignal> inputs;  ///< by target, so that their order in the config does not matter
   std::vector<std::shared_ptr<const Signal>> scenario_signals;  ///< one per scenario entry; null for other actions
   std::vector<std::string> notices;                             ///< what the user should know, such as open inputs

@@ -4,6 +4,7 @@
 #include "base/time.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -57,6 +58,42 @@ std::vector<std::string> statistics_table(const Statistics& statistics, double t
   const auto master_s = master_time_s(statistics, total_s);
   lines.push_back(fmt::format("{:<{}} {:>11} {:>11} {:>10.4f} {:>6.1f}%", "master", width, "", "", master_s,
                               100 * share(master_s, total_s)));
+  return lines;
+}
+
+nlohmann::ordered_json solvers_json(const std::vector<SolverStatistics>& solvers) {
+  auto json = nlohmann::ordered_json::array();
+  for (const auto& solver : solvers) {
+    const auto& counts = solver.counts;
+    json.push_back({{"instances", solver.members},
+                    {"states", solver.states},
+                    {"event_indicators", solver.event_indicators},
+                    {"relative_tolerance", solver.relative_tolerance},
+                    {"steps", counts.steps},
+                    {"rejected_steps", counts.rejected_steps},
+                    {"evaluations", counts.evaluations},
+                    {"jacobians", counts.jacobians},
+                    {"restarts", counts.restarts},
+                    {"state_events", counts.state_events},
+                    {"time_events", counts.time_events},
+                    {"step_events", counts.step_events},
+                    {"input_events", counts.input_events}});
+  }
+  return json;
+}
+
+std::vector<std::string> solvers_table(const std::vector<SolverStatistics>& solvers) {
+  std::vector<std::string> lines;
+  for (const auto& solver : solvers) {
+    const auto& counts = solver.counts;
+    const auto events = counts.state_events + counts.time_events + counts.step_events + counts.input_events;
+    lines.push_back(
+        fmt::format("solver of {}: {} steps, {} rejected, {} evaluations, {} Jacobians, {} events, {} restarts; {} "
+                    "states, relative "
+                    "tolerance {}",
+                    fmt::join(solver.members, ", "), counts.steps, counts.rejected_steps, counts.evaluations,
+                    counts.jacobians, events, counts.restarts, solver.states, solver.relative_tolerance));
+  }
   return lines;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "model/solver_statistics.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
@@ -24,6 +26,12 @@ struct InstanceStatistics {
 struct Statistics {
   std::vector<InstanceStatistics> instances;  ///< in the order of the config
 };
+
+/// The statistics of all continuous systems as JSON: the same in every run of the same inputs.
+nlohmann::ordered_json solvers_json(const std::vector<SolverStatistics>& solvers);
+
+/// The same as lines of text.
+std::vector<std::string> solvers_table(const std::vector<SolverStatistics>& solvers);
 
 /// The table as JSON, times in seconds. `total_s` is the wall time of initialisation and stepping together;
 /// what no instance took of it is the master's.

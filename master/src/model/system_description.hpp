@@ -5,6 +5,8 @@
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/run_options.hpp"
+#include "model/fmu_kind.hpp"
+#include "model/solver_description.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -83,6 +85,8 @@ struct InstanceDescription {
   bool pass_tolerance = true;       ///< fmi2SetupExperiment gets a tolerance, if there is one
   std::optional<double> tolerance;  ///< if absent, the FMU's default applies
   IsolationDescription isolation;
+  std::optional<FmuKind> kind;              ///< as written; if absent, co-simulation if the FMU offers it
+  std::optional<SolverDescription> solver;  ///< of its continuous system; if absent, that of the whole system
   std::string place;
 };
 
@@ -308,6 +312,7 @@ struct SystemDescription {
   std::vector<InstanceDescription> instances;
   std::vector<ConnectionDescription> connections;
   AlgorithmDescription algorithm;
+  SolverDescription solver;                     ///< of continuous systems without one of their own
   std::vector<ConditionDescription> stop_when;  ///< any one of them ends the run
   std::vector<OutcomeDescription> outcomes;     ///< the first that holds is the outcome
   std::vector<InputsDescription> inputs;        ///< sources of free inputs

@@ -68,7 +68,7 @@ bool is_measured(const ResolvedConnection& connection) {
   const auto continuous = [](const ResolvedVariable& variable) {
     return variable.variable->type == Type::real && variable.variable->variability == Variability::continuous;
   };
-  return !connection.sum && continuous(connection.from) && continuous(connection.to);
+  return !connection.inner && !connection.sum && continuous(connection.from) && continuous(connection.to);
 }
 
 std::string product_text(const std::string& one, const std::string& other) {
@@ -168,6 +168,13 @@ void BondEnergy::Half::visit(state::Visitor& v) {
 BondEnergy::Half BondEnergy::half(const ResolvedSystem& system, Ensemble& ensemble, const VariableName& input) const {
   const auto variable = system.find(input, description_->place);
   const auto connection = std::ranges::find(system.connections, variable, &ResolvedConnection::to);
+  if (connection != system.connections.end() && connection->inner) {
+    throw InputError(
+        ErrorCode::invalid_value,
+        fmt::format("{}: the connection to '{}' lies within a continuous system, whose solver evaluates it "
+                    "at every step: the coupling makes no energy. Remove the bond",
+                    description_->place, input.text()));
+  }
   if (connection == system.connections.end() || !is_measured(*connection)) {
     throw InputError(ErrorCode::invalid_value,
                      fmt::format("{}: '{}' is not a continuous Real input with a connection; a bond's effort and flow "

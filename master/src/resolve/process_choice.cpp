@@ -94,7 +94,7 @@ void part_single_instances(ResolvedSystem& system) {
   std::map<const Fmu*, const ResolvedInstance*> users;
   for (auto& instance : system.instances) {
     if (instance.isolation.alone()) continue;
-    if (!instance.model->co_simulation->can_be_instantiated_only_once_per_process) continue;
+    if (!instance.implementation().can_be_instantiated_only_once_per_process) continue;
     const auto [user, first] = users.emplace(instance.fmu.get(), &instance);
     if (first) continue;
     const auto reason = fmt::format(

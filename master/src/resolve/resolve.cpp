@@ -104,7 +104,7 @@ void note_archives(ResolvedSystem& system) {
 
 /// Repeating a step in parts takes an FMU that can go back and take steps of any length.
 void check_division(const ResolvedInstance& instance) {
-  if (!instance.description->divide_discarded) return;
+  if (!instance.description->divide_discarded || instance.kind == FmuKind::model_exchange) return;
   const auto& flags = *instance.model->co_simulation;
   if (flags.can_get_and_set_fmu_state && flags.can_handle_variable_communication_step_size) return;
   throw InputError(
@@ -188,7 +188,7 @@ void with_place_of_fmu(const InstanceDescription& instance, const std::function<
 
 std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library) {
   std::shared_ptr<Fmu> fmu;
-  with_place_of_fmu(instance, [&] { fmu = library.open(instance.fmu_path); });
+  with_place_of_fmu(instance, [&] { fmu = library.open(instance.fmu_path, instance.kind); });
   return fmu;
 }
 
@@ -204,9 +204,9 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     resolved.description = &instance;
     resolved.fmu = open_fmu(instance, library);
     resolved.model = &resolved.fmu->description();
-    with_place_of_fmu(instance, [&] { resolved.fmu->require_co_simulation(); });
+    with_place_of_fmu(instance, [&] { resolved.kind = resolved.fmu->kind(); });
     resolved.isolation = instance.isolation;
-    if (resolved.model->co_simulation->needs_execution_tool) {
+    if (resolved.implementation().needs_execution_tool) {
       system.notices.push_back(fmt::format(
           "{}: its FMU is a wrapper for a tool that must be installed (needsExecutionTool)", instance.name));
     }
@@ -223,6 +223,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
   resolve_connections(system, interrupted);
   refuse_values_of_connected_inputs(system);
   resolve_signals(system);
+  resolve_continuous_systems(system);
   note_open_inputs(system);
   return system;
 }

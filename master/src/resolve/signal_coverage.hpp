@@ -51,7 +51,10 @@ void resolve_connections(ResolvedSystem& system, const std::atomic<bool>& interr
 /// and for inputs that have another source. Comes after the connections.
 void resolve_signals(ResolvedSystem& system);
 
-struct ResolvedSystem;
+/// Groups the instances of model exchange into `system.continuous_systems`, and marks the connections that lie within
+/// one. Throws InputError for settings that instances of model exchange, or members of one system, cannot have. Comes
+/// after the connections and signals.
+void resolve_continuous_systems(ResolvedSystem& system);
 
 /// Loads the FMUs that share this process. An instance whose FMU cannot share it gets its own process, and
 /// `system.notices` says why. Throws InputError if the config demands `"process": "shared"` of such an instance or if a

@@ -74,7 +74,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder) {
 void check_can_checkpoint(const ResolvedSystem& system) {
   std::vector<std::string> names;
   for (const auto& instance : system.instances) {
-    const auto& ability = *instance.model->co_simulation;
+    const auto& ability = instance.implementation();
     if (ability.can_get_and_set_fmu_state && ability.can_serialize_fmu_state) continue;
     names.push_back(fmt::format("'{}' ({})", instance.description->name, instance.model->model_name));
   }

@@ -350,6 +350,7 @@ void Run::initialise() {
   MEBOTS_ASSERT(scenario_.has_value() && !simulation_, "open() comes first, and once");
   SlaveOptions slaves;
   slaves.statistics = options_.statistics ? &statistics_ : nullptr;
+  slaves.solvers = &solvers_;
   slaves.losses = &losses_;
   slaves.overrides = &scenario_->schedule();
   slaves.interrupted = &interrupted_;
@@ -664,6 +665,7 @@ nlohmann::ordered_json Run::summary() const {
   }
   if (uncertainty_) json["uncertainty"] = *uncertainty_;
   if (coupling_) json["coupling"] = coupling_->json();
+  if (!solvers_.empty()) json["solvers"] = solvers_json(solvers_);
   if (options_.statistics) json["statistics"] = statistics_json(statistics_, report.wall.simulating_s());
   return json;
 }

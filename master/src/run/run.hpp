@@ -133,6 +133,8 @@ class Run {
   /// The content of summary.json, as far as it is known. From the start on.
   nlohmann::ordered_json summary() const;
   const Statistics& statistics() const { return statistics_; }
+  /// The work of the solvers of model exchange; empty without one.
+  const std::vector<SolverStatistics>& solvers() const { return solvers_; }
   /// The values that the config asks for under `summary`. From the start on.
   const SummaryValues& values() const { return *values_; }
   /// Instances that failed while the others went on.
@@ -217,6 +219,7 @@ class Run {
   ResolvedSystem resolved_;
   InputHash hash_;
   Statistics statistics_;
+  std::vector<SolverStatistics> solvers_;
   std::vector<InstanceLoss> losses_;
   std::optional<Scenario> scenario_;
   std::optional<ResultFiles> files_;

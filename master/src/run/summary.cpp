@@ -19,10 +19,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kOwnLabels[] = {
-    "outcome",    "end_reason", "end_text",         "error",          "simulated_time", "stop_time", "step",
-    "steps",      "rows",       "real_time_factor", "wall_clock",     "units",          "versions",  "inputs",
-    "notices",    "statistics", "scenario",         "lost_instances", "parameters",     "coupling",  "start_time",
-    "error_code", "uncertainty"};
+    "outcome",    "end_reason",  "end_text",         "error",          "simulated_time", "stop_time", "step",
+    "steps",      "rows",        "real_time_factor", "wall_clock",     "units",          "versions",  "inputs",
+    "notices",    "statistics",  "scenario",         "lost_instances", "parameters",     "coupling",  "start_time",
+    "error_code", "uncertainty", "solvers"};
 
 /// Values under nested labels, in the order in which they were put. A label is looked up in logarithmic time; an
 /// ordered JSON object would compare it with each of its members.

@@ -15,10 +15,11 @@ namespace mebots::master {
 
 /// What stands between an ensemble and its slaves. All that is pointed to must outlive the ensemble.
 struct SlaveOptions {
-  Statistics* statistics = nullptr;                ///< where calls are counted; null = nowhere
-  std::vector<InstanceLoss>* losses = nullptr;     ///< one per instance; null = every failure ends the run
-  const OverrideSchedule* overrides = nullptr;     ///< changes variables between slaves; null = no changes
-  const std::atomic<bool>* interrupted = nullptr;  ///< set by whoever wants the end; null = nobody does
+  Statistics* statistics = nullptr;                  ///< where calls are counted; null = nowhere
+  std::vector<SolverStatistics>* solvers = nullptr;  ///< of the continuous systems; null = nowhere
+  std::vector<InstanceLoss>* losses = nullptr;       ///< one per instance; null = every failure ends the run
+  const OverrideSchedule* overrides = nullptr;       ///< changes variables between slaves; null = no changes
+  const std::atomic<bool>* interrupted = nullptr;    ///< set by whoever wants the end; null = nobody does
 };
 
 }  // namespace mebots::master

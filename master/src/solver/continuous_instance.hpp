@@ -20,7 +20,6 @@ enum class Evaluation {
 struct DiscreteUpdate {
   bool needs_another = false;
   bool terminate = false;
-  bool nominals_changed = false;
   std::optional<double> next_event_s = {};
 };
 
@@ -49,8 +48,8 @@ class ContinuousInstance {
   virtual Evaluation get_indicators(std::span<double> indicators) = 0;
   virtual void get_nominals(std::span<double> nominals) = 0;
 
-  virtual Evaluation get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;
-  virtual Evaluation set_reals(std::span<const ValueReference> references, std::span<const double> values) = 0;
+  virtual Evaluation get_outputs(std::span<const ValueReference> references, std::span<double> values) = 0;
+  virtual Evaluation set_inputs(std::span<const ValueReference> references, std::span<const double> values) = 0;
 
   virtual void enter_event_mode() = 0;
   virtual DiscreteUpdate update_discrete_states() = 0;

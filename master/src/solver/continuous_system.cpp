@@ -166,12 +166,14 @@ std::size_t ContinuousSystem::member_of_indicator(std::size_t indicator) const {
 std::optional<std::string> ContinuousSystem::initialize(double time_s) {
   MEBOTS_ASSERT(in_event_mode_, "members enter event mode at the end of initialisation");
   time_s_ = time_s;
+  point_s_ = time_s;
   iterate_event();
   return terminated_by_.empty() ? std::nullopt : std::optional(terminated_by_);
 }
 
 Advanced ContinuousSystem::advance(double end_s) {
   MEBOTS_ASSERT(end_s > time_s_ && !must_repeat_);
+  point_s_ = time_s_;
   scale_s_ = end_s - time_s_;
   steps_before_ = statistics_.counts.steps;
   begin_at_point();
@@ -419,6 +421,7 @@ void ContinuousSystem::leave_event_mode() {
 void ContinuousSystem::visit(state::Visitor& v) {
   v("time_s", time_s_);
   v("states", states_);
+  v("point_s", point_s_);
   v("step_end_s", step_end_s_);
   v("step_is_open", step_is_open_);
   v("ended_at_root", ended_at_root_);
@@ -436,7 +439,7 @@ void ContinuousSystem::visit(state::Visitor& v) {
 
 bool ContinuousSystem::repeat_steps(const std::function<std::function<void()>()>& keep) {
   must_repeat_ = false;
-  if (restart_is_due_ || in_event_mode_) return true;
+  if (restart_is_due_ || in_event_mode_ || description_.restarts_at_points) return true;
   const auto put_back = keep();
   restart_from_anchor();
   for (std::int64_t step = 0; step < anchor_.steps; ++step) integrator_->advance();

@@ -69,6 +69,8 @@ class ContinuousSystem final : private Equations {
   /// no solution, or there are too many steps or events. Throws InterruptedError.
   Advanced advance(double end_s);
   double time_s() const { return time_s_; }
+  /// The communication point from which the present or last advance() started.
+  double point_s() const { return point_s_; }
 
   /// A continuous input from outside has changed: the solver starts anew at the present time.
   void input_changed() { restart_is_due_ = true; }
@@ -142,6 +144,7 @@ class ContinuousSystem final : private Equations {
 
   double time_s_ = 0;           // of the point or event that the members are at
   std::vector<double> states_;  // at that time
+  double point_s_ = 0;
   double step_end_s_ = 0;       // of the solver's last step
   bool step_is_open_ = false;   // the last step leads beyond time_s_ and is not completed
   bool ended_at_root_ = false;  // the last step did

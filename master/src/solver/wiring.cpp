@@ -155,7 +155,7 @@ Evaluation Wiring::evaluate() {
 Evaluation Wiring::read(const Stage& stage) {
   for (const auto& call : stage.reads) {
     const auto values = std::span(outputs_).subspan(call.first, call.references.size());
-    if (members_[call.member]->get_reals(call.references, values) != Evaluation::ok) return Evaluation::recoverable;
+    if (members_[call.member]->get_outputs(call.references, values) != Evaluation::ok) return Evaluation::recoverable;
   }
   return Evaluation::ok;
 }
@@ -178,7 +178,7 @@ void Wiring::collect(const Stage& stage) {
 Evaluation Wiring::write(const Stage& stage) {
   for (const auto& call : stage.writes) {
     const auto values = std::span(inputs_).subspan(call.first, call.references.size());
-    if (members_[call.member]->set_reals(call.references, values) != Evaluation::ok) return Evaluation::recoverable;
+    if (members_[call.member]->set_inputs(call.references, values) != Evaluation::ok) return Evaluation::recoverable;
   }
   return Evaluation::ok;
 }

@@ -413,7 +413,7 @@ TEST(ContinuousSystem, StartsAnewWhenAnInputChanges) {
   system.advance(1);
   const ValueReference input = 1;
   const double one = 1;
-  model.set_reals({&input, 1}, {&one, 1});
+  model.set_inputs({&input, 1}, {&one, 1});
   system.input_changed();
   system.advance(2);
   EXPECT_NEAR(model.value(0), 1 - std::exp(-1.0), 1e-7);

@@ -60,12 +60,12 @@ class PlainModel : public ContinuousInstance {
   }
   void get_nominals(std::span<double> nominals) override { std::ranges::fill(nominals, 1); }
 
-  Evaluation get_reals(std::span<const ValueReference> references, std::span<double> values) override {
+  Evaluation get_outputs(std::span<const ValueReference> references, std::span<double> values) override {
     if (laws_.outputs) laws_.outputs(t_, v_);
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = v_[references[i]];
     return Evaluation::ok;
   }
-  Evaluation set_reals(std::span<const ValueReference> references, std::span<const double> values) override {
+  Evaluation set_inputs(std::span<const ValueReference> references, std::span<const double> values) override {
     for (std::size_t i = 0; i < values.size(); ++i) v_[references[i]] = values[i];
     return Evaluation::ok;
   }
@@ -77,7 +77,7 @@ class PlainModel : public ContinuousInstance {
 
   double value(ValueReference reference) {
     double result = 0;
-    get_reals({&reference, 1}, {&result, 1});
+    get_outputs({&reference, 1}, {&result, 1});
     return result;
   }
   double time() const { return t_; }

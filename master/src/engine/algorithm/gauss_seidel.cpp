@@ -5,6 +5,7 @@
 #include "mebots/assert.hpp"
 
 #include <numeric>
+#include <set>
 
 namespace mebots::master {
 namespace {
@@ -22,25 +23,46 @@ std::vector<std::size_t> order_of(const SystemDescription& system) {
   return order;
 }
 
+/// Instances that step together: the members of a continuous system, at the place of the first of them, or one
+/// instance.
+using Turn = std::vector<std::size_t>;
+
+std::vector<Turn> turns_of(const ResolvedSystem& system) {
+  std::vector<const Turn*> systems(system.instances.size(), nullptr);
+  for (const auto& continuous : system.continuous_systems) {
+    for (const auto member : continuous.members) systems[member] = &continuous.members;
+  }
+  std::vector<Turn> turns;
+  std::set<const Turn*> taken;
+  for (const auto i : order_of(*system.description)) {
+    if (systems[i] == nullptr) {
+      turns.push_back({i});
+    } else if (taken.insert(systems[i]).second) {
+      turns.push_back(*systems[i]);
+    }
+  }
+  return turns;
+}
+
 class GaussSeidel final : public Algorithm {
  public:
-  explicit GaussSeidel(const AlgorithmContext& context)
-      : slaves_(&context.slaves), order_(order_of(*context.system.description)) {}
+  explicit GaussSeidel(const AlgorithmContext& context) : slaves_(&context.slaves), turns_(turns_of(context.system)) {}
 
   std::optional<End> step(std::int64_t k) override {
     auto& ensemble = slaves_->ensemble();
     const auto before = ensemble.outputs();
     try {
-      for (const auto i : order_) {
-        if (slaves_->begins_step(i, k)) {
-          slaves_->write_inputs(i, k);
+      for (const auto& turn : turns_) {
+        for (const auto i : turn) slaves_->write_inputs(i, k);
+        for (const auto i : turn) {
+          if (!slaves_->begins_step(i, k)) continue;
           const auto result = slaves_->finish(i, k, slaves_->step(i, k));
           if (auto end = slaves_->end_of(i, k, result)) {
             ensemble.bring_back(before);  // to the last point that all reached
             return end;
           }
         }
-        slaves_->read_outputs(i, k + 1);
+        for (const auto i : turn) slaves_->read_outputs(i, k + 1);
       }
     } catch (const InterruptedError&) {
       ensemble.bring_back(before);
@@ -51,7 +73,7 @@ class GaussSeidel final : public Algorithm {
 
  private:
   SlaveSteps* slaves_;
-  std::vector<std::size_t> order_;
+  std::vector<Turn> turns_;
 };
 
 }  // namespace

@@ -14,15 +14,19 @@
 namespace mebots::master {
 namespace {
 
-/// The reader of a buffer must be done before its owner steps on: they stay on one thread, in their order. So the
-/// instances fall into groups, each of which steps on one thread.
+/// The reader of a buffer must be done before its owner steps on: they stay on one thread, in their order. So do the
+/// members of a continuous system. So the instances fall into groups, each of which steps on one thread.
 std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, const Ensemble& ensemble) {
   std::vector<std::size_t> group(ensemble.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
+  const auto join = [&](std::size_t from, std::size_t to) {
+    std::replace(group.begin(), group.end(), std::size_t{group[from]}, std::size_t{group[to]});
+  };
   for (const auto& connection : system.connections) {
-    if (!connection.pointer) continue;
-    const auto from = group[connection.from.instance];
-    std::replace(group.begin(), group.end(), from, group[connection.to.instance]);
+    if (connection.pointer) join(connection.from.instance, connection.to.instance);
+  }
+  for (const auto& continuous : system.continuous_systems) {
+    for (const auto member : continuous.members) join(member, continuous.members.front());
   }
   std::map<std::size_t, std::vector<std::size_t>> members;
   for (const auto i : ensemble.step_order()) members[group[i]].push_back(i);

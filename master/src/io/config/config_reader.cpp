@@ -42,6 +42,7 @@ constexpr Section kSections[] = {
     {"stop_time", true, &config::read_stop_time},
     {"connections", true, &config::read_connections, true},
     {"algorithm", false, &config::read_algorithm, true},
+    {"solver", false, &config::read_solver},
     {"inputs", false, &config::read_inputs, true},
     {"scenario", false, &config::read_scenario, true},
     {"stop_when", false, &config::read_stop_when, true},

@@ -127,6 +127,15 @@ void read_tolerance(const Node& node, InstanceDescription& instance, const Surro
   }
 }
 
+void read_kind(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
+  instance.kind = data::word_of<FmuKind>(
+      {{"co_simulation", FmuKind::co_simulation}, {"model_exchange", FmuKind::model_exchange}})(node);
+}
+
+void read_own_solver(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
+  instance.solver = solver_description(node);
+}
+
 void read_instance_text(const Node& node, InstanceDescription& /*instance*/, const Surroundings& /*around*/) {
   static_cast<void>(node.text());  // for people only
 }
@@ -149,6 +158,8 @@ constexpr Key kKeys[] = {
     {"on_discard", false, &read_on_discard},
     {"pass_stop_time", false, &read_pass_stop_time},
     {"tolerance", false, &read_tolerance},
+    {"kind", false, &read_kind},
+    {"solver", false, &read_own_solver},
     {"text", false, &read_instance_text},
 };
 

@@ -23,6 +23,7 @@ void read_inputs(const data::Node& node, SystemDescription& system);
 /// The whole of a scenario file: `text` and `scenario`. Paths in it are relative to `folder`.
 void read_scenario_file(const data::Node& root, SystemDescription& system, const std::filesystem::path& folder);
 void read_algorithm(const data::Node& node, SystemDescription& system);
+void read_solver(const data::Node& node, SystemDescription& system);
 void read_stop_when(const data::Node& node, SystemDescription& system);
 void read_outcomes(const data::Node& node, SystemDescription& system);
 void read_summary(const data::Node& node, SystemDescription& system);
@@ -70,6 +71,9 @@ std::int64_t time_ns(const Node& node);
 std::int64_t duration_ns(const Node& node);
 /// A time greater than 0 that is a multiple of the system's step: how many steps. 1 if the step is not known.
 std::int64_t steps_in(const Node& node, const SystemDescription& system);
+
+/// The settings of the solver of continuous systems.
+SolverDescription solver_description(const Node& node);
 
 /// The variable and the one comparison of a condition.
 ConditionDescription read_condition(Object& object, const SystemDescription& system);

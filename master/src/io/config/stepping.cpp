@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections `text`, `step`, `start_time` and `stop_time`.
-// The section `algorithm`.
+// The sections `algorithm` and `solver`.
 // The section `threads`: "auto" or a number.
 // The section `coupling`.
 #include "mebots/input_error.hpp"
@@ -82,6 +82,28 @@ void read_algorithm(const Node& node, SystemDescription& system) {
   } catch (const InputError& error) {
     node.complain(error.code(), error.what());
   }
+}
+
+SolverDescription solver_description(const Node& node) {
+  constexpr std::int64_t kMostSteps = 1'000'000'000;
+  const auto positive = [](const Node& number) { return number.number(data::Limits::positive()); };
+  Object object(node);
+  SolverDescription solver;
+  solver.place = node.place();
+  object.comment("text");
+  object.read_if("method", solver.method,
+                 data::word_of<SolverMethod>({{"bdf", SolverMethod::bdf}, {"adams", SolverMethod::adams}}));
+  object.read_if("relative_tolerance", solver.relative_tolerance, positive);
+  object.read_if("absolute_tolerance", solver.absolute_tolerance, positive);
+  object.read_if("max_step", solver.max_step_s, positive);
+  object.read_if("max_steps", solver.max_steps, [&](const Node& number) { return number.whole_number(1, kMostSteps); });
+  object.read_if("restart_at_points", solver.restarts_at_points, &Node::flag);
+  object.finish();
+  return solver;
+}
+
+void read_solver(const Node& node, SystemDescription& system) {
+  system.solver = solver_description(node);
 }
 
 void read_threads(const Node& node, SystemDescription& system) {

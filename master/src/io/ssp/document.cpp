@@ -3,6 +3,7 @@
 
 #include "files.hpp"
 #include "mebots/input_error.hpp"
+#include "model/fmu_kind.hpp"
 #include "values.hpp"
 
 #include <fmt/format.h>
@@ -104,6 +105,15 @@ class SystemReader {
     return connector;
   }
 
+  std::string fmu_kind(pugi::xml_node node, std::string_view implementation) const {
+    for (const auto kind : {FmuKind::co_simulation, FmuKind::model_exchange}) {
+      if (implementation == element_of(kind)) return std::string(word_of(kind));
+    }
+    if (implementation == "any") return {};
+    file_.fail(node, fmt::format("the implementation {} is not supported; CoSimulation, ModelExchange and any are",
+                                 implementation));
+  }
+
   Element read_component(pugi::xml_node node) const {
     const std::string type = node.attribute("type").as_string(std::string(kFmu).c_str());
     const auto* const name = node.attribute("name").value();
@@ -116,10 +126,8 @@ class SystemReader {
                                    kDefinition));
     }
     const auto implementation = std::string_view(node.attribute("implementation").as_string("any"));
-    if (implementation != "any" && implementation != "CoSimulation") {
-      file_.fail(node, fmt::format("\"{}\" asks for {}; mebots supports co-simulation only", name, implementation));
-    }
     auto component = read_common(node, Element::Kind::component);
+    component.fmu_kind = fmu_kind(node, implementation);
     const auto* const uri = node.attribute("source").value();
     component.fmu = resolve_uri(source_, file_, node, uri);
     const auto named = parse_file_uri(uri);

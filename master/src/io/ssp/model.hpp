@@ -106,6 +106,7 @@ struct Element {
   // component
   std::filesystem::path fmu;
   bool in_own_process = false;  ///< it was meant to run behind a proxy
+  std::string fmu_kind;         ///< as a config spells it; empty = any
   // system
   std::vector<Element> elements;
   std::vector<Connection> connections;

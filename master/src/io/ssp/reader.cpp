@@ -96,6 +96,7 @@ class ConfigMaker {
       result_.places["/instances" + data::pointer_step(path)] = component->place;
       instance["fmu"] = files_.place(component->fmu).string();
       if (component->in_own_process) instance["process"] = "own";
+      if (!component->fmu_kind.empty()) instance["kind"] = component->fmu_kind;
       if (!component->description.empty()) instance["text"] = component->description;
     }
   }

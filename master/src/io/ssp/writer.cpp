@@ -118,7 +118,7 @@ class SspWriter {
       component.append_attribute("name") = name.c_str();
       component.append_attribute("type") = "application/x-fmu-sharedlibrary";
       component.append_attribute("source") = ("resources/" + as_uri(files.at(instance.description->fmu_path))).c_str();
-      component.append_attribute("implementation") = "CoSimulation";
+      component.append_attribute("implementation") = std::string(element_of(instance.kind)).c_str();
       const auto& keys = config_.at("instances").at(name);
       if (keys.contains("text")) {
         component.append_attribute("description") = keys.at("text").get<std::string>().c_str();

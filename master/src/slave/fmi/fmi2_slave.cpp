@@ -30,18 +30,21 @@ std::string_view status_name(int status) {
 
 }  // namespace
 
-Fmi2Slave::Fmi2Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
+Fmi2Slave::Fmi2Slave(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
                      MessageSink& messages, const TimeGrid& grid)
     : functions_(&fmu->functions()),
       calls_(std::move(name), std::move(fmu), std::move(log_categories), messages, grid, status_name),
-      states_(calls_, *functions_, kFmi2StateNames, description().co_simulation->can_get_and_set_fmu_state,
-              description().co_simulation->can_serialize_fmu_state) {
-  callbacks_ = calls_.target().functions(description().co_simulation->can_run_asynchronuously);
+      states_(calls_, *functions_, kFmi2StateNames,
+              implementation_of(calls_.description(), kind)->can_get_and_set_fmu_state,
+              implementation_of(calls_.description(), kind)->can_serialize_fmu_state) {
+  const bool is_stepped = kind == FmuKind::co_simulation;
+  callbacks_ = calls_.target().functions(is_stepped && description().co_simulation->can_run_asynchronuously);
   calls_.on_step_finished([this](int status) { step_finished(status); });
   // Logging is on from the start: many FMUs say nothing about a failing instantiation otherwise.
   calls_.instantiate("fmi2Instantiate", [&] {
-    return functions_->instantiate(this->name().c_str(), fmi2CoSimulation, description().guid.c_str(),
-                                   calls_.fmu().resource_uri().c_str(), &callbacks_, fmi2False, fmi2True);
+    return functions_->instantiate(this->name().c_str(), is_stepped ? fmi2CoSimulation : fmi2ModelExchange,
+                                   description().guid.c_str(), calls_.fmu().resource_uri().c_str(), &callbacks_,
+                                   fmi2False, fmi2True);
   });
   const auto categories = calls_.chosen_categories();
   if (functions_->set_debug_logging == nullptr || categories.empty()) return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "model/fmu_kind.hpp"
 #include "slave/fmi/fmu_states.hpp"
 #include "slave/fmi/instance_calls.hpp"
 #include "slave/slave.hpp"
@@ -10,16 +11,18 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mebots::master {
 
-/// A co-simulation instance of FMI 2.0 inside this process.
-class Fmi2Slave final : public Slave {
+/// An instance of FMI 2.0 inside this process, of co-simulation unless it is the base of Fmi2ModelExchange.
+class Fmi2Slave : public Slave {
  public:
   /// Instantiates. The arguments are those of InstanceCalls.
   Fmi2Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories, MessageSink& messages,
-            const TimeGrid& grid = {});
+            const TimeGrid& grid = {})
+      : Fmi2Slave(FmuKind::co_simulation, std::move(name), std::move(fmu), std::move(log_categories), messages, grid) {}
   ~Fmi2Slave() override;
   Fmi2Slave(const Fmi2Slave&) = delete;
   Fmi2Slave& operator=(const Fmi2Slave&) = delete;
@@ -57,6 +60,14 @@ class Fmi2Slave final : public Slave {
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override {
     return states_.deserialize(bytes);
   }
+
+ protected:
+  Fmi2Slave(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
+            MessageSink& messages, const TimeGrid& grid);
+
+  const Fmi2Functions& functions() const { return *functions_; }
+  InstanceCalls& calls() { return calls_; }
+  FmuStates<Fmi2Functions>& states() { return states_; }
 
  private:
   StepResult step_ended(int status);

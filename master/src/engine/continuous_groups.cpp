@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/continuous_groups.hpp"
+
+#include "slave/fmi/fmi2_model_exchange.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace mebots::master {
+namespace {
+
+using modeldesc::Causality;
+using modeldesc::Variability;
+
+/// What a solver takes if neither the config nor a member's FMU has a tolerance.
+constexpr double kUsualTolerance = 1e-6;
+
+/// The smallest tolerance of the members, as passed to their FMUs.
+double tolerance_of(const ResolvedSystem& system, const std::vector<std::size_t>& members) {
+  std::optional<double> smallest;
+  for (const auto member : members) {
+    const auto& tolerance = system.instances[member].tolerance;
+    if (tolerance) smallest = std::min(*tolerance, smallest.value_or(*tolerance));
+  }
+  return smallest.value_or(kUsualTolerance);
+}
+
+/// References of the inputs that an output depends on directly, by ModelStructure; nothing if it may be all.
+std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::ModelDescription& model,
+                                                           const modeldesc::Variable& output) {
+  const auto index = static_cast<std::size_t>(&output - model.variables.data());
+  const auto found = std::ranges::find(model.outputs, index, &modeldesc::Unknown::variable);
+  if (found == model.outputs.end() || !found->dependencies) return std::nullopt;
+  std::vector<ValueReference> references;
+  for (const auto dependency : *found->dependencies) {
+    const auto& variable = model.variables[dependency];
+    if (variable.causality == Causality::input) references.push_back(variable.value_reference);
+  }
+  return references;
+}
+
+}  // namespace
+
+ContinuousGroups::ContinuousGroups(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
+    : system_(system),
+      messages_(messages),
+      places_(system.instances.size()),
+      wires_(system.continuous_systems.size()),
+      links_(system.continuous_systems.size()) {
+  if (options.solvers != nullptr) options.solvers->resize(system.continuous_systems.size());
+  for (std::size_t s = 0; s < system.continuous_systems.size(); ++s) {
+    const auto& continuous = system.continuous_systems[s];
+    for (std::size_t m = 0; m < continuous.members.size(); ++m) places_[continuous.members[m]] = {s, m};
+    ContinuousGroup::Setup setup;
+    setup.solver = *continuous.solver;
+    setup.relative_tolerance = tolerance_of(system, continuous.members);
+    setup.grid = system.description->grid();
+    setup.messages = &messages;
+    if (options.interrupted != nullptr) setup.interrupted = options.interrupted;
+    if (options.solvers != nullptr) setup.statistics = &(*options.solvers)[s];
+    groups_.push_back(std::make_shared<ContinuousGroup>(std::move(setup)));
+  }
+}
+
+std::unique_ptr<Slave> ContinuousGroups::make_slave(std::size_t instance) {
+  const auto& resolved = system_.instances[instance];
+  auto slave = std::make_unique<Fmi2ModelExchange>(resolved.description->name, resolved.fmu, resolved.log_categories,
+                                                   messages_, system_.description->grid());
+  auto& continuous = *slave;
+  return std::make_unique<ContinuousSlave>(std::move(slave), continuous, groups_[places_[instance].system]);
+}
+
+void ContinuousGroups::connect() {
+  for (const auto& connection : system_.connections) {
+    if (connection.inner) connect(connection);
+  }
+  for (std::size_t s = 0; s < groups_.size(); ++s) groups_[s]->connect(std::move(wires_[s]), std::move(links_[s]));
+}
+
+/// Continuous Reals are evaluated inside the right-hand side; all others change in events only.
+bool ContinuousGroups::is_wire(const ResolvedConnection& connection) const {
+  return kind_of(connection.from.variable->type) == ValueKind::real &&
+         kind_of(connection.to.variable->type) == ValueKind::real &&
+         connection.to.variable->variability == Variability::continuous;
+}
+
+void ContinuousGroups::connect(const ResolvedConnection& connection) {
+  const auto from = places_[connection.from.instance];
+  const auto to = places_[connection.to.instance];
+  if (is_wire(connection)) {
+    wires_[from.system].push_back(
+        {.from = {from.member, connection.from.variable->value_reference},
+         .to = {to.member, connection.to.variable->value_reference},
+         .factor = connection.factor,
+         .offset = connection.offset,
+         .dependencies = dependencies_of(*system_.instances[connection.from.instance].model, *connection.from.variable),
+         .from_name = system_.text(connection.from),
+         .to_name = system_.text(connection.to)});
+    return;
+  }
+  DiscreteLink link{.from = from.member,
+                    .to = to.member,
+                    .from_kind = kind_of(connection.from.variable->type),
+                    .to_kind = kind_of(connection.to.variable->type),
+                    .from_reference = connection.from.variable->value_reference,
+                    .to_reference = connection.to.variable->value_reference,
+                    .factor = connection.factor,
+                    .offset = connection.offset};
+  for (const auto& pair : connection.map) link.map.emplace_back(pair.from, pair.to);
+  links_[from.system].push_back(std::move(link));
+}
+
+}  // namespace mebots::master

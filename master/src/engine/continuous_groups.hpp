@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "message/message_hub.hpp"
+#include "model/resolved_system.hpp"
+#include "slave/continuous/continuous_group.hpp"
+#include "slave/slave_options.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace mebots::master {
+
+/// Makes the slaves of model exchange, and the groups that advance them, from a resolved system.
+class ContinuousGroups {
+ public:
+  /// All three must outlive the slaves.
+  ContinuousGroups(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options);
+
+  /// Instantiates an instance of model exchange. In the order of the config.
+  std::unique_ptr<Slave> make_slave(std::size_t instance);
+  /// Connects the members of each group. After the last make_slave().
+  void connect();
+
+ private:
+  /// The place of an instance: its system, and its place among the members.
+  struct Place {
+    std::size_t system = 0;
+    std::size_t member = 0;
+  };
+
+  void connect(const ResolvedConnection& connection);
+  bool is_wire(const ResolvedConnection& connection) const;
+
+  const ResolvedSystem& system_;
+  MessageSink& messages_;
+  std::vector<Place> places_;  // by instance
+  std::vector<std::shared_ptr<ContinuousGroup>> groups_;
+  std::vector<std::vector<Wire>> wires_;          // by system
+  std::vector<std::vector<DiscreteLink>> links_;  // by system
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/modeldesc/model_description.hpp"
+
+#include <cstdint>
+#include <string_view>
+
+namespace mebots::master {
+
+/// The interface of an FMU that an instance uses.
+enum class FmuKind : std::uint8_t {
+  co_simulation,   ///< the FMU brings its solver
+  model_exchange,  ///< a solver of the master integrates it
+};
+
+/// As the config and the element of modelDescription.xml spell it.
+constexpr std::string_view word_of(FmuKind kind) {
+  return kind == FmuKind::co_simulation ? "co_simulation" : "model_exchange";
+}
+constexpr std::string_view element_of(FmuKind kind) {
+  return kind == FmuKind::co_simulation ? "CoSimulation" : "ModelExchange";
+}
+
+/// Returns what the FMU declares for a kind, or null if it does not offer it.
+inline const modeldesc::Implementation* implementation_of(const modeldesc::ModelDescription& model, FmuKind kind) {
+  if (kind == FmuKind::co_simulation) return model.co_simulation ? &*model.co_simulation : nullptr;
+  return model.model_exchange ? &*model.model_exchange : nullptr;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/time_grid.hpp"
+#include "message/message_hub.hpp"
+#include "slave/continuous/continuous_slave.hpp"
+#include "solver/continuous_system.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mebots::master {
+
+/// A connection within a continuous system that carries values in event mode only. Numbers become factor * value +
+/// offset; whole numbers and Booleans are mapped first.
+struct DiscreteLink {
+  std::size_t from = 0;  ///< member
+  std::size_t to = 0;
+  ValueKind from_kind = ValueKind::real;
+  ValueKind to_kind = ValueKind::real;
+  ValueReference from_reference = 0;
+  ValueReference to_reference = 0;
+  double factor = 1;
+  double offset = 0;
+  std::vector<std::pair<WholeNumber, WholeNumber>> map = {};  ///< ascending
+};
+
+/// The slaves of one continuous system: advances it when the first of them steps, and gives the others the same result.
+class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
+ public:
+  struct Setup {
+    SolverDescription solver;
+    double relative_tolerance = 1e-6;  ///< unless the solver has one
+    TimeGrid grid;
+    MessageSink* messages = nullptr;
+    const std::atomic<bool>* interrupted = &kNeverInterrupted;
+    SolverStatistics* statistics = nullptr;  ///< null: nowhere
+  };
+
+  /// All that is pointed to must outlive the group.
+  explicit ContinuousGroup(Setup setup) : setup_(std::move(setup)) {}
+
+  /// Adds a slave, which must outlive the group's last call. Returns its place among the members.
+  std::size_t add(ContinuousSlave& slave);
+  /// Before the first member leaves initialisation mode.
+  void connect(std::vector<Wire> wires, std::vector<DiscreteLink> links);
+
+  void setup_experiment(const Experiment& experiment);
+  /// After the last member has left initialisation mode, iterates the events of the start.
+  void exit_initialization();
+  bool is_integrating() const { return system_ != nullptr; }
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
+
+  /// A member's inputs change at the present communication point.
+  void enter_event_mode() { system_->enter_event_mode(); }
+  void input_changed() { system_->input_changed(); }
+
+  /// The state of the solver, which the first member keeps.
+  std::vector<std::byte> save() const;
+  void restore(std::span<const std::byte> bytes);
+
+ private:
+  bool transfer() override;
+  Evaluation set_at(double time_s) override;
+  bool transfer(const DiscreteLink& link);
+  void advance(std::int64_t start_ns, std::int64_t duration_ns);
+  void repeat_steps();
+  std::function<void()> keep_members();
+  void report() const;
+
+  Setup setup_;
+  std::vector<ContinuousSlave*> members_;
+  std::vector<Wire> wires_;
+  std::vector<DiscreteLink> links_;
+  Experiment experiment_;
+  std::size_t initialised_ = 0;
+  std::optional<std::string> terminated_by_;
+  std::unique_ptr<ContinuousSystem> system_;
+  StepResult result_;         // of the step that members are given
+  std::size_t given_to_ = 0;  // members; 0: the next call advances the system
+};
+
+}  // namespace mebots::master

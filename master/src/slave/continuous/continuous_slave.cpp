@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/continuous/continuous_slave.hpp"
+
+#include "mebots/state/bytes.hpp"
+#include "mebots/state/save.hpp"
+#include "slave/continuous/continuous_group.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace mebots::master {
+namespace {
+
+using modeldesc::Causality;
+using modeldesc::Variability;
+
+/// The FMU's state, the values of its inputs, and the solver's state in the one of the first member.
+class ContinuousState final : public SlaveState {
+ public:
+  std::unique_ptr<SlaveState> inner;
+  std::vector<std::byte> own;
+  std::vector<std::byte> group;
+};
+
+}  // namespace
+
+void ContinuousSlave::Course::visit(state::Visitor& v) {
+  v("reference", reference);
+  v("value", value);
+  v("derivatives", derivatives);
+}
+
+ContinuousSlave::ContinuousSlave(std::unique_ptr<Slave> inner, ContinuousInstance& instance,
+                                 std::shared_ptr<ContinuousGroup> group)
+    : ForwardingSlave(std::move(inner)), instance_(&instance), group_(std::move(group)), member_(group_->add(*this)) {
+  for (const auto& variable : description().variables) {
+    const bool is_continuous = variable.causality == Causality::input && kind_of(variable.type) == ValueKind::real &&
+                               variable.variability == Variability::continuous;
+    if (is_continuous) continuous_inputs_.insert(variable.value_reference);
+  }
+}
+
+void ContinuousSlave::setup_experiment(const Experiment& experiment) {
+  inner().setup_experiment(experiment);
+  group_->setup_experiment(experiment);
+}
+
+void ContinuousSlave::exit_initialization() {
+  inner().exit_initialization();
+  group_->exit_initialization();
+}
+
+StepResult ContinuousSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
+  return group_->step(start_ns, duration_ns);
+}
+
+void ContinuousSlave::drop_course(ValueReference reference) {
+  std::erase_if(courses_, [&](const Course& course) { return course.reference == reference; });
+}
+
+void ContinuousSlave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {
+  std::vector<ValueReference> changed;
+  std::vector<double> changed_values;
+  bool continuous = false;
+  bool discrete = false;
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    const bool had_course = std::ranges::find(courses_, references[i], &Course::reference) != courses_.end();
+    if (had_course) drop_course(references[i]);
+    if (!reals_.update(references[i], values[i]) && !had_course) continue;
+    changed.push_back(references[i]);
+    changed_values.push_back(values[i]);
+    (continuous_inputs_.contains(references[i]) ? continuous : discrete) = true;
+  }
+  if (changed.empty()) return;
+  if (group_->is_integrating()) {
+    if (discrete) group_->enter_event_mode();
+    if (continuous) group_->input_changed();
+  }
+  inner().set_reals(changed, changed_values);
+}
+
+template <typename T>
+void ContinuousSlave::set_discrete(KnownValues<T>& known, std::span<const ValueReference> references,
+                                   std::span<const T> values,
+                                   void (Slave::*set)(std::span<const ValueReference>, std::span<const T>)) {
+  std::vector<ValueReference> changed;
+  std::vector<T> changed_values;
+  for (std::size_t i = 0; i < references.size(); ++i) {
+    if (!known.update(references[i], values[i])) continue;
+    changed.push_back(references[i]);
+    changed_values.push_back(values[i]);
+  }
+  if (changed.empty()) return;
+  if (group_->is_integrating()) group_->enter_event_mode();
+  (inner().*set)(changed, changed_values);
+}
+
+void ContinuousSlave::set_integers(std::span<const ValueReference> references, std::span<const WholeNumber> values) {
+  set_discrete(integers_, references, values, &Slave::set_integers);
+}
+
+void ContinuousSlave::set_booleans(std::span<const ValueReference> references, std::span<const WholeNumber> values) {
+  set_discrete(booleans_, references, values, &Slave::set_booleans);
+}
+
+void ContinuousSlave::set_strings(std::span<const ValueReference> references, std::span<const std::string> values) {
+  set_discrete(strings_, references, values, &Slave::set_strings);
+}
+
+void ContinuousSlave::set_input_derivatives(std::span<const ValueReference> references,
+                                            std::span<const std::int32_t> orders, std::span<const double> values) {
+  // Derivatives of one input are adjacent, of orders 1 and up.
+  for (std::size_t i = 0; i < references.size();) {
+    Course course;
+    course.reference = references[i];
+    const auto* const value = reals_.find(references[i]);
+    if (value != nullptr) course.value = *value;
+    bool any = false;
+    for (; i < references.size() && references[i] == course.reference; ++i) {
+      course.derivatives.resize(static_cast<std::size_t>(orders[i]));
+      course.derivatives.back() = values[i];
+      any |= values[i] != 0;
+    }
+    if (!any || value == nullptr || !continuous_inputs_.contains(course.reference)) continue;
+    drop_course(course.reference);
+    courses_.push_back(std::move(course));
+    group_->input_changed();
+  }
+}
+
+Evaluation ContinuousSlave::set_courses(double since_s) {
+  std::vector<ValueReference> references;
+  std::vector<double> values;
+  for (const auto& course : courses_) {
+    double sum = 0;
+    for (auto order = course.derivatives.size(); order > 0; --order) {
+      sum = (sum + course.derivatives[order - 1]) * since_s / static_cast<double>(order);
+    }
+    references.push_back(course.reference);
+    values.push_back(course.value + sum);
+  }
+  return instance_->set_inputs(references, values);
+}
+
+bool ContinuousSlave::set_in_event(ValueReference reference, double value) {
+  if (!reals_.update(reference, value)) return false;
+  inner().set_reals({&reference, 1}, {&value, 1});
+  return true;
+}
+
+bool ContinuousSlave::set_in_event(ValueKind kind, ValueReference reference, WholeNumber value) {
+  const bool is_boolean = kind == ValueKind::boolean;
+  if (!(is_boolean ? booleans_ : integers_).update(reference, value)) return false;
+  if (is_boolean) {
+    inner().set_booleans({&reference, 1}, {&value, 1});
+  } else {
+    inner().set_integers({&reference, 1}, {&value, 1});
+  }
+  return true;
+}
+
+bool ContinuousSlave::set_in_event(ValueReference reference, const std::string& value) {
+  if (!strings_.update(reference, value)) return false;
+  inner().set_strings({&reference, 1}, {&value, 1});
+  return true;
+}
+
+void ContinuousSlave::visit(state::Visitor& v) {
+  v("reals", reals_);
+  v("integers", integers_);
+  v("booleans", booleans_);
+  v("strings", strings_);
+  v("courses", courses_);
+}
+
+std::unique_ptr<SlaveState> ContinuousSlave::save_state() {
+  auto state = std::make_unique<ContinuousState>();
+  state->inner = inner().save_state();
+  state->own = state::save(*this);
+  if (member_ == 0) state->group = group_->save();
+  return state;
+}
+
+void ContinuousSlave::restore_state(const SlaveState& state) {
+  const auto& saved = static_cast<const ContinuousState&>(state);
+  inner().restore_state(*saved.inner);
+  state::restore(*this, saved.own);
+  if (member_ == 0) group_->restore(saved.group);
+}
+
+std::vector<std::byte> ContinuousSlave::serialize(const SlaveState& state) {
+  const auto& saved = static_cast<const ContinuousState&>(state);
+  state::Writer writer;
+  writer.put(saved.own);
+  writer.put(saved.group);
+  writer.put(inner().serialize(*saved.inner));
+  return writer.take();
+}
+
+std::unique_ptr<SlaveState> ContinuousSlave::deserialize(std::span<const std::byte> bytes) {
+  state::Reader reader(bytes);
+  auto state = std::make_unique<ContinuousState>();
+  reader.get(state->own);
+  reader.get(state->group);
+  std::vector<std::byte> content;
+  reader.get(content);
+  state->inner = inner().deserialize(content);
+  return state;
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "slave/continuous/known_values.hpp"
+#include "slave/forwarding_slave.hpp"
+#include "solver/continuous_instance.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+class ContinuousGroup;
+
+/// An instance of model exchange as a slave: a step advances the whole continuous system that it belongs to. Inputs
+/// that do not change leave the solver alone.
+class ContinuousSlave final : public ForwardingSlave {
+ public:
+  /// `instance` is the other interface of `inner`.
+  ContinuousSlave(std::unique_ptr<Slave> inner, ContinuousInstance& instance, std::shared_ptr<ContinuousGroup> group);
+
+  void setup_experiment(const Experiment& experiment) override;
+  void exit_initialization() override;
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+
+  std::uint32_t output_derivative_order() const override { return 0; }
+  bool takes_input_derivatives() const override { return true; }
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override;
+
+  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
+  void set_integers(std::span<const ValueReference> references, std::span<const WholeNumber> values) override;
+  void set_booleans(std::span<const ValueReference> references, std::span<const WholeNumber> values) override;
+  void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
+
+  std::unique_ptr<SlaveState> save_state() override;
+  void restore_state(const SlaveState& state) override;
+  std::vector<std::byte> serialize(const SlaveState& state) override;
+  std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
+
+  ContinuousInstance& instance() { return *instance_; }
+  /// The instance without the group.
+  Slave& alone() { return inner(); }
+  /// Sets inputs whose value is a polynomial in the time since the last communication point.
+  Evaluation set_courses(double since_s);
+  bool has_courses() const { return !courses_.empty(); }
+
+  /// The values of a connection within the group, in event mode. Return true if the input changes.
+  bool set_in_event(ValueReference reference, double value);
+  bool set_in_event(ValueKind kind, ValueReference reference, WholeNumber value);
+  bool set_in_event(ValueReference reference, const std::string& value);
+
+  void visit(state::Visitor& v);
+
+ private:
+  /// A continuous input with time derivatives.
+  struct Course {
+    ValueReference reference = 0;
+    double value = 0;
+    std::vector<double> derivatives;  // of orders 1 and up
+
+    void visit(state::Visitor& v);
+  };
+
+  template <typename T>
+  void set_discrete(KnownValues<T>& known, std::span<const ValueReference> references, std::span<const T> values,
+                    void (Slave::*set)(std::span<const ValueReference>, std::span<const T>));
+  void drop_course(ValueReference reference);
+
+  ContinuousInstance* instance_;
+  std::shared_ptr<ContinuousGroup> group_;
+  std::size_t member_;
+  std::set<ValueReference> continuous_inputs_;
+  KnownValues<double> reals_;
+  KnownValues<WholeNumber> integers_;
+  KnownValues<WholeNumber> booleans_;
+  KnownValues<std::string> strings_;
+  std::vector<Course> courses_;
+};
+
+}  // namespace mebots::master

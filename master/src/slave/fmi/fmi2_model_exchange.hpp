@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "slave/fmi/fmi2_slave.hpp"
+#include "solver/continuous_instance.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// A model-exchange instance of FMI 2.0 inside this process. It takes no steps by itself.
+class Fmi2ModelExchange final : public Fmi2Slave, public ContinuousInstance {
+ public:
+  /// Instantiates. The arguments are those of InstanceCalls.
+  Fmi2ModelExchange(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
+                    MessageSink& messages, const TimeGrid& grid = {});
+
+  const std::string& name() const override { return Fmi2Slave::name(); }
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  std::uint32_t output_derivative_order() const override { return 0; }
+  bool takes_input_derivatives() const override { return false; }
+
+  std::size_t state_count() const override { return state_references_.size(); }
+  std::size_t indicator_count() const override { return description().number_of_event_indicators; }
+  std::string state_name(std::size_t state) const override { return state_names_[state]; }
+
+  void set_time(double time_s) override;
+  void get_states(std::span<double> states) override;
+  Evaluation set_states(std::span<const double> states) override;
+  Evaluation get_derivatives(std::span<double> derivatives) override;
+  Evaluation get_indicators(std::span<double> indicators) override;
+  void get_nominals(std::span<double> nominals) override;
+  Evaluation get_outputs(std::span<const ValueReference> references, std::span<double> values) override;
+  Evaluation set_inputs(std::span<const ValueReference> references, std::span<const double> values) override;
+
+  void enter_event_mode() override;
+  DiscreteUpdate update_discrete_states() override;
+  void enter_continuous_time_mode() override;
+  bool needs_completed_step() const override;
+  CompletedStep completed_step() override;
+
+  bool has_directional_derivatives() const override;
+  std::span<const ValueReference> state_references() const override { return state_references_; }
+  std::span<const ValueReference> derivative_references() const override { return derivative_references_; }
+  void directional_derivatives(std::span<const ValueReference> unknowns, std::span<const ValueReference> knowns,
+                               std::span<const double> seed, std::span<double> change) override;
+
+ private:
+  Evaluation evaluated(int status, const char* function);
+
+  std::vector<std::string> state_names_;
+  std::vector<ValueReference> state_references_;
+  std::vector<ValueReference> derivative_references_;
+};
+
+}  // namespace mebots::master
