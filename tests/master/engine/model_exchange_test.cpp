@@ -32,7 +32,7 @@ std::string mass(const std::string& name, const std::string& parameters, const s
   return fmt::format(R"("{}": {{"fmu": "{}", "parameters": {{{}}}{}}})", name, MASS_FMU, parameters, more);
 }
 
-std::string refused(const std::string& config) {
+std::string exchange_refused(const std::string& config) {
   return test::input_error([&] { TestRun run(config); });
 }
 
@@ -142,22 +142,23 @@ TEST(ModelExchange, NamesInstanceAndStateOfADerivativeThatIsNoNumber) {
 
 TEST(ModelExchange, RefusesDifferentStepsInOneSystem) {
   const auto instances = mass("a", "") + ", " + mass("b", "", R"(, "step": 0.2)");
-  EXPECT_THAT(refused(system_of(instances, kPairConnections)),
+  EXPECT_THAT(exchange_refused(system_of(instances, kPairConnections)),
               AllOf(HasSubstr("/instances/b/step"), HasSubstr("0.1 s and 0.2 s")));
   EXPECT_EQ(TestRun(system_of(instances)).to_end().column("a.x").size(), 21U);  // two systems
 }
 
 TEST(ModelExchange, RefusesWhatNoMemberCanHave) {
-  EXPECT_THAT(refused(system_of(mass("a", "", R"(, "process": "own")"))), HasSubstr("/instances/a/process"));
-  EXPECT_THAT(refused(system_of(mass("a", "", R"(, "on_discard": "divide")"))), HasSubstr("/instances/a/on_discard"));
-  EXPECT_THAT(
-      refused(system_of(mass("a", "") + ", " + mass("b", "", R"(, "on_failure": "continue")"), kPairConnections)),
-      HasSubstr("/instances/b/on_failure"));
-  EXPECT_THAT(refused(system_of(mass("a", "", R"(, "solver": {"method": "adams"})") + ", " +
-                                    mass("b", "", R"(, "solver": {"method": "bdf"})"),
-                                kPairConnections)),
+  EXPECT_THAT(exchange_refused(system_of(mass("a", "", R"(, "process": "own")"))), HasSubstr("/instances/a/process"));
+  EXPECT_THAT(exchange_refused(system_of(mass("a", "", R"(, "on_discard": "divide")"))),
+              HasSubstr("/instances/a/on_discard"));
+  EXPECT_THAT(exchange_refused(
+                  system_of(mass("a", "") + ", " + mass("b", "", R"(, "on_failure": "continue")"), kPairConnections)),
+              HasSubstr("/instances/b/on_failure"));
+  EXPECT_THAT(exchange_refused(system_of(mass("a", "", R"(, "solver": {"method": "adams"})") + ", " +
+                                             mass("b", "", R"(, "solver": {"method": "bdf"})"),
+                                         kPairConnections)),
               HasSubstr("/instances/b/solver"));
-  EXPECT_THAT(refused(system_of(mass("a", "", R"(, "kind": "co_simulation")"))),
+  EXPECT_THAT(exchange_refused(system_of(mass("a", "", R"(, "kind": "co_simulation")"))),
               HasSubstr("does not offer <CoSimulation>"));
 }
 
