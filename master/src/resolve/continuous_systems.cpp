@@ -61,7 +61,7 @@ class Grouping {
     return instance;
   }
   void join(std::size_t one, std::size_t other) {
-    const auto [first, second] = std::minmax(leader(one), leader(other));
+    const auto [first, second] = std::minmax({leader(one), leader(other)});
     leaders_[second] = first;
   }
 
