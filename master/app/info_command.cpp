@@ -4,6 +4,7 @@
 #include "engine/algorithm/algorithm.hpp"
 #include "io/config/load_system.hpp"
 #include "io/fmu_archive.hpp"
+#include "io/fmu_terminals.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/units.hpp"
@@ -153,6 +154,20 @@ void print_description(const ModelDescription& model) {
                                        count(Causality::parameter), count(Causality::input), count(Causality::output)));
 }
 
+void print_terminals(const std::vector<DeclaredTerminal>& terminals) {
+  if (terminals.empty()) return;
+  fmt::print("\n");
+  std::vector<std::vector<std::string>> rows = {{"terminal", "kind", "rule", "member", "variable", "text"}};
+  for (const auto& terminal : terminals) {
+    for (const auto& member : terminal.members) {
+      const bool first = &member == &terminal.members.front();
+      rows.push_back({first ? terminal.name : "", first ? terminal.kind : "", first ? terminal.matching_rule : "",
+                      member.name, member.variable, first ? terminal.text : ""});
+    }
+  }
+  print_table(rows);
+}
+
 void print_system(const master::SystemDescription& system) {
   print_field("step", fmt::format("{} s", master::time_text(system.step)));
   if (system.start_time_ns != 0)
@@ -190,6 +205,7 @@ void info(const std::filesystem::path& file) {
     print_description(description);
     fmt::print("\n");
     print_variables(description);
+    print_terminals(master::read_fmu_terminals(file));
   }
   print_product("");  // all of it is out
 }

@@ -4,6 +4,8 @@
 #include "test_system.hpp"
 
 #include <fmt/format.h>
+#include "mebots/modeldesc/archive.hpp"
+
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -403,6 +405,28 @@ TEST_F(Program, InfoShowsWhatAnFmuSaysOfItself) {
                                 HasSubstr("by hand"), HasSubstr("saves state"),
                                 HasSubstr("Mode: off = 0, on = 1, both = 7"), HasSubstr("-10 .. 10")));
   EXPECT_THAT(result.out, testing::ContainsRegex("real_in +input +continuous +Real +m +0"));
+}
+
+TEST_F(Program, InfoShowsTerminals) {
+  const auto unpacked = folder.path() / "unpacked";
+  modeldesc::unpack(PROBE_FMU, unpacked);
+  std::filesystem::create_directory(unpacked / "terminalsAndIcons");
+  write_file(unpacked / "terminalsAndIcons/terminalsAndIcons.xml", R"(<fmiTerminalsAndIcons fmiVersion="3.0"><Terminals>
+    <Terminal name="plug" matchingRule="bus" terminalKind="org.example.plug" description="A plug">
+      <TerminalMemberVariable variableName="real_in" memberName="in" variableKind="signal"/>
+      <Terminal name="pin" matchingRule="plug">
+        <TerminalMemberVariable variableName="real_out" memberName="out" variableKind="signal"/>
+      </Terminal></Terminal></Terminals></fmiTerminalsAndIcons>)");
+  std::vector<modeldesc::PackedFile> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(unpacked)) {
+    if (entry.is_regular_file()) files.push_back({entry.path().lexically_relative(unpacked).string(), entry.path()});
+  }
+  modeldesc::pack(folder.path() / "with.fmu", files);
+  const auto result = run({"info", "with.fmu"});
+  EXPECT_EQ(result.code, 0);
+  EXPECT_THAT(result.out, testing::ContainsRegex("plug +org.example.plug +bus +in +real_in +A plug"));
+  EXPECT_THAT(result.out, testing::ContainsRegex("plug.pin +plug +out +real_out"));
+  EXPECT_THAT(run({"info", PROBE_FMU}).out, testing::Not(HasSubstr("terminal")));
 }
 
 TEST_F(Program, InfoOnSomethingElseIsBadInput) {

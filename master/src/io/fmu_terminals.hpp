@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/modeldesc/terminals.hpp"
+
+#include <filesystem>
+#include <vector>
+
+namespace mebots::master {
+
+/// Reads the terminals of an FMU without unpacking the rest; empty if it declares none. Throws mebots::Error for a file
+/// that is no FMU.
+std::vector<modeldesc::DeclaredTerminal> read_fmu_terminals(const std::filesystem::path& archive);
+
+}  // namespace mebots::master
