@@ -213,7 +213,7 @@ void check_fmi3_symbols(const Fmi3Description& description, const fs::path& libr
         fmt::format("{} lacks {}", library.filename().string(), fmt::join(missing, ", ")),
         "export them with default visibility and C linkage; a function that is not offered returns fmi3Error");
   const auto others = std::ranges::count_if(names, [](const std::string& name) {
-    return !name.starts_with("fmi3") && name != master::kKeepsNoState && !name.starts_with("_");
+    return !name.starts_with("fmi3") && name != master::kKeepsNoState && !name.starts_with('_');
   });
   if (others != 0)
     findings.at(Level::pedantic)

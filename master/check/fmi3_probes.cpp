@@ -19,8 +19,9 @@ using Kind = Fmi3Instance::Kind;
 /// The first infinite element of a Float64 or Float32, or empty.
 std::string not_finite(const Fmi3Value& value) {
   const auto look = [&]<typename T>(T number) -> std::string {
-    for (std::size_t i = 0; i + sizeof number <= value.bytes.size(); i += sizeof number) {
-      std::memcpy(&number, value.bytes.data() + i, sizeof number);
+    constexpr std::size_t kSize = sizeof(T);
+    for (std::size_t i = 0; i + kSize <= value.bytes.size(); i += kSize) {
+      std::memcpy(&number, value.bytes.data() + i, kSize);
       if (!std::isfinite(number)) return fmt::format("{} is {}", value.variable->name, number);
     }
     return {};

@@ -54,7 +54,7 @@ void InstanceCalls::instantiate(const char* function, const std::function<void*(
   watched_step_ = is_watched_ ? 1 : 0;
   if (const auto found = fmu_->floats_at_load()) report_floats(*found, "loading its library");
   report_process_changes(at_load, "loading its library");
-  watched(function, [&] { instance_ = in_scope(function, make); });
+  watched(function, [&] { instance_ = in_scope(function, [&] { return make(); }); });
   if (instance_ == nullptr) fail(function, "returned no instance");
   MEBOTS_ASSERT(!unusable_);
   deliver_held();
@@ -65,7 +65,7 @@ std::optional<std::string> InstanceCalls::free_instance(const char* function, co
   if (std::exchange(freed_, true)) return std::nullopt;
   std::optional<std::string> fault;
   try {
-    if (instance_ != nullptr && !unusable_ && !fmu_->corrupted()) watched(function, free);
+    if (instance_ != nullptr && !unusable_ && !fmu_->corrupted()) watched(function, [&] { free(); });
     deliver_held();
   } catch (const SlaveError& error) {
     fault = error.what();
