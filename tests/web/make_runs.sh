@@ -4,9 +4,9 @@
 set -euo pipefail
 mebots=$1 configs=$2 out=$3
 mkdir -p "$out"
-"$mebots" run "$configs/gate_easy.json" --stop-time 4 --quiet --statistics --set "soc.observe.profile=$out/flight/profile.json" \
+"$mebots" run "$configs/gate_easy.json" --stop-time 5 --quiet --statistics --set "soc.observe.profile=$out/flight/profile.json" \
   --out "$out/flight"
-"$mebots" run "$configs/gate_easy.json" --stop-time 4 --quiet --set soc.mission.cruise_speed=0.5 --out "$out/fast"
+"$mebots" run "$configs/gate_easy.json" --stop-time 5 --quiet --set soc.mission.cruise_speed=0.5 --out "$out/fast"
 "$mebots" run "$configs/gate_easy.json" --stop-time 2 --quiet --out "$out/short"
 "$mebots" run "$configs/battery_motors.json" --quiet --statistics --out "$out/system"
 "$mebots" run "$configs/battery_motors.json" --quiet --stop-time 40 --out "$out/long" # too many rows for a page
