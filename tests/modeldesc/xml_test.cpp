@@ -89,7 +89,7 @@ TEST(Xml, FillsInWhatFmiLeavesOut) {
   const Variable& n = *x.find("n");
   EXPECT_EQ(n.variability, Variability::fixed);
   EXPECT_EQ(n.initial, Initial::exact);
-  EXPECT_EQ(std::get<std::int64_t>(n.start), 3);
+  EXPECT_EQ(std::get<std::int32_t>(n.start), 3);
   EXPECT_EQ(x.find("b")->value_reference, 4294967295U);
   EXPECT_EQ(x.find("b")->variability, Variability::discrete);
   EXPECT_EQ(x.find("der(a)")->derivative_of, 0U);

@@ -283,13 +283,13 @@ Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk) {
   try {
     needs = read_library_needs(fmu->library_file(), fmu->folder(), present);
   } catch (const Error&) {
-    fmu->require_library();  // the loader says what is wrong
+    static_cast<void>(fmu->functions());  // the loader says what is wrong
     return loaded;
   }
   auto reason = ProcessComparison(needs, present, residents.all, residents.archives).reason();
   if (reason && (reason->certain || risk == Risk::refuse)) return *reason;
   if (!needs.interpreter.empty()) fmu->keep_loaded();
-  fmu->require_library();
+  static_cast<void>(fmu->functions());
   residents.add(fmu, std::move(needs));
   if (!reason) return loaded;
   reason->loaded = true;

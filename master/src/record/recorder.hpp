@@ -39,8 +39,7 @@ class Recorder final : public Observer {
   /// Where a column's value lies; one of the three.
   struct Source {
     const double* real = nullptr;
-    const std::int64_t* integer = nullptr;
-    bool binary = false;  // the text is bytes, which are written as hexadecimal digits
+    const std::int32_t* integer = nullptr;
     const std::string* text = nullptr;
     bool boolean = false;
   };
@@ -107,7 +106,7 @@ class PictureRecorder final : public Observer {
   SignalId size_;
   SignalId id_;
   bool has_folder_ = false;
-  std::int64_t last_id_ = 0;
+  std::int32_t last_id_ = 0;
   std::optional<std::int64_t> last_ns_;  // when a picture was written
 };
 

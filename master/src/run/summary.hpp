@@ -40,8 +40,7 @@ class SummaryValues final : public Observer {
     SignalId signal;
     std::vector<Condition> when;
     bool shown = true;
-    double number = 0;       // of a Real
-    std::int64_t whole = 0;  // of an Integer or Boolean
+    double number = 0;
     std::string text;
   };
 

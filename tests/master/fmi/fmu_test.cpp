@@ -42,7 +42,7 @@ void replace(std::string& text, const std::string& from, const std::string& to) 
 }
 
 std::string load_error(const std::filesystem::path& archive) {
-  return test::input_error([&] { Fmu(archive).require_library(); });
+  return test::input_error([&] { Fmu(archive).functions(); });
 }
 
 TEST(Fmu, AFileThatIsNoArchiveIsRefused) {

@@ -15,9 +15,7 @@ namespace mebots::master {
 struct RecordColumn {
   std::string name;  ///< "instance.variable"
   std::string unit;  ///< empty without one
-  modeldesc::Type type = modeldesc::Type::real;
-
-  ValueKind kind() const { return kind_of(type); }
+  ValueKind kind = ValueKind::real;
 };
 
 /// A parameter and its value as text, in the forms of results.csv.
