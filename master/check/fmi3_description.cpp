@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi3_description.hpp"
 
-#include "mebots/modeldesc/xml.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,17 +31,6 @@ std::vector<std::string> starts_of(pugi::xml_node node, std::string_view type) {
 }
 
 }  // namespace
-
-std::vector<std::string> words_of(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r\n";
-  std::vector<std::string> words;
-  for (auto at = text.find_first_not_of(kSpace); at != std::string_view::npos;) {
-    const auto end = std::min(text.find_first_of(kSpace, at), text.size());
-    words.emplace_back(text.substr(at, end - at));
-    at = text.find_first_not_of(kSpace, end);
-  }
-  return words;
-}
 
 Fmi3Description::Fmi3Description(std::string text) : text_(std::move(text)) {
   modeldesc::parse_xml(document_, text_, "modelDescription.xml");

@@ -3,6 +3,8 @@
 
 #include "finding.hpp"
 
+#include "mebots/modeldesc/xml.hpp"
+
 #include <pugixml.hpp>
 
 #include <cstddef>
@@ -15,6 +17,8 @@
 
 /// Checks of FMUs of FMI 3.0 that look at the text of their files, so that each finding has its line.
 namespace mebots::check {
+
+using modeldesc::words_of;
 
 /// A variable as it is declared, with FMI's defaults filled in.
 struct Fmi3Declared {
@@ -56,9 +60,6 @@ class Fmi3Description {
   std::vector<Fmi3Declared> variables_;
   std::map<std::uint32_t, std::size_t> by_reference_;
 };
-
-/// Words of an attribute that is a list.
-std::vector<std::string> words_of(std::string_view text);
 
 /// Checks identifiers, capabilities, log categories and default experiment.
 void check_fmi3_head(const Fmi3Description& description, Findings findings);

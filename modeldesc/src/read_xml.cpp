@@ -443,7 +443,7 @@ class XmlReader {
     if (!element.has("dependencies")) return std::nullopt;
     std::vector<std::size_t> dependencies;
     bool all_known = true;
-    for (const std::string& word : words(element.text("dependencies"))) {
+    for (const std::string& word : words_of(element.text("dependencies"))) {
       if (const auto variable = index(element, word)) {
         dependencies.push_back(*variable);
       } else {
@@ -460,9 +460,9 @@ class XmlReader {
       const auto variable = index(element, element.required_text("index"));
       Unknown unknown;
       unknown.dependencies = read_dependencies(element);
-      unknown.dependency_kinds = words(element.text("dependenciesKind"));
+      unknown.dependency_kinds = words_of(element.text("dependenciesKind"));
       if (!unknown.dependency_kinds.empty() &&
-          unknown.dependency_kinds.size() != words(element.text("dependencies")).size())
+          unknown.dependency_kinds.size() != words_of(element.text("dependencies")).size())
         element.fail("dependenciesKind and dependencies have different lengths");
       if (!unknown.dependencies) unknown.dependency_kinds.clear();
       if (!variable) return;
@@ -470,16 +470,6 @@ class XmlReader {
       unknowns.push_back(std::move(unknown));
     });
     return unknowns;
-  }
-
-  static std::vector<std::string> words(std::string_view text) {
-    std::vector<std::string> result;
-    for (text = trimmed(text); !text.empty();) {
-      const auto end = std::min(text.find_first_of(" \t\r\n"), text.size());
-      result.emplace_back(text.substr(0, end));
-      text = trimmed(text.substr(end));
-    }
-    return result;
   }
 
   Element root_;

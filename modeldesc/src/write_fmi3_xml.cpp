@@ -114,16 +114,8 @@ std::string model_description_text(const ModelDescription& common, const std::ve
                                    const std::string& token) {
   XmlText text("fmiModelDescription");
   Element root = text.root();
-  root.text("fmiVersion", "3.0")
-      .text("modelName", common.model_name)
-      .text("instantiationToken", token)
-      .text_if("description", common.text)
-      .text_if("author", common.author)
-      .text_if("version", common.version)
-      .text_if("copyright", common.copyright)
-      .text_if("license", common.license)
-      .text_if("generationTool", common.generation_tool)
-      .text("variableNamingConvention", "structured");
+  write_identity(root, common, "3.0", "instantiationToken", token);
+  root.text("variableNamingConvention", "structured");
   root.child("CoSimulation")
       .text("modelIdentifier", common.co_simulation->model_identifier)
       .text("canHandleVariableCommunicationStepSize", "true")

@@ -117,16 +117,8 @@ void write_unknowns(Element structure, const char* name, const std::vector<Unkno
 std::string write_xml(const ModelDescription& description) {
   XmlText text("fmiModelDescription");
   Element root = text.root();
-  root.text("fmiVersion", description.fmi_version)
-      .text("modelName", description.model_name)
-      .text("guid", description.guid)
-      .text_if("description", description.text)
-      .text_if("author", description.author)
-      .text_if("version", description.version)
-      .text_if("copyright", description.copyright)
-      .text_if("license", description.license)
-      .text_if("generationTool", description.generation_tool)
-      .text_if("generationDateAndTime", description.generation_date_and_time)
+  write_identity(root, description, description.fmi_version.c_str(), "guid", description.guid);
+  root.text_if("generationDateAndTime", description.generation_date_and_time)
       .text("variableNamingConvention", description.structured_names ? "structured" : "flat");
   if (description.number_of_event_indicators != 0)
     root.text("numberOfEventIndicators", std::to_string(description.number_of_event_indicators));

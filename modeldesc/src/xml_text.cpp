@@ -188,4 +188,15 @@ std::ptrdiff_t line_of(std::string_view text, std::ptrdiff_t offset) {
   return 1 + std::count(text.begin(), text.begin() + end, '\n');
 }
 
+std::vector<std::string> words_of(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r\n";
+  std::vector<std::string> words;
+  for (auto at = text.find_first_not_of(kSpace); at != std::string_view::npos;) {
+    const auto end = std::min(text.find_first_of(kSpace, at), text.size());
+    words.emplace_back(text.substr(at, end - at));
+    at = text.find_first_not_of(kSpace, end);
+  }
+  return words;
+}
+
 }  // namespace mebots::modeldesc

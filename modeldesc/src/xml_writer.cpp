@@ -13,6 +13,19 @@ std::string number_text(double value) {
   return text;
 }
 
+void write_identity(Element root, const ModelDescription& description, const char* fmi_version, const char* token_name,
+                    const std::string& token) {
+  root.text("fmiVersion", fmi_version)
+      .text("modelName", description.model_name)
+      .text(token_name, token)
+      .text_if("description", description.text)
+      .text_if("author", description.author)
+      .text_if("version", description.version)
+      .text_if("copyright", description.copyright)
+      .text_if("license", description.license)
+      .text_if("generationTool", description.generation_tool);
+}
+
 void write_units(Element root, const std::vector<Unit>& units) {
   if (units.empty()) return;
   Element definitions = root.child("UnitDefinitions");

@@ -46,6 +46,10 @@ class XmlText {
   pugi::xml_document document_;
 };
 
+/// Writes the attributes of <fmiModelDescription> from fmiVersion to generationTool. `token_name` is the version's name
+/// of the identifier: guid or instantiationToken.
+void write_identity(Element root, const ModelDescription& description, const char* fmi_version, const char* token_name,
+                    const std::string& token);
 void write_units(Element root, const std::vector<Unit>& units);
 void write_log_categories(Element root, const std::vector<LogCategory>& categories);
 void write_default_experiment(Element root, const DefaultExperiment& experiment);

@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace mebots::modeldesc {
 
@@ -35,6 +36,9 @@ std::string xml_as_utf8(std::string_view bytes, std::string_view source);
 /// not well-formed, for a use of an entity of the DTD (it could multiply, or fetch files). Also for elements nested
 /// deeper than kDeepestXml.
 void parse_xml(pugi::xml_document& document, std::string_view text, std::string_view source);
+
+/// The words of an attribute that is a list: separated by white space.
+std::vector<std::string> words_of(std::string_view text);
 
 /// The first character that XML 1.0 (section 2.2) cannot hold, not even as a reference. `text` is valid UTF-8.
 std::optional<std::uint32_t> first_no_xml_character(std::string_view text);
