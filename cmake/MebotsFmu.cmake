@@ -185,7 +185,7 @@ function(_mebots_fmi_versions result description)
   set(${result} "${versions}" PARENT_SCOPE)
 endfunction()
 
-# One shared library of the FMU `name`; the version script leaves the functions of the other version out.
+# Adds the shared library of the FMU `name` for one version of FMI. The version script hides the functions of the other.
 function(_mebots_fmu_library target name identifier version folder)
   add_library(${target} MODULE $<TARGET_OBJECTS:${name}_binding>)
   mebots_target(${target})

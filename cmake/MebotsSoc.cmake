@@ -199,7 +199,7 @@ endfunction()
 # The chip with another board and other firmware inside, as target <name>_archive: ${MEBOTS_FMU_DIR}/<name>.fmu. The first
 # firmware runs unless the parameter `firmware` names another; without any, the FMU asks for the path of one. Its
 # variables are those of fmu_soc/description.json and of the board's devices. DEVICES are the libraries that the board
-# names: they travel beside it. FMI as for mebots_add_fmu(); default: 2.
+# names; the archive contains them. FMI is as in mebots_add_fmu(); default: 2.
 function(mebots_soc_fmu name)
   cmake_parse_arguments(ARG "" "BOARD" "FIRMWARE;DEVICES;FMI" ${ARGN})
   if(NOT ARG_FMI)

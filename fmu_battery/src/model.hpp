@@ -18,8 +18,8 @@ namespace mebots::battery {
 /// Cell, protection, converters, loads and source of one power bus. Plain C++; fmu.cpp binds it to FMI.
 ///
 /// Inputs are powers and are held during a step; outputs are values at the end of the step.
-/// The protection opens after the terminal voltage has been under the cut-off for the cell's delay, at the instant when
-/// no current can give the power asked for, and at state of charge 0. An open protection blocks discharge: bus voltage,
+/// The protection opens for three reasons: the terminal voltage was under the cut-off for the cell's delay, no current
+/// gives the requested power, or the state of charge is 0. An open protection blocks discharge: bus voltage,
 /// current and delivered power are 0, also for the rest of that step. If the source gives more than the loads take, it
 /// supplies them and charges the cell through the open protection. The protection closes at the instant when the
 /// terminal voltage reaches the release voltage. A full cell takes no charge before its state of charge has fallen

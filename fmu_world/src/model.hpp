@@ -30,7 +30,7 @@ namespace mebots::world {
 /// Called with a sentence for each event of the flight.
 using EventLog = std::function<void(std::string_view)>;
 
-/// What the calibration parameters make of the drone beside its drag.
+/// The effect of the calibration parameters, except for the drag, which is in the drone.
 struct Calibration {
   double dry_mass_factor = 1;
   std::vector<std::string> warnings;

@@ -106,7 +106,7 @@ def check_published(count, place):
 
 
 def published_beside(chip):
-    """What the report of the first chip has beside it: the second's published data, if the same models flew it."""
+    """Returns the second chip's published data for the first chip's report; None if other models flew them."""
     if chip != FIRST_CHIP:
         return None
     first, second = (json.loads(PUBLISHED[one].read_text()) for one in (FIRST_CHIP, SECOND_CHIP))

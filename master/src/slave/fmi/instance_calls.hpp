@@ -23,9 +23,9 @@
 
 namespace mebots::master {
 
-/// Calls one instance of an FMU, of any version of FMI. Every call goes through here: callbacks find the instance, C++
-/// exceptions become SlaveErrors, messages get names and times, the floating-point environment of the master and of the
-/// FMU stay separate, and changes of the process are undone and reported. Not for use by two threads at once.
+/// Calls one instance of an FMU, of any version of FMI. Callbacks find the instance, C++ exceptions become SlaveErrors,
+/// and messages get names and times. Master and FMU have separate floating-point environments. Changes of the process
+/// are undone and reported. Not for use by two threads at once.
 class InstanceCalls final : public CallbackListener {
  public:
   /// Returns the standard's name of a status.
