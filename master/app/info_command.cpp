@@ -29,14 +29,14 @@ std::string shown(const ModelDescription& model, const Variable& variable) {
   struct Show {
     std::string operator()(std::monostate) const { return {}; }
     std::string operator()(double value) const { return fmt::format("{}", value); }
-    std::string operator()(std::int32_t value) const { return fmt::format("{}", value); }
+    std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
     std::string operator()(bool value) const { return value ? "true" : "false"; }
     std::string operator()(const std::string& value) const { return fmt::format("\"{}\"", value); }
   };
   if (const auto* type = model.type_definition(variable.declared_type);
-      type != nullptr && std::holds_alternative<std::int32_t>(variable.start)) {
+      type != nullptr && std::holds_alternative<std::int64_t>(variable.start)) {
     for (const auto& item : type->items) {
-      if (item.value == std::get<std::int32_t>(variable.start)) return item.name;
+      if (item.value == std::get<std::int64_t>(variable.start)) return item.name;
     }
   }
   return std::visit(Show{}, variable.start);

@@ -33,7 +33,7 @@ bool has_start(const Variable& variable) {
 
 std::optional<double> number_of(const Variable& variable) {
   if (const auto* real = std::get_if<double>(&variable.start)) return *real;
-  if (const auto* integer = std::get_if<std::int32_t>(&variable.start)) return *integer;
+  if (const auto* integer = std::get_if<std::int64_t>(&variable.start)) return *integer;
   return std::nullopt;
 }
 
@@ -56,6 +56,9 @@ std::vector<Variability> legal_variabilities(Causality causality) {
       return {V::constant, V::fixed, V::tunable, V::discrete, V::continuous};
     case Causality::independent:
       return {V::continuous};
+    case Causality::structural_parameter:
+    case Causality::dependent:
+      break;  // FMI 3.0
   }
   return {};
 }
@@ -308,7 +311,7 @@ void check_units_and_types(const ModelDescription& model, Findings findings) {
     if (model.find(type.name) != nullptr)
       findings.error(fmt::format("{} has the name of a variable", what), "rename the type");
     std::set<std::string> names;
-    std::set<std::int32_t> values;
+    std::set<std::int64_t> values;
     for (const auto& item : type.items)
       if (!names.insert(item.name).second || !values.insert(item.value).second)
         findings.error(fmt::format("{}: the item \"{}\" = {} is there twice", what, item.name, item.value),
@@ -434,7 +437,7 @@ void check_osmp(const ModelDescription& model, Findings findings) {
         findings.error(fmt::format("OSMP binary \"{}\": its part {} differs in type, causality or variability", name,
                                    quoted(*part)),
                        "make all three Integers of one causality and variability");
-      const auto* start = std::get_if<std::int32_t>(&part->start);
+      const auto* start = std::get_if<std::int64_t>(&part->start);
       if (start != nullptr && *start != 0)
         findings.error(fmt::format("OSMP binary \"{}\": {} starts at {}", name, quoted(*part), *start),
                        "0 = no buffer");

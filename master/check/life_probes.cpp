@@ -66,7 +66,7 @@ void check_starts(const Library& library) {
       fmi2Integer value = 0;
       instance.require(call, f.get_integer(instance.component(), reference, 1, &value));
       found = std::to_string(value);
-      wanted = std::to_string(std::get<std::int32_t>(variable.start));
+      wanted = std::to_string(std::get<std::int64_t>(variable.start));
     }
     if (found != wanted)
       library.witness().error(fmt::format("{} is {} in initialisation mode; modelDescription.xml says start {}",

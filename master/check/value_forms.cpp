@@ -2,7 +2,7 @@
 #include "schema_rules.hpp"
 
 #include "mebots/error.hpp"
-#include "mebots/fmi2/variable_kinds.hpp"
+#include "mebots/fmi/variable_kinds.hpp"
 
 #include <fmt/format.h>
 
@@ -118,9 +118,9 @@ const Form& find_form(std::string_view name) {
       {"flag", is_one_of<kFlagWords>, "true or false"},
       {"date", is_date, "a date and time such as 2024-05-01T12:00:00Z"},
       {"naming", is_one_of<kNamingWords>, either(kNamingWords)},
-      {"causality", is_one_of<fmi2::kCausalityWords>, either(fmi2::kCausalityWords)},
-      {"variability", is_one_of<fmi2::kVariabilityWords>, either(fmi2::kVariabilityWords)},
-      {"initial", is_one_of<fmi2::kInitialWords>, either(fmi2::kInitialWords)},
+      {"causality", is_one_of<fmi::kCausalityWords2>, either(fmi::kCausalityWords2)},
+      {"variability", is_one_of<fmi::kVariabilityWords>, either(fmi::kVariabilityWords)},
+      {"initial", is_one_of<fmi::kInitialWords>, either(fmi::kInitialWords)},
       {"dependencies", is_list<is_one_of<kDependencyWords>>, "a list of " + either(kDependencyWords)},
       // Of FMI 3.0.
       {"fmi3", is_fmi3_version, "3.0, or a later 3.x"},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "values.hpp"
 
+#include "mebots/assert.hpp"
 #include "mebots/error.hpp"
 #include "mebots/fmu/binary_ref.hpp"
 
@@ -46,6 +47,8 @@ void with_type(Type type, Action action) {
       return action(static_cast<bool*>(nullptr));
     case Type::string:
       return action(static_cast<std::string*>(nullptr));
+    default:
+      MEBOTS_ASSERT(false, "the fields of our variables have no other types");
   }
 }
 

@@ -72,7 +72,7 @@ std::string initialiser(const Description& description, const Field& field, std:
     case FieldType::real:
       return given ? fmt::format("{}", std::get<double>(field.starts[i])) : "0.0";
     case FieldType::integer:
-      return given ? fmt::format("{}", std::get<std::int32_t>(field.starts[i])) : "0";
+      return given ? fmt::format("{}", std::get<std::int64_t>(field.starts[i])) : "0";
     case FieldType::boolean:
       return given && std::get<bool>(field.starts[i]) ? "true" : "false";
     case FieldType::string:
@@ -82,7 +82,7 @@ std::string initialiser(const Description& description, const Field& field, std:
     case FieldType::enumeration: {
       const Enumeration& type = description.enumeration(field.enumeration);
       if (!given) return fmt::format("{}::{}", type.name, resting_item(type).name);
-      const auto item = std::ranges::find(type.items, std::get<std::int32_t>(field.starts[i]), &EnumerationItem::value);
+      const auto item = std::ranges::find(type.items, std::get<std::int64_t>(field.starts[i]), &EnumerationItem::value);
       return fmt::format("{}::{}", type.name, item->name);
     }
   }

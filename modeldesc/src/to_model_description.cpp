@@ -69,7 +69,7 @@ void add_variables(const Field& field, ModelDescription& result) {
       Variable part = variable;
       part.name = fmt::format("{}.{}", variable.name, role);
       part.osmp = OsmpPart{variable.name, std::string(role), field.mime_type};
-      if (field.causality == Causality::input) part.start = std::int32_t{0};
+      if (field.causality == Causality::input) part.start = std::int64_t{0};
       add(std::move(part));
     }
   }

@@ -32,7 +32,7 @@ std::string start_text(const ModelDescription& description, const Variable& vari
   if (const auto* real = std::get_if<double>(&variable.start)) return fmt::format("{:g}", *real);
   if (const auto* boolean = std::get_if<bool>(&variable.start)) return *boolean ? "true" : "false";
   if (const auto* text = std::get_if<std::string>(&variable.start)) return escaped("\"" + *text + "\"");
-  if (const auto* integer = std::get_if<std::int32_t>(&variable.start)) {
+  if (const auto* integer = std::get_if<std::int64_t>(&variable.start)) {
     if (const TypeDefinition* type = description.type_definition(variable.declared_type))
       for (const EnumerationItem& item : type->items)
         if (item.value == *integer) return escaped(item.name);

@@ -57,7 +57,7 @@ void write_types(Element root, const std::vector<TypeDefinition>& types) {
 
 void write_start(Element element, const Value& start) {
   if (const auto* real = std::get_if<double>(&start)) element.text("start", number_text(*real));
-  if (const auto* integer = std::get_if<std::int32_t>(&start)) element.text("start", std::to_string(*integer));
+  if (const auto* integer = std::get_if<std::int64_t>(&start)) element.text("start", std::to_string(*integer));
   if (const auto* boolean = std::get_if<bool>(&start)) element.text("start", *boolean ? "true" : "false");
   if (const auto* text = std::get_if<std::string>(&start)) element.text("start", *text);
 }

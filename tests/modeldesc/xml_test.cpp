@@ -89,7 +89,7 @@ TEST(Xml, FillsInWhatFmiLeavesOut) {
   const Variable& n = *x.find("n");
   EXPECT_EQ(n.variability, Variability::fixed);
   EXPECT_EQ(n.initial, Initial::exact);
-  EXPECT_EQ(std::get<std::int32_t>(n.start), 3);
+  EXPECT_EQ(std::get<std::int64_t>(n.start), 3);
   EXPECT_EQ(x.find("b")->value_reference, 4294967295U);
   EXPECT_EQ(x.find("b")->variability, Variability::discrete);
   EXPECT_EQ(x.find("der(a)")->derivative_of, 0U);
@@ -146,7 +146,7 @@ TEST(Xml, ErrorsNameFileLineElementAttributeAndValue) {
   expect_error("", "not well-formed XML");
   expect_error("<a>\n\n<b></a>", "line 3: not well-formed XML");
   expect_error("<other/>", "the root element must be <fmiModelDescription>");
-  expect_error("<fmiModelDescription fmiVersion=\"3.0\"/>", "the FMU is of FMI version 3.0; only 2.0 can be used");
+  expect_error("<fmiModelDescription fmiVersion=\"1.0\"/>", "the FMU is of FMI version 1.0; only 2.0 and 3.0 can");
   expect_error("<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\"/>", "the attribute guid is missing");
   expect_error("<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"/>", "neither <CoSimulation> nor");
   expect_error(variable("valueReference=\"1\"", "<Real/>"), "line 11, <ScalarVariable>: the attribute name is missing");
@@ -155,7 +155,7 @@ TEST(Xml, ErrorsNameFileLineElementAttributeAndValue) {
   expect_error(variable("name=\"a\" valueReference=\"1\"", ""), "\"a\" has no type");
   expect_error(variable("name=\"a\" valueReference=\"1\"", "<Real/><Integer/>"), "\"a\" has two types");
   expect_error(variable("name=\"a\" valueReference=\"1\" causality=\"up\"", "<Real/>"),
-               "causality is \"up\"; FMI 2.0 knows parameter, ");
+               "the attribute causality is \"up\"; it must be one of parameter, ");
   expect_error(variable("name=\"a\" valueReference=\"1\"", "<Real start=\"1,5\"/>"),
                "start is \"1,5\", but a number is expected");
   expect_error(variable("name=\"a\" valueReference=\"1\"", "<Integer start=\"1e3\"/>"), "start is \"1e3\"");

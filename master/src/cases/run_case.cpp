@@ -142,7 +142,7 @@ std::optional<Divergence> compared(const Expected& column, const Signal::Value& 
     return divergence;
   }
   const bool real = std::holds_alternative<double>(expected);
-  const double wanted = real ? std::get<double>(expected) : std::get<std::int32_t>(expected);
+  const double wanted = real ? std::get<double>(expected) : std::get<std::int64_t>(expected);
   const double got = results.number(column, time_ns);
   divergence.tolerance = real ? tolerance.of(wanted) : 0;
   if (std::abs(got - wanted) <= divergence.tolerance) return std::nullopt;

@@ -67,6 +67,11 @@ std::size_t slot_in(Banks& banks, const Variable& variable) {
       return banks.integers.slot(variable);
     case ValueKind::boolean:
       return banks.booleans.slot(variable);
+    case ValueKind::binary:
+      return banks.binaries.slot(variable);
+    case ValueKind::clock:
+      MEBOTS_ASSERT(false, "clocks are read and set in events only");
+      [[fallthrough]];
     case ValueKind::string:
       break;
   }
@@ -79,6 +84,7 @@ KindSet kinds_in(const Banks& banks) {
   if (!banks.integers.values.empty()) kinds |= bit(ValueKind::integer);
   if (!banks.booleans.values.empty()) kinds |= bit(ValueKind::boolean);
   if (!banks.strings.values.empty()) kinds |= bit(ValueKind::string);
+  if (!banks.binaries.values.empty()) kinds |= bit(ValueKind::binary);
   return kinds;
 }
 
@@ -87,6 +93,7 @@ void write(Slave& slave, const Banks& banks, KindSet kinds) {
   if ((kinds & bit(ValueKind::integer)) != 0) slave.set_integers(banks.integers.references, banks.integers.values);
   if ((kinds & bit(ValueKind::boolean)) != 0) slave.set_booleans(banks.booleans.references, banks.booleans.values);
   if ((kinds & bit(ValueKind::string)) != 0) slave.set_strings(banks.strings.references, banks.strings.values);
+  if ((kinds & bit(ValueKind::binary)) != 0) slave.set_binaries(banks.binaries.references, banks.binaries.values);
 }
 
 /// Moves the values of one kind along their connections.
@@ -96,7 +103,7 @@ void move_all(const Copies& copies) {
 }
 
 /// The number that the map has for a value, else the value itself.
-std::int32_t in_map(const std::vector<ValuePair>& map, std::int32_t value) {
+std::int64_t in_map(const std::vector<ValuePair>& map, std::int64_t value) {
   const auto found = std::ranges::lower_bound(map, value, {}, &ValuePair::from);
   return found != map.end() && found->from == value ? found->to : value;
 }
@@ -164,6 +171,13 @@ void Ensemble::drop_inner_connections() {
 }
 
 SignalId Ensemble::watch(const ResolvedVariable& variable) {
+  if (is_clocked(*variable.variable)) {
+    throw InputError(
+        ErrorCode::not_offered,
+        fmt::format("{}: it can be read only when its clock ticks, and mebots does not support clocks; use "
+                    "variables without a clock",
+                    system_->text(variable)));
+  }
   return {variable.instance, kind_of(variable.variable->type),
           slot_in(members_[variable.instance].outputs, *variable.variable)};
 }
@@ -180,7 +194,7 @@ void Ensemble::connect(const ResolvedConnection& connection) {
     case ValueKind::integer:
       (from.kind == ValueKind::boolean ? target.flag_copies : target.integer_copies)
           .push_back({.signal = from, .slot = to});
-      if (connection.to.variable->type == Type::enumeration && connection.from.variable->type == Type::integer) {
+      if (connection.to.variable->type == Type::enumeration && connection.from.variable->type != Type::enumeration) {
         check_items_of(connection, to);
       }
       break;
@@ -190,6 +204,11 @@ void Ensemble::connect(const ResolvedConnection& connection) {
     case ValueKind::string:
       target.string_copies.push_back({.signal = from, .slot = to});
       break;
+    case ValueKind::binary:
+      target.binary_copies.push_back({.signal = from, .slot = to});
+      break;
+    case ValueKind::clock:
+      MEBOTS_ASSERT(false, "connections of clocks are not among these");
   }
 }
 
@@ -308,7 +327,7 @@ void Ensemble::set_starts(std::size_t instance) {
         banks.reals.values[slot] = std::get<double>(start.value);
         break;
       case ValueKind::integer:
-        banks.integers.values[slot] = std::get<std::int32_t>(start.value);
+        banks.integers.values[slot] = std::get<std::int64_t>(start.value);
         break;
       case ValueKind::boolean:
         banks.booleans.values[slot] = std::get<bool>(start.value) ? 1 : 0;
@@ -316,6 +335,11 @@ void Ensemble::set_starts(std::size_t instance) {
       case ValueKind::string:
         banks.strings.values[slot] = std::get<std::string>(start.value);
         break;
+      case ValueKind::binary:
+        banks.binaries.values[slot] = std::get<std::string>(start.value);
+        break;
+      case ValueKind::clock:
+        MEBOTS_ASSERT(false, "a clock has no start value");
     }
   }
   write(*members_[instance].slave, banks, kinds_in(banks));
@@ -344,6 +368,8 @@ void Ensemble::lay_out() {
         member.boolean_copies, [&](SignalId id) { return &integer(id); }, member.inputs.booleans.values);
     addresses(
         member.string_copies, [&](SignalId id) { return &string(id); }, member.inputs.strings.values);
+    addresses(
+        member.binary_copies, [&](SignalId id) { return &string(id); }, member.inputs.binaries.values);
     for (auto& mapping : member.mappings) {
       auto& bank = mapping.kind == ValueKind::boolean ? member.inputs.booleans : member.inputs.integers;
       mapping.copy.from = &integer(mapping.copy.signal);
@@ -427,9 +453,11 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
     member.slave->get_strings(outputs.strings.references, outputs.strings.values);
     check_texts(member, time_ns);
   }
+  if ((kinds & bit(ValueKind::binary)) != 0)
+    member.slave->get_binaries(outputs.binaries.references, outputs.binaries.values);
 }
 
-/// FMI 2.0 demands UTF-8. Gives one notice per instance: its connected inputs get the bytes, the results do not.
+/// FMI demands UTF-8. Gives one notice per instance: its connected inputs get the bytes, the results do not.
 void Ensemble::check_texts(Member& member, std::int64_t time_ns) {
   if (member.told_of_texts) return;
   const auto& bank = member.outputs.strings;
@@ -437,7 +465,7 @@ void Ensemble::check_texts(Member& member, std::int64_t time_ns) {
   if (bad == bank.values.end()) return;
   member.told_of_texts = true;
   const auto text = fmt::format(
-      "the text of '{}' at {} s is not UTF-8, which FMI 2.0 demands; the results have \"{}\" "
+      "the text of '{}' at {} s is not UTF-8, which FMI demands; the results have \"{}\" "
       "(U+FFFD for each wrong byte), and connected inputs get the FMU's bytes",
       bank.variables[static_cast<std::size_t>(bad - bank.values.begin())]->name, to_seconds(time_ns),
       one_line(valid_utf8(*bad)));
@@ -468,6 +496,7 @@ void Ensemble::collect_inputs(std::size_t instance) {
   move_all(member.integer_copies);
   move_all(member.boolean_copies);
   move_all(member.string_copies);
+  move_all(member.binary_copies);
   for (const auto& copy : member.flag_copies) *copy.to = *copy.from == 0 ? 0 : 1;
   for (const auto& mapping : member.mappings) {
     const auto value = *mapping.copy.from;
@@ -607,6 +636,7 @@ void Ensemble::bring_back(const std::vector<Banks>& outputs) {
     std::ranges::copy(outputs[i].integers.values, now.integers.values.begin());
     std::ranges::copy(outputs[i].booleans.values, now.booleans.values.begin());
     std::ranges::copy(outputs[i].strings.values, now.strings.values.begin());
+    std::ranges::copy(outputs[i].binaries.values, now.binaries.values.begin());
   }
 }
 
@@ -617,6 +647,7 @@ void Ensemble::visit(state::Visitor& v) {
     v(name + ".integers", std::span(member.outputs.integers.values));
     v(name + ".booleans", std::span(member.outputs.booleans.values));
     v(name + ".strings", std::span(member.outputs.strings.values));
+    v(name + ".binaries", std::span(member.outputs.binaries.values));
     v(name + ".outputs_time_ns", member.outputs_time_ns);
     v(name + ".earlier_reals", std::span(member.earlier_reals));
     v(name + ".earlier_time_ns", member.earlier_time_ns);

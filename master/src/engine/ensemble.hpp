@@ -33,9 +33,10 @@ struct Bank {
 /// All values that travel in one direction between the master and one slave.
 struct Banks {
   Bank<double> reals;
-  Bank<std::int32_t> integers;
-  Bank<std::int32_t> booleans;
+  Bank<std::int64_t> integers;
+  Bank<std::int64_t> booleans;
   Bank<std::string> strings;
+  Bank<std::string> binaries;
 };
 
 /// Where the ensemble keeps the last known value of an output.
@@ -87,11 +88,15 @@ class Ensemble {
 
   /// Valid after initialize(), for as long as the ensemble lives.
   const double& real(SignalId id) const { return members_[id.instance].outputs.reals.values[id.slot]; }
-  const std::int32_t& integer(SignalId id) const {
+  const std::int64_t& integer(SignalId id) const {
     const auto& outputs = members_[id.instance].outputs;
     return (id.kind == ValueKind::boolean ? outputs.booleans : outputs.integers).values[id.slot];
   }
-  const std::string& string(SignalId id) const { return members_[id.instance].outputs.strings.values[id.slot]; }
+  /// The text of a String, or the bytes of a Binary.
+  const std::string& string(SignalId id) const {
+    const auto& outputs = members_[id.instance].outputs;
+    return (id.kind == ValueKind::binary ? outputs.binaries : outputs.strings).values[id.slot];
+  }
 
   /// What `outputs` of the slave were read at.
   const std::int64_t& outputs_time_ns(std::size_t instance) const { return members_[instance].outputs_time_ns; }
@@ -129,7 +134,7 @@ class Ensemble {
 
   /// An Integer, Enumeration or Boolean input whose values are mapped.
   struct Mapping {
-    Copy<std::int32_t> copy;
+    Copy<std::int64_t> copy;
     ValueKind kind;  // of the input
     const std::vector<ValuePair>* map;
   };
@@ -162,7 +167,7 @@ class Ensemble {
   struct ItemCheck {
     const ResolvedConnection* connection;
     std::size_t slot;  // among the Integer inputs
-    std::vector<std::int32_t> items;
+    std::vector<std::int64_t> items;
   };
 
   struct Member {
@@ -178,10 +183,11 @@ class Ensemble {
     Banks outputs;
     Banks inputs;
     std::vector<Copy<double>> real_copies;
-    std::vector<Copy<std::int32_t>> integer_copies;
-    std::vector<Copy<std::int32_t>> flag_copies;  // Booleans into Integers, as 0 and 1
-    std::vector<Copy<std::int32_t>> boolean_copies;
+    std::vector<Copy<std::int64_t>> integer_copies;
+    std::vector<Copy<std::int64_t>> flag_copies;  // Booleans into Integers, as 0 and 1
+    std::vector<Copy<std::int64_t>> boolean_copies;
     std::vector<Copy<std::string>> string_copies;
+    std::vector<Copy<std::string>> binary_copies;
     std::vector<Conversion> conversions;
     std::vector<Mapping> mappings;
     std::vector<DerivativeLink> derivatives;

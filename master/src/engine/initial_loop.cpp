@@ -72,7 +72,7 @@ struct Graph {
     std::map<const modeldesc::ModelDescription*, Dependencies> dependencies;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       if (!is_output(i)) continue;
-      const auto* model = system.instances[nodes[i].instance].model;
+      const auto* model = system.instances[nodes[i].instance].model.get();
       add_dependencies(i, dependencies.try_emplace(model, *model).first->second);
     }
   }

@@ -35,12 +35,14 @@ struct OutputValues {
       : reals(banks.reals.values),
         integers(banks.integers.values),
         booleans(banks.booleans.values),
-        strings(banks.strings.values) {}
+        strings(banks.strings.values),
+        binaries(banks.binaries.values) {}
 
   std::vector<double> reals;
-  std::vector<std::int32_t> integers;
-  std::vector<std::int32_t> booleans;
+  std::vector<std::int64_t> integers;
+  std::vector<std::int64_t> booleans;
   std::vector<std::string> strings;
+  std::vector<std::string> binaries;
 };
 
 bool is_same(const OutputValues& before, const Banks& now, ValueKind kind, std::size_t slot) {
@@ -51,6 +53,9 @@ bool is_same(const OutputValues& before, const Banks& now, ValueKind kind, std::
       return before.integers[slot] == now.integers.values[slot];
     case ValueKind::boolean:
       return before.booleans[slot] == now.booleans.values[slot];
+    case ValueKind::binary:
+      return before.binaries[slot] == now.binaries.values[slot];
+    case ValueKind::clock:  // is in no bank
     case ValueKind::string:
       break;
   }

@@ -2,7 +2,7 @@
 #include "engine/continuous_groups.hpp"
 #include "engine/ensemble.hpp"
 
-#include "slave/fmi/fmi2_slave.hpp"
+#include "slave/fmi/make_slave.hpp"
 
 #include "slave/isolation/isolated_slave.hpp"
 #include "slave/overridden_slave.hpp"
@@ -38,7 +38,12 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
     } else if (wish.alone()) {
       slave = std::make_unique<isolation::IsolatedSlave>(instance, messages, options.interrupted, grid);
     } else {
-      slave = std::make_unique<Fmi2Slave>(name, instance.fmu, instance.log_categories, messages, grid);
+      slave = make_slave_here({.name = name,
+                               .fmu = instance.fmu,
+                               .structural = instance.structural,
+                               .log_categories = instance.log_categories,
+                               .grid = grid},
+                              messages);
     }
     if (wish.go_on_without && options.losses != nullptr) {
       auto& loss = (*options.losses)[i];

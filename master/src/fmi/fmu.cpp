@@ -5,6 +5,7 @@
 #include "fmi/call/fmi2_callbacks.hpp"
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/process/process_state.hpp"
+#include "mebots/assert.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
@@ -31,6 +32,11 @@ std::vector<std::string> binaries(const std::filesystem::path& folder) {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+/// The folder of this platform's binaries.
+std::string_view platform_folder(const modeldesc::ModelDescription& description) {
+  return description.is_fmi3() ? "x86_64-linux" : "linux64";
 }
 
 /// What to do about a library that cannot be loaded.
@@ -91,7 +97,8 @@ void Fmu::unload() {
   const auto handlers = handlers_in_libraries();
   call_library(archive_, "unloaded", [&] { dlclose(library); });
   reset_unloaded_handlers(handlers);
-  functions_.reset();
+  fmi2_functions_.reset();
+  fmi3_functions_.reset();
   at_load_.reset();
   if (own_folder_ && !has_loaded_from(folder_)) own_folder_->release_path();
 }
@@ -102,8 +109,37 @@ std::size_t Fmu::threads_left() const {
       std::ranges::count_if(now, [&](pid_t thread) { return !threads_of_others_.contains(thread); }));
 }
 
-const Fmi2Functions& Fmu::functions() {
-  if (functions_) return *functions_;
+std::shared_ptr<const modeldesc::ModelDescription> Fmu::model(const modeldesc::StructuralValues& values) {
+  const auto is_array = [](const modeldesc::Variable& variable) { return !variable.fmi3->dimensions.empty(); };
+  if (std::ranges::none_of(description_.variables, is_array)) return {std::shared_ptr<void>(), &description_};
+  const std::lock_guard lock(models_mutex_);
+  auto& kept = models_[values];
+  auto model = kept.lock();
+  if (!model) {
+    try {
+      model = std::make_shared<const modeldesc::ModelDescription>(modeldesc::with_elements(description_, values));
+    } catch (const Error& error) {
+      throw InputError(error.code(), fmt::format("{}: {}", archive_.string(), error.what()));
+    }
+    kept = model;
+  }
+  return model;
+}
+
+const Fmi2Functions& Fmu::fmi2_functions() {
+  require_library();
+  MEBOTS_ASSERT(fmi2_functions_ != nullptr, "the caller looks at the version");
+  return *fmi2_functions_;
+}
+
+const Fmi3Functions& Fmu::fmi3_functions() {
+  require_library();
+  MEBOTS_ASSERT(fmi3_functions_ != nullptr, "the caller looks at the version");
+  return *fmi3_functions_;
+}
+
+void Fmu::require_library() {
+  if (library_ != nullptr) return;
   // The C++ library records in its own memory that it has initialised itself, if the process has had threads. So it
   // does that when it is loaded, not in the middle of a later run.
   static const bool has_had_threads = [] {
@@ -116,13 +152,19 @@ const Fmi2Functions& Fmu::functions() {
     load();
   }
   at_load_.emplace(folder_);
-  return *functions_;
 }
 
 FmuKind Fmu::kind() const {
   const auto usual = description_.co_simulation ? FmuKind::co_simulation : FmuKind::model_exchange;
   const auto kind = wish_.value_or(usual);
   if (implementation_of(description_, kind) != nullptr) return kind;
+  if (!description_.co_simulation && !description_.model_exchange) {
+    throw InputError(
+        ErrorCode::fmu_unsupported,
+        fmt::format("{}: this FMU is for scheduled execution only, which mebots does not support; export it "
+                    "for co-simulation",
+                    archive_.string()));
+  }
   throw InputError(ErrorCode::fmu_unsupported,
                    fmt::format("{}: this FMU does not offer <{}>. Leave out \"kind\", or set it to \"{}\"",
                                archive_.string(), element_of(kind), word_of(usual)));
@@ -170,13 +212,12 @@ void Fmu::load() {
     if (count > kShown) found.resize(kShown);
     throw InputError(
         ErrorCode::fmu_unsupported,
-        fmt::format(
-            "{}: this FMU has no binary for 64-bit Linux (binaries/linux64/{}.so, named after its modelIdentifier); "
-            "in binaries/ there {}",
-            archive_.string(), identifier,
-            found.empty() ? "is nothing"
-                          : fmt::format("{} {}{}", count == 1 ? "is" : "are", fmt::join(found, ", "),
-                                        count > kShown ? fmt::format(" and {} more", count - kShown) : "")));
+        fmt::format("{}: this FMU has no binary for 64-bit Linux (binaries/{}/{}.so, named after its modelIdentifier); "
+                    "in binaries/ there {}",
+                    archive_.string(), platform_folder(description_), identifier,
+                    found.empty() ? "is nothing"
+                                  : fmt::format("{} {}{}", count == 1 ? "is" : "are", fmt::join(found, ", "),
+                                                count > kShown ? fmt::format(" and {} more", count - kShown) : "")));
   }
   files_of_others_ = open_files();
   threads_of_others_ = foreign_threads();
@@ -194,17 +235,33 @@ void Fmu::load() {
     throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: the FMU's shared library cannot be loaded: {}. {}",
                                                               archive_.string(), why, way_out(why)));
   }
-  functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string(), kind()));
-  check_version();
+  find_functions();
 }
 
-void Fmu::check_version() const {
-  const char* const version = call_library(archive_, "asked for its version", functions_->get_version);
+void Fmu::find_functions() {
+  if (description_.is_fmi3()) {
+    fmi3_functions_ = std::make_unique<Fmi3Functions>(load_fmi3_functions(library_, archive_.string()));
+    return check_fmi3_version();
+  }
+  fmi2_functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string(), kind()));
+  check_fmi2_version();
+}
+
+void Fmu::check_fmi3_version() const {
+  const char* const version = call_library(archive_, "asked for its version", fmi3_functions_->get_version);
+  const auto text = read_text(version);
+  if (text && text->starts_with("3.0")) return;
+  throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: fmi3GetVersion returns {} instead of '3.0'",
+                                                            archive_.string(), shown_text(text, version)));
+}
+
+void Fmu::check_fmi2_version() const {
+  const char* const version = call_library(archive_, "asked for its version", fmi2_functions_->get_version);
   if (const auto text = read_text(version); text != "2.0") {
     throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: fmi2GetVersion returns {} instead of '2.0'",
                                                               archive_.string(), shown_text(text, version)));
   }
-  const char* const platform = call_library(archive_, "asked for its platform", functions_->get_types_platform);
+  const char* const platform = call_library(archive_, "asked for its platform", fmi2_functions_->get_types_platform);
   if (const auto text = read_text(platform); text != kTypesPlatform) {
     throw InputError(ErrorCode::fmu_unsupported,
                      fmt::format("{}: fmi2GetTypesPlatform returns {} instead of '{}': its numbers have other sizes",
@@ -213,7 +270,13 @@ void Fmu::check_version() const {
 }
 
 std::filesystem::path Fmu::library_file() const {
-  return folder_ / "binaries" / "linux64" / (implementation_of(description_, kind())->model_identifier + ".so");
+  return folder_ / "binaries" / platform_folder(description_) /
+         (implementation_of(description_, kind())->model_identifier + ".so");
+}
+
+std::string Fmu::resource_path() const {
+  const auto folder = folder_ / "resources";
+  return is_there(folder) ? (folder / "").string() : std::string();
 }
 
 std::string Fmu::resource_uri() const {
@@ -228,6 +291,21 @@ std::string file_uri(const std::filesystem::path& path) {
     uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return uri;
+}
+
+Fmi3Functions load_fmi3_functions(void* library, const std::string& archive) {
+  const auto functions = fmi3::find_functions(library);
+  std::vector<std::string> missing;
+  fmi3::for_each_function([&](const char* name, auto member, fmi3::Need need) {
+    const bool is_needed = need == fmi3::Need::to_run || need == fmi3::Need::to_step;
+    if (is_needed && functions.*member == nullptr) missing.emplace_back(name);
+  });
+  if (!missing.empty()) {
+    throw InputError(ErrorCode::fmu_inconsistent,
+                     fmt::format("{}: the FMU's shared library lacks functions that FMI 3.0 demands: {}", archive,
+                                 fmt::join(missing, ", ")));
+  }
+  return functions;
 }
 
 Fmi2Functions load_functions(void* library, const std::string& archive, FmuKind kind) {

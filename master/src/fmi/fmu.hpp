@@ -6,6 +6,8 @@
 #include "fmi/process/process_state.hpp"
 #include "fmi/unpack_folder.hpp"
 #include "mebots/fmi2/library.hpp"
+#include "mebots/fmi3/library.hpp"
+#include "mebots/modeldesc/array_elements.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 #include "model/fmu_kind.hpp"
 
@@ -20,20 +22,17 @@
 #include <utility>
 #include <vector>
 
-namespace mebots::fmi2 {
-struct Functions;
-}
-
 namespace mebots::master {
 
 using Fmi2Functions = fmi2::Functions;
+using Fmi3Functions = fmi3::Functions;
 
 /// An FMU archive unpacked into a folder of its own, which goes with this object: description at once,
 /// shared library when first asked for. The library's code goes too, unless a thread may still run in it.
 class Fmu {
  public:
   /// `wish` is the kind of its instances; if absent, co-simulation if the FMU offers it. Throws InputError for anything
-  /// that is not an FMU.
+  /// that is not an FMU of version 2.0 or 3.0.
   explicit Fmu(std::filesystem::path archive, std::optional<FmuKind> wish = {});
   /// One that another process has unpacked into `folder`, and will remove.
   Fmu(std::filesystem::path archive, std::filesystem::path folder);
@@ -47,9 +46,15 @@ class Fmu {
   const modeldesc::ModelDescription& description() const { return description_; }
   /// Notices for the user about the archive.
   const std::vector<std::string>& notices() const { return notices_; }
-  /// The FMU's functions. Loads its shared library on the first call; throws InputError naming the
-  /// missing library or function when that fails.
-  const Fmi2Functions& functions();
+  /// The description with each array of FMI 3.0 replaced by its elements, for these values of structural parameters.
+  /// The same object for the same values, for as long as anybody keeps it. Must not outlive the FMU.
+  std::shared_ptr<const modeldesc::ModelDescription> model(const modeldesc::StructuralValues& values = {});
+  /// Loads the shared library; no effect the second time. Throws InputError naming the library or function that is
+  /// missing.
+  void require_library();
+  /// The functions of an FMU of FMI 2.0, or of FMI 3.0. As require_library().
+  const Fmi2Functions& fmi2_functions();
+  const Fmi3Functions& fmi3_functions();
   /// The kind of its instances. Throws InputError if the FMU does not offer the wished one.
   FmuKind kind() const;
   /// The shared library for this platform, whether it is there or not.
@@ -97,12 +102,16 @@ class Fmu {
   bool first_to_tell_of_floats() { return !told_of_floats_.exchange(true); }
   /// Where the FMU finds its files, as fmi2Instantiate wants it: a `file:///` URI.
   std::string resource_uri() const;
+  /// The same as fmi3Instantiate... wants it: a path that ends with a separator; empty if the FMU has no such folder.
+  std::string resource_path() const;
 
  private:
   static constexpr int kMostWatched = 32;
 
   void load();
-  void check_version() const;
+  void find_functions();
+  void check_fmi2_version() const;
+  void check_fmi3_version() const;
   std::size_t threads_left() const;
 
   std::filesystem::path archive_;
@@ -125,7 +134,10 @@ class Fmu {
   mutable std::mutex elsewhere_mutex_;
   std::string difference_elsewhere_;
   std::atomic<bool> told_of_floats_{false};
-  std::unique_ptr<Fmi2Functions> functions_;
+  std::unique_ptr<Fmi2Functions> fmi2_functions_;
+  std::unique_ptr<Fmi3Functions> fmi3_functions_;
+  std::mutex models_mutex_;
+  std::map<modeldesc::StructuralValues, std::weak_ptr<const modeldesc::ModelDescription>> models_;
 };
 
 /// Opens each archive once, however many instances come from it, in however many runs one after the other.
@@ -146,6 +158,9 @@ std::string file_uri(const std::filesystem::path& path);
 
 /// What fmi2GetTypesPlatform must say: the sizes of the standard's own header.
 inline constexpr const char* kTypesPlatform = "default";
+
+/// As load_functions(), for FMI 3.0.
+Fmi3Functions load_fmi3_functions(void* library, const std::string& archive);
 
 /// Looks the functions up in a library from dlopen. Throws InputError listing those that are missing and without which
 /// no simulation of this kind runs (`mebots check` asks for all); `archive` names the FMU in it.

@@ -283,13 +283,13 @@ Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk) {
   try {
     needs = read_library_needs(fmu->library_file(), fmu->folder(), present);
   } catch (const Error&) {
-    static_cast<void>(fmu->functions());  // the loader says what is wrong
+    fmu->require_library();  // the loader says what is wrong
     return loaded;
   }
   auto reason = ProcessComparison(needs, present, residents.all, residents.archives).reason();
   if (reason && (reason->certain || risk == Risk::refuse)) return *reason;
   if (!needs.interpreter.empty()) fmu->keep_loaded();
-  static_cast<void>(fmu->functions());
+  fmu->require_library();
   residents.add(fmu, std::move(needs));
   if (!reason) return loaded;
   reason->loaded = true;

@@ -36,13 +36,6 @@ std::optional<modeldesc::ModelDescription> read_description(const std::filesyste
   }
 }
 
-modeldesc::ModelDescription require_fmi2(modeldesc::ModelDescription description,
-                                         const std::filesystem::path& archive) {
-  if (description.fmi_version == "2.0") return description;
-  throw InputError(ErrorCode::fmu_unsupported, fmt::format("{}: this FMU is of FMI version '{}'; FMI 2.0 is supported",
-                                                           archive.string(), description.fmi_version));
-}
-
 /// Throws the error as one of the archive, rather than of the temporary copy of a file in it.
 [[noreturn]] void throw_as_input(const Error& error, const std::filesystem::path& archive,
                                  const std::filesystem::path& file) {
@@ -65,7 +58,7 @@ modeldesc::ModelDescription unpack_fmu(const std::filesystem::path& archive, con
                        fmt::format("{}: this is not an FMU: {}", archive.string(),
                                    modeldesc::why_missing(folder, file.filename().string())));
     }
-    return require_fmi2(modeldesc::read_xml(file), archive);
+    return modeldesc::read_xml(file);
   } catch (const InputError&) {
     throw;
   } catch (const Error& error) {
@@ -75,8 +68,7 @@ modeldesc::ModelDescription unpack_fmu(const std::filesystem::path& archive, con
 
 modeldesc::ModelDescription read_fmu_description(const std::filesystem::path& archive) {
   try {
-    if (const auto text = description_text(archive))
-      return require_fmi2(modeldesc::read_xml_text(*text, kDescription), archive);
+    if (const auto text = description_text(archive)) return modeldesc::read_xml_text(*text, kDescription);
   } catch (const InputError&) {
     throw;
   } catch (const Error& error) {

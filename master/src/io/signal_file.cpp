@@ -43,11 +43,14 @@ double real_cell(const CsvReader& reader, const WantedSignal& wanted) {
 
 /// Spreadsheets and programs write whole numbers as 3.0 and Booleans as TRUE.
 WrittenValue as_written(std::string_view cell, Type type) {
-  if (type == Type::string) return std::string(cell);
+  if (type == Type::string || type == Type::binary) return std::string(cell);
   const auto text = data::trimmed(cell);
   if (type == Type::boolean) {
     const auto word = lower(text);
     if (word == "true" || word == "false") return word == "true";
+  }
+  if (fmi::is_whole(type)) {
+    if (const auto whole = data::csv_number<std::int64_t>(text)) return *whole;
   }
   const auto number = data::csv_number<double>(text);
   constexpr double kMostWhole = 1e15;
@@ -73,9 +76,9 @@ modeldesc::Value other_cell(const CsvReader& reader, const WantedSignal& wanted)
 }
 
 Signal::Values no_values(Type type) {
-  if (type == Type::real) return std::vector<double>();
-  if (type == Type::string) return std::vector<std::string>();
-  return std::vector<std::int32_t>();
+  if (fmi::is_float(type)) return std::vector<double>();
+  if (type == Type::string || type == Type::binary) return std::vector<std::string>();
+  return std::vector<std::int64_t>();
 }
 
 void append(Signal::Values& values, const CsvReader& reader, const WantedSignal& wanted) {
@@ -89,8 +92,8 @@ void append(Signal::Values& values, const CsvReader& reader, const WantedSignal&
     return;
   }
   const auto* flag = std::get_if<bool>(&value);
-  std::get<std::vector<std::int32_t>>(values).push_back(flag != nullptr ? (*flag ? 1 : 0)
-                                                                        : std::get<std::int32_t>(value));
+  std::get<std::vector<std::int64_t>>(values).push_back(flag != nullptr ? (*flag ? 1 : 0)
+                                                                        : std::get<std::int64_t>(value));
 }
 
 }  // namespace
@@ -176,7 +179,7 @@ std::vector<std::shared_ptr<const Signal>> SignalFile::read(std::span<const Want
   std::vector<std::shared_ptr<const Signal>> signals;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     const auto& variable = *wanted[i].variable;
-    const bool linear = variable.type == Type::real && variable.variability == Variability::continuous;
+    const bool linear = fmi::is_float(variable.type) && variable.variability == Variability::continuous;
     signals.push_back(std::make_shared<const Signal>(times, std::move(values[i]), linear));
   }
   return signals;

@@ -55,7 +55,7 @@ Override checked(const ResolvedSystem& system, const OverrideDescription& descri
       check_limits(description, variable, description.number);
       [[fallthrough]];
     default:
-      if (variable.type != Type::real) {
+      if (!fmi::is_float(variable.type)) {
         fail(description, fmt::format("is of type {}; '{}' works on Real variables. Use 'set' or 'freeze'",
                                       modeldesc::to_string(variable.type), action_text(description)));
       }

@@ -23,8 +23,10 @@ std::optional<PictureSide> side(const ResolvedSystem& system, const VariableName
   for (const auto& start : instance.starts) {
     if (start.variable == variable) value = start.value;
   }
-  const auto* pixels = std::get_if<std::int32_t>(&value);
-  return pixels == nullptr ? std::nullopt : std::optional(PictureSide{frame.instance + "." + parameter, *pixels});
+  const auto* pixels = std::get_if<std::int64_t>(&value);
+  return pixels == nullptr
+             ? std::nullopt
+             : std::optional(PictureSide{frame.instance + "." + parameter, static_cast<std::int32_t>(*pixels)});
 }
 
 }  // namespace

@@ -133,10 +133,11 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
     const auto& variable = *candidate.variable;
     const bool shown =
         variable.causality == Causality::output || (record.locals && variable.causality == Causality::local);
-    const bool output = shown && (variable.type != Type::string || record.texts);
+    if (is_clocked(variable)) return;
+    const bool output = shown && (is_number(variable.type) || (variable.type == Type::string && record.texts));
     const auto fit = wanted.fit(name);
-    // A pattern that names one variable outright may name any; one with a star means outputs, and texts
-    // only where the config wants them. An FMU may make a text at some cost when it is read.
+    // A pattern that names one variable outright may name any; one with a star means outputs, texts only if the config
+    // asks for them, and no binaries. An FMU may make a text at some cost when it is read.
     const bool by_pattern = record.patterns ? fit == Patterns::Fit::pattern : true;
     if (output || variable.causality == Causality::output) names.push_back(name);
     if (fit != Patterns::Fit::outright && !(output && by_pattern)) return;
@@ -159,6 +160,7 @@ std::vector<ResolvedVariable> recorded_parameters(const ResolvedSystem& system) 
   for_each_variable(system, [&](const ResolvedVariable& candidate, const std::string& name) {
     const auto causality = candidate.variable->causality;
     const bool parameter = causality == Causality::parameter || causality == Causality::calculated_parameter ||
+                           causality == Causality::structural_parameter ||
                            candidate.variable->variability == Variability::constant;
     if (!parameter) return;
     names.push_back(name);

@@ -39,9 +39,11 @@ std::string why_not_settable(const Variable& variable) {
   if (variable.variability == Variability::constant) return "it is a constant";
   switch (variable.causality) {
     case Causality::parameter:
+    case Causality::structural_parameter:
     case Causality::input:
       return {};
     case Causality::calculated_parameter:
+    case Causality::dependent:
       return "it is calculated from other parameters";
     case Causality::independent:
       return "it is the FMU's time";

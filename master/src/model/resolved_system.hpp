@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/modeldesc/array_elements.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 #include "model/run_course.hpp"
 #include "model/signal.hpp"
@@ -39,8 +40,8 @@ struct StartValue {
 
 /// What an input gets for a value of an Integer, Enumeration (by number) or Boolean (0, 1).
 struct ValuePair {
-  std::int32_t from = 0;
-  std::int32_t to = 0;
+  std::int64_t from = 0;
+  std::int64_t to = 0;
 
   bool operator==(const ValuePair&) const = default;
 };
@@ -69,8 +70,9 @@ struct Interpreter {
 
 struct ResolvedInstance {
   const InstanceDescription* description = nullptr;
-  std::shared_ptr<Fmu> fmu;                            ///< a handle for fmi/ and above; nothing of model/ uses it
-  const modeldesc::ModelDescription* model = nullptr;  ///< the FMU's, kept by `fmu`
+  std::shared_ptr<Fmu> fmu;                ///< a handle for fmi/ and above; nothing of model/ uses it
+  modeldesc::StructuralValues structural;  ///< of structural parameters (FMI 3.0) that the system sets
+  std::shared_ptr<const modeldesc::ModelDescription> model;  ///< the FMU's, with elements in place of arrays
   FmuKind kind = FmuKind::co_simulation;
   IsolationDescription isolation;  ///< as described, or its own process if the FMU cannot share one
   Interpreter interpreter;         ///< of an FMU in its own process

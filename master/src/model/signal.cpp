@@ -57,7 +57,7 @@ Signal::Value Signal::at(const SignalTime& time, SignalSide side, std::size_t& n
   } else {
     near = row;
   }
-  if (const auto* numbers = std::get_if<std::vector<std::int32_t>>(&values_)) return (*numbers)[row];
+  if (const auto* numbers = std::get_if<std::vector<std::int64_t>>(&values_)) return (*numbers)[row];
   return std::get<std::vector<std::string>>(values_)[row];
 }
 

@@ -44,8 +44,8 @@ class SignalTimes {
 /// Booleans as 0 and 1) or texts. Before the first row it has the first value, after the last row the last one.
 class Signal {
  public:
-  using Values = std::variant<std::vector<double>, std::vector<std::int32_t>, std::vector<std::string>>;
-  using Value = std::variant<double, std::int32_t, std::string>;
+  using Values = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>>;
+  using Value = std::variant<double, std::int64_t, std::string>;
 
   /// `values` has one value for each time. If `linear`, Reals are interpolated between rows; else each value is held
   /// until the next row.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "mebots/hexadecimal.hpp"
 #include "mebots/nearest_names.hpp"
 #include "model/resolved_system.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 
@@ -52,15 +54,23 @@ double real_value(const WrittenValue& written, const Complaint& complaint) {
   return *value;
 }
 
-std::int32_t integer_value(const WrittenValue& written, const Complaint& complaint, std::string_view wanted) {
+/// Within the range of the variable's type; a UInt64 above 2^63 by its bits, which only an untyped text can state.
+std::int64_t whole_value(Type type, const WrittenValue& written, const Complaint& complaint, std::string_view wanted) {
   std::optional<std::int64_t> value;
   if (const auto* number = std::get_if<std::int64_t>(&written)) value = *number;
-  if (const auto* text = std::get_if<UntypedText>(&written)) value = parsed<std::int64_t>(text->text);
-  if (!value) complaint.wrong_type(wanted);
-  if (*value < std::numeric_limits<std::int32_t>::min() || *value > std::numeric_limits<std::int32_t>::max()) {
-    complaint.wrong_type("a whole number of 32 bits");
+  if (const auto* text = std::get_if<UntypedText>(&written)) {
+    value = parsed<std::int64_t>(text->text);
+    if (!value && type == Type::uint64) {
+      if (const auto large = parsed<std::uint64_t>(text->text)) return static_cast<std::int64_t>(*large);
+    }
   }
-  return static_cast<std::int32_t>(*value);
+  if (!value) complaint.wrong_type(wanted);
+  const auto limits = fmi::limits_of(type);
+  if (*value < limits.low || (*value > 0 && static_cast<std::uint64_t>(*value) > limits.high)) {
+    complaint.wrong_type(type == Type::integer ? std::string("a whole number of 32 bits")
+                                               : fmt::format("a whole number from {} to {}", limits.low, limits.high));
+  }
+  return *value;
 }
 
 bool boolean_value(const WrittenValue& written, const Complaint& complaint) {
@@ -72,7 +82,7 @@ bool boolean_value(const WrittenValue& written, const Complaint& complaint) {
   complaint.wrong_type("true or false");
 }
 
-std::int32_t enumeration_value(const modeldesc::ModelDescription& description, const Variable& variable,
+std::int64_t enumeration_value(const modeldesc::ModelDescription& description, const Variable& variable,
                                const WrittenValue& written, const Complaint& complaint) {
   const auto* type = description.type_definition(variable.declared_type);
   static const std::vector<modeldesc::EnumerationItem> kNoItems;
@@ -93,13 +103,22 @@ std::int32_t enumeration_value(const modeldesc::ModelDescription& description, c
                    fmt::format("'{}' is not an item of the enumeration '{}' of '{}'. {}", *name, variable.declared_type,
                                variable.name, suggest(*name, names)));
   }
-  const auto number = integer_value(written, complaint, "the name or the number of an item");
+  const auto number = whole_value(Type::int64, written, complaint, "the name or the number of an item");
   for (const auto& item : items) {
     if (item.value == number) return number;
   }
   complaint.fail(ErrorCode::unknown_name,
                  fmt::format("{} is the number of no item of the enumeration '{}' of '{}'. {}", number,
                              variable.declared_type, variable.name, suggest("", names)));
+}
+
+/// Written as pairs of hexadecimal digits.
+std::string binary_value(const WrittenValue& written, const Complaint& complaint) {
+  const auto* text = std::get_if<std::string>(&written);
+  if (const auto* untyped = std::get_if<UntypedText>(&written)) text = &untyped->text;
+  const auto bytes = text == nullptr ? std::nullopt : bytes_of_hexadecimal(*text);
+  if (!bytes) complaint.wrong_type("bytes as pairs of hexadecimal digits, such as \"0aff\"");
+  return *bytes;
 }
 
 }  // namespace
@@ -117,22 +136,26 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
                      fmt::format("{} is above the maximum {} of '{}'", value, *variable.max, variable.name));
     }
   };
-  switch (variable.type) {
-    case Type::real: {
-      const auto value = real_value(written, complaint);
+  if (variable.type == Type::enumeration) return enumeration_value(description, variable, written, complaint);
+  switch (kind_of(variable.type)) {
+    case ValueKind::real: {
+      auto value = real_value(written, complaint);
+      if (variable.type == Type::float32) value = static_cast<float>(value);
       check_limits(value);
       return value;
     }
-    case Type::integer: {
-      const auto value = integer_value(written, complaint, "a whole number");
-      check_limits(value);
+    case ValueKind::integer: {
+      const auto value = whole_value(variable.type, written, complaint, "a whole number");
+      check_limits(static_cast<double>(value));
       return value;
     }
-    case Type::enumeration:
-      return enumeration_value(description, variable, written, complaint);
-    case Type::boolean:
+    case ValueKind::boolean:
       return boolean_value(written, complaint);
-    case Type::string:
+    case ValueKind::binary:
+      return binary_value(written, complaint);
+    case ValueKind::clock:
+      complaint.fail(ErrorCode::wrong_type, fmt::format("'{}' is a Clock, which has no value to set", variable.name));
+    case ValueKind::string:
       break;
   }
   const auto* text = std::get_if<std::string>(&written);
@@ -149,7 +172,7 @@ std::string value_text(const modeldesc::Value& value) {
   struct Text {
     std::string operator()(std::monostate /*none*/) const { return ""; }
     std::string operator()(double number) const { return fmt::format("{}", number); }
-    std::string operator()(std::int32_t number) const { return fmt::format("{}", number); }
+    std::string operator()(std::int64_t number) const { return fmt::format("{}", number); }
     std::string operator()(bool flag) const { return flag ? "true" : "false"; }
     std::string operator()(const std::string& text) const { return text; }
   };

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 /// How values travel between the master and an FMU.
@@ -16,23 +18,43 @@ namespace mebots::master {
 /// FMI's handle of a variable.
 using ValueReference = std::uint32_t;
 
-/// The types of FMI's access functions. Enumerations travel as Integers, Booleans as 0 and 1.
-enum class ValueKind { real, integer, boolean, string };
+/// How the master holds a value, whatever version of FMI it comes from:
+/// real: Float64 and Float32, as double; integer: whole numbers of 8 to 64 bits and enumerations, as std::int64_t
+/// (UInt64 by its bits); boolean: 0 and 1; string: text; binary: bytes in a std::string; clock: active or not, in
+/// events only.
+enum class ValueKind : std::uint8_t { real, integer, boolean, string, binary, clock };
 
 constexpr ValueKind kind_of(modeldesc::Type type) {
+  using modeldesc::Type;
   switch (type) {
-    case modeldesc::Type::real:
+    case Type::real:
+    case Type::float32:
       return ValueKind::real;
-    case modeldesc::Type::boolean:
+    case Type::boolean:
       return ValueKind::boolean;
-    case modeldesc::Type::string:
+    case Type::string:
       return ValueKind::string;
-    case modeldesc::Type::integer:
-    case modeldesc::Type::enumeration:
-      break;
+    case Type::binary:
+      return ValueKind::binary;
+    case Type::clock:
+      return ValueKind::clock;
+    default:
+      return ValueKind::integer;
   }
-  return ValueKind::integer;
 }
+
+/// True for types whose values are numbers or Booleans.
+constexpr bool is_number(modeldesc::Type type) {
+  return kind_of(type) == ValueKind::real || kind_of(type) == ValueKind::integer || kind_of(type) == ValueKind::boolean;
+}
+
+/// True for variables that can be read and set only when a clock ticks: Clocks, and variables that belong to one.
+inline bool is_clocked(const modeldesc::Variable& variable) {
+  return variable.type == modeldesc::Type::clock || !variable.fmi3->clocks.empty();
+}
+
+/// The text of a whole number; for UInt64 without a sign.
+std::string whole_text(modeldesc::Type type, std::int64_t value);
 
 /// One bit per ValueKind.
 using KindSet = std::uint8_t;

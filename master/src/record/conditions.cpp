@@ -28,7 +28,7 @@ std::string shown(const modeldesc::ModelDescription& model, const modeldesc::Var
   if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   if (const auto* text = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *text);
-  const auto number = std::get<std::int32_t>(value);
+  const auto number = std::get<std::int64_t>(value);
   if (const auto* type = model.type_definition(variable.declared_type); type != nullptr) {
     for (const auto& item : type->items) {
       if (item.value == number) return item.name;
@@ -48,7 +48,7 @@ Condition::Condition(const ResolvedSystem& system, Ensemble& ensemble, const Con
   if (comparison_ == Comparison::equals) {
     const auto typed = typed_value(model, variable, description.value, description.place + "/equals");
     if (const auto* number = std::get_if<double>(&typed)) number_ = *number;
-    if (const auto* number = std::get_if<std::int32_t>(&typed)) number_ = *number;
+    if (const auto* number = std::get_if<std::int64_t>(&typed)) number_ = *number;
     if (const auto* flag = std::get_if<bool>(&typed)) number_ = *flag ? 1 : 0;
     if (const auto* text = std::get_if<std::string>(&typed)) string_ = *text;
     value = shown(model, variable, typed);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record/recorder.hpp"
 
+#include "mebots/hexadecimal.hpp"
 #include "message/message_text.hpp"
 #include "model/resolved_system.hpp"
 #include "record/sink/csv_sink.hpp"
@@ -25,9 +26,12 @@ std::string value_text(Slave& slave, const modeldesc::Variable& variable) {
     case ValueKind::real:
       return fmt::format("{}", one<double>([&](auto r, auto v) { slave.get_reals(r, v); }, reference));
     case ValueKind::integer:
-      return fmt::format("{}", one<std::int32_t>([&](auto r, auto v) { slave.get_integers(r, v); }, reference));
+      return whole_text(variable.type, one<std::int64_t>([&](auto r, auto v) { slave.get_integers(r, v); }, reference));
     case ValueKind::boolean:
-      return one<std::int32_t>([&](auto r, auto v) { slave.get_booleans(r, v); }, reference) == 0 ? "0" : "1";
+      return one<std::int64_t>([&](auto r, auto v) { slave.get_booleans(r, v); }, reference) == 0 ? "0" : "1";
+    case ValueKind::binary:
+      return hexadecimal(one<std::string>([&](auto r, auto v) { slave.get_binaries(r, v); }, reference));
+    case ValueKind::clock:  // recorded_parameters() has none
     case ValueKind::string:
       break;
   }

@@ -89,7 +89,8 @@ std::optional<std::string> PictureRecorder::reached(const Point& point) {
 }
 
 void PictureRecorder::write(const Point& point) const {
-  const fmu::BinaryRef frame{ensemble_->integer(base_lo_), ensemble_->integer(base_hi_), ensemble_->integer(size_)};
+  const auto part = [&](SignalId id) { return static_cast<std::int32_t>(ensemble_->integer(id)); };
+  const fmu::BinaryRef frame{part(base_lo_), part(base_hi_), part(size_)};
   const auto pixels = frame.bytes();
   if (pixels.empty()) return;
   const auto width = static_cast<std::size_t>(pictures_.width);

@@ -2,6 +2,7 @@
 #include "record/recorder.hpp"
 
 #include "mebots/assert.hpp"
+#include "mebots/hexadecimal.hpp"
 #include "message/message_text.hpp"
 #include "model/resolved_system.hpp"
 
@@ -13,13 +14,20 @@ namespace {
 /// Bytes of text after which it is handed on even so.
 constexpr std::size_t kBlockTextBytes = 1 << 20;
 
+/// The type of a column: enumerations of FMI 3.0 have 64 bits.
+modeldesc::Type recorded_type(const ResolvedSystem& system, const ResolvedVariable& variable) {
+  const auto type = variable.variable->type;
+  const bool is_wide = type == modeldesc::Type::enumeration && system.instances[variable.instance].model->is_fmi3();
+  return is_wide ? modeldesc::Type::int64 : type;
+}
+
 }  // namespace
 
 Recorder::Recorder(const ResolvedSystem& system, Ensemble& ensemble)
     : ensemble_(&ensemble), grid_(system.description->grid()), every_steps_(system.description->record.every_steps) {
   for (const auto& variable : recorded_variables(system)) {
     signals_.push_back(ensemble.watch(variable));
-    columns_.push_back({system.text(variable), variable.variable->unit, signals_.back().kind});
+    columns_.push_back({system.text(variable), variable.variable->unit, recorded_type(system, variable)});
   }
   block_.cells_per_row = columns_.size() + 1;
   MEBOTS_ASSERT(every_steps_ > 0, "the reader refuses an interval below the step");
@@ -46,9 +54,14 @@ void Recorder::find_sources() {
       case ValueKind::integer:
         source.integer = &ensemble_->integer(signal);
         break;
+      case ValueKind::binary:
+        source.binary = true;
+        [[fallthrough]];
       case ValueKind::string:
         source.text = &ensemble_->string(signal);
         break;
+      case ValueKind::clock:
+        MEBOTS_ASSERT(false, "recorded_variables() leaves clocks out");
     }
     sources_.push_back(source);
   }
@@ -78,7 +91,7 @@ void Recorder::write_row(const Point& point) {
       *cell++ = static_cast<std::uint64_t>(source.boolean ? std::int64_t{value != 0} : value);
     } else {
       *cell++ = block_.texts.size();
-      block_.texts.push_back(valid_utf8(*source.text));
+      block_.texts.push_back(source.binary ? hexadecimal(*source.text) : valid_utf8(*source.text));
       text_bytes_ += source.text->size() + sizeof(std::string);
     }
   }

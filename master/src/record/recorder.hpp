@@ -39,7 +39,8 @@ class Recorder final : public Observer {
   /// Where a column's value lies; one of the three.
   struct Source {
     const double* real = nullptr;
-    const std::int32_t* integer = nullptr;
+    const std::int64_t* integer = nullptr;
+    bool binary = false;  // the text is bytes, which are written as hexadecimal digits
     const std::string* text = nullptr;
     bool boolean = false;
   };
@@ -106,7 +107,7 @@ class PictureRecorder final : public Observer {
   SignalId size_;
   SignalId id_;
   bool has_folder_ = false;
-  std::int32_t last_id_ = 0;
+  std::int64_t last_id_ = 0;
   std::optional<std::int64_t> last_ns_;  // when a picture was written
 };
 

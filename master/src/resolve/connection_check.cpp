@@ -21,12 +21,25 @@ using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// The FMI types whose every value is also one of `to`: going there loses nothing. Not every Integer is an item of an
-/// Enumeration: that is looked at in every step.
-bool widens(Type from, Type to) {
-  if (to == Type::enumeration) return from == Type::integer;
-  if (to == Type::real) return from == Type::integer || from == Type::enumeration || from == Type::boolean;
-  return to == Type::integer && (from == Type::enumeration || from == Type::boolean);
+/// The whole numbers that a floating-point type has exactly: up to 2^53 or 2^24.
+fmi::WholeLimits exact_range(Type type) {
+  constexpr std::int64_t kExactInDouble = std::int64_t{1} << 53;
+  constexpr std::int64_t kExactInFloat = std::int64_t{1} << 24;
+  const auto most = type == Type::float32 ? kExactInFloat : kExactInDouble;
+  return {-most, static_cast<std::uint64_t>(most)};
+}
+
+/// The values that a variable of whole numbers can have: those of its type, or from its first to its last item.
+fmi::WholeLimits range_of(const modeldesc::ModelDescription& model, const Variable& variable) {
+  if (variable.type == Type::boolean) return {0, 1};
+  const auto* type = variable.type == Type::enumeration ? model.type_definition(variable.declared_type) : nullptr;
+  if (type == nullptr || type->items.empty()) return fmi::limits_of(variable.type);
+  const auto [low, high] = std::ranges::minmax(type->items, {}, &modeldesc::EnumerationItem::value);
+  return {low.value, static_cast<std::uint64_t>(std::max<std::int64_t>(high.value, 0))};
+}
+
+bool is_within(const fmi::WholeLimits& inner, const fmi::WholeLimits& outer) {
+  return inner.low >= outer.low && inner.high <= outer.high;
 }
 
 /// Checks one scalar connection and finds out what is to be done to the value on its way.
@@ -41,6 +54,7 @@ class ConnectionCheck {
         to_(*connection.to.variable) {}
 
   ResolvedConnection run() {
+    check_clocks();
     check_causalities();
     check_types();
     check_units();
@@ -64,6 +78,15 @@ class ConnectionCheck {
     return *system_.instances[variable.instance].model;
   }
 
+  void check_clocks() const {
+    for (const auto* end : {&from_, &to_}) {
+      if (is_clocked(*end)) {
+        fail(fmt::format("'{}' {}, and mebots does not support clocks; connect variables without a clock", end->name,
+                         end->type == Type::clock ? "is a Clock" : "belongs to a Clock"));
+      }
+    }
+  }
+
   void check_causalities() const {
     if (from_.causality != Causality::output) {
       fail(fmt::format("a connection starts at an output, and '{}' is of causality {}", from_.name,
@@ -81,10 +104,10 @@ class ConnectionCheck {
     } else if (from_.type != to_.type) {
       const auto from_type = modeldesc::to_string(from_.type);
       const auto to_type = modeldesc::to_string(to_.type);
-      if (connection_.pointer || !widens(from_.type, to_.type)) {
+      if (connection_.pointer || !widens()) {
         fail(
-            fmt::format("the types differ: {} and {}; only Boolean and Enumeration go into an Integer, Integer into an "
-                        "Enumeration, and all of these into a Real",
+            fmt::format("the types differ: {} and {}; an input must have every value of the output's type: Boolean and "
+                        "Enumeration go into an Integer, Integer into an Enumeration, all of these into a Real",
                         from_type, to_type));
       }
       notice_ = fmt::format("{}: {} becomes {}", names(), from_type, to_type);
@@ -95,10 +118,22 @@ class ConnectionCheck {
     }
   }
 
+  /// True if every value of the output is a value of the input's type, so that nothing is lost. Not every whole number
+  /// is an item of an enumeration: Ensemble checks that in every step.
+  bool widens() const {
+    const bool from_whole = fmi::is_whole(from_.type) || from_.type == Type::boolean;
+    if (fmi::is_float(to_.type)) {
+      if (fmi::is_float(from_.type)) return to_.type == Type::real;
+      return from_whole && is_within(range_of(model(connection_.from), from_), exact_range(to_.type));
+    }
+    if (!from_whole || !fmi::is_whole(to_.type)) return false;
+    if (to_.type == Type::enumeration) return fmi::is_whole(from_.type);
+    return is_within(range_of(model(connection_.from), from_), fmi::limits_of(to_.type));
+  }
+
   void read_map() {
-    const auto discrete = [](Type type) { return type == Type::integer || type == Type::enumeration; };
     const bool flags = from_.type == Type::boolean && to_.type == Type::boolean;
-    if (connection_.pointer || (!flags && !(discrete(from_.type) && discrete(to_.type)))) {
+    if (connection_.pointer || (!flags && !(fmi::is_whole(from_.type) && fmi::is_whole(to_.type)))) {
       fail(
           fmt::format("a map goes from Boolean to Boolean, or between Integer and Enumeration, and these are {} and {}",
                       modeldesc::to_string(from_.type), modeldesc::to_string(to_.type)));
@@ -115,9 +150,9 @@ class ConnectionCheck {
     }
   }
 
-  static std::int32_t number(const modeldesc::Value& value) {
+  static std::int64_t number(const modeldesc::Value& value) {
     if (const auto* flag = std::get_if<bool>(&value)) return *flag ? 1 : 0;
-    return std::get<std::int32_t>(value);
+    return std::get<std::int64_t>(value);
   }
 
   std::vector<std::string> items(const ResolvedVariable& end) const {
@@ -163,12 +198,12 @@ class ConnectionCheck {
 
   void apply_transformation() {
     connection_.sum = description_.sum;
-    if (description_.sum && to_.type != Type::real) {
+    if (description_.sum && !fmi::is_float(to_.type)) {
       fail(fmt::format("a sum needs an input of type Real, and '{}' is of type {}", to_.name,
                        modeldesc::to_string(to_.type)));
     }
     if (description_.factor == 1 && description_.offset == 0) return;
-    if (to_.type != Type::real) {
+    if (!fmi::is_float(to_.type)) {
       fail(fmt::format("factor and offset need an input of type Real, and '{}' is of type {}", to_.name,
                        modeldesc::to_string(to_.type)));
     }
@@ -226,7 +261,50 @@ ResolvedConnection plain_connection(const ResolvedVariable& from, const Resolved
   return connection;
 }
 
+/// The elements of an array variable in row-major order, empty for another name.
+std::vector<ResolvedVariable> elements_of(const ResolvedSystem& system, const VariableName& name) {
+  const auto instance = system.description->index_of(name.instance);
+  if (!instance) return {};
+  std::vector<ResolvedVariable> elements;
+  for (const auto& variable : system.instances[*instance].model->variables) {
+    if (variable.fmi3->element && variable.fmi3->element->array == name.variable) {
+      elements.push_back({*instance, &variable});
+    }
+  }
+  return elements;
+}
+
+/// "[3]" of the element `y[3]` of the array `y`.
+std::string_view indices_of(const ResolvedVariable& element) {
+  return std::string_view(element.variable->name).substr(element.variable->fmi3->element->array.size());
+}
+
+/// The connections between the elements of two arrays; empty if neither name is an array's.
+std::vector<ResolvedConnection> array_connections(const ResolvedSystem& system,
+                                                  const ConnectionDescription& connection) {
+  const auto from = elements_of(system, connection.from);
+  const auto to = elements_of(system, connection.to);
+  if (from.empty() && to.empty()) return {};
+  const bool same = std::ranges::equal(from, to, {}, indices_of, indices_of);
+  if (!same) {
+    const auto shape = [](const std::vector<ResolvedVariable>& elements) {
+      return elements.empty() ? std::string("a scalar or unknown")
+                              : fmt::format("an array up to {}", indices_of(elements.back()));
+    };
+    throw InputError(
+        ErrorCode::invalid_connection,
+        fmt::format("{}: {} is {}, but {} is {}; connect arrays of the same sizes, or single elements such "
+                    "as '{}[1]'",
+                    connection.place, connection.from.text(), shape(from), connection.to.text(), shape(to),
+                    (from.empty() ? connection.to : connection.from).text()));
+  }
+  std::vector<ResolvedConnection> result;
+  for (std::size_t i = 0; i < from.size(); ++i) result.push_back(plain_connection(from[i], to[i], false));
+  return result;
+}
+
 std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const ConnectionDescription& connection) {
+  if (auto elements = array_connections(system, connection); !elements.empty()) return elements;
   const bool from_scalar = is_scalar(system, connection.from);
   const bool to_scalar = is_scalar(system, connection.to);
   const auto from_parts = from_scalar ? std::nullopt : binary_parts(system, connection.from);

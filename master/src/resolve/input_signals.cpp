@@ -35,7 +35,7 @@ class ColumnUnit {
 
   /// value in the variable's unit = factor * cell + offset
   modeldesc::UnitConversion conversion() const {
-    if (variable_.type != Type::real)
+    if (!fmi::is_float(variable_.type))
       refuse(fmt::format("a variable of type {} has no unit", to_string(variable_.type)));
     if (unit_ == variable_.unit || variable_.unit.empty()) return {};
     const auto* to = model_.unit(variable_.unit);
@@ -214,7 +214,7 @@ class SignalReader {
     const auto& unit = title.unit.empty() ? written : title.unit;
     if (unit.empty()) return;
     const auto name = system_.text(use.variable);
-    if (wanted.variable->type == Type::real && wanted.variable->unit.empty()) {
+    if (fmi::is_float(wanted.variable->type) && wanted.variable->unit.empty()) {
       system_.notices.push_back(
           fmt::format("{}: '{}' is in [{}], and '{}' has no unit, so it gets the numbers as they are",
                       opened.file.name(), title.name, unit, name));

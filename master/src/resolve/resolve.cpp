@@ -29,7 +29,8 @@ std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
   std::vector<StartValue> result;
   for (const auto& variable : description.variables) {
     const auto found = starts.find(variable.name);
-    if (found != starts.end()) result.push_back(found->second);
+    if (found == starts.end() || variable.causality == Causality::structural_parameter) continue;
+    result.push_back(found->second);
   }
   return result;
 }
@@ -176,6 +177,15 @@ void note_open_inputs(ResolvedSystem& system) {
   }
 }
 
+void refuse_model_exchange_of_fmi3(const ResolvedInstance& instance) {
+  if (instance.kind != FmuKind::model_exchange || !instance.model->is_fmi3()) return;
+  throw InputError(
+      ErrorCode::fmu_unsupported,
+      fmt::format("{}: model exchange of FMI 3.0 is not supported; export the FMU for co-simulation, or for "
+                  "FMI 2.0",
+                  instance.fmu->archive().string()));
+}
+
 }  // namespace
 
 void with_place_of_fmu(const InstanceDescription& instance, const std::function<void()>& work) {
@@ -192,6 +202,18 @@ std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& l
   return fmu;
 }
 
+modeldesc::StructuralValues structural_values(const InstanceDescription& instance,
+                                              const modeldesc::ModelDescription& description) {
+  modeldesc::StructuralValues values;
+  for (const auto& assignment : instance.parameters) {
+    const auto* variable = description.find(assignment.variable);
+    if (variable == nullptr || variable->causality != Causality::structural_parameter) continue;
+    const auto start = checked_start(instance, description, assignment);
+    values[variable->value_reference] = static_cast<std::uint64_t>(std::get<std::int64_t>(start.value));
+  }
+  return values;
+}
+
 ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library,
                        const std::atomic<bool>& interrupted) {
   ResolvedSystem system;
@@ -203,8 +225,12 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     stop_if_interrupted(interrupted);
     resolved.description = &instance;
     resolved.fmu = open_fmu(instance, library);
-    resolved.model = &resolved.fmu->description();
-    with_place_of_fmu(instance, [&] { resolved.kind = resolved.fmu->kind(); });
+    resolved.structural = structural_values(instance, resolved.fmu->description());
+    with_place_of_fmu(instance, [&] {
+      resolved.model = resolved.fmu->model(resolved.structural);
+      resolved.kind = resolved.fmu->kind();
+      refuse_model_exchange_of_fmi3(resolved);
+    });
     resolved.isolation = instance.isolation;
     if (resolved.implementation().needs_execution_tool) {
       system.notices.push_back(fmt::format(

@@ -24,4 +24,8 @@ std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& l
 /// Runs `work`; an InputError from it gets the place in the config that names the FMU.
 void with_place_of_fmu(const InstanceDescription& instance, const std::function<void()>& work);
 
+/// The values of an instance's structural parameters (FMI 3.0) that its description sets. Throws InputError.
+modeldesc::StructuralValues structural_values(const InstanceDescription& instance,
+                                              const modeldesc::ModelDescription& description);
+
 }  // namespace mebots::master

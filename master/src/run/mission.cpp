@@ -197,7 +197,7 @@ double Mission::value(std::string_view variable) {
     throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is a String: ask for its text", variable));
   }
   double real[1] = {};
-  std::int32_t number[1] = {};
+  std::int64_t number[1] = {};
   door_->run->call(instance, "value()", [&](Slave& slave) {
     if (kind == ValueKind::real) slave.get_reals(reference, real);
     if (kind == ValueKind::integer) slave.get_integers(reference, number);

@@ -138,16 +138,22 @@ void Run::listen(MessageHub::Listener listener) {
   messages_.add(std::move(listener));
 }
 
+/// The description of the instance's FMU, for the structural parameters that are set so far.
+std::shared_ptr<const modeldesc::ModelDescription> Run::model_of(const InstanceDescription& instance) const {
+  const auto fmu = open_fmu(instance, *library_);
+  return fmu->model(structural_values(instance, fmu->description()));
+}
+
 void Run::set(const Setting& written) {
   require_open(written.place);
   const auto setting = with_longest_name(written, [this](const std::string& name) {
     const auto variable = system_.split(name);
     if (!variable) return false;
     const auto& instance = system_.instances[*system_.index_of(variable->instance)];
-    return open_fmu(instance, *library_)->description().find(variable->variable) != nullptr;
+    return model_of(instance)->find(variable->variable) != nullptr;
   });
   const auto [instance, assignment] = locate(system_, setting);
-  const auto start = checked_start(*instance, open_fmu(*instance, *library_)->description(), assignment);
+  const auto start = checked_start(*instance, *model_of(*instance), assignment);
   instance->parameters.push_back(assignment);
   options_.settings.push_back(setting);
   setting_changes_.push_back(fmt::format("set {}.{}={}", instance->name, assignment.variable, value_text(start.value)));

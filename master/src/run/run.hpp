@@ -160,6 +160,7 @@ class Run {
   Run(Checkpoint checkpoint, const std::filesystem::path& folder);
 
   void require_open(std::string_view what) const;
+  std::shared_ptr<const modeldesc::ModelDescription> model_of(const InstanceDescription& instance) const;
   void require_alive(std::string_view what) const;
   template <typename Work>
   void attempt(Work work);

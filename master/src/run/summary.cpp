@@ -3,6 +3,7 @@
 
 #include "base/sha256.hpp"
 #include "base/time.hpp"
+#include "mebots/hexadecimal.hpp"
 #include "message/message_text.hpp"
 #include "run/json_value.hpp"
 
@@ -77,8 +78,8 @@ SummaryValues::SummaryValues(const ResolvedSystem& system, Ensemble& ensemble) :
                        fmt::format("{}: the label '{}' is used by summary.json itself; choose another one", entry.place,
                                    entry.path.front()));
     }
-    auto& added =
-        entries_.emplace_back(Entry{entry.path, &model, resolved.variable, ensemble.watch(resolved), {}, true, 0, {}});
+    auto& added = entries_.emplace_back(
+        Entry{entry.path, &model, resolved.variable, ensemble.watch(resolved), {}, true, 0, 0, {}});
     for (const auto& condition : entry.when) added.when.emplace_back(system, ensemble, condition);
   }
 }
@@ -93,10 +94,15 @@ std::optional<std::string> SummaryValues::reached(const Point& /*point*/) {
         break;
       case ValueKind::integer:
       case ValueKind::boolean:
-        entry.number = ensemble_->integer(entry.signal);
+        entry.whole = ensemble_->integer(entry.signal);
         break;
       case ValueKind::string:
         entry.text = valid_utf8(ensemble_->string(entry.signal));
+        break;
+      case ValueKind::binary:
+        entry.text = hexadecimal(ensemble_->string(entry.signal));
+        break;
+      case ValueKind::clock:
         break;
     }
   }
@@ -108,19 +114,21 @@ Json SummaryValues::value_of(const Entry& entry) const {
     case ValueKind::real:
       return entry.number;
     case ValueKind::boolean:
-      return entry.number != 0;
+      return entry.whole != 0;
     case ValueKind::string:
+    case ValueKind::binary:
       return entry.text;
+    case ValueKind::clock:
     case ValueKind::integer:
       break;
   }
-  const auto number = static_cast<std::int32_t>(entry.number);
   if (const auto* type = entry.model->type_definition(entry.variable->declared_type); type != nullptr) {
     for (const auto& item : type->items) {
-      if (item.value == number) return item.name;
+      if (item.value == entry.whole) return item.name;
     }
   }
-  return number;
+  if (entry.variable->type == modeldesc::Type::uint64) return static_cast<std::uint64_t>(entry.whole);
+  return entry.whole;
 }
 
 Json SummaryValues::values() const {

@@ -40,7 +40,8 @@ class SummaryValues final : public Observer {
     SignalId signal;
     std::vector<Condition> when;
     bool shown = true;
-    double number = 0;
+    double number = 0;       // of a Real
+    std::int64_t whole = 0;  // of an Integer or Boolean
     std::string text;
   };
 

@@ -20,18 +20,8 @@ using modeldesc::Variability;
 /// A number as the type of the variable that it is for: 1.0 is a whole number to an Integer and true to a Boolean.
 WrittenValue as_written(const modeldesc::Variable& variable, double value) {
   const bool whole = value == std::floor(value) && std::abs(value) < 1e15;
-  switch (variable.type) {
-    case Type::integer:
-    case Type::enumeration:
-      if (whole) return static_cast<std::int64_t>(value);
-      break;
-    case Type::boolean:
-      if (value == 0 || value == 1) return value != 0;
-      break;
-    case Type::real:
-    case Type::string:
-      break;
-  }
+  if (fmi::is_whole(variable.type) && whole) return static_cast<std::int64_t>(value);
+  if (variable.type == Type::boolean && (value == 0 || value == 1)) return value != 0;
   return value;
 }
 
@@ -84,9 +74,9 @@ modeldesc::Value write_variable(Run& run, std::string_view name, double value, c
   const ValueReference reference[] = {target.variable->value_reference};
   run.call(target.instance, "write()", [&](Slave& slave) {
     if (const auto* real = std::get_if<double>(&typed)) slave.set_reals(reference, {real, 1});
-    if (const auto* integer = std::get_if<std::int32_t>(&typed)) slave.set_integers(reference, {integer, 1});
+    if (const auto* integer = std::get_if<std::int64_t>(&typed)) slave.set_integers(reference, {integer, 1});
     if (const auto* boolean = std::get_if<bool>(&typed)) {
-      const std::int32_t flag = *boolean ? 1 : 0;
+      const std::int64_t flag = *boolean ? 1 : 0;
       slave.set_booleans(reference, {&flag, 1});
     }
   });
@@ -100,7 +90,7 @@ nlohmann::ordered_json writable_variables(const ResolvedSystem& system) {
     const auto& model = *system.instances[i].model;
     for (const auto& variable : model.variables) {
       const ResolvedVariable target{i, &variable};
-      if (!is_settable(variable) || variable.type == Type::string || is_osmp_part(model, variable)) continue;
+      if (!is_settable(variable) || !is_number(variable.type) || is_osmp_part(model, variable)) continue;
       if (connection_to(system, target) != nullptr || system.input_signal(target) != nullptr) continue;
       list.push_back({{"variable", system.text(target)},
                       {"unit", variable.unit},

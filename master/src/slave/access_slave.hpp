@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// A forwarding slave that treats the values of all types alike: eight accesses become two. Booleans are std::int32_t,
-/// told from Integers by their kind.
+/// A forwarding slave that treats the values of all kinds alike: ten accesses become two. The kind tells Booleans from
+/// Integers, and Binaries from Strings.
 class AccessSlave : public ForwardingSlave {
  public:
   using ForwardingSlave::ForwardingSlave;
@@ -16,10 +16,10 @@ class AccessSlave : public ForwardingSlave {
   void get_reals(std::span<const ValueReference> references, std::span<double> values) final {
     get(ValueKind::real, references, values);
   }
-  void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) final {
+  void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) final {
     get(ValueKind::integer, references, values);
   }
-  void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) final {
+  void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) final {
     get(ValueKind::boolean, references, values);
   }
   void get_strings(std::span<const ValueReference> references, std::span<std::string> values) final {
@@ -28,19 +28,25 @@ class AccessSlave : public ForwardingSlave {
   void set_reals(std::span<const ValueReference> references, std::span<const double> values) final {
     set(ValueKind::real, references, values);
   }
-  void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) final {
+  void set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) final {
     set(ValueKind::integer, references, values);
   }
-  void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) final {
+  void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) final {
     set(ValueKind::boolean, references, values);
   }
   void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) final {
     set(ValueKind::string, references, values);
   }
+  void get_binaries(std::span<const ValueReference> references, std::span<std::string> values) final {
+    get(ValueKind::binary, references, values);
+  }
+  void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values) final {
+    set(ValueKind::binary, references, values);
+  }
 
  protected:
-  using Destination = std::variant<std::span<double>, std::span<std::int32_t>, std::span<std::string>>;
-  using Source = std::variant<std::span<const double>, std::span<const std::int32_t>, std::span<const std::string>>;
+  using Destination = std::variant<std::span<double>, std::span<std::int64_t>, std::span<std::string>>;
+  using Source = std::variant<std::span<const double>, std::span<const std::int64_t>, std::span<const std::string>>;
 
   virtual void get(ValueKind kind, std::span<const ValueReference> references, Destination values) = 0;
   virtual void set(ValueKind kind, std::span<const ValueReference> references, Source values) = 0;

@@ -40,10 +40,10 @@ class ForwardingSlave : public Slave {
   void get_reals(std::span<const ValueReference> references, std::span<double> values) override {
     inner_->get_reals(references, values);
   }
-  void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override {
+  void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) override {
     inner_->get_integers(references, values);
   }
-  void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) override {
+  void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) override {
     inner_->get_booleans(references, values);
   }
   void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override {
@@ -52,14 +52,20 @@ class ForwardingSlave : public Slave {
   void set_reals(std::span<const ValueReference> references, std::span<const double> values) override {
     inner_->set_reals(references, values);
   }
-  void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) override {
+  void set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) override {
     inner_->set_integers(references, values);
   }
-  void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) override {
+  void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) override {
     inner_->set_booleans(references, values);
   }
   void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override {
     inner_->set_strings(references, values);
+  }
+  void get_binaries(std::span<const ValueReference> references, std::span<std::string> values) override {
+    inner_->get_binaries(references, values);
+  }
+  void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values) override {
+    inner_->set_binaries(references, values);
   }
 
   std::unique_ptr<SlaveState> save_state() override { return inner_->save_state(); }

@@ -47,14 +47,14 @@ class OverriddenState final : public SlaveState {
   std::vector<std::byte> own;
 };
 
-std::variant<double, std::int32_t, std::string> plain(const modeldesc::Value& value, ValueKind kind) {
+std::variant<double, std::int64_t, std::string> plain(const modeldesc::Value& value, ValueKind kind) {
   if (const auto* number = std::get_if<double>(&value)) return *number;
-  if (const auto* number = std::get_if<std::int32_t>(&value)) return *number;
+  if (const auto* number = std::get_if<std::int64_t>(&value)) return *number;
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? 1 : 0;
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   if (kind == ValueKind::real) return 0.0;
-  if (kind == ValueKind::string) return std::string();
-  return 0;
+  if (kind == ValueKind::string || kind == ValueKind::binary) return std::string();
+  return std::int64_t{0};
 }
 
 std::uint64_t place_key(ValueKind kind, ValueReference reference) {
@@ -196,9 +196,10 @@ void OverriddenSlave::set_free_inputs() {
       auto value = apply(target, target.base);
       if (!target.acted && !acted) continue;
       if (target.kind == ValueKind::real) put(reals_, target, std::get<double>(value));
-      if (target.kind == ValueKind::integer) put(integers_, target, std::get<std::int32_t>(value));
-      if (target.kind == ValueKind::boolean) put(booleans_, target, std::get<std::int32_t>(value));
+      if (target.kind == ValueKind::integer) put(integers_, target, std::get<std::int64_t>(value));
+      if (target.kind == ValueKind::boolean) put(booleans_, target, std::get<std::int64_t>(value));
       if (target.kind == ValueKind::string) put(strings_, target, std::get<std::string>(std::move(value)));
+      if (target.kind == ValueKind::binary) put(binaries_, target, std::get<std::string>(std::move(value)));
     }
     target.fresh = false;
   }
@@ -206,6 +207,7 @@ void OverriddenSlave::set_free_inputs() {
   pass_batch(ValueKind::integer, integers_);
   pass_batch(ValueKind::boolean, booleans_);
   pass_batch(ValueKind::string, strings_);
+  pass_batch(ValueKind::binary, binaries_);
 }
 
 /// Gives an FMU that interpolates its inputs the slopes of signals. A slope of 0 ends the one of the step before.

@@ -40,7 +40,7 @@ class OverriddenSlave final : public AccessSlave {
   void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override;
   void set(ValueKind kind, std::span<const ValueReference> references, Source values) override;
 
-  using Value = std::variant<double, std::int32_t, std::string>;
+  using Value = std::variant<double, std::int64_t, std::string>;
 
   /// One override, with the value that it found at the point where it began to act.
   struct Layer {
@@ -112,9 +112,10 @@ class OverriddenSlave final : public AccessSlave {
   std::int64_t step_ns_;
   bool initialising_ = true;
   Batch<double> reals_;
-  Batch<std::int32_t> integers_;
-  Batch<std::int32_t> booleans_;
+  Batch<std::int64_t> integers_;
+  Batch<std::int64_t> booleans_;
   Batch<std::string> strings_;
+  Batch<std::string> binaries_;
 };
 
 }  // namespace mebots::master

@@ -19,4 +19,12 @@ void Slave::set_input_derivatives(std::span<const ValueReference> /*references*/
   throw Error(ErrorCode::not_offered, fmt::format("instance '{}': its FMU takes no derivatives of inputs", name()));
 }
 
+void Slave::get_binaries(std::span<const ValueReference> /*references*/, std::span<std::string> /*values*/) {
+  throw Error(ErrorCode::not_offered, fmt::format("instance '{}': its FMU has no variables of type Binary", name()));
+}
+
+void Slave::set_binaries(std::span<const ValueReference> /*references*/, std::span<const std::string> /*values*/) {
+  throw Error(ErrorCode::not_offered, fmt::format("instance '{}': its FMU has no variables of type Binary", name()));
+}
+
 }  // namespace mebots::master

@@ -72,17 +72,20 @@ class Slave {
 
   virtual void get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;
   /// Enumerations too.
-  virtual void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) = 0;
+  virtual void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) = 0;
   /// Returns 0 or 1, whatever number the FMU uses for true.
-  virtual void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) = 0;
+  virtual void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) = 0;
   /// Returns the FMU's bytes, which need not be UTF-8.
   virtual void get_strings(std::span<const ValueReference> references, std::span<std::string> values) = 0;
+  /// Only FMI 3.0 has binaries; the others throw Error.
+  virtual void get_binaries(std::span<const ValueReference> references, std::span<std::string> values);
 
   virtual void set_reals(std::span<const ValueReference> references, std::span<const double> values) = 0;
-  virtual void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) = 0;
+  virtual void set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) = 0;
   /// Takes 0 or 1.
-  virtual void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) = 0;
+  virtual void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) = 0;
   virtual void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) = 0;
+  virtual void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values);
 
   /// Highest order of time derivatives of its outputs that the FMU gives; 0 = none.
   virtual std::uint32_t output_derivative_order() const { return 0; }

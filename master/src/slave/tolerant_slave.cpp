@@ -42,8 +42,8 @@ void TolerantSlave::attempt(Work work) {
 template <typename T>
 std::vector<TolerantSlave::Kept<T>>& TolerantSlave::kept_of(ValueKind kind) {
   if constexpr (std::is_same_v<T, double>) return reals_;
-  if constexpr (std::is_same_v<T, std::string>) return strings_;
-  if constexpr (std::is_same_v<T, std::int32_t>) return kind == ValueKind::boolean ? booleans_ : integers_;
+  if constexpr (std::is_same_v<T, std::string>) return kind == ValueKind::binary ? binaries_ : strings_;
+  if constexpr (std::is_same_v<T, std::int64_t>) return kind == ValueKind::boolean ? booleans_ : integers_;
 }
 
 void TolerantSlave::get(ValueKind kind, std::span<const ValueReference> references, Destination destination) {
@@ -112,6 +112,7 @@ void TolerantSlave::visit(state::Visitor& v) {
   v("integers", integers_);
   v("booleans", booleans_);
   v("strings", strings_);
+  v("binaries", binaries_);
   if (!v.restores()) return;
   // Addresses are not part of a state, and nobody is left to ask for them anew.
   for (const auto& triple : osmp_triples(description())) {

@@ -62,9 +62,10 @@ class TolerantSlave final : public AccessSlave {
   bool running_ = false;
   std::int64_t time_ns_ = 0;
   std::vector<Kept<double>> reals_;
-  std::vector<Kept<std::int32_t>> integers_;
-  std::vector<Kept<std::int32_t>> booleans_;
+  std::vector<Kept<std::int64_t>> integers_;
+  std::vector<Kept<std::int64_t>> booleans_;
   std::vector<Kept<std::string>> strings_;
+  std::vector<Kept<std::string>> binaries_;
 };
 
 }  // namespace mebots::master

@@ -132,9 +132,8 @@ TEST(Texts, ThatAreNotUtf8NeverReachTheResults) {
     test::write_file(folder.path() / "c.json", test::with_probe(pair_config(process)));
     const auto run = test::run_program({"run", "c.json", "--out", "out"}, folder.path());
     ASSERT_EQ(run.code, 0) << run.err;
-    EXPECT_THAT(
-        run.out + run.err,
-        HasSubstr("the text of 'text' at 0 s is not UTF-8, which FMI 2.0 demands; the results have \"caf\uFFFD\""));
+    EXPECT_THAT(run.out + run.err,
+                HasSubstr("the text of 'text' at 0 s is not UTF-8, which FMI demands; the results have \"caf\uFFFD\""));
     const auto csv = test::read_file(folder.path() / "out/results.csv");
     EXPECT_THAT(csv, AllOf(HasSubstr(",caf\uFFFD"), HasSubstr("caf\uFFFD!"), Not(HasSubstr("\xe9,"))));
     EXPECT_THAT(test::read_file(folder.path() / "out/summary.json"), HasSubstr("\"text\": \"caf\uFFFD\""));

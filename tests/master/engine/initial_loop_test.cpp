@@ -65,12 +65,12 @@ struct RandomFmu {
                     R"(modelIdentifier="m"/><ModelVariables>{}</ModelVariables><ModelStructure><Outputs>{}</Outputs>)"
                     R"(</ModelStructure></fmiModelDescription>)",
                     variables, unknowns));
-    model = modeldesc::read_xml(folder.path() / "modelDescription.xml");
+    model = std::make_shared<modeldesc::ModelDescription>(modeldesc::read_xml(folder.path() / "modelDescription.xml"));
   }
 
   modeldesc::TemporaryFolder folder{"mebots-test"};
   std::vector<std::vector<std::size_t>> dependencies;  // inputs of each output
-  modeldesc::ModelDescription model;
+  std::shared_ptr<const modeldesc::ModelDescription> model;
 };
 
 struct RandomSystem {
@@ -79,7 +79,7 @@ struct RandomSystem {
     const auto count = 1 + below(random, 5);
     for (std::size_t i = 0; i < count; ++i) {
       fmus.push_back(std::make_unique<RandomFmu>(random));
-      system.instances.emplace_back().model = &fmus.back()->model;
+      system.instances.emplace_back().model = fmus.back()->model;
     }
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t k = 0; k < kInputs; ++k) {

@@ -34,7 +34,7 @@ TEST(CleanFmus, ThePageListsEachFunctionThatChangesTheProcess) {
 TEST(CleanFmus, OursAreSoWhenTheyAreLoaded) {
   for (const auto* const name : {"fmu_battery.fmu", "fmu_motors.fmu", "fmu_world.fmu", "fmu_soc.fmu"}) {
     Fmu fmu(kBinaryDir / "fmus" / name);
-    static_cast<void>(fmu.functions());
+    fmu.require_library();
     EXPECT_EQ(fmu.uncleanliness(), std::nullopt) << name;
     EXPECT_EQ(fmu.state_elsewhere(), std::nullopt) << name;
   }
@@ -59,7 +59,7 @@ TEST(CleanFmus, ImportsShowWhatAnFmuCanChangeInTheProcess) {
 
 TEST(CleanFmus, AStaticObjectWithMemoryOfItsOwnIsSeenWhenTheLibraryIsLoaded) {
   Fmu fmu(leftover("static_object"));
-  static_cast<void>(fmu.functions());
+  fmu.require_library();
   EXPECT_THAT(fmu.uncleanliness(), Optional(HasSubstr("static objects of leftover.so own memory")));
 }
 

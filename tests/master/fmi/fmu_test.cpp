@@ -42,7 +42,7 @@ void replace(std::string& text, const std::string& from, const std::string& to) 
 }
 
 std::string load_error(const std::filesystem::path& archive) {
-  return test::input_error([&] { Fmu(archive).functions(); });
+  return test::input_error([&] { Fmu(archive).require_library(); });
 }
 
 TEST(Fmu, AFileThatIsNoArchiveIsRefused) {
@@ -85,8 +85,8 @@ TEST(Fmu, MissingFunctionsAreListed) {
 }
 
 TEST(Fmu, AnotherVersionOfFmiIsRefused) {
-  const ChangedProbe probe([](std::string& xml) { replace(xml, "fmiVersion=\"2.0\"", "fmiVersion=\"3.0\""); });
-  EXPECT_THAT(load_error(probe.path()), HasSubstr("3.0"));
+  const ChangedProbe probe([](std::string& xml) { replace(xml, "fmiVersion=\"2.0\"", "fmiVersion=\"1.0\""); });
+  EXPECT_THAT(load_error(probe.path()), HasSubstr("FMI version 1.0; only 2.0 and 3.0"));
 }
 
 TEST(Fmu, ModelExchangeNeedsItsFunctions) {

@@ -132,7 +132,7 @@ class FileSizeLimit {
 
 /// One column of `count` numbers that do not compress well.
 void write_rows(const std::filesystem::path& file, std::size_t count) {
-  Hdf5Sink sink({{"a.value", "m", ValueKind::real}}, file);
+  Hdf5Sink sink({{"a.value", "m", modeldesc::Type::real}}, file);
   RowBlock block;
   block.cells_per_row = 2;
   for (std::size_t i = 0; i < count; ++i) {

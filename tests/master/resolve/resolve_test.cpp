@@ -117,7 +117,7 @@ TEST(StartValues, EnumerationsAreGivenByItemOrNumber) {
   EXPECT_THAT(error_of(R"("mode_in": 3)"), HasSubstr("3 is the number of no item"));
   for (const char* value : {"\"both\"", "7"}) {
     const test::TestRun run(two_probes(fmt::format(R"("mode_in": {})", value), ""));
-    EXPECT_EQ(std::get<std::int32_t>(run.system.instances[0].starts.at(0).value), 7);
+    EXPECT_EQ(std::get<std::int64_t>(run.system.instances[0].starts.at(0).value), 7);
   }
 }
 

@@ -80,6 +80,30 @@ std::string without_line_end(std::string text) {
   return text;
 }
 
+/// Passes a message on to the instance that it belongs to. Throws nothing: a message is lost, the simulation is not.
+void pass_on(LoggerCall call, const void* environment) noexcept {
+  try {
+    if (is_forked_copy()) {  // the files of the run belong to the original process
+      std::fprintf(stderr, "mebots: a process that instance '%s' forked: %s\n", call.instance.value_or("?").c_str(),
+                   one_line(call.text).c_str());
+      return;
+    }
+    const auto instance = call.instance;
+    with_target(environment, instance, [&](CallbackTarget& target, bool in_call) {
+      call.own_environment = environment == &target;
+      call.in_call = in_call;
+      target.listener().logged(std::move(call));
+    });
+  } catch (...) {  // NOLINT(bugprone-empty-catch): see above
+  }
+}
+
+/// The text at an address, or what is to be shown in its place.
+std::string message_text(const std::optional<std::string>& text, const char* address) {
+  if (text) return without_line_end(valid_utf8(*text));
+  return address == nullptr ? "(a message without a text)" : "(a message whose text cannot be read)";
+}
+
 // The C interface of the standard: printf-like and called by foreign code, so nothing may be thrown out of it.
 void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
          fmi2String message, ...) {
@@ -92,24 +116,26 @@ void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status s
     call.status = status;
     call.instance = clean_text(instance);
     call.category = clean_text(category).value_or("");
-    const auto format = read_text(message);
-    call.text = format ? without_line_end(valid_utf8(format_text(*format, arguments)))
-                       : std::string(message == nullptr ? "(a message without a text)"
-                                                        : "(a message whose text cannot be read)");
-    if (is_forked_copy()) {  // the files of the run belong to the original process
-      std::fprintf(stderr, "mebots: a process that instance '%s' forked: %s\n", call.instance.value_or("?").c_str(),
-                   one_line(call.text).c_str());
-      va_end(arguments);
-      return;
-    }
-    with_target(environment, call.instance, [&](CallbackTarget& target, bool in_call) {
-      call.own_environment = environment == &target;
-      call.in_call = in_call;
-      target.listener().logged(std::move(call));
-    });
+    auto text = read_text(message);
+    if (text) text = format_text(*text, arguments);
+    call.text = message_text(text, message);
+    pass_on(std::move(call), environment);
   } catch (...) {  // NOLINT(bugprone-empty-catch): a message is lost, the simulation is not
   }
   va_end(arguments);
+}
+
+void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message) {
+  if (deaf.load(std::memory_order_relaxed)) return;
+  const InCallback here({"logMessage", false});
+  try {
+    LoggerCall call;
+    call.status = status;
+    call.category = clean_text(category).value_or("");
+    call.text = message_text(read_text(message), message);
+    pass_on(std::move(call), environment);
+  } catch (...) {  // NOLINT(bugprone-empty-catch): a message is lost, the simulation is not
+  }
 }
 
 void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
@@ -148,6 +174,10 @@ CallbackTarget::~CallbackTarget() {
 
 fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
   return {&log, &allocate_memory, &free_memory, asynchronous ? &step_finished : nullptr, this};
+}
+
+Fmi3Callbacks CallbackTarget::fmi3_callbacks() {
+  return {this, &log_message};
 }
 
 CurrentCall current_call() noexcept {

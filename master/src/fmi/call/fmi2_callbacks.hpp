@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mebots/fmi2/types.hpp"
+#include "mebots/fmi3/types.hpp"
 
 #include <cstdarg>
 #include <cstddef>
@@ -33,6 +34,12 @@ class CallbackListener {
   virtual void step_finished(int status) = 0;
 };
 
+/// What fmi3Instantiate... takes.
+struct Fmi3Callbacks {
+  fmi3InstanceEnvironment environment = nullptr;
+  fmi3LogMessageCallback log_message = nullptr;
+};
+
 /// A listener that callbacks find, as long as this lives. A callback belongs to the instance that this thread is in a
 /// call of. On a thread of the FMU to the one whose environment it names, then to the one whose name it says, then to
 /// the only one that there is. A callback that belongs to none is dropped.
@@ -47,6 +54,8 @@ class CallbackTarget {
 
   /// For fmi2Instantiate; must not be used after this object is gone.
   fmi2CallbackFunctions functions(bool asynchronous);
+  /// For fmi3Instantiate...; must not be used after this object is gone.
+  Fmi3Callbacks fmi3_callbacks();
 
   CallbackListener& listener() const { return *listener_; }
   const std::string& instance_name() const { return instance_name_; }

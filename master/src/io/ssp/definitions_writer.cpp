@@ -50,7 +50,7 @@ namespace {
 
 /// The item's name for an enumeration.
 std::string start_text(const modeldesc::ModelDescription& model, const StartValue& start) {
-  const auto* number = std::get_if<std::int32_t>(&start.value);
+  const auto* number = std::get_if<std::int64_t>(&start.value);
   const auto* type = model.type_definition(start.variable->declared_type);
   if (number != nullptr && type != nullptr) {
     for (const auto& item : type->items) {

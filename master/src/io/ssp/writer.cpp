@@ -59,6 +59,8 @@ const char* kind_of_connector(Causality causality) {
     case Causality::parameter:
     case Causality::local:
     case Causality::independent:
+    case Causality::structural_parameter:
+    case Causality::dependent:
       break;
   }
   return "parameter";
@@ -204,7 +206,7 @@ class SspWriter {
     const bool flags = to.variable->type == Type::boolean;
     auto map = node.append_child(flags ? "ssc:BooleanMappingTransformation" : "ssc:IntegerMappingTransformation");
     for (const auto& pair : resolved->map) {
-      const auto text = [&](std::int32_t value) {
+      const auto text = [&](std::int64_t value) {
         return flags ? std::string(value != 0 ? "true" : "false") : fmt::format("{}", value);
       };
       auto entry = map.append_child("ssc:MapEntry");

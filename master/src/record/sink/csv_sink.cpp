@@ -31,21 +31,49 @@ std::string csv_header(std::string_view name, std::string_view unit) {
 CsvSink::CsvSink(const std::vector<RecordColumn>& columns, OutputFile& file) : file_(&file) {
   std::string header = "time [s]";
   for (const auto& column : columns) {
-    columns_.push_back({column.kind, 0, 0, {}});
+    columns_.push_back({column.type, 0, 0, {}});
     header += ',' + csv_header(column.name, column.unit);
   }
   line_.resize((columns.size() + 1) * (kLongestNumber + 1));
   if (file_->size() == 0) file_->append(header + '\n');
 }
 
+namespace {
+
+/// Writes the shortest text from which the type reads the same bits.
+char* number_to_chars(char* first, char* last, modeldesc::Type type, std::uint64_t cell) {
+  using modeldesc::Type;
+  if (type == Type::real) return std::to_chars(first, last, std::bit_cast<double>(cell)).ptr;
+  if (type == Type::float32) return std::to_chars(first, last, static_cast<float>(std::bit_cast<double>(cell))).ptr;
+  if (type == Type::uint64) return std::to_chars(first, last, cell).ptr;
+  return std::to_chars(first, last, static_cast<std::int64_t>(cell)).ptr;
+}
+
+bool is_text(modeldesc::Type type) {
+  return kind_of(type) == ValueKind::string || kind_of(type) == ValueKind::binary;
+}
+
+/// The cell of a number's text; nothing if it is no number of the type.
+std::optional<std::uint64_t> cell_of(modeldesc::Type type, std::string_view text) {
+  if (type == modeldesc::Type::uint64) return data::csv_number<std::uint64_t>(text);
+  if (kind_of(type) == ValueKind::real) {
+    const auto value = data::csv_number<double>(text);
+    if (!value) return std::nullopt;
+    const bool is_narrow = type == modeldesc::Type::float32;
+    return std::bit_cast<std::uint64_t>(is_narrow ? static_cast<double>(static_cast<float>(*value)) : *value);
+  }
+  const auto value = data::csv_number<std::int64_t>(text);
+  return value ? std::optional(static_cast<std::uint64_t>(*value)) : std::nullopt;
+}
+
+}  // namespace
+
 char* CsvSink::write_number(char* at, Column& column, std::uint64_t cell) {
   if (column.last_size == 0 || cell != column.last) {
     char* const first = column.last_text.data();
-    char* const end = first + column.last_text.size();
-    const auto result = column.kind == ValueKind::real ? std::to_chars(first, end, std::bit_cast<double>(cell))
-                                                       : std::to_chars(first, end, static_cast<std::int64_t>(cell));
+    const char* const end = number_to_chars(first, first + column.last_text.size(), column.type, cell);
     column.last = cell;
-    column.last_size = static_cast<std::uint8_t>(result.ptr - first);
+    column.last_size = static_cast<std::uint8_t>(end - first);
   }
   std::memcpy(at, column.last_text.data(), kLongestNumber);  // of fixed size, which is cheaper than the right one
   return at + column.last_size;
@@ -58,7 +86,7 @@ void CsvSink::write(const RowBlock& block) {
     at = std::to_chars(at, at + kLongestNumber, std::bit_cast<double>(*cell++)).ptr;
     for (auto& column : columns_) {
       *at++ = ',';
-      if (column.kind == ValueKind::string) {
+      if (is_text(column.type)) {
         file_->buffer().append(line_.data(), at);
         file_->buffer() += csv_text(block.texts[*cell++]);
         at = line_.data();
@@ -100,17 +128,13 @@ void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const
     block.cells.push_back(std::bit_cast<std::uint64_t>(*time_s));
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const auto cell = reader.cell(i + 1);
-      if (columns[i].kind == ValueKind::string) {
+      if (is_text(columns[i].type)) {
         block.cells.push_back(block.texts.size());
         block.texts.emplace_back(cell);
-      } else if (columns[i].kind == ValueKind::real) {
-        const auto value = data::csv_number<double>(cell);
-        if (!value) fail();
-        block.cells.push_back(std::bit_cast<std::uint64_t>(*value));
       } else {
-        const auto value = data::csv_number<std::int64_t>(cell);
+        const auto value = cell_of(columns[i].type, cell);
         if (!value) fail();
-        block.cells.push_back(static_cast<std::uint64_t>(*value));
+        block.cells.push_back(*value);
       }
     }
     if (block.cells.size() < kBlockCells) continue;

@@ -29,7 +29,7 @@ class CsvSink final : public RowSink {
   static constexpr std::size_t kLongestNumber = 24;
 
   struct Column {
-    ValueKind kind;
+    modeldesc::Type type;
     // Most variables stand still most of the time: the text of the last value is used again.
     std::uint64_t last = 0;
     std::uint8_t last_size = 0;

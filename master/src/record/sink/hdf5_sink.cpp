@@ -8,6 +8,7 @@
 
 #include <bit>
 #include <charconv>
+#include <cstring>
 #include <set>
 #include <string>
 #include <utility>
@@ -18,18 +19,38 @@ namespace {
 using hdf5::Handle;
 using hdf5::library;
 using hdf5::put_attribute;
+using modeldesc::Type;
 
 constexpr hsize_t kChunkRows = 4096;
 
-Handle memory_type(ValueKind kind) {
-  switch (kind) {
-    case ValueKind::real:
-      return {H5Tcopy(H5T_NATIVE_DOUBLE), &H5Tclose};
-    case ValueKind::integer:
-      return {H5Tcopy(H5T_NATIVE_INT32), &H5Tclose};
-    case ValueKind::boolean:
-      return {H5Tcopy(H5T_NATIVE_UINT8), &H5Tclose};
-    case ValueKind::string:
+Handle memory_type(Type type) {
+  const auto copy = [](hid_t native) { return Handle(H5Tcopy(native), &H5Tclose); };
+  switch (type) {
+    case Type::real:
+      return copy(H5T_NATIVE_DOUBLE);
+    case Type::float32:
+      return copy(H5T_NATIVE_FLOAT);
+    case Type::integer:
+    case Type::enumeration:
+      return copy(H5T_NATIVE_INT32);
+    case Type::int8:
+      return copy(H5T_NATIVE_INT8);
+    case Type::int16:
+      return copy(H5T_NATIVE_INT16);
+    case Type::int64:
+      return copy(H5T_NATIVE_INT64);
+    case Type::boolean:
+    case Type::uint8:
+      return copy(H5T_NATIVE_UINT8);
+    case Type::uint16:
+      return copy(H5T_NATIVE_UINT16);
+    case Type::uint32:
+      return copy(H5T_NATIVE_UINT32);
+    case Type::uint64:
+      return copy(H5T_NATIVE_UINT64);
+    case Type::string:
+    case Type::binary:
+    case Type::clock:
       break;
   }
   return hdf5::text_type();
@@ -47,7 +68,7 @@ std::string link_name(const std::string& name) {
 
 struct Hdf5Sink::File {
   struct Column {
-    ValueKind kind;
+    Type type_of_values;
     Handle type;
     Handle dataset;
   };
@@ -55,9 +76,7 @@ struct Hdf5Sink::File {
   hdf5::File file;
   std::vector<Column> columns;  // the first is the time
   hsize_t rows = 0;
-  std::vector<double> reals;
-  std::vector<std::int32_t> integers;
-  std::vector<std::uint8_t> booleans;
+  std::vector<std::byte> numbers;  // of one column
   std::vector<const char*> texts;
 
   explicit File(const std::filesystem::path& path) : file(path) {}
@@ -65,11 +84,11 @@ struct Hdf5Sink::File {
   void add(const std::string& link, const RecordColumn& column) {
     constexpr hsize_t kNone = 0;
     constexpr hsize_t kUnlimited = H5S_UNLIMITED;
-    Handle type = memory_type(column.kind);
+    Handle type = memory_type(column.type);
     const Handle space(H5Screate_simple(1, &kNone, &kUnlimited), &H5Sclose);
     const Handle creation(H5Pcreate(H5P_DATASET_CREATE), &H5Pclose);
     H5Pset_chunk(creation, 1, &kChunkRows);
-    if (column.kind != ValueKind::string) {
+    if (column.kind() != ValueKind::string && column.kind() != ValueKind::binary) {
       H5Pset_shuffle(creation);
       H5Pset_deflate(creation, 1);
     }
@@ -80,7 +99,7 @@ struct Hdf5Sink::File {
     if (dataset < 0) file.fail();
     put_attribute(dataset, "name", column.name);
     put_attribute(dataset, "unit", column.unit);
-    columns.push_back({column.kind, std::move(type), std::move(dataset)});
+    columns.push_back({column.type, std::move(type), std::move(dataset)});
   }
 
   void append(Column& column, hsize_t count, const void* values) {
@@ -95,29 +114,53 @@ struct Hdf5Sink::File {
   /// The cells of one column, in the type of its dataset.
   const void* gather(const Column& column, const RowBlock& block, std::size_t index) {
     const auto cell = [&](std::size_t row) { return block.cells[row * block.cells_per_row + index]; };
-    const auto fill = [&](auto& values, auto convert) -> const void* {
-      values.resize(block.rows());
-      for (std::size_t row = 0; row < values.size(); ++row) values[row] = convert(cell(row));
-      return values.data();
+    const auto fill = [&]<typename T>(T /*type*/, auto convert) -> const void* {
+      numbers.resize(block.rows() * sizeof(T));
+      for (std::size_t row = 0; row < block.rows(); ++row) {
+        const T value = convert(cell(row));
+        std::memcpy(numbers.data() + row * sizeof(T), &value, sizeof(T));
+      }
+      return numbers.data();
     };
-    switch (column.kind) {
-      case ValueKind::real:
-        return fill(reals, [](auto bits) { return std::bit_cast<double>(bits); });
-      case ValueKind::integer:
-        return fill(integers, [](auto bits) { return static_cast<std::int32_t>(bits); });
-      case ValueKind::boolean:
-        return fill(booleans, [](auto bits) { return static_cast<std::uint8_t>(bits); });
-      case ValueKind::string:
+    const auto whole = [&]<typename T>(T type) { return fill(type, [](auto bits) { return static_cast<T>(bits); }); };
+    switch (column.type_of_values) {
+      case Type::real:
+        return fill(double{}, [](auto bits) { return std::bit_cast<double>(bits); });
+      case Type::float32:
+        return fill(float{}, [](auto bits) { return static_cast<float>(std::bit_cast<double>(bits)); });
+      case Type::integer:
+      case Type::enumeration:
+        return whole(std::int32_t{});
+      case Type::int8:
+        return whole(std::int8_t{});
+      case Type::int16:
+        return whole(std::int16_t{});
+      case Type::int64:
+        return whole(std::int64_t{});
+      case Type::boolean:
+      case Type::uint8:
+        return whole(std::uint8_t{});
+      case Type::uint16:
+        return whole(std::uint16_t{});
+      case Type::uint32:
+        return whole(std::uint32_t{});
+      case Type::uint64:
+        return whole(std::uint64_t{});
+      case Type::string:
+      case Type::binary:
+      case Type::clock:
         break;
     }
-    return fill(texts, [&](auto place) { return block.texts[place].c_str(); });
+    texts.resize(block.rows());
+    for (std::size_t row = 0; row < texts.size(); ++row) texts[row] = block.texts[cell(row)].c_str();
+    return texts.data();
   }
 };
 
 Hdf5Sink::Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesystem::path& file) {
   const std::lock_guard lock(library());
   auto made = std::make_unique<File>(file);  // after an error, it is closed before the lock is released
-  made->add("time", {"time", "s", ValueKind::real});
+  made->add("time", {"time", "s", Type::real});
   std::set<std::string> used;
   for (const auto& column : columns) {
     auto link = link_name(column.name);
@@ -142,7 +185,7 @@ void Hdf5Sink::put_parameters(const std::vector<ParameterValue>& parameters) {
     double number = 0;
     const auto parsed = std::from_chars(value.data(), value.data() + value.size(), number);
     const bool is_number = parsed.ec == std::errc{} && parsed.ptr == value.data() + value.size();
-    const Handle type = memory_type(is_number ? ValueKind::real : ValueKind::string);
+    const Handle type = memory_type(is_number ? Type::real : Type::string);
     const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
     const Handle set(H5Dcreate2(group, link.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), &H5Dclose);
     const char* text = value.c_str();

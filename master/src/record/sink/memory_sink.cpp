@@ -8,10 +8,21 @@
 
 namespace mebots::master {
 
+namespace {
+
+/// The cell as a double; whole numbers above 2^53 are rounded.
+double number(modeldesc::Type type, std::uint64_t cell) {
+  if (kind_of(type) == ValueKind::real) return std::bit_cast<double>(cell);
+  return type == modeldesc::Type::uint64 ? static_cast<double>(cell)
+                                         : static_cast<double>(static_cast<std::int64_t>(cell));
+}
+
+}  // namespace
+
 MemorySink::MemorySink(const std::vector<RecordColumn>& columns) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    if (columns[i].kind == ValueKind::string) continue;
-    sources_.push_back({i, columns[i].kind});
+    if (columns[i].kind() == ValueKind::string || columns[i].kind() == ValueKind::binary) continue;
+    sources_.push_back({i, columns[i].type});
     series_.push_back({columns[i].name, columns[i].unit, {}});
   }
 }
@@ -27,9 +38,7 @@ void MemorySink::write(const RowBlock& block) {
     times_s_.push_back(std::bit_cast<double>(cells[0]));
     for (std::size_t i = 0; i < sources_.size(); ++i) {
       const auto cell = cells[1 + sources_[i].cell];
-      series_[i].values.push_back(sources_[i].kind == ValueKind::real
-                                      ? std::bit_cast<double>(cell)
-                                      : static_cast<double>(static_cast<std::int64_t>(cell)));
+      series_[i].values.push_back(number(sources_[i].type, cell));
     }
   }
 }

@@ -32,7 +32,7 @@ class MemorySink final : public RowSink {
  private:
   struct Source {
     std::size_t cell;  // in a row, behind the time
-    ValueKind kind;
+    modeldesc::Type type;
   };
 
   std::vector<Source> sources_;  // one per series

@@ -15,7 +15,9 @@ namespace mebots::master {
 struct RecordColumn {
   std::string name;  ///< "instance.variable"
   std::string unit;  ///< empty without one
-  ValueKind kind = ValueKind::real;
+  modeldesc::Type type = modeldesc::Type::real;
+
+  ValueKind kind() const { return kind_of(type); }
 };
 
 /// A parameter and its value as text, in the forms of results.csv.

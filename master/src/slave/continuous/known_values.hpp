@@ -14,7 +14,7 @@
 namespace mebots::master {
 
 /// The type in which slaves transfer Integers, Enumerations and Booleans.
-using WholeNumber = std::int32_t;
+using WholeNumber = std::int64_t;
 
 /// The values that variables of one kind were set to last, to find out which ones change.
 template <typename T>

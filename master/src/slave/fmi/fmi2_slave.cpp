@@ -24,7 +24,7 @@ static_assert(InstanceCalls::kOk == fmi2OK && InstanceCalls::kWarning == fmi2War
               InstanceCalls::kDiscard == fmi2Discard && InstanceCalls::kError == fmi2Error &&
               InstanceCalls::kFatal == fmi2Fatal && InstanceCalls::kPending == fmi2Pending);
 
-std::string_view status_name(int status) {
+std::string_view fmi2_status_name(int status) {
   return fmi2::status_name(static_cast<fmi2Status>(status));
 }
 
@@ -32,8 +32,8 @@ std::string_view status_name(int status) {
 
 Fmi2Slave::Fmi2Slave(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
                      MessageSink& messages, const TimeGrid& grid)
-    : functions_(&fmu->functions()),
-      calls_(std::move(name), std::move(fmu), std::move(log_categories), messages, grid, status_name),
+    : functions_(&fmu->fmi2_functions()),
+      calls_(std::move(name), std::move(fmu), std::move(log_categories), messages, grid, fmi2_status_name),
       states_(calls_, *functions_, kFmi2StateNames,
               implementation_of(calls_.description(), kind)->can_get_and_set_fmu_state,
               implementation_of(calls_.description(), kind)->can_serialize_fmu_state) {
@@ -198,13 +198,16 @@ void Fmi2Slave::get_reals(std::span<const ValueReference> references, std::span<
   calls_.require("fmi2GetReal", functions_->get_real, references.data(), references.size(), values.data());
 }
 
-void Fmi2Slave::get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) {
-  calls_.require("fmi2GetInteger", functions_->get_integer, references.data(), references.size(), values.data());
+void Fmi2Slave::get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) {
+  numbers_.resize(references.size());
+  calls_.require("fmi2GetInteger", functions_->get_integer, references.data(), references.size(), numbers_.data());
+  std::ranges::copy(numbers_, values.begin());
 }
 
-void Fmi2Slave::get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) {
-  calls_.require("fmi2GetBoolean", functions_->get_boolean, references.data(), references.size(), values.data());
-  for (auto& value : values) value = value == fmi2False ? fmi2False : fmi2True;
+void Fmi2Slave::get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) {
+  numbers_.resize(references.size());
+  calls_.require("fmi2GetBoolean", functions_->get_boolean, references.data(), references.size(), numbers_.data());
+  std::ranges::transform(numbers_, values.begin(), [](fmi2Boolean value) { return value == fmi2False ? 0 : 1; });
 }
 
 void Fmi2Slave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
@@ -232,12 +235,21 @@ void Fmi2Slave::set_reals(std::span<const ValueReference> references, std::span<
   calls_.require("fmi2SetReal", functions_->set_real, references.data(), references.size(), values.data());
 }
 
-void Fmi2Slave::set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
-  calls_.require("fmi2SetInteger", functions_->set_integer, references.data(), references.size(), values.data());
+/// The values are in the range of std::int32_t: resolve and Ensemble check them.
+std::span<const std::int32_t> Fmi2Slave::narrowed(std::span<const std::int64_t> values) {
+  numbers_.resize(values.size());
+  std::ranges::transform(values, numbers_.begin(), [](std::int64_t value) { return static_cast<std::int32_t>(value); });
+  return numbers_;
 }
 
-void Fmi2Slave::set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
-  calls_.require("fmi2SetBoolean", functions_->set_boolean, references.data(), references.size(), values.data());
+void Fmi2Slave::set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) {
+  calls_.require("fmi2SetInteger", functions_->set_integer, references.data(), references.size(),
+                 narrowed(values).data());
+}
+
+void Fmi2Slave::set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) {
+  calls_.require("fmi2SetBoolean", functions_->set_boolean, references.data(), references.size(),
+                 narrowed(values).data());
 }
 
 void Fmi2Slave::set_strings(std::span<const ValueReference> references, std::span<const std::string> values) {

@@ -46,12 +46,12 @@ class Fmi2Slave : public Slave {
                              std::span<const double> values) override;
 
   void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
-  void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
-  void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
+  void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) override;
+  void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) override;
   void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override;
   void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
-  void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
-  void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
+  void set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
+  void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
   void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
 
   std::unique_ptr<SlaveState> save_state() override { return states_.save(); }
@@ -74,12 +74,14 @@ class Fmi2Slave : public Slave {
   void step_finished(int status);
   int wait_for_step(const std::atomic<bool>& cancel);
   std::string string_name(ValueReference reference) const;
+  std::span<const std::int32_t> narrowed(std::span<const std::int64_t> values);
 
   const Fmi2Functions* functions_;
   fmi2CallbackFunctions callbacks_{};
   std::int64_t step_end_ns_ = 0;
   bool pending_ = false;  // a step continues in the FMU
   std::vector<const char*> texts_;
+  std::vector<std::int32_t> numbers_;  // of the current call
 
   // An asynchronous FMU reports the end of its step from a thread of its own.
   std::mutex step_mutex_;

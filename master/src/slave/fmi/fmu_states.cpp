@@ -119,5 +119,6 @@ std::unique_ptr<SlaveState> FmuStates<Functions>::deserialize(std::span<const st
 }
 
 template class FmuStates<fmi2::Functions>;
+template class FmuStates<fmi3::Functions>;
 
 }  // namespace mebots::master

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mebots/fmi2/library.hpp"
+#include "mebots/fmi3/library.hpp"
 #include "slave/fmi/instance_calls.hpp"
 #include "slave/slave.hpp"
 
@@ -29,6 +30,10 @@ struct StateNames {
 inline constexpr StateNames kFmi2StateNames = {
     "fmi2GetFMUstate",       "fmi2SetFMUstate",         "fmi2FreeFMUstate",     "fmi2SerializedFMUstateSize",
     "fmi2SerializeFMUstate", "fmi2DeSerializeFMUstate", "canGetAndSetFMUstate", "canSerializeFMUstate"};
+
+inline constexpr StateNames kFmi3StateNames = {
+    "fmi3GetFMUState",       "fmi3SetFMUState",         "fmi3FreeFMUState",     "fmi3SerializedFMUStateSize",
+    "fmi3SerializeFMUState", "fmi3DeserializeFMUState", "canGetAndSetFMUState", "canSerializeFMUState"};
 
 /// Saves, restores and serialises the states of one instance. `Functions` is the table of a version of FMI, with null
 /// for a function that the FMU does not have or does not claim.
@@ -72,5 +77,6 @@ class FmuStates {
 };
 
 extern template class FmuStates<fmi2::Functions>;
+extern template class FmuStates<fmi3::Functions>;
 
 }  // namespace mebots::master

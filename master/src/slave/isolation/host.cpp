@@ -3,7 +3,7 @@
 #include "mebots/input_error.hpp"
 #include "message/message_hub.hpp"
 #include "model/value_kind.hpp"
-#include "slave/fmi/fmi2_slave.hpp"
+#include "slave/fmi/make_slave.hpp"
 #include "slave/isolation/child_process.hpp"
 
 #include "child_process.hpp"
@@ -196,11 +196,14 @@ class Host {
         get_integers(commands);
         return true;
       case Call::get_booleans:
-        get_numbers<std::int32_t>(commands,
+        get_numbers<std::int64_t>(commands,
                                   [&](auto references, auto values) { slave_->get_booleans(references, values); });
         return true;
       case Call::get_strings:
-        get_strings(commands);
+        get_texts(commands, [&](auto references, auto values) { slave_->get_strings(references, values); });
+        return true;
+      case Call::get_binaries:
+        get_texts(commands, [&](auto references, auto values) { slave_->get_binaries(references, values); });
         return true;
       case Call::set_reals: {
         const auto references = commands.get_vector<ValueReference>();
@@ -212,11 +215,14 @@ class Host {
         break;
       case Call::set_booleans: {
         const auto references = commands.get_vector<ValueReference>();
-        slave_->set_booleans(references, commands.get_vector<std::int32_t>());
+        slave_->set_booleans(references, commands.get_vector<std::int64_t>());
         break;
       }
       case Call::set_strings:
-        set_strings(commands);
+        set_texts(commands, [&](auto references, auto values) { slave_->set_strings(references, values); });
+        break;
+      case Call::set_binaries:
+        set_texts(commands, [&](auto references, auto values) { slave_->set_binaries(references, values); });
         break;
       case Call::get_output_derivatives:
         get_output_derivatives(commands);
@@ -282,6 +288,11 @@ class Host {
     add_python_path(commands.get_text());
     std::vector<std::string> categories;
     for (auto count = commands.get<std::uint64_t>(); count > 0; --count) categories.push_back(commands.get_text());
+    modeldesc::StructuralValues structural;
+    for (auto count = commands.get<std::uint64_t>(); count > 0; --count) {
+      const auto reference = commands.get<std::uint32_t>();
+      structural[reference] = commands.get<std::uint64_t>();
+    }
     const auto grid = commands.get<TimeGrid>();
     check_sandbox();
     copies_.emplace();
@@ -290,7 +301,7 @@ class Host {
     if (!python.empty()) load_python(python);
     triples_ = osmp_triples(fmu_->description());
     taken_.resize(triples_.size());
-    slave_ = std::make_unique<Fmi2Slave>(name_, fmu_, std::move(categories), log_, grid);
+    slave_ = make_slave_here({name_, fmu_, std::move(structural), std::move(categories), grid}, log_);
   }
 
   /// Throws Error if the sandbox lacks a mechanism that the config requires.
@@ -358,14 +369,15 @@ class Host {
   /// Integers, and behind them the bytes of every binary variable among them.
   void get_integers(SharedReader& commands) {
     const auto references = commands.get_vector<ValueReference>();
-    std::vector<std::int32_t> values(references.size());
+    std::vector<std::int64_t> values(references.size());
     slave_->get_integers(references, values);
     put_done();
-    answers_.put(std::span<const std::int32_t>(values));
+    answers_.put(std::span<const std::int64_t>(values));
     for (const auto& triple : triples_) {
       const auto places = places_of(triple, references);
       if (!places) continue;
-      answers_.put(fmu::BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes());
+      const auto part = [&](std::size_t i) { return static_cast<std::int32_t>(values[(*places)[i]]); };
+      answers_.put(fmu::BinaryRef{part(0), part(1), part(2)}.bytes());
     }
   }
 
@@ -378,17 +390,18 @@ class Host {
     answers_.put(std::span<const double>(values));
   }
 
-  void get_strings(SharedReader& commands) {
+  template <typename Get>
+  void get_texts(SharedReader& commands, Get get) {
     const auto references = commands.get_vector<ValueReference>();
     std::vector<std::string> values(references.size());
-    slave_->get_strings(references, values);
+    get(std::span<const ValueReference>(references), std::span(values));
     put_done();
     for (const auto& value : values) answers_.put(std::string_view(value));
   }
 
   void set_integers(SharedReader& commands) {
     const auto references = commands.get_vector<ValueReference>();
-    auto values = commands.get_vector<std::int32_t>();
+    auto values = commands.get_vector<std::int64_t>();
     for (std::size_t i = 0; i < triples_.size(); ++i) {
       const auto places = places_of(triples_[i], references);
       if (!places) continue;
@@ -401,11 +414,12 @@ class Host {
     slave_->set_integers(references, values);
   }
 
-  void set_strings(SharedReader& commands) {
+  template <typename Set>
+  void set_texts(SharedReader& commands, Set set) {
     const auto references = commands.get_vector<ValueReference>();
     std::vector<std::string> values;
     for (std::size_t i = 0; i < references.size(); ++i) values.push_back(commands.get_text());
-    slave_->set_strings(references, values);
+    set(std::span<const ValueReference>(references), std::span<const std::string>(values));
   }
 
   SharedBuffer control_buffer_;
@@ -423,7 +437,7 @@ class Host {
   std::vector<std::string> may_lack_;
   std::optional<ForkedCopies> copies_;  // not before the keeper is split off
   std::shared_ptr<Fmu> fmu_;
-  std::unique_ptr<Fmi2Slave> slave_;
+  std::unique_ptr<Slave> slave_;
   std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
   bool closed_ = false;
   bool keeps_library_ = false;

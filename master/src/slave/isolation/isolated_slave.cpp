@@ -154,6 +154,11 @@ void IsolatedSlave::open(const TimeGrid& grid) {
   commands_.put(std::string_view(instance_->interpreter.python_path));
   commands_.put(static_cast<std::uint64_t>(instance_->log_categories.size()));
   for (const auto& category : instance_->log_categories) commands_.put(std::string_view(category));
+  commands_.put(static_cast<std::uint64_t>(instance_->structural.size()));
+  for (const auto& [reference, value] : instance_->structural) {
+    commands_.put(reference);
+    commands_.put(value);
+  }
   commands_.put(grid);
   hand_over(1, [this](SharedReader& answers) {
     check(answers);
@@ -403,6 +408,7 @@ void IsolatedSlave::take(Read& read, SharedReader& answers) {
       answers.get(std::span(read.reals));
       return;
     case Call::get_strings:
+    case Call::get_binaries:
       read.strings.resize(count);
       for (auto& text : read.strings) text = answers.get_text();
       return;
@@ -469,17 +475,21 @@ void IsolatedSlave::get_reals(std::span<const ValueReference> references, std::s
   std::ranges::copy(read(Call::get_reals, references).reals, values.begin());
 }
 
-void IsolatedSlave::get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) {
+void IsolatedSlave::get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) {
   std::ranges::copy(read(Call::get_integers, references).integers, values.begin());
 }
 
-void IsolatedSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) {
+void IsolatedSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) {
   std::ranges::transform(read(Call::get_booleans, references).integers, values.begin(),
-                         [](std::int32_t value) { return value == 0 ? 0 : 1; });  // the other process may be hostile
+                         [](std::int64_t value) { return value == 0 ? 0 : 1; });  // the other process may be hostile
 }
 
 void IsolatedSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
   std::ranges::copy(read(Call::get_strings, references).strings, values.begin());
+}
+
+void IsolatedSlave::get_binaries(std::span<const ValueReference> references, std::span<std::string> values) {
+  std::ranges::copy(read(Call::get_binaries, references).strings, values.begin());
 }
 
 void IsolatedSlave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {
@@ -489,14 +499,15 @@ void IsolatedSlave::set_reals(std::span<const ValueReference> references, std::s
   ++pending_;
 }
 
-void IsolatedSlave::set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
+void IsolatedSlave::set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) {
   forget_reads();
   put_references(Call::set_integers, references);
   commands_.put(values);
   for (const auto& triple : triples_) {
     const auto places = places_of(triple, references);
     if (!places) continue;
-    const auto bytes = fmu::BinaryRef{values[(*places)[0]], values[(*places)[1]], values[(*places)[2]]}.bytes();
+    const auto part = [&](std::size_t place) { return static_cast<std::int32_t>(values[(*places)[place]]); };
+    const auto bytes = fmu::BinaryRef{part(0), part(1), part(2)}.bytes();
     if (!is_readable(bytes)) {
       throw SlaveError(
           fmt::format("instance '{}' at {} s: its binary input (value reference {}) is the address {} "
@@ -508,7 +519,7 @@ void IsolatedSlave::set_integers(std::span<const ValueReference> references, std
   ++pending_;
 }
 
-void IsolatedSlave::set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) {
+void IsolatedSlave::set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) {
   forget_reads();
   put_references(Call::set_booleans, references);
   commands_.put(values);
@@ -516,8 +527,17 @@ void IsolatedSlave::set_booleans(std::span<const ValueReference> references, std
 }
 
 void IsolatedSlave::set_strings(std::span<const ValueReference> references, std::span<const std::string> values) {
+  put_texts(Call::set_strings, references, values);
+}
+
+void IsolatedSlave::set_binaries(std::span<const ValueReference> references, std::span<const std::string> values) {
+  put_texts(Call::set_binaries, references, values);
+}
+
+void IsolatedSlave::put_texts(Call call, std::span<const ValueReference> references,
+                              std::span<const std::string> values) {
   forget_reads();
-  put_references(Call::set_strings, references);
+  put_references(call, references);
   for (const auto& value : values) commands_.put(std::string_view(value));
   ++pending_;
 }

@@ -47,13 +47,15 @@ class IsolatedSlave final : public Slave {
   std::optional<std::string> free_instance() override;
 
   void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
-  void get_integers(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
-  void get_booleans(std::span<const ValueReference> references, std::span<std::int32_t> values) override;
+  void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) override;
+  void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) override;
   void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override;
   void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
-  void set_integers(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
-  void set_booleans(std::span<const ValueReference> references, std::span<const std::int32_t> values) override;
+  void set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
+  void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
   void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
+  void get_binaries(std::span<const ValueReference> references, std::span<std::string> values) override;
+  void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values) override;
 
   std::uint32_t output_derivative_order() const override { return output_derivative_order_; }
   bool takes_input_derivatives() const override { return takes_input_derivatives_; }
@@ -80,7 +82,7 @@ class IsolatedSlave final : public Slave {
     bool fresh = false;                // not asked for anew since the last step
     std::exception_ptr failure;
     std::vector<double> reals;
-    std::vector<std::int32_t> integers;  // Booleans too
+    std::vector<std::int64_t> integers;  // Booleans too
     std::vector<std::string> strings;
   };
 
@@ -89,6 +91,7 @@ class IsolatedSlave final : public Slave {
   std::uint64_t memory_bytes() const;
   void put(Call call) { commands_.put(call); }
   void put_references(Call call, std::span<const ValueReference> references);
+  void put_texts(Call call, std::span<const ValueReference> references, std::span<const std::string> values);
   /// Sends what is written so far and waits for the answers; checks those of calls before the last `open_answers`, and
   /// lets `take` read the rest. Answers that make no sense are the end of the process.
   void hand_over(std::size_t open_answers = 0, const std::function<void(SharedReader&)>& take = {});

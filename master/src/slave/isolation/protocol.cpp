@@ -55,6 +55,8 @@ const char* name_of(Call call) {
       return "fmi2GetBoolean";
     case Call::get_strings:
       return "fmi2GetString";
+    case Call::get_binaries:
+      return "fmi3GetBinary";
     case Call::set_reals:
       return "fmi2SetReal";
     case Call::set_integers:
@@ -63,6 +65,8 @@ const char* name_of(Call call) {
       return "fmi2SetBoolean";
     case Call::set_strings:
       return "fmi2SetString";
+    case Call::set_binaries:
+      return "fmi3SetBinary";
     case Call::get_output_derivatives:
       return "fmi2GetRealOutputDerivatives";
     case Call::set_input_derivatives:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/fmi2/variable_kinds.hpp"
+#include "mebots/fmi/variable_kinds.hpp"
 #include "mebots/fmu/model.hpp"
 
 #include <cstddef>
@@ -13,9 +13,9 @@
 /// What the shell knows of the FMU that it serves: constant tables that the build generates.
 namespace mebots::fmu {
 
-using fmi2::Causality;
-using fmi2::Type;
-using fmi2::Variability;
+using fmi::Causality;
+using fmi::Type;
+using fmi::Variability;
 
 struct EnumerationItem {
   std::int32_t value;

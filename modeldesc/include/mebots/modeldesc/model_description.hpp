@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "mebots/fmi2/variable_kinds.hpp"
+#include "mebots/fmi/variable_kinds.hpp"
 #include "mebots/modeldesc/units.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -15,21 +16,22 @@
 #include <variant>
 #include <vector>
 
-/// What a modelDescription.xml of FMI 2.0 says, as plain data: ours and foreign ones alike.
+/// The content of a modelDescription.xml of FMI 2.0 or 3.0 as plain data: ours and foreign ones alike.
 namespace mebots::modeldesc {
 
-using fmi2::Causality;
-using fmi2::Initial;
-using fmi2::to_string;
-using fmi2::Type;
-using fmi2::Variability;
+using fmi::Causality;
+using fmi::Initial;
+using fmi::to_string;
+using fmi::Type;
+using fmi::Variability;
 
-/// A start value; Integer and Enumeration both hold std::int32_t. Empty when none is given.
-using Value = std::variant<std::monostate, double, std::int32_t, bool, std::string>;
+/// A start value. All types of whole numbers and enumerations hold std::int64_t, UInt64 the same 64 bits; both float
+/// types hold double; Binary holds its bytes as std::string. Empty when none is given.
+using Value = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
 
 struct EnumerationItem {
   std::string name;
-  std::int32_t value = 0;
+  std::int64_t value = 0;
   std::string text;
   bool operator==(const EnumerationItem&) const = default;
 };
@@ -57,8 +59,79 @@ struct OsmpPart {
   bool operator==(const OsmpPart&) const = default;
 };
 
-/// A <ScalarVariable>. Unit, quantity, min, max and nominal of its declared type are already filled in
-/// where the variable itself has none, and so are FMI's defaults for causality, variability and initial.
+/// One dimension of an array: a fixed size, or the value of a structural parameter.
+struct Dimension {
+  std::optional<std::uint64_t> start;
+  std::optional<std::uint32_t> value_reference;
+  bool operator==(const Dimension&) const = default;
+};
+
+/// An element of an array variable of FMI 3.0, see with_elements().
+struct ArrayElement {
+  std::string array;                  ///< name of the array
+  std::uint32_t array_reference = 0;  ///< its value reference in the FMU
+  std::size_t index = 0;              ///< in row-major order, from 0
+  std::size_t count = 1;              ///< elements of the array
+  bool operator==(const ArrayElement&) const = default;
+};
+
+enum class IntervalVariability : std::uint8_t { constant, fixed, tunable, changing, countdown, triggered };
+inline constexpr std::string_view kIntervalVariabilityWords[] = {"constant", "fixed",     "tunable",
+                                                                 "changing", "countdown", "triggered"};
+
+/// What a variable of type Clock declares about its ticks.
+struct ClockTiming {
+  IntervalVariability interval_variability = IntervalVariability::triggered;
+  std::optional<double> interval_s;
+  double shift_s = 0;
+  std::optional<std::uint64_t> interval_counter;  ///< the interval is counter / resolution, exactly
+  std::optional<std::uint64_t> shift_counter;
+  std::optional<std::uint64_t> resolution;
+  bool supports_fraction = false;
+  bool can_be_deactivated = false;
+  std::optional<std::uint32_t> priority;
+  bool operator==(const ClockTiming&) const = default;
+
+  /// True for clocks that tick at times, which the importer of an input clock must schedule.
+  bool is_time_based() const { return interval_variability != IntervalVariability::triggered; }
+};
+
+/// What only variables of FMI 3.0 have.
+struct Fmi3Part {
+  std::vector<Dimension> dimensions;  ///< empty: a scalar
+  std::vector<Value> starts;          ///< of an array, in row-major order; one for all if it has one element
+  std::vector<std::uint32_t>
+      clocks;  ///< value references: the variable may be read and set only when one of them ticks
+  std::optional<ClockTiming> timing;      ///< of a Clock
+  std::string mime_type;                  ///< of a Binary
+  std::optional<std::uint64_t> max_size;  ///< of a Binary
+  std::optional<std::uint32_t> previous;
+  bool intermediate_update = false;
+  std::optional<std::string> alias_of;  ///< name of the variable that this is another name of
+  std::optional<ArrayElement> element;
+  bool operator==(const Fmi3Part&) const = default;
+};
+
+/// The part of a variable that only FMI 3.0 has; empty, and one pointer large, for variables of FMI 2.0.
+class Fmi3Holder {
+ public:
+  Fmi3Holder() = default;
+  Fmi3Holder(Fmi3Part part) : part_(std::make_shared<const Fmi3Part>(std::move(part))) {}  // NOLINT: a value
+
+  const Fmi3Part& operator*() const {
+    static const Fmi3Part kEmpty;
+    return part_ == nullptr ? kEmpty : *part_;
+  }
+  const Fmi3Part* operator->() const { return &**this; }
+  bool operator==(const Fmi3Holder& other) const { return **this == *other; }
+
+ private:
+  std::shared_ptr<const Fmi3Part> part_;
+};
+
+/// A <ScalarVariable> of FMI 2.0, or a variable of FMI 3.0. Unit, quantity, min, max and nominal of its declared type
+/// are already filled in where the variable itself has none, and so are FMI's defaults for causality, variability and
+/// initial.
 struct Variable {
   std::string name;
   std::uint32_t value_reference = 0;
@@ -80,6 +153,7 @@ struct Variable {
   bool can_handle_multiple_set_per_time_instant = true;
   std::string text;
   std::optional<OsmpPart> osmp;
+  Fmi3Holder fmi3;
   bool operator==(const Variable&) const = default;
 };
 
@@ -110,6 +184,13 @@ struct CoSimulation : Implementation {
   bool can_interpolate_inputs = false;
   std::uint32_t max_output_derivative_order = 0;
   bool can_run_asynchronuously = false;
+  // Only in FMI 3.0.
+  bool has_event_mode = false;
+  bool might_return_early = false;
+  bool can_return_early_after_intermediate_update = false;
+  bool provides_intermediate_update = false;
+  bool provides_evaluate_discrete_states = false;
+  std::optional<double> fixed_internal_step_size_s;
   bool operator==(const CoSimulation&) const = default;
 };
 
@@ -167,9 +248,9 @@ class NameIndex {
 };
 
 struct ModelDescription {
-  std::string fmi_version;  // "2.0"
+  std::string fmi_version;  // "2.0" or "3.0", without the third number that FMI 3.0 may write
   std::string model_name;
-  std::string guid;
+  std::string guid;  // instantiationToken in FMI 3.0
   std::string text;
   std::string author;
   std::string version;
@@ -180,6 +261,7 @@ struct ModelDescription {
   bool structured_names = false;  // variableNamingConvention
   std::uint32_t number_of_event_indicators = 0;
   std::optional<ModelExchange> model_exchange;
+  bool has_scheduled_execution = false;
   std::optional<CoSimulation> co_simulation;
   std::vector<Unit> units;
   std::vector<TypeDefinition> types;
@@ -189,8 +271,12 @@ struct ModelDescription {
   std::vector<Unknown> outputs;
   std::vector<Unknown> derivatives;
   std::vector<Unknown> initial_unknowns;
+  std::vector<Unknown> clocked_states;        // FMI 3.0
+  std::vector<Unknown> event_indicators;      // FMI 3.0
   std::vector<std::string> structure_faults;  // of ModelStructure: what is wrong and where; these parts are left out
   bool operator==(const ModelDescription&) const = default;
+
+  bool is_fmi3() const { return fmi_version == "3.0"; }
 
   /// Indexes variables, units and types by name. Readers of descriptions call it last. Lists that change afterwards
   /// must keep names and order, or be indexed again.

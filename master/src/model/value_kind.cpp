@@ -5,6 +5,10 @@
 
 namespace mebots::master {
 
+std::string whole_text(modeldesc::Type type, std::int64_t value) {
+  return type == modeldesc::Type::uint64 ? std::to_string(static_cast<std::uint64_t>(value)) : std::to_string(value);
+}
+
 bool is_osmp_part(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable) {
   if (variable.osmp) return true;
   if (variable.type != modeldesc::Type::integer) return false;

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model/value_kind.hpp"
+#include "slave/fmi/instance_calls.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace mebots::master {
+
+/// Reads and sets the variables of an instance of FMI 3.0. The master has one number per scalar and per element of an
+/// array; FMI 3.0 has a function for each type, which takes whole arrays. A list of references that comes again, as it
+/// does at every communication point, is sorted into calls once.
+class Fmi3Values {
+ public:
+  /// `model` has elements in place of arrays (see modeldesc::with_elements()). All must outlive this object.
+  Fmi3Values(InstanceCalls& calls, const Fmi3Functions& functions, const modeldesc::ModelDescription& model);
+
+  void get(std::span<const ValueReference> references, std::span<double> values);
+  /// Whole numbers and enumerations, or Booleans as 0 and 1, by `kind`.
+  void get(ValueKind kind, std::span<const ValueReference> references, std::span<std::int64_t> values);
+  /// Strings or Binaries, by `kind`.
+  void get(ValueKind kind, std::span<const ValueReference> references, std::span<std::string> values);
+
+  void set(std::span<const ValueReference> references, std::span<const double> values);
+  void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::int64_t> values);
+  void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values);
+
+ private:
+  /// Where a variable of the master is in the FMU.
+  struct Place {
+    modeldesc::Type type = modeldesc::Type::real;
+    std::uint32_t reference = 0;
+    std::size_t index = 0;  // of the element
+    std::size_t count = 1;  // of the array
+    const modeldesc::Variable* variable = nullptr;
+  };
+  /// One value of a call, and its place in the list of the caller.
+  struct Move {
+    std::size_t value;
+    std::size_t slot;
+  };
+  /// One call of the FMU.
+  struct Call {
+    modeldesc::Type type;
+    std::vector<std::uint32_t> references;
+    std::vector<const modeldesc::Variable*> variables;  // one per value, null for elements that nobody wants
+    std::size_t value_count = 0;
+    std::vector<Move> moves;
+  };
+  struct Plan {
+    std::vector<ValueReference> references;
+    std::vector<Call> calls;
+  };
+
+  const Plan& plan(ValueKind kind, std::span<const ValueReference> references);
+  Plan make_plan(std::span<const ValueReference> references) const;
+  template <typename Action>
+  void with_functions(modeldesc::Type type, Action action);
+  template <typename T>
+  T* buffer(std::size_t count);
+  template <typename Value>
+  void get_numbers(const Plan& plan, std::span<Value> values);
+  template <typename Value>
+  void set_numbers(const Plan& plan, std::span<const Value> values);
+  void get_texts(const Call& call, std::span<std::string> values);
+  void get_binaries(const Call& call, std::span<std::string> values);
+
+  InstanceCalls* calls_;
+  const Fmi3Functions* functions_;
+  std::unordered_map<ValueReference, Place> places_;
+  std::array<std::vector<Plan>, 6> plans_;  // by kind
+  std::vector<std::byte> buffer_;           // of the current call
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+/// Type, causality, variability and initial of a variable. FMI 2.0 has a part of what FMI 3.0 has.
+namespace mebots::fmi {
+
+/// `real` is Real in FMI 2.0 and Float64 in 3.0; `integer` is Integer and Int32. FMI 2.0 has no type after enumeration.
+enum class Type : std::uint8_t {
+  real,
+  integer,
+  boolean,
+  string,
+  enumeration,
+  float32,
+  int8,
+  uint8,
+  int16,
+  uint16,
+  uint32,
+  int64,
+  uint64,
+  binary,
+  clock
+};
+/// FMI 2.0 has no causality after independent.
+enum class Causality : std::uint8_t {
+  parameter,
+  calculated_parameter,
+  input,
+  output,
+  local,
+  independent,
+  structural_parameter,
+  dependent
+};
+enum class Variability : std::uint8_t { constant, fixed, tunable, discrete, continuous };
+enum class Initial : std::uint8_t { exact, approx, calculated };
+
+// The words of each in the order of its values.
+inline constexpr std::string_view kTypeWords2[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
+inline constexpr std::string_view kTypeWords3[] = {"Float64", "Int32", "Boolean", "String", "Enumeration",
+                                                   "Float32", "Int8",  "UInt8",   "Int16",  "UInt16",
+                                                   "UInt32",  "Int64", "UInt64",  "Binary", "Clock"};
+inline constexpr std::string_view kCausalityWords3[] = {
+    "parameter", "calculatedParameter", "input", "output", "local", "independent", "structuralParameter", "dependent"};
+inline constexpr std::span<const std::string_view> kCausalityWords2 = std::span(kCausalityWords3).first(6);
+inline constexpr std::string_view kVariabilityWords[] = {"constant", "fixed", "tunable", "discrete", "continuous"};
+inline constexpr std::string_view kInitialWords[] = {"exact", "approx", "calculated"};
+
+/// The word of FMI 2.0, or of 3.0 for a type that only 3.0 has.
+constexpr std::string_view to_string(Type type) {
+  const auto place = static_cast<std::size_t>(type);
+  return place < std::size(kTypeWords2) ? kTypeWords2[place] : kTypeWords3[place];
+}
+constexpr std::string_view to_string(Causality causality) {
+  return kCausalityWords3[static_cast<std::size_t>(causality)];
+}
+constexpr std::string_view to_string(Variability variability) {
+  return kVariabilityWords[static_cast<std::size_t>(variability)];
+}
+constexpr std::string_view to_string(Initial initial) {
+  return kInitialWords[static_cast<std::size_t>(initial)];
+}
+
+static_assert(to_string(Type::enumeration) == "Enumeration" && to_string(Causality::independent) == "independent" &&
+              to_string(Variability::continuous) == "continuous" && to_string(Initial::calculated) == "calculated" &&
+              to_string(Type::clock) == "Clock" && to_string(Causality::dependent) == "dependent");
+
+/// True for types whose values are floating-point numbers.
+constexpr bool is_float(Type type) {
+  return type == Type::real || type == Type::float32;
+}
+/// True for types whose values are whole numbers, enumerations included.
+constexpr bool is_whole(Type type) {
+  switch (type) {
+    case Type::integer:
+    case Type::enumeration:
+    case Type::int8:
+    case Type::uint8:
+    case Type::int16:
+    case Type::uint16:
+    case Type::uint32:
+    case Type::int64:
+    case Type::uint64:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// The values that a type of whole numbers can have; `high` as unsigned, since only UInt64 has values above 2^63.
+struct WholeLimits {
+  std::int64_t low;
+  std::uint64_t high;
+};
+constexpr WholeLimits limits_of(Type type) {
+  switch (type) {
+    case Type::int8:
+      return {-128, 127};
+    case Type::uint8:
+      return {0, 255};
+    case Type::int16:
+      return {-32768, 32767};
+    case Type::uint16:
+      return {0, 65535};
+    case Type::uint32:
+      return {0, UINT32_MAX};
+    case Type::int64:
+      return {INT64_MIN, INT64_MAX};
+    case Type::uint64:
+      return {0, UINT64_MAX};
+    default:
+      return {INT32_MIN, INT32_MAX};
+  }
+}
+
+}  // namespace mebots::fmi

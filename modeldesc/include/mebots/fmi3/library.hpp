@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/fmi3/functions.hpp"
+
+#include <dlfcn.h>
+
+#include <type_traits>
+
+/// The functions of the shared library of an FMI 3.0 FMU as a table of pointers, and what the standard says about each.
+namespace mebots::fmi3 {
+
+/// Which FMUs cannot run without a function: all (`to_run`), those for co-simulation (`to_step`) or model exchange
+/// (`to_integrate`). `always`: the standard demands it of all FMUs, but a run can do without it. Others are needed if
+/// modelDescription.xml claims a capability or has variables of a type.
+enum class Need { to_run, to_step, to_integrate, always, fmu_state, serialization, event_mode };
+
+/// Null where the library does not have the function.
+struct Functions {
+  using Byte = fmi3Byte;
+
+  decltype(&fmi3GetVersion) get_version = nullptr;
+  decltype(&fmi3SetDebugLogging) set_debug_logging = nullptr;
+  decltype(&fmi3InstantiateModelExchange) instantiate_model_exchange = nullptr;
+  decltype(&fmi3InstantiateCoSimulation) instantiate_co_simulation = nullptr;
+  decltype(&fmi3FreeInstance) free_instance = nullptr;
+  decltype(&fmi3EnterInitializationMode) enter_initialization_mode = nullptr;
+  decltype(&fmi3ExitInitializationMode) exit_initialization_mode = nullptr;
+  decltype(&fmi3EnterEventMode) enter_event_mode = nullptr;
+  decltype(&fmi3Terminate) terminate = nullptr;
+  decltype(&fmi3Reset) reset = nullptr;
+  decltype(&fmi3EnterConfigurationMode) enter_configuration_mode = nullptr;
+  decltype(&fmi3ExitConfigurationMode) exit_configuration_mode = nullptr;
+  decltype(&fmi3GetFloat32) get_float32 = nullptr;
+  decltype(&fmi3GetFloat64) get_float64 = nullptr;
+  decltype(&fmi3GetInt8) get_int8 = nullptr;
+  decltype(&fmi3GetUInt8) get_uint8 = nullptr;
+  decltype(&fmi3GetInt16) get_int16 = nullptr;
+  decltype(&fmi3GetUInt16) get_uint16 = nullptr;
+  decltype(&fmi3GetInt32) get_int32 = nullptr;
+  decltype(&fmi3GetUInt32) get_uint32 = nullptr;
+  decltype(&fmi3GetInt64) get_int64 = nullptr;
+  decltype(&fmi3GetUInt64) get_uint64 = nullptr;
+  decltype(&fmi3GetBoolean) get_boolean = nullptr;
+  decltype(&fmi3GetString) get_string = nullptr;
+  decltype(&fmi3GetBinary) get_binary = nullptr;
+  decltype(&fmi3GetClock) get_clock = nullptr;
+  decltype(&fmi3SetFloat32) set_float32 = nullptr;
+  decltype(&fmi3SetFloat64) set_float64 = nullptr;
+  decltype(&fmi3SetInt8) set_int8 = nullptr;
+  decltype(&fmi3SetUInt8) set_uint8 = nullptr;
+  decltype(&fmi3SetInt16) set_int16 = nullptr;
+  decltype(&fmi3SetUInt16) set_uint16 = nullptr;
+  decltype(&fmi3SetInt32) set_int32 = nullptr;
+  decltype(&fmi3SetUInt32) set_uint32 = nullptr;
+  decltype(&fmi3SetInt64) set_int64 = nullptr;
+  decltype(&fmi3SetUInt64) set_uint64 = nullptr;
+  decltype(&fmi3SetBoolean) set_boolean = nullptr;
+  decltype(&fmi3SetString) set_string = nullptr;
+  decltype(&fmi3SetBinary) set_binary = nullptr;
+  decltype(&fmi3SetClock) set_clock = nullptr;
+  decltype(&fmi3GetFMUState) get_fmu_state = nullptr;
+  decltype(&fmi3SetFMUState) set_fmu_state = nullptr;
+  decltype(&fmi3FreeFMUState) free_fmu_state = nullptr;
+  decltype(&fmi3SerializedFMUStateSize) serialized_fmu_state_size = nullptr;
+  decltype(&fmi3SerializeFMUState) serialize_fmu_state = nullptr;
+  decltype(&fmi3DeserializeFMUState) deserialize_fmu_state = nullptr;
+  decltype(&fmi3GetDirectionalDerivative) get_directional_derivative = nullptr;
+  decltype(&fmi3GetIntervalDecimal) get_interval_decimal = nullptr;
+  decltype(&fmi3GetIntervalFraction) get_interval_fraction = nullptr;
+  decltype(&fmi3GetShiftDecimal) get_shift_decimal = nullptr;
+  decltype(&fmi3SetIntervalDecimal) set_interval_decimal = nullptr;
+  decltype(&fmi3EvaluateDiscreteStates) evaluate_discrete_states = nullptr;
+  decltype(&fmi3UpdateDiscreteStates) update_discrete_states = nullptr;
+  decltype(&fmi3EnterContinuousTimeMode) enter_continuous_time_mode = nullptr;
+  decltype(&fmi3CompletedIntegratorStep) completed_integrator_step = nullptr;
+  decltype(&fmi3SetTime) set_time = nullptr;
+  decltype(&fmi3SetContinuousStates) set_continuous_states = nullptr;
+  decltype(&fmi3GetContinuousStateDerivatives) get_continuous_state_derivatives = nullptr;
+  decltype(&fmi3GetEventIndicators) get_event_indicators = nullptr;
+  decltype(&fmi3GetContinuousStates) get_continuous_states = nullptr;
+  decltype(&fmi3GetNominalsOfContinuousStates) get_nominals_of_continuous_states = nullptr;
+  decltype(&fmi3GetNumberOfEventIndicators) get_number_of_event_indicators = nullptr;
+  decltype(&fmi3GetNumberOfContinuousStates) get_number_of_continuous_states = nullptr;
+  decltype(&fmi3EnterStepMode) enter_step_mode = nullptr;
+  decltype(&fmi3GetOutputDerivatives) get_output_derivatives = nullptr;
+  decltype(&fmi3DoStep) do_step = nullptr;
+};
+
+/// Calls action(name, pointer to the member of Functions, Need) for every function in the table.
+template <typename Action>
+void for_each_function(Action action) {
+  using F = Functions;
+  action("fmi3GetVersion", &F::get_version, Need::to_run);
+  action("fmi3SetDebugLogging", &F::set_debug_logging, Need::always);
+  action("fmi3InstantiateModelExchange", &F::instantiate_model_exchange, Need::to_integrate);
+  action("fmi3InstantiateCoSimulation", &F::instantiate_co_simulation, Need::to_step);
+  action("fmi3FreeInstance", &F::free_instance, Need::to_run);
+  action("fmi3EnterInitializationMode", &F::enter_initialization_mode, Need::to_run);
+  action("fmi3ExitInitializationMode", &F::exit_initialization_mode, Need::to_run);
+  action("fmi3EnterEventMode", &F::enter_event_mode, Need::event_mode);
+  action("fmi3Terminate", &F::terminate, Need::to_run);
+  action("fmi3Reset", &F::reset, Need::always);
+  action("fmi3EnterConfigurationMode", &F::enter_configuration_mode, Need::always);
+  action("fmi3ExitConfigurationMode", &F::exit_configuration_mode, Need::always);
+  action("fmi3GetFloat32", &F::get_float32, Need::always);
+  action("fmi3GetFloat64", &F::get_float64, Need::to_run);
+  action("fmi3GetInt8", &F::get_int8, Need::always);
+  action("fmi3GetUInt8", &F::get_uint8, Need::always);
+  action("fmi3GetInt16", &F::get_int16, Need::always);
+  action("fmi3GetUInt16", &F::get_uint16, Need::always);
+  action("fmi3GetInt32", &F::get_int32, Need::always);
+  action("fmi3GetUInt32", &F::get_uint32, Need::always);
+  action("fmi3GetInt64", &F::get_int64, Need::always);
+  action("fmi3GetUInt64", &F::get_uint64, Need::always);
+  action("fmi3GetBoolean", &F::get_boolean, Need::always);
+  action("fmi3GetString", &F::get_string, Need::always);
+  action("fmi3GetBinary", &F::get_binary, Need::always);
+  action("fmi3GetClock", &F::get_clock, Need::always);
+  action("fmi3SetFloat32", &F::set_float32, Need::always);
+  action("fmi3SetFloat64", &F::set_float64, Need::to_run);
+  action("fmi3SetInt8", &F::set_int8, Need::always);
+  action("fmi3SetUInt8", &F::set_uint8, Need::always);
+  action("fmi3SetInt16", &F::set_int16, Need::always);
+  action("fmi3SetUInt16", &F::set_uint16, Need::always);
+  action("fmi3SetInt32", &F::set_int32, Need::always);
+  action("fmi3SetUInt32", &F::set_uint32, Need::always);
+  action("fmi3SetInt64", &F::set_int64, Need::always);
+  action("fmi3SetUInt64", &F::set_uint64, Need::always);
+  action("fmi3SetBoolean", &F::set_boolean, Need::always);
+  action("fmi3SetString", &F::set_string, Need::always);
+  action("fmi3SetBinary", &F::set_binary, Need::always);
+  action("fmi3SetClock", &F::set_clock, Need::always);
+  action("fmi3GetFMUState", &F::get_fmu_state, Need::fmu_state);
+  action("fmi3SetFMUState", &F::set_fmu_state, Need::fmu_state);
+  action("fmi3FreeFMUState", &F::free_fmu_state, Need::fmu_state);
+  action("fmi3SerializedFMUStateSize", &F::serialized_fmu_state_size, Need::serialization);
+  action("fmi3SerializeFMUState", &F::serialize_fmu_state, Need::serialization);
+  action("fmi3DeserializeFMUState", &F::deserialize_fmu_state, Need::serialization);
+  action("fmi3GetDirectionalDerivative", &F::get_directional_derivative, Need::always);
+  action("fmi3GetIntervalDecimal", &F::get_interval_decimal, Need::always);
+  action("fmi3GetIntervalFraction", &F::get_interval_fraction, Need::always);
+  action("fmi3GetShiftDecimal", &F::get_shift_decimal, Need::always);
+  action("fmi3SetIntervalDecimal", &F::set_interval_decimal, Need::always);
+  action("fmi3EvaluateDiscreteStates", &F::evaluate_discrete_states, Need::always);
+  action("fmi3UpdateDiscreteStates", &F::update_discrete_states, Need::event_mode);
+  action("fmi3EnterContinuousTimeMode", &F::enter_continuous_time_mode, Need::to_integrate);
+  action("fmi3CompletedIntegratorStep", &F::completed_integrator_step, Need::to_integrate);
+  action("fmi3SetTime", &F::set_time, Need::to_integrate);
+  action("fmi3SetContinuousStates", &F::set_continuous_states, Need::to_integrate);
+  action("fmi3GetContinuousStateDerivatives", &F::get_continuous_state_derivatives, Need::to_integrate);
+  action("fmi3GetEventIndicators", &F::get_event_indicators, Need::to_integrate);
+  action("fmi3GetContinuousStates", &F::get_continuous_states, Need::to_integrate);
+  action("fmi3GetNominalsOfContinuousStates", &F::get_nominals_of_continuous_states, Need::to_integrate);
+  action("fmi3GetNumberOfEventIndicators", &F::get_number_of_event_indicators, Need::to_integrate);
+  action("fmi3GetNumberOfContinuousStates", &F::get_number_of_continuous_states, Need::to_integrate);
+  action("fmi3EnterStepMode", &F::enter_step_mode, Need::event_mode);
+  action("fmi3GetOutputDerivatives", &F::get_output_derivatives, Need::always);
+  action("fmi3DoStep", &F::do_step, Need::to_step);
+}
+
+/// Looks all functions up in a library from dlopen; those that it lacks stay null.
+inline Functions find_functions(void* library) {
+  Functions functions;
+  for_each_function([&](const char* name, auto member, Need) {
+    auto& function = functions.*member;
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
+  });
+  return functions;
+}
+
+}  // namespace mebots::fmi3

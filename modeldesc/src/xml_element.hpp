@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/error.hpp"
+#include "mebots/modeldesc/model_description.hpp"
+#include "mebots/modeldesc/xml.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <iterator>
+#include <optional>
+#include <pugixml.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+/// Typed and checked access to the elements of a modelDescription.xml, and what the readers of all versions share.
+namespace mebots::modeldesc {
+
+inline std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r\n";
+  const auto first = text.find_first_not_of(kSpace);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
+}
+
+/// The whole text as a number, or nothing. XML Schema writes infinities as INF, and allows a plus sign.
+template <typename T>
+std::optional<T> parse_number(std::string_view text) {
+  text = trimmed(text);
+  if (text.starts_with('+')) text.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// A parsed document, and the lines of its elements for messages. It needs the text during the parse only.
+class Document {
+ public:
+  Document(const std::string& text, std::string_view source) : source_(source) {
+    parse_xml(xml_, text, source);
+    for (auto at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 1)) {
+      line_ends_.push_back(static_cast<std::ptrdiff_t>(at));
+    }
+  }
+
+  pugi::xml_node root() const { return xml_.document_element(); }
+
+  /// "line 7, <Real>: what"
+  std::string located(pugi::xml_node node, std::string_view what) const {
+    const auto line = std::ranges::lower_bound(line_ends_, node.offset_debug()) - line_ends_.begin() + 1;
+    return fmt::format("line {}, <{}>: {}", line, node.name(), what);
+  }
+  [[noreturn]] void fail(pugi::xml_node node, std::string_view what) const {
+    throw Error(ErrorCode::syntax_error, fmt::format("{}, {}", source_, located(node, what)));
+  }
+
+ private:
+  std::string source_;
+  pugi::xml_document xml_;
+  std::vector<std::ptrdiff_t> line_ends_;
+};
+
+/// One element with typed, checked access to its attributes.
+class Element {
+ public:
+  Element(const Document& document, pugi::xml_node node) : document_(&document), node_(node) {}
+
+  explicit operator bool() const { return static_cast<bool>(node_); }
+  std::string_view name() const { return node_.name(); }
+  Element child(const char* name) const { return {*document_, node_.child(name)}; }
+  bool has(const char* name) const { return static_cast<bool>(node_.attribute(name)); }
+  std::string text(const char* name) const { return node_.attribute(name).value(); }  // empty when missing
+
+  std::string required_text(const char* name) const {
+    if (!has(name)) fail(fmt::format("the attribute {} is missing", name));
+    return text(name);
+  }
+
+  bool flag(const char* name, bool fallback) const {
+    if (!has(name)) return fallback;
+    return *parse_flag(name);
+  }
+
+  template <typename T>
+  std::optional<T> number(const char* name, std::string_view expected) const {
+    if (!has(name)) return std::nullopt;
+    const auto value = parse_number<T>(text(name));
+    if (!value) fail(fmt::format("the attribute {} is \"{}\", but {} is expected", name, text(name), expected));
+    return value;
+  }
+  std::optional<double> real(const char* name) const { return number<double>(name, "a number"); }
+
+  /// The value that belongs to the attribute's word.
+  template <typename T>
+  std::optional<T> word(const char* name, std::span<const std::string_view> words) const {
+    if (!has(name)) return std::nullopt;
+    const auto found = std::ranges::find(words, text(name));
+    if (found == words.end())
+      fail(fmt::format("the attribute {} is \"{}\"; it must be one of {}", name, text(name), fmt::join(words, ", ")));
+    return static_cast<T>(found - words.begin());
+  }
+
+  std::optional<bool> parse_flag(const char* name) const {
+    const std::string value(trimmed(text(name)));
+    if (value == "true" || value == "1") return true;
+    if (value == "false" || value == "0") return false;
+    fail(fmt::format("the attribute {} is \"{}\", but true or false is expected", name, value));
+  }
+
+  template <typename Action>
+  void each_child(Action action) const {
+    for (const pugi::xml_node node : node_.children())
+      if (node.type() == pugi::node_element) action(Element(*document_, node));
+  }
+  template <typename Action>
+  void each_child(const char* name, Action action) const {
+    for (const pugi::xml_node node : node_.children(name)) action(Element(*document_, node));
+  }
+  std::size_t count_children(const char* name) const {
+    const auto children = node_.children(name);
+    return static_cast<std::size_t>(std::distance(children.begin(), children.end()));
+  }
+  /// As each_child(), and removes each child afterwards, so that its memory is free again.
+  template <typename Action>
+  void consume_children(const char* name, Action action) {
+    for (auto node = node_.child(name); node;) {
+      action(Element(*document_, node));
+      node_.remove_child(std::exchange(node, node.next_sibling(name)));
+    }
+  }
+
+  std::string located(std::string_view what) const { return document_->located(node_, what); }
+  [[noreturn]] void fail(std::string_view what) const { document_->fail(node_, what); }
+
+ private:
+  const Document* document_;
+  pugi::xml_node node_;
+};
+
+/// Variables that are read before the memory of their elements is returned to the system. Elements and variables
+/// together would double the peak of a description with a million variables.
+inline constexpr std::size_t kVariablesPerTrim = 1 << 16;
+void release_free_memory();
+
+/// The default of `initial`: FMI 2.0.4, table on page 51; FMI 3.0.2, section 2.4.7.5.
+std::optional<Initial> default_initial(Causality causality, Variability variability);
+
+/// The modelIdentifier, which becomes part of a path. Throws Error for text that is not a C name.
+std::string model_identifier(const Element& element);
+
+/// Reads what all versions write alike: <UnitDefinitions>, <LogCategories>, <DefaultExperiment>.
+void read_common(const Element& root, ModelDescription& result);
+
+/// Fills in what a variable does not state and its declared type does. Throws Error if they are of different types.
+void take_declared_type(const Element& element, const TypeDefinition& type, Variable& variable);
+
+ModelDescription read_fmi2(const Document& document);
+ModelDescription read_fmi3(const Document& document);
+
+}  // namespace mebots::modeldesc

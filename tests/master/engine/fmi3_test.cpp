@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Co-simulation of FMI 3.0: tests/fmus/bank, integrators whose number is a structural parameter.
+#include "test_system.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <string>
+
+namespace mebots::master {
+namespace {
+
+using test::TestRun;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Systems of banks: `parameters` of bank "a"; "b" takes its outputs.
+std::string banks(const std::string& parameters, const std::string& connections = "", const std::string& more = "") {
+  return fmt::format(R"({{"step": 0.5, "stop_time": 1, "instances": {{
+    "a": {{"fmu": "{0}", "parameters": {{{1}}}{3}}}, "b": {{"fmu": "{0}", "parameters": {{"lines": 3}}{3}}}}},
+    "connections": [{2}]}})",
+                     BANK_FMU, parameters, connections, more);
+}
+
+std::string banks_refused(const std::string& config) {
+  return test::input_error([&] { TestRun run(config); });
+}
+
+const std::string kThree = R"("lines": 3, "line.initial[2]": 7, "line.u[1]": 2, "line.u[3]": -2)";
+
+TEST(Fmi3CoSimulation, IntegratesArraysOfTheConfiguredSize) {
+  TestRun run(banks(kThree));
+  run.to_end();
+  EXPECT_THAT(run.column("a.line.y[1]"), ElementsAre(0, 1, 2));
+  EXPECT_THAT(run.column("a.line.y[3]"), ElementsAre(20, 19, 18)) << "the other elements keep their start values";
+  EXPECT_THAT(run.column("a.line.y[2]"), ElementsAre(7, 7, 7));
+}
+
+TEST(Fmi3CoSimulation, ConnectsArraysWholeAndByElement) {
+  TestRun whole(banks(kThree, R"({"from": "a.line.y", "to": "b.line.u", "convert_units": false})"));
+  TestRun single(banks(kThree, R"({"from": "a.line.y[2]", "to": "b.line.u[2]", "convert_units": false})"));
+  EXPECT_THAT(whole.to_end().column("b.line.y[2]"), ElementsAre(10, 13.5, 17));
+  EXPECT_EQ(single.to_end().column("b.line.y[2]"), whole.column("b.line.y[2]"));
+  EXPECT_THAT(single.column("b.line.y[3]"), ElementsAre(20, 20, 20));
+}
+
+TEST(Fmi3CoSimulation, PassesBinariesOn) {
+  TestRun run(banks(R"("line.message[1]": "0aff00")", R"({"from": "a.line.echo[1]", "to": "b.line.message[1]"})"));
+  EXPECT_THAT(run.to_end().column("b.far.bytes"), ElementsAre(0, 0, 3));
+}
+
+TEST(Fmi3CoSimulation, HasTheSameBitsInAProcessOfItsOwn) {
+  const std::string connection = R"({"from": "a.line.y", "to": "b.line.u", "convert_units": false})";
+  TestRun here(banks(kThree, connection));
+  TestRun there(banks(kThree, connection, R"(, "process": "own")"));
+  EXPECT_EQ(there.to_end().column("b.line.y[1]"), here.to_end().column("b.line.y[1]"));
+}
+
+TEST(Fmi3CoSimulation, RefusesArraysOfOtherSizes) {
+  EXPECT_THAT(
+      banks_refused(banks(R"("lines": 2)", R"({"from": "a.line.y", "to": "b.line.u", "convert_units": false})")),
+      HasSubstr("an array up to [2], but b.line.u is an array up to [3]"));
+  EXPECT_THAT(banks_refused(banks(R"("lines": 9)")), HasSubstr("above the maximum"));
+}
+
+}  // namespace
+}  // namespace mebots::master
