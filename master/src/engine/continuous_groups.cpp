@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/continuous_groups.hpp"
 
-#include "slave/fmi/fmi2_model_exchange.hpp"
+#include "engine/discrete_links.hpp"
+#include "slave/fmi/make_slave.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -65,10 +66,13 @@ ContinuousGroups::ContinuousGroups(const ResolvedSystem& system, MessageSink& me
 
 std::unique_ptr<Slave> ContinuousGroups::make_slave(std::size_t instance) {
   const auto& resolved = system_.instances[instance];
-  auto slave = std::make_unique<Fmi2ModelExchange>(resolved.description->name, resolved.fmu, resolved.log_categories,
-                                                   messages_, system_.description->grid());
-  auto& continuous = *slave;
-  return std::make_unique<ContinuousSlave>(std::move(slave), continuous, groups_[places_[instance].system]);
+  auto [slave, continuous] = make_continuous_here({.name = resolved.description->name,
+                                                   .fmu = resolved.fmu,
+                                                   .structural = resolved.structural,
+                                                   .log_categories = resolved.log_categories,
+                                                   .grid = system_.description->grid()},
+                                                  messages_);
+  return std::make_unique<ContinuousSlave>(std::move(slave), *continuous, groups_[places_[instance].system]);
 }
 
 void ContinuousGroups::connect() {
@@ -99,16 +103,7 @@ void ContinuousGroups::connect(const ResolvedConnection& connection) {
          .to_name = system_.text(connection.to)});
     return;
   }
-  DiscreteLink link{.from = from.member,
-                    .to = to.member,
-                    .from_kind = kind_of(connection.from.variable->type),
-                    .to_kind = kind_of(connection.to.variable->type),
-                    .from_reference = connection.from.variable->value_reference,
-                    .to_reference = connection.to.variable->value_reference,
-                    .factor = connection.factor,
-                    .offset = connection.offset};
-  for (const auto& pair : connection.map) link.map.emplace_back(pair.from, pair.to);
-  links_[from.system].push_back(std::move(link));
+  links_[from.system].push_back(link_of(connection, from.member, to.member));
 }
 
 }  // namespace mebots::master

@@ -171,11 +171,13 @@ void Ensemble::drop_inner_connections() {
 }
 
 SignalId Ensemble::watch(const ResolvedVariable& variable) {
-  if (is_clocked(*variable.variable)) {
+  const auto& watched = *variable.variable;
+  if (watched.type == modeldesc::Type::clock ||
+      (is_clocked(watched) && !system_->instances[variable.instance].clocks_tick)) {
     throw InputError(
         ErrorCode::not_offered,
-        fmt::format("{}: it can be read only when its clock ticks, and mebots does not support clocks; use "
-                    "variables without a clock",
+        fmt::format("{}: a Clock has no value between its ticks, and clocks tick only in co-simulation FMUs "
+                    "with hasEventMode = true; use variables without a clock",
                     system_->text(variable)));
   }
   return {variable.instance, kind_of(variable.variable->type),

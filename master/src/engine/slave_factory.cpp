@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "engine/clock_groups.hpp"
 #include "engine/continuous_groups.hpp"
 #include "engine/ensemble.hpp"
 
@@ -26,7 +27,8 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
   if (options.statistics != nullptr) options.statistics->instances.resize(system.instances.size());
   if (options.losses != nullptr) options.losses->resize(system.instances.size());
   const auto grid = system.description->grid();
-  ContinuousGroups groups(system, messages, options);
+  ContinuousGroups continuous(system, messages, options);
+  ClockGroups clocks(system, messages);
   std::vector<std::unique_ptr<Slave>> slaves;
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = system.instances[i];
@@ -34,7 +36,9 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
     const auto& wish = instance.isolation;
     std::unique_ptr<Slave> slave;
     if (instance.kind == FmuKind::model_exchange) {
-      slave = groups.make_slave(i);
+      slave = continuous.make_slave(i);
+    } else if (instance.clocks_tick) {
+      slave = clocks.make_slave(i);
     } else if (wish.alone()) {
       slave = std::make_unique<isolation::IsolatedSlave>(instance, messages, options.interrupted, grid);
     } else {
@@ -61,7 +65,8 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
     }
     slaves.push_back(std::move(slave));
   }
-  groups.connect();
+  continuous.connect();
+  clocks.connect();
   return slaves;
 }
 

@@ -240,7 +240,8 @@ void Fmu::load() {
 
 void Fmu::find_functions() {
   if (description_.is_fmi3()) {
-    fmi3_functions_ = std::make_unique<Fmi3Functions>(load_fmi3_functions(library_, archive_.string()));
+    fmi3_functions_ =
+        std::make_unique<Fmi3Functions>(load_fmi3_functions(library_, archive_.string(), description_, kind()));
     return check_fmi3_version();
   }
   fmi2_functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string(), kind()));
@@ -293,12 +294,19 @@ std::string file_uri(const std::filesystem::path& path) {
   return uri;
 }
 
-Fmi3Functions load_fmi3_functions(void* library, const std::string& archive) {
+Fmi3Functions load_fmi3_functions(void* library, const std::string& archive,
+                                  const modeldesc::ModelDescription& description, FmuKind kind) {
+  using fmi3::Need;
+  const bool integrates = kind == FmuKind::model_exchange;
+  const bool has_event_mode = !integrates && description.co_simulation->has_event_mode;
+  const auto is_needed = [&](Need need) {
+    return need == Need::to_run || need == (integrates ? Need::to_integrate : Need::to_step) ||
+           (need == Need::events && (integrates || has_event_mode)) || (need == Need::event_mode && has_event_mode);
+  };
   const auto functions = fmi3::find_functions(library);
   std::vector<std::string> missing;
-  fmi3::for_each_function([&](const char* name, auto member, fmi3::Need need) {
-    const bool is_needed = need == fmi3::Need::to_run || need == fmi3::Need::to_step;
-    if (is_needed && functions.*member == nullptr) missing.emplace_back(name);
+  fmi3::for_each_function([&](const char* name, auto member, Need need) {
+    if (is_needed(need) && functions.*member == nullptr) missing.emplace_back(name);
   });
   if (!missing.empty()) {
     throw InputError(ErrorCode::fmu_inconsistent,

@@ -159,11 +159,11 @@ std::string file_uri(const std::filesystem::path& path);
 /// What fmi2GetTypesPlatform must say: the sizes of the standard's own header.
 inline constexpr const char* kTypesPlatform = "default";
 
-/// As load_functions(), for FMI 3.0.
-Fmi3Functions load_fmi3_functions(void* library, const std::string& archive);
-
 /// Looks the functions up in a library from dlopen. Throws InputError listing those that are missing and without which
 /// no simulation of this kind runs (`mebots check` asks for all); `archive` names the FMU in it.
 Fmi2Functions load_functions(void* library, const std::string& archive, FmuKind kind = FmuKind::co_simulation);
+/// As load_functions(), for FMI 3.0.
+Fmi3Functions load_fmi3_functions(void* library, const std::string& archive,
+                                  const modeldesc::ModelDescription& description, FmuKind kind);
 
 }  // namespace mebots::master

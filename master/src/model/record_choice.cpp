@@ -133,7 +133,8 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
     const auto& variable = *candidate.variable;
     const bool shown =
         variable.causality == Causality::output || (record.locals && variable.causality == Causality::local);
-    if (is_clocked(variable)) return;
+    const bool ticks = variable.type != modeldesc::Type::clock && system.instances[candidate.instance].clocks_tick;
+    if (is_clocked(variable) && !ticks) return;
     const bool output = shown && (is_number(variable.type) || (variable.type == Type::string && record.texts));
     const auto fit = wanted.fit(name);
     // A pattern that names one variable outright may name any; one with a star means outputs, texts only if the config

@@ -74,6 +74,7 @@ struct ResolvedInstance {
   modeldesc::StructuralValues structural;  ///< of structural parameters (FMI 3.0) that the system sets
   std::shared_ptr<const modeldesc::ModelDescription> model;  ///< the FMU's, with elements in place of arrays
   FmuKind kind = FmuKind::co_simulation;
+  bool clocks_tick = false;        ///< it is in a clock group
   IsolationDescription isolation;  ///< as described, or its own process if the FMU cannot share one
   Interpreter interpreter;         ///< of an FMU in its own process
   std::vector<StartValue> starts;
@@ -92,6 +93,12 @@ struct ResolvedContinuousSystem {
   const SolverDescription* solver = nullptr;
 };
 
+/// Instances of co-simulation whose clocks are connected, or one that has clocks. They step from tick to tick together.
+struct ResolvedClockGroup {
+  std::vector<std::size_t> members;             ///< in the order of the config
+  std::vector<ResolvedConnection> connections;  ///< between clocks, and between variables that belong to clocks
+};
+
 /// A free input whose source is a column of a file, as an override that acts from start to end.
 struct InputSignal {
   OverrideDescription description;
@@ -100,8 +107,9 @@ struct InputSignal {
 
 struct ResolvedSystem {
   const SystemDescription* description = nullptr;
-  std::vector<ResolvedInstance> instances;      ///< in the order of the config
-  std::vector<ResolvedConnection> connections;  ///< ordered by target, so that their order in the config is nothing
+  std::vector<ResolvedInstance> instances;       ///< in the order of the config
+  std::vector<ResolvedConnection> connections;   ///< ordered by target, so that their order in the config is nothing
+  std::vector<ResolvedClockGroup> clock_groups;  ///< their connections are not among those above
   std::vector<ResolvedContinuousSystem> continuous_systems;  ///< every instance of model exchange is in one
   std::map<ResolvedVariable, InputSignal> inputs;  ///< by target, so that their order in the config does not matter
   std::vector<std::shared_ptr<const Signal>> scenario_signals;  ///< one per scenario entry; null for other actions

@@ -79,16 +79,34 @@ class ConnectionCheck {
   }
 
   void check_clocks() const {
-    for (const auto* end : {&from_, &to_}) {
-      if (is_clocked(*end)) {
-        fail(fmt::format("'{}' {}, and mebots does not support clocks; connect variables without a clock", end->name,
-                         end->type == Type::clock ? "is a Clock" : "belongs to a Clock"));
-      }
+    for (const auto* end : {&connection_.from, &connection_.to}) {
+      const auto& variable = *end->variable;
+      if (!is_clocked(variable) || system_.instances[end->instance].clocks_tick) continue;
+      fail(fmt::format(
+          "'{}' {}, and clocks tick only in co-simulation FMUs that have hasEventMode = true and a Clock as "
+          "an input or output",
+          variable.name, variable.type == Type::clock ? "is a Clock" : "belongs to a Clock"));
     }
+    if (from_.type != Type::clock && to_.type != Type::clock) return;
+    if (from_.type != to_.type) {
+      fail(fmt::format("'{}' is a Clock and '{}' is not; connect Clocks with each other",
+                       from_.type == Type::clock ? from_.name : to_.name,
+                       from_.type == Type::clock ? to_.name : from_.name));
+    }
+    if (to_.fmi3->timing->is_time_based()) {
+      fail(fmt::format("'{}' ticks by a timing of its own; connect a triggered Clock", to_.name));
+    }
+    if (from_.fmi3->element || to_.fmi3->element) fail("arrays of Clocks are not supported");
+  }
+
+  /// An output, or an input clock that ticks by a timing of its own.
+  bool is_source() const {
+    return from_.causality == Causality::output ||
+           (from_.type == Type::clock && from_.causality == Causality::input && from_.fmi3->timing->is_time_based());
   }
 
   void check_causalities() const {
-    if (from_.causality != Causality::output) {
+    if (!is_source()) {
       fail(fmt::format("a connection starts at an output, and '{}' is of causality {}", from_.name,
                        modeldesc::to_string(from_.causality)));
     }

@@ -3,6 +3,7 @@
 
 #include "mebots/nearest_names.hpp"
 #include "model/value_kind.hpp"
+#include "resolve/clock_groups.hpp"
 #include "resolve/signal_coverage.hpp"
 
 #include <fmt/format.h>
@@ -153,6 +154,11 @@ void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
   }
 }
 
+/// True for an input clock with a timing of its own.
+bool ticks_by_itself(const Variable& variable) {
+  return variable.type == modeldesc::Type::clock && variable.fmi3->timing->is_time_based();
+}
+
 void note_open_inputs(ResolvedSystem& system) {
   auto connection = system.connections.begin();  // in the order of the instances that they go to
   auto input = system.inputs.begin();            // likewise
@@ -167,6 +173,7 @@ void note_open_inputs(ResolvedSystem& system) {
     std::vector<std::string> open;
     for (const auto& variable : instance.model->variables) {
       if (variable.causality != Causality::input || served.count(&variable) != 0) continue;
+      if (instance.clocks_tick && ticks_by_itself(variable)) continue;
       if (is_served_otherwise(*instance.model, variable, served)) continue;
       auto name = whole_name(*instance.model, variable);
       if (open.empty() || open.back() != name) open.push_back(std::move(name));
@@ -175,15 +182,6 @@ void note_open_inputs(ResolvedSystem& system) {
     system.notices.push_back(fmt::format("{}: not connected, so the FMU's start value holds: {}",
                                          instance.description->name, fmt::join(open, ", ")));
   }
-}
-
-void refuse_model_exchange_of_fmi3(const ResolvedInstance& instance) {
-  if (instance.kind != FmuKind::model_exchange || !instance.model->is_fmi3()) return;
-  throw InputError(
-      ErrorCode::fmu_unsupported,
-      fmt::format("{}: model exchange of FMI 3.0 is not supported; export the FMU for co-simulation, or for "
-                  "FMI 2.0",
-                  instance.fmu->archive().string()));
 }
 
 }  // namespace
@@ -229,8 +227,8 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     with_place_of_fmu(instance, [&] {
       resolved.model = resolved.fmu->model(resolved.structural);
       resolved.kind = resolved.fmu->kind();
-      refuse_model_exchange_of_fmi3(resolved);
     });
+    resolved.clocks_tick = has_ticking_clocks(*resolved.model, resolved.kind);
     resolved.isolation = instance.isolation;
     if (resolved.implementation().needs_execution_tool) {
       system.notices.push_back(fmt::format(
@@ -251,6 +249,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
   resolve_signals(system);
   resolve_continuous_systems(system);
   note_open_inputs(system);
+  resolve_clock_groups(system);
   return system;
 }
 

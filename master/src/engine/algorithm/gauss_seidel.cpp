@@ -23,22 +23,24 @@ std::vector<std::size_t> order_of(const SystemDescription& system) {
   return order;
 }
 
-/// Instances that step together: the members of a continuous system, at the place of the first of them, or one
-/// instance.
+/// Instances that step together: the members of a continuous system or a clock group, at the place of the first of
+/// them, or one instance.
 using Turn = std::vector<std::size_t>;
 
 std::vector<Turn> turns_of(const ResolvedSystem& system) {
-  std::vector<const Turn*> systems(system.instances.size(), nullptr);
-  for (const auto& continuous : system.continuous_systems) {
-    for (const auto member : continuous.members) systems[member] = &continuous.members;
-  }
+  std::vector<const Turn*> groups(system.instances.size(), nullptr);
+  const auto add = [&](const Turn& members) {
+    for (const auto member : members) groups[member] = &members;
+  };
+  for (const auto& continuous : system.continuous_systems) add(continuous.members);
+  for (const auto& clocks : system.clock_groups) add(clocks.members);
   std::vector<Turn> turns;
   std::set<const Turn*> taken;
   for (const auto i : order_of(*system.description)) {
-    if (systems[i] == nullptr) {
+    if (groups[i] == nullptr) {
       turns.push_back({i});
-    } else if (taken.insert(systems[i]).second) {
-      turns.push_back(*systems[i]);
+    } else if (taken.insert(groups[i]).second) {
+      turns.push_back(*groups[i]);
     }
   }
   return turns;

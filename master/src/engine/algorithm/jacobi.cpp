@@ -15,7 +15,8 @@ namespace mebots::master {
 namespace {
 
 /// The reader of a buffer must be done before its owner steps on: they stay on one thread, in their order. So do the
-/// members of a continuous system. So the instances fall into groups, each of which steps on one thread.
+/// members of a continuous system or a clock group. So the instances fall into groups, each of which steps on one
+/// thread.
 std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, const Ensemble& ensemble) {
   std::vector<std::size_t> group(ensemble.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
@@ -27,6 +28,9 @@ std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, co
   }
   for (const auto& continuous : system.continuous_systems) {
     for (const auto member : continuous.members) join(member, continuous.members.front());
+  }
+  for (const auto& clocks : system.clock_groups) {
+    for (const auto member : clocks.members) join(member, clocks.members.front());
   }
   std::map<std::size_t, std::vector<std::size_t>> members;
   for (const auto i : ensemble.step_order()) members[group[i]].push_back(i);

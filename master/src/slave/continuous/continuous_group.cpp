@@ -76,35 +76,11 @@ Evaluation ContinuousGroup::set_at(double time_s) {
 
 bool ContinuousGroup::transfer() {
   bool changed = false;
-  for (const auto& link : links_) changed |= transfer(link);
+  for (const auto& link : links_) {
+    const auto value = link.read(members_[link.from]->alone());
+    changed |= members_[link.to]->set_in_event(link.to_kind, link.to_reference, value);
+  }
   return changed;
-}
-
-bool ContinuousGroup::transfer(const DiscreteLink& link) {
-  auto& from = members_[link.from]->alone();
-  auto& to = *members_[link.to];
-  const std::span reference(&link.from_reference, 1);
-  if (link.from_kind == ValueKind::string) {
-    std::string text;
-    from.get_strings(reference, {&text, 1});
-    return to.set_in_event(link.to_reference, text);
-  }
-  if (link.from_kind == ValueKind::real) {
-    double value = 0;
-    from.get_reals(reference, {&value, 1});
-    return to.set_in_event(link.to_reference, link.factor * value + link.offset);
-  }
-  WholeNumber value = 0;
-  if (link.from_kind == ValueKind::boolean) {
-    from.get_booleans(reference, {&value, 1});
-  } else {
-    from.get_integers(reference, {&value, 1});
-  }
-  const auto mapped = std::ranges::find(link.map, value, [](const auto& pair) { return pair.first; });
-  if (mapped != link.map.end()) value = mapped->second;
-  if (link.to_kind == ValueKind::real)
-    return to.set_in_event(link.to_reference, link.factor * static_cast<double>(value) + link.offset);
-  return to.set_in_event(link.to_kind, link.to_reference, value);
 }
 
 std::vector<std::byte> ContinuousGroup::save() const {

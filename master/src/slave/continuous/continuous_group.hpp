@@ -17,20 +17,6 @@
 
 namespace mebots::master {
 
-/// A connection within a continuous system that carries values in event mode only. Numbers become factor * value +
-/// offset; whole numbers and Booleans are mapped first.
-struct DiscreteLink {
-  std::size_t from = 0;  ///< member
-  std::size_t to = 0;
-  ValueKind from_kind = ValueKind::real;
-  ValueKind to_kind = ValueKind::real;
-  ValueReference from_reference = 0;
-  ValueReference to_reference = 0;
-  double factor = 1;
-  double offset = 0;
-  std::vector<std::pair<WholeNumber, WholeNumber>> map = {};  ///< ascending
-};
-
 /// The slaves of one continuous system: advances it when the first of them steps, and gives the others the same result.
 class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
  public:
@@ -68,7 +54,6 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
  private:
   bool transfer() override;
   Evaluation set_at(double time_s) override;
-  bool transfer(const DiscreteLink& link);
   void advance(std::int64_t start_ns, std::int64_t duration_ns);
   void repeat_steps();
   std::function<void()> keep_members();

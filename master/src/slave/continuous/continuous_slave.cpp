@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/continuous/continuous_slave.hpp"
 
-#include "mebots/state/bytes.hpp"
 #include "mebots/state/save.hpp"
 #include "slave/continuous/continuous_group.hpp"
+#include "slave/member_state.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -13,14 +13,6 @@ namespace {
 
 using modeldesc::Causality;
 using modeldesc::Variability;
-
-/// The FMU's state, the values of its inputs, and the solver's state in the one of the first member.
-class ContinuousState final : public SlaveState {
- public:
-  std::unique_ptr<SlaveState> inner;
-  std::vector<std::byte> own;
-  std::vector<std::byte> group;
-};
 
 }  // namespace
 
@@ -142,27 +134,17 @@ Evaluation ContinuousSlave::set_courses(double since_s) {
   return instance_->set_inputs(references, values);
 }
 
-bool ContinuousSlave::set_in_event(ValueReference reference, double value) {
-  if (!reals_.update(reference, value)) return false;
-  inner().set_reals({&reference, 1}, {&value, 1});
-  return true;
-}
-
-bool ContinuousSlave::set_in_event(ValueKind kind, ValueReference reference, WholeNumber value) {
-  const bool is_boolean = kind == ValueKind::boolean;
-  if (!(is_boolean ? booleans_ : integers_).update(reference, value)) return false;
-  if (is_boolean) {
-    inner().set_booleans({&reference, 1}, {&value, 1});
-  } else {
-    inner().set_integers({&reference, 1}, {&value, 1});
-  }
-  return true;
-}
-
-bool ContinuousSlave::set_in_event(ValueReference reference, const std::string& value) {
-  if (!strings_.update(reference, value)) return false;
-  inner().set_strings({&reference, 1}, {&value, 1});
-  return true;
+bool ContinuousSlave::set_in_event(ValueKind kind, ValueReference reference, const LinkValue& value) {
+  const bool changes = std::visit(
+      [&]<typename T>(const T& known) {
+        if constexpr (std::is_same_v<T, double>) return reals_.update(reference, known);
+        if constexpr (std::is_same_v<T, std::string>) return strings_.update(reference, known);
+        if constexpr (std::is_same_v<T, WholeNumber>)
+          return (kind == ValueKind::boolean ? booleans_ : integers_).update(reference, known);
+      },
+      value);
+  if (changes) set_value(inner(), kind, reference, value);
+  return changes;
 }
 
 void ContinuousSlave::visit(state::Visitor& v) {
@@ -174,7 +156,7 @@ void ContinuousSlave::visit(state::Visitor& v) {
 }
 
 std::unique_ptr<SlaveState> ContinuousSlave::save_state() {
-  auto state = std::make_unique<ContinuousState>();
+  auto state = std::make_unique<MemberState>();
   state->inner = inner().save_state();
   state->own = state::save(*this);
   if (member_ == 0) state->group = group_->save();
@@ -182,30 +164,18 @@ std::unique_ptr<SlaveState> ContinuousSlave::save_state() {
 }
 
 void ContinuousSlave::restore_state(const SlaveState& state) {
-  const auto& saved = static_cast<const ContinuousState&>(state);
+  const auto& saved = static_cast<const MemberState&>(state);
   inner().restore_state(*saved.inner);
   state::restore(*this, saved.own);
   if (member_ == 0) group_->restore(saved.group);
 }
 
 std::vector<std::byte> ContinuousSlave::serialize(const SlaveState& state) {
-  const auto& saved = static_cast<const ContinuousState&>(state);
-  state::Writer writer;
-  writer.put(saved.own);
-  writer.put(saved.group);
-  writer.put(inner().serialize(*saved.inner));
-  return writer.take();
+  return serialize_member(inner(), static_cast<const MemberState&>(state));
 }
 
 std::unique_ptr<SlaveState> ContinuousSlave::deserialize(std::span<const std::byte> bytes) {
-  state::Reader reader(bytes);
-  auto state = std::make_unique<ContinuousState>();
-  reader.get(state->own);
-  reader.get(state->group);
-  std::vector<std::byte> content;
-  reader.get(content);
-  state->inner = inner().deserialize(content);
-  return state;
+  return deserialize_member(inner(), bytes);
 }
 
 }  // namespace mebots::master

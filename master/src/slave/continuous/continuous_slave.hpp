@@ -2,6 +2,7 @@
 #pragma once
 
 #include "slave/continuous/known_values.hpp"
+#include "slave/discrete_link.hpp"
 #include "slave/forwarding_slave.hpp"
 #include "solver/continuous_instance.hpp"
 
@@ -49,10 +50,8 @@ class ContinuousSlave final : public ForwardingSlave {
   Evaluation set_courses(double since_s);
   bool has_courses() const { return !courses_.empty(); }
 
-  /// The values of a connection within the group, in event mode. Return true if the input changes.
-  bool set_in_event(ValueReference reference, double value);
-  bool set_in_event(ValueKind kind, ValueReference reference, WholeNumber value);
-  bool set_in_event(ValueReference reference, const std::string& value);
+  /// Sets the value of a connection within the group, in event mode. Returns true if the input changes.
+  bool set_in_event(ValueKind kind, ValueReference reference, const LinkValue& value);
 
   void visit(state::Visitor& v);
 

@@ -3,8 +3,6 @@
 
 #include "mebots/fmi2/types.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <utility>
 
@@ -13,26 +11,11 @@ namespace mebots::master {
 Fmi2ModelExchange::Fmi2ModelExchange(std::string name, std::shared_ptr<Fmu> fmu,
                                      std::vector<std::string> log_categories, MessageSink& messages,
                                      const TimeGrid& grid)
-    : Fmi2Slave(FmuKind::model_exchange, std::move(name), std::move(fmu), std::move(log_categories), messages, grid) {
-  const auto& variables = description().variables;
-  for (const auto& derivative : description().derivatives) {
-    const auto& rate = variables[derivative.variable];
-    if (!rate.derivative_of) {
-      throw SlaveError(ErrorCode::fmu_inconsistent,
-                       fmt::format("instance '{}': '{}' is a derivative in ModelStructure, and its variable names no "
-                                   "state (attribute derivative)",
-                                   this->name(), rate.name));
-    }
-    const auto& state = variables[*rate.derivative_of];
-    state_names_.push_back(state.name);
-    state_references_.push_back(state.value_reference);
-    derivative_references_.push_back(rate.value_reference);
-  }
-}
+    : Fmi2Slave(FmuKind::model_exchange, std::move(name), std::move(fmu), std::move(log_categories), messages, grid),
+      continuous_(continuous_states_of(description(), this->name())) {}
 
 StepResult Fmi2ModelExchange::step(std::int64_t /*start_ns*/, std::int64_t /*duration_ns*/) {
-  throw SlaveError(ErrorCode::wrong_call_order,
-                   fmt::format("instance '{}' is of model exchange and takes no steps", name()));
+  fail_to_step(name());
 }
 
 /// A discarded evaluation is no failure: the solver tries a smaller step.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "slave/fmi/continuous_states.hpp"
 #include "slave/fmi/fmi2_slave.hpp"
 #include "solver/continuous_instance.hpp"
 
@@ -21,9 +22,9 @@ class Fmi2ModelExchange final : public Fmi2Slave, public ContinuousInstance {
   std::uint32_t output_derivative_order() const override { return 0; }
   bool takes_input_derivatives() const override { return false; }
 
-  std::size_t state_count() const override { return state_references_.size(); }
+  std::size_t state_count() const override { return continuous_.names.size(); }
   std::size_t indicator_count() const override { return description().number_of_event_indicators; }
-  std::string state_name(std::size_t state) const override { return state_names_[state]; }
+  std::string state_name(std::size_t state) const override { return continuous_.names[state]; }
 
   void set_time(double time_s) override;
   void get_states(std::span<double> states) override;
@@ -41,17 +42,15 @@ class Fmi2ModelExchange final : public Fmi2Slave, public ContinuousInstance {
   CompletedStep completed_step() override;
 
   bool has_directional_derivatives() const override;
-  std::span<const ValueReference> state_references() const override { return state_references_; }
-  std::span<const ValueReference> derivative_references() const override { return derivative_references_; }
+  std::span<const ValueReference> state_references() const override { return continuous_.references; }
+  std::span<const ValueReference> derivative_references() const override { return continuous_.derivatives; }
   void directional_derivatives(std::span<const ValueReference> unknowns, std::span<const ValueReference> knowns,
                                std::span<const double> seed, std::span<double> change) override;
 
  private:
   Evaluation evaluated(int status, const char* function);
 
-  std::vector<std::string> state_names_;
-  std::vector<ValueReference> state_references_;
-  std::vector<ValueReference> derivative_references_;
+  ContinuousStates continuous_;
 };
 
 }  // namespace mebots::master

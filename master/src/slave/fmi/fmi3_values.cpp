@@ -36,7 +36,11 @@ NumberFunctions<T, Get, Set> number_functions(Get* get, Set* set, const char* ge
   return {get, set, get_name, set_name};
 }
 
-/// Null: an element that nobody wants.
+constexpr bool succeeded(int status) {
+  return status == InstanceCalls::kOk || status == InstanceCalls::kWarning;
+}
+
+/// `variable` is null for an element that no caller asked for.
 std::string name_of(const modeldesc::Variable* variable) {
   return variable == nullptr ? "another element of an array" : variable->name;
 }
@@ -125,63 +129,99 @@ void Fmi3Values::with_functions(Type type, Action action) {
 }
 
 template <typename Value>
-void Fmi3Values::get_numbers(const Plan& plan, std::span<Value> values) {
+Fmi3Values::CallResult Fmi3Values::get_numbers(const Plan& plan, std::span<Value> values) {
+  CallResult result;
   for (const auto& call : plan.calls) {
     with_functions(call.type, [&](auto functions) {
       using Number = typename decltype(functions)::Number;
-      if (functions.get == nullptr) calls_->fail(functions.get_name, "is missing in the FMU's library");
+      calls_->require_function(functions.get_name, functions.get);
       auto* const numbers = buffer<Number>(call.value_count);
-      calls_->require(functions.get_name, functions.get, call.references.data(), call.references.size(), numbers,
-                      call.value_count);
+      result = {calls_->call(functions.get_name, functions.get, call.references.data(), call.references.size(), numbers,
+                             call.value_count),
+                functions.get_name};
       if constexpr (std::is_same_v<Number, bool>) {  // an FMU may store any byte, which must not be read as bool
         for (const auto& move : call.moves) values[move.slot] = buffer_[move.value] != std::byte{0} ? 1 : 0;
       } else {
         for (const auto& move : call.moves) values[move.slot] = static_cast<Value>(numbers[move.value]);
       }
     });
+    if (!succeeded(result.status)) break;
   }
+  return result;
 }
 
 template <typename Value>
-void Fmi3Values::set_numbers(const Plan& plan, std::span<const Value> values) {
+Fmi3Values::CallResult Fmi3Values::set_numbers(const Plan& plan, std::span<const Value> values) {
+  CallResult result;
   for (const auto& call : plan.calls) {
     with_functions(call.type, [&](auto functions) {
       using Number = typename decltype(functions)::Number;
-      if (functions.set == nullptr) calls_->fail(functions.set_name, "is missing in the FMU's library");
+      calls_->require_function(functions.set_name, functions.set);
       auto* const numbers = buffer<Number>(call.value_count);
       if (call.moves.size() < call.value_count) {  // the other elements of the arrays keep their values
         calls_->require(functions.get_name, functions.get, call.references.data(), call.references.size(), numbers,
                         call.value_count);
       }
       for (const auto& move : call.moves) numbers[move.value] = static_cast<Number>(values[move.slot]);
-      calls_->require(functions.set_name, functions.set, call.references.data(), call.references.size(),
-                      static_cast<const Number*>(numbers), call.value_count);
+      result = {calls_->call(functions.set_name, functions.set, call.references.data(), call.references.size(),
+                             static_cast<const Number*>(numbers), call.value_count),
+                functions.set_name};
     });
+    if (!succeeded(result.status)) break;
   }
+  return result;
 }
 
-void Fmi3Values::get(std::span<const ValueReference> references, std::span<double> values) {
-  const auto& calls = plan(ValueKind::real, references).calls;
+/// False for fmi3Discard. Throws SlaveError for an error.
+bool Fmi3Values::is_done(CallResult result) {
+  if (result.status != fmi3Discard) {
+    calls_->check(result.status, result.function);
+    return true;
+  }
+  calls_->deliver_held();
+  return false;
+}
+
+Fmi3Values::CallResult Fmi3Values::get_reals(std::span<const ValueReference> references, std::span<double> values) {
+  const auto& chosen = plan(ValueKind::real, references);
+  const auto& calls = chosen.calls;
   // The usual list, scalars of type Float64, needs no sorting.
   if (calls.size() == 1 && calls.front().type == Type::real && calls.front().references.size() == references.size() &&
       calls.front().value_count == references.size()) {
-    calls_->require("fmi3GetFloat64", functions_->get_float64, calls.front().references.data(), references.size(),
-                    values.data(), values.size());
-    return;
+    constexpr const char* kFunction = "fmi3GetFloat64";
+    return {calls_->call(kFunction, functions_->get_float64, calls.front().references.data(), references.size(),
+                         values.data(), values.size()),
+            kFunction};
   }
-  get_numbers(plan(ValueKind::real, references), values);
+  return get_numbers(chosen, values);
+}
+
+void Fmi3Values::get(std::span<const ValueReference> references, std::span<double> values) {
+  const auto result = get_reals(references, values);
+  calls_->check(result.status, result.function);
+}
+
+bool Fmi3Values::try_get(std::span<const ValueReference> references, std::span<double> values) {
+  return is_done(get_reals(references, values));
 }
 
 void Fmi3Values::get(ValueKind kind, std::span<const ValueReference> references, std::span<std::int64_t> values) {
-  get_numbers(plan(kind, references), values);
+  const auto result = get_numbers(plan(kind, references), values);
+  calls_->check(result.status, result.function);
 }
 
 void Fmi3Values::set(std::span<const ValueReference> references, std::span<const double> values) {
-  set_numbers(plan(ValueKind::real, references), values);
+  const auto result = set_numbers(plan(ValueKind::real, references), values);
+  calls_->check(result.status, result.function);
+}
+
+bool Fmi3Values::try_set(std::span<const ValueReference> references, std::span<const double> values) {
+  return is_done(set_numbers(plan(ValueKind::real, references), values));
 }
 
 void Fmi3Values::set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::int64_t> values) {
-  set_numbers(plan(kind, references), values);
+  const auto result = set_numbers(plan(kind, references), values);
+  calls_->check(result.status, result.function);
 }
 
 void Fmi3Values::get(ValueKind kind, std::span<const ValueReference> references, std::span<std::string> values) {
@@ -195,7 +235,7 @@ void Fmi3Values::get(ValueKind kind, std::span<const ValueReference> references,
 }
 
 void Fmi3Values::get_texts(const Call& call, std::span<std::string> values) {
-  if (functions_->get_string == nullptr) calls_->fail("fmi3GetString", "is missing in the FMU's library");
+  calls_->require_function("fmi3GetString", functions_->get_string);
   std::vector<fmi3String> texts(call.value_count, nullptr);
   calls_->require("fmi3GetString", functions_->get_string, call.references.data(), call.references.size(), texts.data(),
                   texts.size());
@@ -211,7 +251,7 @@ void Fmi3Values::get_texts(const Call& call, std::span<std::string> values) {
 }
 
 void Fmi3Values::get_binaries(const Call& call, std::span<std::string> values) {
-  if (functions_->get_binary == nullptr) calls_->fail("fmi3GetBinary", "is missing in the FMU's library");
+  calls_->require_function("fmi3GetBinary", functions_->get_binary);
   std::vector<std::size_t> sizes(call.value_count, 0);
   std::vector<fmi3Binary> binaries(call.value_count, nullptr);
   calls_->require("fmi3GetBinary", functions_->get_binary, call.references.data(), call.references.size(), sizes.data(),
@@ -245,7 +285,7 @@ void Fmi3Values::set(ValueKind kind, std::span<const ValueReference> references,
     }
     for (const auto& move : call.moves) all[move.value] = values[move.slot];
     if (kind == ValueKind::binary) {
-      if (functions_->set_binary == nullptr) calls_->fail("fmi3SetBinary", "is missing in the FMU's library");
+      calls_->require_function("fmi3SetBinary", functions_->set_binary);
       std::vector<std::size_t> sizes;
       std::vector<fmi3Binary> binaries;
       for (const auto& bytes : all) {
@@ -255,7 +295,7 @@ void Fmi3Values::set(ValueKind kind, std::span<const ValueReference> references,
       calls_->require("fmi3SetBinary", functions_->set_binary, call.references.data(), call.references.size(),
                       sizes.data(), binaries.data(), binaries.size());
     } else {
-      if (functions_->set_string == nullptr) calls_->fail("fmi3SetString", "is missing in the FMU's library");
+      calls_->require_function("fmi3SetString", functions_->set_string);
       std::vector<fmi3String> texts;
       for (const auto& text : all) texts.push_back(text.c_str());
       calls_->require("fmi3SetString", functions_->set_string, call.references.data(), call.references.size(),

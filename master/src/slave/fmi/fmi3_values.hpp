@@ -29,6 +29,9 @@ class Fmi3Values {
   void get(ValueKind kind, std::span<const ValueReference> references, std::span<std::string> values);
 
   void set(std::span<const ValueReference> references, std::span<const double> values);
+  /// As get() and set(), but return false where the FMU discards the call.
+  bool try_get(std::span<const ValueReference> references, std::span<double> values);
+  bool try_set(std::span<const ValueReference> references, std::span<const double> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::int64_t> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values);
 
@@ -50,13 +53,19 @@ class Fmi3Values {
   struct Call {
     modeldesc::Type type;
     std::vector<std::uint32_t> references;
-    std::vector<const modeldesc::Variable*> variables;  // one per value, null for elements that nobody wants
+    std::vector<const modeldesc::Variable*> variables;  // one per value, null for elements that no caller asked for
     std::size_t value_count = 0;
     std::vector<Move> moves;
   };
   struct Plan {
     std::vector<ValueReference> references;
     std::vector<Call> calls;
+  };
+
+  /// The status of calls, which end with the first that is neither OK nor a warning, and the function of the last.
+  struct CallResult {
+    int status = InstanceCalls::kOk;
+    const char* function = "";
   };
 
   const Plan& plan(ValueKind kind, std::span<const ValueReference> references);
@@ -66,9 +75,11 @@ class Fmi3Values {
   template <typename T>
   T* buffer(std::size_t count);
   template <typename Value>
-  void get_numbers(const Plan& plan, std::span<Value> values);
+  CallResult get_numbers(const Plan& plan, std::span<Value> values);
   template <typename Value>
-  void set_numbers(const Plan& plan, std::span<const Value> values);
+  CallResult set_numbers(const Plan& plan, std::span<const Value> values);
+  CallResult get_reals(std::span<const ValueReference> references, std::span<double> values);
+  bool is_done(CallResult result);
   void get_texts(const Call& call, std::span<std::string> values);
   void get_binaries(const Call& call, std::span<std::string> values);
 

@@ -80,6 +80,11 @@ class InstanceCalls final : public CallbackListener {
   [[gnu::always_inline]] void require(const char* name, Function* function, Arguments... arguments) {
     check(call(name, function, arguments...), name);
   }
+  /// Throws SlaveError if the FMU's library lacks a function, which is null then.
+  template <typename Function>
+  void require_function(const char* name, Function* function) {
+    if (function == nullptr) fail(name, "is missing in the FMU's library");
+  }
   /// Runs `work`, which makes calls, and reports and undoes what it changed in the process.
   template <typename Work>
   void watched(const char* where, Work work);

@@ -4,7 +4,9 @@
 #include "base/time_grid.hpp"
 #include "fmi/fmu.hpp"
 #include "message/message_hub.hpp"
+#include "slave/clocked/event_instance.hpp"
 #include "slave/slave.hpp"
+#include "solver/continuous_instance.hpp"
 
 #include <memory>
 #include <string>
@@ -12,7 +14,7 @@
 
 namespace mebots::master {
 
-/// What an instance is made from.
+/// The arguments of an instance.
 struct InstanceRequest {
   std::string name;
   std::shared_ptr<Fmu> fmu;
@@ -24,5 +26,23 @@ struct InstanceRequest {
 /// Makes an instance in this process, by the adapter of the FMU's version. `messages` must outlive it. Throws
 /// SlaveError if the FMU gives no instance.
 std::unique_ptr<Slave> make_slave_here(InstanceRequest request, MessageSink& messages);
+
+/// An instance of co-simulation whose events the caller handles, by both of its interfaces.
+struct EventParts {
+  std::unique_ptr<Slave> slave;
+  EventInstance* instance;  ///< the same object
+};
+
+/// As make_slave_here(), for an FMU of FMI 3.0 with an event mode.
+EventParts make_event_slave_here(InstanceRequest request, MessageSink& messages);
+
+/// An instance of model exchange, by both of its interfaces.
+struct ContinuousParts {
+  std::unique_ptr<Slave> slave;
+  ContinuousInstance* instance;  ///< the same object
+};
+
+/// As make_slave_here(), for an FMU of model exchange.
+ContinuousParts make_continuous_here(InstanceRequest request, MessageSink& messages);
 
 }  // namespace mebots::master

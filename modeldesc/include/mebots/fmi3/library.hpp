@@ -11,9 +11,10 @@
 namespace mebots::fmi3 {
 
 /// Which FMUs cannot run without a function: all (`to_run`), those for co-simulation (`to_step`) or model exchange
-/// (`to_integrate`). `always`: the standard demands it of all FMUs, but a run can do without it. Others are needed if
-/// modelDescription.xml claims a capability or has variables of a type.
-enum class Need { to_run, to_step, to_integrate, always, fmu_state, serialization, event_mode };
+/// (`to_integrate`), those with events (`events`: model exchange, and co-simulation with an event mode), co-simulation
+/// with an event mode (`event_mode`). `always`: the standard demands it of all FMUs, but a run can do without it.
+/// Others are needed if modelDescription.xml claims a capability or has variables of a type.
+enum class Need { to_run, to_step, to_integrate, events, event_mode, always, fmu_state, serialization };
 
 /// Null where the library does not have the function.
 struct Functions {
@@ -98,7 +99,7 @@ void for_each_function(Action action) {
   action("fmi3FreeInstance", &F::free_instance, Need::to_run);
   action("fmi3EnterInitializationMode", &F::enter_initialization_mode, Need::to_run);
   action("fmi3ExitInitializationMode", &F::exit_initialization_mode, Need::to_run);
-  action("fmi3EnterEventMode", &F::enter_event_mode, Need::event_mode);
+  action("fmi3EnterEventMode", &F::enter_event_mode, Need::events);
   action("fmi3Terminate", &F::terminate, Need::to_run);
   action("fmi3Reset", &F::reset, Need::always);
   action("fmi3EnterConfigurationMode", &F::enter_configuration_mode, Need::always);
@@ -143,7 +144,7 @@ void for_each_function(Action action) {
   action("fmi3GetShiftDecimal", &F::get_shift_decimal, Need::always);
   action("fmi3SetIntervalDecimal", &F::set_interval_decimal, Need::always);
   action("fmi3EvaluateDiscreteStates", &F::evaluate_discrete_states, Need::always);
-  action("fmi3UpdateDiscreteStates", &F::update_discrete_states, Need::event_mode);
+  action("fmi3UpdateDiscreteStates", &F::update_discrete_states, Need::events);
   action("fmi3EnterContinuousTimeMode", &F::enter_continuous_time_mode, Need::to_integrate);
   action("fmi3CompletedIntegratorStep", &F::completed_integrator_step, Need::to_integrate);
   action("fmi3SetTime", &F::set_time, Need::to_integrate);

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/clock_groups.hpp"
+
+#include "engine/discrete_links.hpp"
+#include "slave/fmi/make_slave.hpp"
+
+#include <utility>
+
+namespace mebots::master {
+
+ClockGroups::ClockGroups(const ResolvedSystem& system, MessageSink& messages)
+    : system_(system), messages_(messages), places_(system.instances.size()) {
+  for (std::size_t g = 0; g < system.clock_groups.size(); ++g) {
+    const auto& members = system.clock_groups[g].members;
+    for (std::size_t m = 0; m < members.size(); ++m) places_[members[m]] = {g, m};
+    groups_.push_back(std::make_shared<ClockGroup>(system.description->grid(), messages));
+  }
+}
+
+std::unique_ptr<Slave> ClockGroups::make_slave(std::size_t instance) {
+  const auto& resolved = system_.instances[instance];
+  auto [slave, events] = make_event_slave_here({.name = resolved.description->name,
+                                                .fmu = resolved.fmu,
+                                                .structural = resolved.structural,
+                                                .log_categories = resolved.log_categories,
+                                                .grid = system_.description->grid()},
+                                               messages_);
+  return std::make_unique<ClockedSlave>(std::move(slave), *events, groups_[places_[instance].group]);
+}
+
+void ClockGroups::connect() {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    std::vector<ClockLink> clocks;
+    std::vector<ClockedLink> values;
+    for (const auto& connection : system_.clock_groups[g].connections) {
+      const auto& from = *connection.from.variable;
+      const auto& to = *connection.to.variable;
+      const auto from_member = places_[connection.from.instance].member;
+      const auto to_member = places_[connection.to.instance].member;
+      if (from.type == modeldesc::Type::clock) {
+        clocks.push_back({from_member, to_member, from.value_reference, to.value_reference});
+        continue;
+      }
+      values.push_back({link_of(connection, from_member, to_member), from.fmi3->clocks, to.fmi3->clocks});
+    }
+    groups_[g]->connect(std::move(clocks), std::move(values));
+  }
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "message/message_hub.hpp"
+#include "model/resolved_system.hpp"
+#include "slave/clocked/clock_group.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace mebots::master {
+
+/// Makes the slaves whose clocks tick, and the groups that advance them, from a resolved system.
+class ClockGroups {
+ public:
+  /// Both must outlive the slaves.
+  ClockGroups(const ResolvedSystem& system, MessageSink& messages);
+
+  /// Instantiates an instance whose clocks tick. In the order of the config.
+  std::unique_ptr<Slave> make_slave(std::size_t instance);
+  /// Connects the members of each group. After the last make_slave().
+  void connect();
+
+ private:
+  /// The place of an instance: its group, and its place among the members.
+  struct Place {
+    std::size_t group = 0;
+    std::size_t member = 0;
+  };
+
+  const ResolvedSystem& system_;
+  MessageSink& messages_;
+  std::vector<Place> places_;  // by instance
+  std::vector<std::shared_ptr<ClockGroup>> groups_;
+};
+
+}  // namespace mebots::master

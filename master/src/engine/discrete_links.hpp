@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model/resolved_system.hpp"
+#include "slave/discrete_link.hpp"
+
+#include <cstddef>
+
+namespace mebots::master {
+
+/// A connection between two members of a group, by their places in it.
+DiscreteLink link_of(const ResolvedConnection& connection, std::size_t from, std::size_t to);
+
+}  // namespace mebots::master

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "base/time_grid.hpp"
+#include "message/message_hub.hpp"
+#include "slave/clocked/clocked_slave.hpp"
+#include "slave/clocked/timed_clock.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// A connection of clocks: where the first ticks, the second does at the same instant.
+struct ClockLink {
+  std::size_t from = 0;  ///< member
+  std::size_t to = 0;
+  ValueReference from_clock = 0;
+  ValueReference to_clock = 0;
+};
+
+/// A connection of variables that belong to clocks. It carries a value where a clock of each end ticks.
+struct ClockedLink {
+  DiscreteLink link;
+  std::vector<ValueReference> from_clocks;
+  std::vector<ValueReference> to_clocks;
+};
+
+/// The co-simulation slaves whose clocks are connected, or one that has clocks: steps them from tick to tick, and
+/// handles their events (FMI 3.0.2, sections 2.2.8 and 4.2.1). The first of them that steps advances all.
+///
+/// Members step one after the other. One that returns early, to handle an event, ends the step of those after it at
+/// that time too. Those before it are then ahead, and take part in the event at their own time. If a member cannot step
+/// to any time (canHandleVariableCommunicationStepSize = false), clocks tick at communication points only.
+class ClockGroup {
+ public:
+  /// Both must outlive the group.
+  ClockGroup(const TimeGrid& grid, MessageSink& messages) : grid_(grid), messages_(&messages) {}
+
+  /// Adds a slave, which must outlive the group's last call. Returns its place among the members.
+  std::size_t add(ClockedSlave& slave);
+  /// Before the first member leaves initialisation mode.
+  void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values);
+
+  void setup_experiment(const Experiment& experiment) { start_ns_ = experiment.start_ns; }
+  /// Asks a member for the first ticks of its clocks. In initialisation mode.
+  void start_clocks(std::size_t member);
+  /// After the last member has left initialisation mode, handles the events of the start.
+  void exit_initialization();
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
+
+  /// The times of members and clocks, which the first member keeps.
+  std::vector<std::byte> save() const;
+  void restore(std::span<const std::byte> bytes);
+  void visit(state::Visitor& v);
+
+ private:
+  struct Member {
+    ClockedSlave* slave = nullptr;
+    std::vector<TimedClock> timed;
+    std::vector<ValueReference> outputs;  // clocks
+    double time_s = 0;
+    bool needs_event = false;
+    bool in_event = false;
+    std::set<ValueReference> ticking;  // clocks, at this instant
+    std::set<ValueReference> ticked;   // since the member entered event mode
+
+    EventInstance& instance() const { return slave->instance(); }
+    void visit(state::Visitor& v);
+  };
+
+  double next_tick_s() const;
+  StepResult advance(double end_s);
+  StepResult step_members(double& target_s);
+  bool is_anything_due(double time_s) const;
+  bool handle_events(double time_s);
+  void enter(Member& member, double time_s);
+  void notice(const Member& member, double time_s, const std::string& text);
+  bool tick(Member& member, ValueReference clock, double time_s);
+  void tick_timed_clocks(double time_s);
+  void propagate(double time_s);
+  bool propagate_ticks(double time_s);
+  bool propagate_values();
+  bool update_members(double time_s, bool& terminated);
+
+  TimeGrid grid_;
+  MessageSink* messages_;
+  std::vector<Member> members_;
+  std::vector<ClockLink> clock_links_;
+  std::vector<ClockedLink> value_links_;
+  std::vector<std::optional<LinkValue>> sent_;  // of each value link, at this instant
+  std::int64_t start_ns_ = 0;
+  std::size_t initialised_ = 0;
+  bool ended_ = false;        // a member ended the simulation at its start
+  StepResult result_;         // of the step that members are given
+  std::size_t given_to_ = 0;  // members; 0: the next call advances the group
+  bool steps_vary_ = true;    // all members can step to any time
+  bool noticed_ = false;
+};
+
+}  // namespace mebots::master

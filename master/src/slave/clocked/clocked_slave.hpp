@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/state/visitor.hpp"
+#include "slave/clocked/event_instance.hpp"
+#include "slave/discrete_link.hpp"
+#include "slave/forwarding_slave.hpp"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+class ClockGroup;
+
+/// An instance with clocks as a slave: a step advances the whole group that its clocks belong to. Between ticks,
+/// variables that belong to a clock are read as they were at its last tick. Values that they are given wait for the
+/// next one.
+class ClockedSlave final : public ForwardingSlave {
+ public:
+  /// `instance` is the other interface of `inner`.
+  ClockedSlave(std::unique_ptr<Slave> inner, EventInstance& instance, std::shared_ptr<ClockGroup> group);
+
+  void setup_experiment(const Experiment& experiment) override;
+  void exit_initialization() override;
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  std::uint32_t output_derivative_order() const override { return 0; }
+
+  void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
+  void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) override;
+  void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) override;
+  void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override;
+  void get_binaries(std::span<const ValueReference> references, std::span<std::string> values) override;
+  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
+  void set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
+  void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
+  void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
+  void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values) override;
+
+  std::unique_ptr<SlaveState> save_state() override;
+  void restore_state(const SlaveState& state) override;
+  std::vector<std::byte> serialize(const SlaveState& state) override;
+  std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
+
+  EventInstance& instance() { return *instance_; }
+  /// The instance without the group.
+  Slave& alone() { return inner(); }
+  /// A clock ticks: gives waiting values to the FMU.
+  void give_inputs(ValueReference clock);
+  /// A clock ticks: stores the values of its outputs.
+  void store_outputs(ValueReference clock);
+
+  void visit(state::Visitor& v);
+
+ private:
+  /// A variable that belongs to clocks.
+  struct Held {
+    const modeldesc::Variable* variable = nullptr;
+    bool waits = false;  // a value for the next tick
+    LinkValue value;
+
+    void visit(state::Visitor& v);
+  };
+
+  Held* held(ValueReference reference);
+  template <typename T>
+  void get(std::span<const ValueReference> references, std::span<T> values,
+           void (Slave::*from_inner)(std::span<const ValueReference>, std::span<T>));
+  template <typename T>
+  void set(std::span<const ValueReference> references, std::span<const T> values,
+           void (Slave::*to_inner)(std::span<const ValueReference>, std::span<const T>));
+
+  EventInstance* instance_;
+  std::shared_ptr<ClockGroup> group_;
+  std::size_t member_;
+  std::map<ValueReference, Held> held_;
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slave/fmi/fmi3_instance.hpp"
+
+#include "fmi/call/fmi2_callbacks.hpp"
+
+#include <utility>
+
+namespace mebots::master {
+namespace {
+
+static_assert(InstanceCalls::kOk == fmi3OK && InstanceCalls::kWarning == fmi3Warning &&
+              InstanceCalls::kDiscard == fmi3Discard && InstanceCalls::kError == fmi3Error &&
+              InstanceCalls::kFatal == fmi3Fatal);
+
+std::string_view fmi3_status_name(int status) {
+  return fmi3::status_name(static_cast<fmi3Status>(status));
+}
+
+const modeldesc::Implementation& implementation(const modeldesc::ModelDescription& model, FmuKind kind) {
+  if (kind == FmuKind::model_exchange) return *model.model_exchange;
+  return *model.co_simulation;
+}
+
+}  // namespace
+
+Fmi3Instance::Fmi3Instance(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu,
+                           std::shared_ptr<const modeldesc::ModelDescription> model,
+                           const modeldesc::StructuralValues& structural, std::vector<std::string> log_categories,
+                           MessageSink& messages, const TimeGrid& grid)
+    : functions_(&fmu->fmi3_functions()),
+      model_(std::move(model)),
+      calls_(std::move(name), std::move(fmu), std::move(log_categories), messages, grid, fmi3_status_name),
+      values_(calls_, *functions_, *model_),
+      states_(calls_, *functions_, kFmi3StateNames, implementation(*model_, kind).can_get_and_set_fmu_state,
+              implementation(*model_, kind).can_serialize_fmu_state) {
+  const auto path = calls_.fmu().resource_path();
+  calls_.instantiate(kind == FmuKind::model_exchange ? "fmi3InstantiateModelExchange" : "fmi3InstantiateCoSimulation",
+                     [&] { return instantiate(kind, path.empty() ? nullptr : path.c_str()); });
+  choose_log_categories();
+  configure(structural);
+}
+
+/// Some FMUs log all or nothing, and discard the call.
+void Fmi3Instance::choose_log_categories() {
+  const auto categories = calls_.chosen_categories();
+  if (functions_->set_debug_logging == nullptr || categories.empty()) return;
+  constexpr const char* kFunction = "fmi3SetDebugLogging";
+  const int status = calls_.call(kFunction, functions_->set_debug_logging, true, categories.size(), categories.data());
+  if (status == fmi3Discard) return calls_.deliver_held();
+  calls_.check(status, kFunction);
+}
+
+/// Logging is on from the start: many FMUs say nothing about a failing instantiation otherwise.
+void* Fmi3Instance::instantiate(FmuKind kind, const char* resources) {
+  const auto callbacks = calls_.target().fmi3_callbacks();
+  const char* const token = model_->guid.c_str();
+  if (kind == FmuKind::model_exchange) {
+    return functions_->instantiate_model_exchange(name().c_str(), token, resources, false, true, callbacks.environment,
+                                                  callbacks.log_message);
+  }
+  const bool uses_events = model_->co_simulation->has_event_mode;
+  return functions_->instantiate_co_simulation(name().c_str(), token, resources, false, true, uses_events, uses_events,
+                                               nullptr, 0, callbacks.environment, callbacks.log_message, nullptr);
+}
+
+Fmi3Instance::~Fmi3Instance() {
+  Fmi3Instance::free_instance();
+}
+
+std::optional<std::string> Fmi3Instance::free_instance() {
+  return calls_.free_instance("fmi3FreeInstance", [&] { calls_.call("fmi3FreeInstance", functions_->free_instance); });
+}
+
+void Fmi3Instance::configure(const modeldesc::StructuralValues& structural) {
+  if (structural.empty()) return;
+  if (functions_->enter_configuration_mode == nullptr || functions_->exit_configuration_mode == nullptr) {
+    calls_.fail("fmi3EnterConfigurationMode", "is missing in the FMU's library");
+  }
+  calls_.require("fmi3EnterConfigurationMode", functions_->enter_configuration_mode);
+  for (const auto& [reference, value] : structural) {
+    calls_.require("fmi3SetUInt64", functions_->set_uint64, &reference, std::size_t{1}, &value, std::size_t{1});
+  }
+  calls_.require("fmi3ExitConfigurationMode", functions_->exit_configuration_mode);
+}
+
+void Fmi3Instance::enter_initialization() {
+  const auto& [start_ns, stop_ns, tolerance] = experiment_;
+  calls_.set_time_ns(start_ns);
+  calls_.watched("fmi3EnterInitializationMode", [&] {
+    calls_.require("fmi3EnterInitializationMode", functions_->enter_initialization_mode, tolerance.has_value(),
+                   tolerance.value_or(0), calls_.grid().time_s(start_ns), stop_ns.has_value(),
+                   calls_.grid().time_s(stop_ns.value_or(0)));
+  });
+}
+
+void Fmi3Instance::exit_initialization() {
+  calls_.watched("fmi3ExitInitializationMode",
+                 [&] { calls_.require("fmi3ExitInitializationMode", functions_->exit_initialization_mode); });
+}
+
+DiscreteUpdate Fmi3Instance::update_event() {
+  DiscreteUpdate update;
+  fmi3Boolean nominals_changed = false;
+  fmi3Boolean states_changed = false;
+  fmi3Boolean next_event_defined = false;
+  fmi3Float64 next_event_s = 0;
+  calls_.require("fmi3UpdateDiscreteStates", functions_->update_discrete_states, &update.needs_another,
+                 &update.terminate, &nominals_changed, &states_changed, &next_event_defined, &next_event_s);
+  if (next_event_defined) update.next_event_s = next_event_s;
+  return update;
+}
+
+void Fmi3Instance::terminate() {
+  calls_.watched("fmi3Terminate", [&] { calls_.require("fmi3Terminate", functions_->terminate); });
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "slave/slave.hpp"
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace mebots::master {
+
+/// The state of an instance that steps in a group: the FMU's, the slave's own, and the group's in that of the first
+/// member.
+struct MemberState final : SlaveState {
+  std::unique_ptr<SlaveState> inner;
+  std::vector<std::byte> own;
+  std::vector<std::byte> group;
+};
+
+/// `inner` is the slave of `state.inner`.
+std::vector<std::byte> serialize_member(Slave& inner, const MemberState& state);
+std::unique_ptr<MemberState> deserialize_member(Slave& inner, std::span<const std::byte> bytes);
+
+}  // namespace mebots::master

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clocks of FMI 3.0: tests/fmus/metronome.cpp, with periodic, countdown and triggered clocks.
+#include "test_system.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <string>
+
+namespace mebots::master {
+namespace {
+
+using test::TestRun;
+using testing::HasSubstr;
+
+/// Metronomes "a" and "b": `parameters` and `more` are of "a".
+std::string metronomes(const std::string& connections = "", const std::string& parameters = "",
+                       const std::string& more = "") {
+  return fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{
+    "a": {{"fmu": "{0}", "parameters": {{{2}}}{3}}}, "b": {{"fmu": "{0}"}}}}, "connections": [{1}]}})",
+                     METRONOME_FMU, connections, parameters, more);
+}
+
+std::string metronomes_refused(const std::string& config) {
+  return test::input_error([&] { TestRun run(config); });
+}
+
+const std::string kTapped = R"({"from": "a.tock", "to": "b.tap"}, {"from": "a.tock_time", "to": "b.heard"})";
+
+TEST(Clocks, PeriodicClocksTickBetweenCommunicationPoints) {
+  TestRun run(metronomes());
+  // Beats at 0.15, 0.45, 0.75.
+  EXPECT_THAT(run.to_end().column("a.beats"), testing::ElementsAre(0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3));
+}
+
+TEST(Clocks, CountdownsTickAfterTheirInterval) {
+  TestRun run(metronomes());
+  const auto times = run.to_end().column("a.tock_time");
+  EXPECT_NEAR(times[2], 0.17, 1e-12);
+  EXPECT_NEAR(times[10], 0.77, 1e-12);
+}
+
+TEST(Clocks, TicksAndValuesPassOnAtOneInstant) {
+  TestRun run(metronomes(kTapped));
+  ASSERT_EQ(run.system.clock_groups.size(), 1U);
+  EXPECT_EQ(run.system.clock_groups[0].members.size(), 2U);
+  run.to_end();
+  EXPECT_EQ(run.column("b.taps").back(), 3);
+  EXPECT_NEAR(run.column("b.sum").back(), 0.17 + 0.47 + 0.77, 1e-12);
+  EXPECT_EQ(run.column("a.taps").back(), 0);
+}
+
+TEST(Clocks, AClockMayFollowAPeriodicInputClock) {
+  TestRun run(metronomes(R"({"from": "a.beat", "to": "b.tap"})"));
+  EXPECT_THAT(run.to_end().column("b.taps"), testing::ElementsAre(0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3));
+}
+
+TEST(Clocks, ValuesForATickWaitForIt) {
+  TestRun run(metronomes(R"({"from": "a.beat", "to": "b.tap"}, {"from": "a.sum", "to": "b.heard"})"));
+  EXPECT_EQ(run.to_end().column("b.sum").back(), 0);
+}
+
+TEST(Clocks, TicksWithoutEndAreReported) {
+  TestRun run(metronomes("", R"("endless": true)"));
+  try {
+    run.to_end();
+    FAIL() << "the echo of 0.17 s ticks without end";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'a': the clocks of its group tick at 0.17 s without end"));
+  }
+}
+
+TEST(Clocks, AreRefusedWhereTheyCannotTick) {
+  EXPECT_THAT(metronomes_refused(metronomes(R"({"from": "a.tock", "to": "b.heard"})")),
+              HasSubstr("'tock' is a Clock and 'heard' is not"));
+  EXPECT_THAT(metronomes_refused(metronomes(R"({"from": "a.tock", "to": "b.beat"})")),
+              HasSubstr("'beat' ticks by a timing of its own"));
+  EXPECT_THAT(metronomes_refused(metronomes("", "", R"(, "process": "own")")), HasSubstr("'a' has clocks"));
+}
+
+}  // namespace
+}  // namespace mebots::master
