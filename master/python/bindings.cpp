@@ -10,6 +10,7 @@
 #include "mebots/data/csv.hpp"
 #include "record/sink/hdf5_tables.hpp"
 #include "run/draws.hpp"
+#include "run/variable_units.hpp"
 
 #include <mebots/run.hpp>
 
@@ -260,6 +261,9 @@ PYBIND11_MODULE(_mebots, module) {
   module.def("calibration_parameters", [](const std::filesystem::path& config) {
     const auto names = [&] { return mebots::master::calibration_parameters(config); };
     return mebots::master::refused_as_input(names);
+  });
+  module.def("variable_units", [](const std::filesystem::path& config) {
+    return mebots::master::refused_as_input([&] { return mebots::master::variable_units(config); });
   });
   module.def("unit_draw", &mebots::master::unit_draw);
   py::class_<mebots::master::TableColumn>(module, "TableColumn")

@@ -18,7 +18,7 @@ _STYLE = """
 --on:#009e73;--undecided:#0072b2;--off:#9aa5b1;--excluded:#d55e00}
 @media(prefers-color-scheme:dark){:root{--ink:#e4e9ee;--soft:#98a5b3;--line:#36414d;--back:#12181e;--panel:#1b232b;
 --on:#2fc79a;--undecided:#4ea8de;--off:#727f8c;--excluded:#f0803c}}
-body{font:15px/1.45 system-ui,sans-serif;color:var(--ink);background:var(--back);margin:0 auto;max-width:1120px;padding:24px}
+body{font:15px/1.45 system-ui,sans-serif;color:var(--ink);background:var(--back);margin:0 auto;max-width:1360px;padding:24px}
 h1{font-size:22px;margin:0 0 4px}h2{font-size:16px;margin:28px 0 4px}p{margin:4px 0;color:var(--soft)}
 .pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(480px,100%),1fr));gap:8px 28px}
 .answer{font-size:18px;color:var(--ink)}
@@ -33,13 +33,16 @@ pre{margin:4px 0;white-space:pre-wrap}a{color:var(--undecided)}code{font:12px ui
 """
 
 
-def write_page(file: pathlib.Path, title: str, scripts: Sequence[pathlib.Path], data: dict[str, Any], provenance: dict[str, str]) -> None:
-    """``scripts``: what draws ``data``; ``provenance``: what the page was made from."""
+def write_page(file: pathlib.Path, title: str, scripts: Sequence[pathlib.Path], data: dict[str, Any], provenance: dict[str, str], refresh_s: float | None = None) -> None:
+    """``scripts``: what draws ``data``; ``provenance``: what the page was made from; ``refresh_s``: time after which the page
+    loads itself again."""
+    refresh = "" if refresh_s is None else f'<meta http-equiv="refresh" content="{refresh_s:g}">'
     content = data | {"provenance": provenance | {"MEbots": _mebots.__version__}}
     parts = [pathlib.Path(__file__).parent / "page_parts.js", *scripts]
     texts = "".join(f"<script>{part.read_text(encoding='utf-8')}</script>" for part in parts)
     page = (
         '<!doctype html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"{refresh}"
         f"<title>{html.escape(title)}</title><style>{_STYLE}</style></head><body><h1>{html.escape(title)}</h1>"
         f'<main id="main"></main><script type="application/json" id="data">{_embedded(content)}</script>{texts}</body></html>\n'
     )

@@ -23,6 +23,10 @@ A mission never knows that it is part of a study. Each module has one subject:
 ``results``    what is known of each mission, and its row of missions.csv
 ``objectives`` from a mission's values to the numbers that the study asks for
 ``answers``    intervals and confidence sequences
+``answer``     headline and ranked table
+``figures``    numbers with units, as people read them
+``progress``   how far a study is
+``live_page``  live.html of a study that is under way
 ``rounds``     what is flown next, and which designs need no more
 ``search``     the same for designs that Optuna asks for
 ``splitting``  the probability of rare events, level by level

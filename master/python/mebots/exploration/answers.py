@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Intervals for shares and means, from counts and sums alone.
 
-Two kinds. A *fixed* interval keeps its level when the number of missions was settled beforehand: Wilson's for a share,
-Student's for a mean. A *sequence* keeps it at all numbers of missions at once, so that one may look after every round
+Two kinds. A *fixed* interval keeps its level when the number of missions was settled beforehand: Wilson's for a share
+(Clopper and Pearson's where something is decided by it), Student's for a mean. A *sequence* keeps it at all numbers of missions at once, so that one may look after every round
 and stop when one likes what one sees: a mixture martingale, by Ville's inequality above 1/alpha with a chance of at most
 alpha (Robbins 1970; Howard et al. 2021).
 
@@ -11,6 +11,8 @@ alpha (Robbins 1970; Howard et al. 2021).
 - Mean: the likelihood ratio of Student's t with an effect of distribution N(0, g) against none (Lai 1976),
   with x = t^2/(n - 1): (1 + n g)^(-1/2) ((1 + x)/(1 + x/(1 + n g)))^(n/2). Solved for x in closed form. Exact for normal
   values, a good approximation for others with a mean of some ten missions.
+- Percentile: how many values are at or below the true one is a count with a known share, so the interval lies between the
+  order statistics that the share's interval leaves. Exact for any distribution.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ import dataclasses
 import functools
 import math
 import statistics
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 Interval = tuple[float, float]
 
@@ -37,6 +39,18 @@ def wilson(successes: int, count: int, error: float) -> Interval:
     half = z / (1 + z * z / count) * math.sqrt(share * (1 - share) / count + z * z / (4 * count * count))
     low = 0.0 if successes == 0 else max(0.0, centre - half)
     return low, 1.0 if successes == count else min(1.0, centre + half)
+
+
+def exact_share(successes: int, count: int, error: float) -> Interval:
+    """Clopper and Pearson's interval of a share, for a count settled beforehand: of any share, each end is wrong with a
+    chance of at most half of ``error``."""
+    middle = successes / count if count else 0.0
+    low = high = None
+    if successes > 0:
+        low = _edge(lambda p: _incomplete_beta(successes, count - successes + 1, p) <= error / 2, 0.0, middle)
+    if successes < count:
+        high = _edge(lambda p: 1 - _incomplete_beta(successes + 1, count - successes, p) <= error / 2, 1.0, middle)
+    return low or 0.0, 1.0 if high is None else high
 
 
 def share_evidence(successes: int, count: int, share: float) -> float:
@@ -121,6 +135,45 @@ def mean_sequence(moments: Moments, error: float) -> Interval:
     x = (k - 1) / (1 - k / spread)
     half = moments.deviation * math.sqrt((n - 1) * x / n)
     return moments.mean - half, moments.mean + half
+
+
+def percentile_of(ordered: Sequence[float], percentile: float) -> float:
+    """Returns the percentile by the nearest rank: the least value that this share of the values does not exceed."""
+    return ordered[max(math.ceil(percentile / 100 * len(ordered)), 1) - 1]
+
+
+def percentile_interval(ordered: Sequence[float], percentile: float, error: float) -> Interval:
+    """An interval of a percentile at level 1 - error, for a count settled beforehand: each end is wrong with a chance of at
+    most half of it, by the binomial distribution."""
+    count, share = len(ordered), percentile / 100
+    below, chance = 0, _binomial(0, count, share)
+    while chance <= error / 2 and below < count:
+        below += 1
+        chance += _binomial(below, count, share)
+    above, chance = count, _binomial(count, count, share)
+    while chance <= error / 2 and above > 0:
+        above -= 1
+        chance += _binomial(above, count, share)
+    return _between_ranks(ordered, below, above)
+
+
+def percentile_sequence(ordered: Sequence[float], percentile: float, error: float) -> Interval:
+    """An interval of a percentile that holds at all counts at once, with a chance of at least 1 - error."""
+    count, share, bound = len(ordered), percentile / 100, -math.log(error)
+    possible = [at for at in range(count + 1) if share_evidence(at, count, share) < bound]
+    return _between_ranks(ordered, possible[0], possible[-1])
+
+
+def _between_ranks(ordered: Sequence[float], fewest: int, most: int) -> Interval:
+    """From ``fewest`` to ``most`` of the values are at or below the percentile."""
+    low = ordered[fewest - 1] if fewest > 0 else -math.inf
+    return low, ordered[most] if most < len(ordered) else math.inf
+
+
+def _binomial(successes: int, count: int, share: float) -> float:
+    """Returns the chance of this number of successes."""
+    ways = math.lgamma(count + 1) - math.lgamma(successes + 1) - math.lgamma(count - successes + 1)
+    return math.exp(ways + _times_log(successes, share) + _times_log(count - successes, 1 - share))
 
 
 @functools.lru_cache(4096)

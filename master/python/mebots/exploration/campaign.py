@@ -19,8 +19,12 @@ import numpy as np
 from mebots import _mebots
 from mebots.errors import Error, InputError
 from mebots.exploration import chance, columns, front, report, sensitivity, splitting, tables
+from mebots.exploration.answer import Answer, Judge
+from mebots.exploration.live_page import LivePage
+from mebots.exploration.progress import Progress
 from mebots.exploration.comparison import Evidence
 from mebots.exploration.dispatch import Dispatcher, Unfinished
+from mebots.exploration.figures import Units, design_names
 from mebots.exploration.files import csv_text, write_csv, write_lines
 from mebots.exploration.journal import Journal, Record
 from mebots.exploration.missions import build
@@ -32,7 +36,7 @@ from mebots.exploration.rounds import Flights, Rounds
 from mebots.exploration.search import Search
 from mebots.exploration.space import MOST_DRAWS_KEPT, Space
 from mebots.exploration.study import Study, Values
-from mebots.exploration.worker import flat
+from mebots.exploration.worker import FACTS, flat
 
 TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "levels.csv", *columns.NAMES, "report.html")
 _CHUNK = 1000
@@ -56,23 +60,6 @@ _MOST_VALUES_TRIED = 64
 
 
 @dataclasses.dataclass(frozen=True)
-class Progress:
-    """How far a study is. ``most_left`` counts missions that a decision may still save, ``likely_left`` those that stay if
-    decisions go on to save as many as until now; ``answer`` is what is known so far: how missions ended, and after a round
-    which designs are ahead. ``of_other_builds``: records of journals that are not used, since another build flew them."""
-
-    flown: int
-    taken: int
-    failed: int
-    most_left: int
-    likely_left: float
-    designs_flying: int
-    rate_per_s: float
-    answer: str = ""
-    of_other_builds: int = 0
-
-
-@dataclasses.dataclass(frozen=True)
 class Sweep:
     """What came of a study: missions that count, how many of them failed, and the folder with the tables."""
 
@@ -83,6 +70,8 @@ class Sweep:
     """What to tell of objectives whose expression had no value in any mission."""
     notices: list[str] = dataclasses.field(default_factory=list)
     """What the journals reported: damaged lines, file systems without locks."""
+    answer: Answer | None = None
+    """Which design is best, and how sure that is; None for a rare event."""
 
     def designs(self) -> list[dict[str, str]]:
         """The rows of designs.csv."""
@@ -99,12 +88,15 @@ class Campaign:
         self.space = Space(study)
         self._check_names()
         labels = flat(self.space.missions.config.get("summary", {}))
-        self._measurer = Measurer(study, _labels(labels))
+        self.units = Units(study, self.space.missions.config.get("summary", {}))
+        self._measurer = Measurer(study, [*_labels(labels), *FACTS])
         self.notices: list[str] = []
         self.flown = self.taken = self.failed = self.of_other_builds = 0
         self._begun_s = time.monotonic()
         self._outcomes: collections.Counter[str] = collections.Counter()
         self._ahead = ""
+        self._standings: Callable[[], Answer] | None = None
+        self._live_page: LivePage | None = None
         self._flown_ahead: set[str] = set()  # of rounds to come
 
     # What the missions are.
@@ -140,7 +132,7 @@ class Campaign:
                 raise InputError(f"{self.study.place}: '{name}' is a factor and a draw; it can only be one of them", "duplicate_name")
         known = [one["outcome"] for one in self.space.missions.config.get("outcomes", [])] + ["completed"]
         for one in self.study.objectives:
-            for outcome in one.what if one.is_share else ():
+            for outcome in one.what if one.source == "outcome" else ():
                 if outcome not in known:
                     raise InputError(
                         f"{self.study.place}: the objective '{one.label}': the mission has no outcome '{outcome}'. It has: {', '.join(dict.fromkeys(known))}",
@@ -263,6 +255,8 @@ class Campaign:
                 return Sweep(folder, *splitting.fly(self.space, folder, bring), notices=self.notices)
             return self._fly_rounds(folder, journal, others, tell)
         finally:
+            if self._live_page is not None:
+                self._live_page.remove()
             for one in (journal, *others):
                 one.close()
 
@@ -270,6 +264,8 @@ class Campaign:
         evidence = Evidence(self.study, len(self.space.designs))
         rounds = self._rounds(evidence)
         results = Results(evidence, self._measurer, self.study.replicates)
+        self._standings = lambda: self._judge(evidence, rounds).standings()
+        self._live_page = LivePage(folder, self.space, evidence, self.units)
         try:
             while flights := rounds.next():
                 results.begin(flights)
@@ -290,9 +286,14 @@ class Campaign:
             raise Unfinished(f"{error}\n{missing} missions are missing: see {folder / 'designs.csv'}") from None
         journal.sync()
         self._write_tables(folder, journal, results, rounds)
-        self._write_report(folder, results, rounds)
+        answer = self._judge(evidence, rounds).answer(self._places)
+        self._write_report(folder, results, rounds, answer)
         missions = sum(evidence.counts)
-        return Sweep(folder, missions, results.failed, self._measurer.without_value(), self.notices)
+        return Sweep(folder, missions, results.failed, self._measurer.without_value(), self.notices, answer)
+
+    def _judge(self, evidence: Evidence, rounds: Rounds | Search) -> Judge:
+        names = design_names(self.space.factors, self.space.designs, self.units)
+        return Judge(evidence, self.units, names, rounds.status)
 
     def _rounds(self, evidence: Evidence) -> Rounds | Search:
         if self.study.design["kind"] == "search":
@@ -326,7 +327,10 @@ class Campaign:
                 results.note_all(reply, places)
                 self._note_others(results, reply, places, repeated)
             self.failed = results.failed_so_far
-            tell(self._progress(left + results.open, likely_left + results.open, flying))
+            progress = self._progress(left + results.open, likely_left + results.open, flying)
+            tell(progress)
+            if self._live_page is not None:
+                self._live_page.show(progress, rounds.status)
         self.failed = results.settle(self.study.most_failures)
 
     def _note_others(self, results: Results, reply: Reply, places: np.ndarray, repeated: dict[bytes, list[int]]) -> None:
@@ -414,7 +418,7 @@ class Campaign:
         return found
 
     def _progress(self, most_left: int, likely_left: float, flying: int) -> Progress:
-        return Progress(self.flown, self.taken, self.failed, most_left, likely_left, flying, self._rate(), self._answer(), self.of_other_builds)
+        return Progress(self.flown, self.taken, self.failed, most_left, likely_left, flying, self._rate(), self._answer(), self.of_other_builds, self._standings)
 
     def _answer(self) -> str:
         ended = ", ".join(f"{outcome} {count}" for outcome, count in self._outcomes.most_common(4))
@@ -469,17 +473,34 @@ class Campaign:
         if self.study.design["kind"] == "sensitivity":
             sensitivity.write(folder / "sensitivity.csv", self.study, results.evidence)
 
-    def _write_report(self, folder: pathlib.Path, results: Results, rounds: Rounds | Search) -> None:
+    def _write_report(self, folder: pathlib.Path, results: Results, rounds: Rounds | Search, answer: Answer) -> None:
         space = self.space
+        ranks = {row.design: row for row in answer.rows}
         told = [
-            {"failed": results.failures[number], "status": rounds.status[number], "front": self._places[number]}
+            {
+                "failed": results.failures[number],
+                "status": rounds.status[number],
+                "front": self._places[number],
+                "rank": ranks[number].rank,
+                "name": ranks[number].name,
+                "note": ranks[number].note,
+            }
             for number in range(len(space.designs))
         ]
         commands = [
             space.missions.shell_line(space.values((number, 0)), str(report.replay_folder(folder, number))) for number in range(len(space.designs))
         ]
         report.write(
-            folder / "report.html", self.study, space.factors, space.designs, results.evidence, told, commands, space.provenance(self.example())
+            folder / "report.html",
+            self.study,
+            space.factors,
+            space.designs,
+            results.evidence,
+            told,
+            commands,
+            space.provenance(self.example()),
+            answer,
+            self.units,
         )
 
     def _design_rows(self, results: Results, rounds: Rounds | Search) -> Iterator[list[str]]:

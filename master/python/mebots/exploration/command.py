@@ -19,10 +19,13 @@ from collections.abc import Iterable
 from typing import Any
 
 from mebots.errors import Error, InputError
-from mebots.exploration import flying, interrupts
-from mebots.exploration.campaign import Campaign, Progress, Sweep, is_done
+from mebots.exploration import flying, interrupts, live_page
+from mebots.exploration.answer import counted, table_lines
+from mebots.exploration.campaign import Campaign, Sweep, is_done
 from mebots.exploration.dispatch import Unfinished
+from mebots.exploration.figures import percent
 from mebots.exploration.journal import Journal
+from mebots.exploration.progress import Progress, duration_text
 from mebots.exploration.study import NAME, Study, read_study
 
 DONE, NOT_DONE, BAD_INPUT, UNFINISHED = 0, 1, 2, 3
@@ -131,6 +134,8 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
     with _campaign(study, None, options.jobs) as campaign:
         teller = _Teller()
         print(_size(campaign), file=sys.stderr)
+        if study.splitting is None and sys.stderr.isatty():
+            print(f"{out / live_page.NAME} shows the designs while it runs", file=sys.stderr)
         if study.is_another_in(out):
             print(f"{out} has the tables of another study, which this one's replace; missions of both are not flown again", file=sys.stderr)
         result = campaign.run(out, [pathlib.Path(one) for one in options.reuse], teller)
@@ -140,8 +145,13 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
     written = ("missions.csv" if study.splitting is None else "levels.csv", "designs.csv", "report.html")
     known = f", {campaign.taken} of them known before" if campaign.taken else ""
     if campaign.flown and campaign.of_other_builds:
-        known += f", {_counted(campaign.of_other_builds, 'record')} of other builds not used"
-    print(f"{_counted(result.missions, 'mission')}{known}, {result.failed} failed: {', '.join(str(out / name) for name in written)}")
+        known += f", {counted(campaign.of_other_builds, 'record')} of other builds not used"
+    if result.answer is not None:
+        width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+        print("\n".join(result.answer.lines(width)) + "\n")
+    else:
+        print("\n".join(_probabilities(result)) + "\n")
+    print(f"{counted(result.missions, 'mission')}{known}, {result.failed} failed: {', '.join(str(out / name) for name in written)}")
     for text in result.without_value:
         print(f"mebots: error: {text}", file=sys.stderr)
     if result.failed:
@@ -149,54 +159,67 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
     return BAD_INPUT if result.without_value else DONE
 
 
+def _probabilities(result: Sweep) -> list[str]:
+    """The answer of a study of a rare event."""
+    lines = []
+    for row in result.designs():
+        found, low, high = (row[name] for name in ("probability", "probability: low", "probability: high"))
+        interval = f" ({percent(float(low))} to {percent(float(high))})" if low and high else ""
+        lines.append(f"Design #{row['design']}: probability {percent(float(found))}{interval}" if found else f"Design #{row['design']}: no probability yet")
+    return lines
+
+
 def _size(campaign: Campaign) -> str:
-    designs = f"{_counted(len(campaign.space.designs), 'design')}, " if campaign.space.designs else ""
-    return f"{designs}at most {_counted(campaign.most_missions, 'mission')}"
+    designs = f"{counted(len(campaign.space.designs), 'design')}, " if campaign.space.designs else ""
+    return f"{designs}at most {counted(campaign.most_missions, 'mission')}"
 
 
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+_MOST_SHOWN = 12
+"""Designs in the live table."""
+_EVERY_S, _TABLE_SHARE = 0.5, 20.0
+"""The live table takes at most a twentieth of the time."""
 
 
 class _Teller:
-    """One line that is written over on a terminal, and a line a while elsewhere."""
+    """On a terminal a line and the ranking so far, written over; elsewhere a line a while."""
 
     def __init__(self) -> None:
         self._terminal = sys.stderr.isatty()
-        self._next_s = time.monotonic() + (0.2 if self._terminal else 10)
+        self._next_s = time.monotonic() + (_EVERY_S if self._terminal else 10)
+        self._drawn = 0  # lines
 
     def __call__(self, now: Progress) -> None:
-        if time.monotonic() < self._next_s:
+        begun_s = time.monotonic()
+        if begun_s < self._next_s:
             return
-        self._next_s = time.monotonic() + (0.2 if self._terminal else 10)
-        unused = f" ({now.of_other_builds} of other builds not used)" if now.of_other_builds else ""
-        text = (
-            f"{now.flown} flown, {now.taken} from a journal{unused}, {now.failed} failed, {_left(now)} "
-            f"({now.rate_per_s:.2f} a second); {now.designs_flying} designs flying"
-        )
-        if now.answer:
-            text += f"; {now.answer}"
-        if self._terminal:  # a line that wraps could not be written over
-            text = text[: shutil.get_terminal_size().columns - 1]
-        print(f"\r\033[K{text}" if self._terminal else text, end="" if self._terminal else "\n", file=sys.stderr, flush=True)
+        if not self._terminal:
+            print(now.line(), file=sys.stderr, flush=True)
+            self._next_s = begun_s + 10
+            return
+        self._draw([now.line(), *_live_table(now)])
+        self._next_s = time.monotonic() + max(_EVERY_S, _TABLE_SHARE * (time.monotonic() - begun_s))
+
+    def _draw(self, lines: list[str]) -> None:
+        """Writes over what was drawn before. A line that wraps could not be written over."""
+        size = shutil.get_terminal_size()
+        shown = [line[: size.columns - 1] for line in lines[: max(1, size.lines - 1)]]
+        back = f"\r\033[{self._drawn - 1}A" if self._drawn > 1 else "\r"
+        self._drawn = len(shown)
+        print(f"{back}\033[J" + "\n".join(shown), end="", file=sys.stderr, flush=True)
 
     def end(self) -> None:
         if self._terminal:
-            print("\r\033[K", end="", file=sys.stderr)
+            self._draw([""])
 
 
-def _left(now: Progress) -> str:
-    """With the time; racing and stopping end designs earlier."""
-    rate = max(now.rate_per_s, 1e-9)
-    most = f"at most {now.most_left} left, {_duration(now.most_left / rate)}"
-    likely = round(now.likely_left)
-    return most if likely >= now.most_left else f"about {likely} left, {_duration(likely / rate)} ({most})"
-
-
-def _duration(time_s: float) -> str:
-    if time_s < 90:
-        return f"{time_s:.0f} s"
-    return f"{time_s / 60:.0f} min" if time_s < 5400 else f"{time_s / 3600:.1f} h"
+def _live_table(now: Progress) -> list[str]:
+    """The best designs so far with their intervals, and how many have ended for which reason."""
+    if now.standings is None:
+        return []
+    so_far = now.standings()
+    ended = collections.Counter(row.note for row in so_far.rows if row.note)
+    reasons = [f"no more missions for {counted(count, 'design')}: {reason}" for reason, count in ended.most_common()]
+    return [*table_lines(so_far.titles, so_far.rows[:_MOST_SHOWN], shutil.get_terminal_size().columns - 1), *reasons]
 
 
 def _status(folder: pathlib.Path) -> int:
@@ -240,6 +263,6 @@ def _dry_run(study: Study, options: argparse.Namespace) -> int:
         line_bytes = len(json.dumps(record)) + 1 + files
         time_s = count * record["processor_time"] / jobs
         print(_size(campaign))
-        print(f"about {_duration(time_s)} with {jobs} jobs ({record['processor_time']:.2f} s a mission, measured on one)")
+        print(f"about {duration_text(time_s)} with {jobs} jobs ({record['processor_time']:.2f} s a mission, measured on one)")
         print(f"about {count * (line_bytes + 200) / 1e6:.1f} MB of disk")
     return DONE

@@ -12,24 +12,53 @@ import array
 import collections
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from mebots.exploration import pareto
-from mebots.exploration.answers import Interval, Moments, mean_sequence, share_sequence, student, wilson
+from mebots.exploration.answers import (
+    Interval,
+    Moments,
+    exact_share,
+    mean_sequence,
+    percentile_interval,
+    percentile_of,
+    percentile_sequence,
+    share_sequence,
+    student,
+    wilson,
+)
 from mebots.exploration.objectives import Measures
 from mebots.exploration.study import Constraint, Objective, Study
 
 
 @dataclasses.dataclass
 class Estimate:
-    """Of one objective of one design: how many missions count, their mean (for a share: of successes) and its interval."""
+    """Of one objective of one design: how many missions count, their mean (for a share: of successes; for a percentile:
+    that) and its interval."""
 
     count: int
     mean: float | None
     interval: Interval
     successes: int | None = None
+
+
+@dataclasses.dataclass(frozen=True)
+class Methods:
+    """How intervals are made, by what is estimated."""
+
+    share: Callable[[int, int, float], Interval]
+    mean: Callable[[Moments, float], Interval]
+    percentile: Callable[[Sequence[float], float, float], Interval]
+
+
+SEQUENCES = Methods(share_sequence, mean_sequence, percentile_sequence)
+"""They hold at all numbers of missions at once: for a study whose decisions end the missions of designs."""
+SHOWN = Methods(wilson, student, percentile_interval)
+"""For a number of missions that was settled beforehand."""
+DECIDED = Methods(exact_share, student, percentile_interval)
+"""The same where something is decided by it: at the small errors of many comparisons Wilson's is too narrow."""
 
 
 class Evidence:
@@ -109,43 +138,34 @@ class Evidence:
         return self._measures[design][at : self.counts[design] * width : width]
 
     @property
-    def _pair_error(self) -> float:
-        """Of one comparison, so that all together are wrong with a chance of at most half of ``error``."""
-        designs = max(len(self.counts), 2)
-        return self.study.error / 2 / (designs * (designs - 1) / 2 * max(len(self._senses), 1))
-
-    @property
-    def _design_error(self) -> float:
+    def design_error(self) -> float:
         """Of one statement on one design, so that all together are wrong with the other half."""
         statements = len(self.study.constraints) + (self.study.stop is not None) + len(self._senses)
         return self.study.error / 2 / (max(len(self.counts), 1) * max(statements, 1))
 
-    def estimate(self, design: int, objective: Objective, error: float, *, sequence: bool) -> Estimate:
-        """With an interval that holds at all times (``sequence``) or for a number of missions settled beforehand."""
+    def estimate(self, design: int, objective: Objective, error: float, methods: Methods) -> Estimate:
         count = self.counts[design]
-        key = (design, objective.label, error, sequence)
+        key = (design, objective.label, error, methods is DECIDED)
         known = self._estimates.get(key)
         if known is not None and known[0] == count:
             return known[1]
-        values = [one for one in self.column(design, self.index[objective.label]) if one == one]  # not NaN
-        if objective.is_share:
-            successes = int(sum(values))
-            interval = (share_sequence if sequence else wilson)(successes, len(values), error)
-            found = Estimate(len(values), successes / len(values) if values else None, interval, successes)
-        else:
-            moments = Moments().add(values)
-            interval = (mean_sequence if sequence else student)(moments, error)
-            found = Estimate(len(values), moments.mean if values else None, interval)
+        found = _estimated(objective, self.column(design, self.index[objective.label]), error, methods)
         self._estimates[key] = (count, found)
         return found
 
+    def so_far(self, design: int, objective: Objective) -> Estimate:
+        """As ``shown``, of all results that are there, before they count."""
+        values = self._measures[design][self.index[objective.label] :: len(self.index)]
+        return _estimated(objective, values, self.study.error, SEQUENCES if self.study.looks else SHOWN)
+
     def shown(self, design: int, objective: Objective) -> Estimate:
         """As the tables show it: at level 1 - ``error`` for each number by itself."""
-        return self.estimate(design, objective, self.study.error, sequence=self.study.looks)
+        return self.estimate(design, objective, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def known_of(self, design: int, objective: Objective) -> Interval:
-        """For decisions."""
-        return self.estimate(design, objective, self._design_error, sequence=True).interval
+        """For decisions. Without draws all missions of a design are the same, so that its value is known."""
+        found = self.estimate(design, objective, self.design_error, SEQUENCES if self.study.looks else DECIDED)
+        return (found.mean, found.mean) if not self.study.draws and found.mean is not None else found.interval
 
     def side(self, design: int, constraint: Constraint) -> bool | None:
         """Whether a design is on the right side of a constraint; None while that is not sure."""
@@ -176,17 +196,37 @@ class Evidence:
         return -math.inf if math.isnan(gap) else gap
 
     def _advantage_of_pairs(self, better: int, worse: int, objective: Objective) -> float:
+        if objective.percentile is not None:  # a percentile of differences is not the difference of percentiles
+            return -math.inf
+        differences = self.differences(better, worse, objective)
+        if objective.is_share:
+            wins = sum(1 for one in differences if one > 0)
+            decided = sum(1 for one in differences if one != 0)
+            return math.ulp(0.0) if self.share_bound(wins, decided) > 0.5 else -math.inf
+        return self.mean_bound(Moments().add(differences))
+
+    def share_bound(self, wins: int, decided: int) -> float:
+        """Returns the least share of wins that is possible, for the comparison of a pair."""
+        return (SEQUENCES if self.study.looks else DECIDED).share(wins, decided, self.pair_error)[0]
+
+    def mean_bound(self, differences: Moments) -> float:
+        """Returns the least mean of differences that is possible, for the comparison of a pair."""
+        return (SEQUENCES if self.study.looks else DECIDED).mean(differences, self.pair_error)[0]
+
+    def differences(self, better: int, worse: int, objective: Objective) -> list[float]:
+        """Returns by how much ``better`` was better in each replicate that both have, in the objective's sense."""
         sense, at = objective.sense or 1, self.index[objective.label]
-        differences = [
+        return [
             sense * (a - b)
             for a, b in zip(self.column(better, at), self.column(worse, at), strict=False)
             if a == a and b == b  # not NaN
         ]
-        if objective.is_share:
-            wins = sum(1 for one in differences if one > 0)
-            decided = sum(1 for one in differences if one != 0)
-            return math.ulp(0.0) if share_sequence(wins, decided, self._pair_error)[0] > 0.5 else -math.inf
-        return mean_sequence(Moments().add(differences), self._pair_error)[0]
+
+    @property
+    def pair_error(self) -> float:
+        """Of one comparison, so that all together are wrong with a chance of at most half of ``error``."""
+        designs = max(len(self.counts), 2)
+        return self.study.error / 2 / (designs * (designs - 1) / 2 * max(len(self._senses), 1))
 
     def dominates(self, design: int, other: int) -> bool:
         """Surely better than ``other`` in one objective, and in none worse by more than its tolerance."""
@@ -249,6 +289,21 @@ class Evidence:
     @property
     def has_front(self) -> bool:
         return bool(self._senses)
+
+
+def _estimated(objective: Objective, column: Iterable[float], error: float, methods: Methods) -> Estimate:
+    values = [one for one in column if one == one]  # not NaN
+    if objective.is_share:
+        successes = int(sum(values))
+        interval = methods.share(successes, len(values), error)
+        return Estimate(len(values), successes / len(values) if values else None, interval, successes)
+    if objective.percentile is not None:
+        values.sort()
+        interval = methods.percentile(values, objective.percentile, error)
+        return Estimate(len(values), percentile_of(values, objective.percentile) if values else None, interval)
+    moments = Moments().add(values)
+    interval = methods.mean(moments, error)
+    return Estimate(len(values), moments.mean if values else None, interval)
 
 
 def _known(value: float) -> float | None:

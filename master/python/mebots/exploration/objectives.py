@@ -54,7 +54,7 @@ class Measurer:
             if one.where is not None and measured.get(one.where, 1.0) != 1.0:
                 found = None
             elif one.is_share:
-                found = float(record["outcome"] in one.what)
+                found = float(_ending(record, one) in one.what)
             else:
                 found = self._one(one, record, values, number) if sound else None
             if found is not None:
@@ -75,7 +75,7 @@ class Measurer:
         known: dict[str, np.ndarray] = {}
         for one, column in zip(self._objectives, measured, strict=True):
             if one.is_share:
-                column[:] = np.array([name in one.what for name in reply.outcome_names], float)[reply.outcomes]
+                column[:] = _share_of(one, reply)
             else:
                 column[sound] = self._column(one, reply)[sound]
             if one.where in known:
@@ -125,6 +125,18 @@ class Measurer:
     def _note(self, label: str, number: int, why: str) -> None:
         if label not in self._mistakes or number < self._mistakes[label][0]:
             self._mistakes[label] = number, why
+
+
+def _share_of(one: Objective, reply: Reply) -> np.ndarray:
+    """Returns 1 for each mission with one of the outcomes or end reasons, and 0 for the others."""
+    if one.source == "outcome":
+        return np.array([name in one.what for name in reply.outcome_names], float)[reply.outcomes]
+    return np.array([_ending(record, one) in one.what for record in reply.records()], float)
+
+
+def _ending(record: Record, one: Objective) -> str:
+    """Returns the outcome or the end reason of a mission. One that crashed has no end reason of its own."""
+    return record["outcome"] if one.source == "outcome" else record.get("end_reason", "failed")
 
 
 def has_all(record: Record, order: Mapping[str, Any]) -> bool:

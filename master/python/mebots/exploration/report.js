@@ -4,17 +4,28 @@
 const { objectives } = study;
 const MOST_NAMED = 50; // designs side by side whose numbers have room
 const PLACES = {
-  on: "on the front",
-  undecided: "undecided: a difference is not sure",
-  off: "off the front",
+  on: "proven to be on the front",
+  undecided: "may be on the front",
+  off: "proven to be off the front",
   excluded: "breaks a constraint",
 };
 const colour = (design) => `var(--${designs[design].front || "undecided"})`;
 const titled = (objective) => objective.label + (objective.unit ? ` [${objective.unit}]` : "");
+/** A value of a factor with its unit: 102.7 MHz. */
+const valued = (value, factor) => {
+  const unit = study.factor_units[factor];
+  if (typeof value !== "number" || !unit) return short(value);
+  const [size, prefix] = ["Hz", "J", "W", "A", "V"].includes(unit)
+    ? [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"]].find(([one]) => Math.abs(value) >= one) ?? [1, ""]
+    : [1, ""];
+  return `${short(value / size)} ${prefix}${unit}`;
+};
 
 // What came of it.
 const flown = designs.reduce((sum, one) => sum + one.missions, 0);
 const failed = designs.reduce((sum, one) => sum + one.failed, 0);
+for (const text of study.answer.headlines) main.append(node("p", { class: "answer" }, text));
+for (const text of study.answer.remarks) main.append(node("p", {}, text));
 main.append(node("p", {}, `${designs.length} designs, ${flown} missions, ${failed} failed. Intervals: ` +
   `${100 * (1 - study.error)} %, ${study.sequence ? "valid at every number of missions" : "for a number of missions settled beforehand"}.`));
 const key = node("p");
@@ -71,12 +82,12 @@ const levelsOf = (factor) => {
   const values = [...new Set(designs.map((one) => one.values[factor]))];
   if (values.length <= 12) {
     if (values.every((one) => typeof one === "number")) values.sort((a, b) => a - b);
-    return values.map((value) => ({ name: short(value), has: (one) => one === value }));
+    return values.map((value) => ({ name: valued(value, factor), has: (one) => one === value }));
   }
   const [low, high] = [Math.min(...values), Math.max(...values)];
   return Array.from({ length: 5 }, (_, i) => {
     const [from, to] = [low + ((high - low) * i) / 5, low + ((high - low) * (i + 1)) / 5];
-    return { name: `${short(from)} to ${short(to)}`, has: (one) => one >= from && (one < to || (i === 4 && one <= to)) };
+    return { name: `${valued(from, factor)} to ${valued(to, factor)}`, has: (one) => one >= from && (one < to || (i === 4 && one <= to)) };
   });
 };
 /** Mean over the missions of some designs. */
@@ -156,14 +167,15 @@ if (factors.length >= 2) {
   chart(made, () => {
     const picture = frame(520, 300);
     const x = (i) => 50 + (i * 420) / Math.max(1, columns.length - 1);
-    const scales = columns.map(({ value }) => {
+    const scales = columns.map(({ value }, i) => {
       const values = designs.map(value);
       if (values.every((one) => typeof one === "number" || one === null)) {
         const range = extent(values);
-        return { at: scale(range, 260, 30), names: [Math.min(...values.filter((one) => one !== null)), Math.max(...values.filter((one) => one !== null))] };
+        const name = (one) => (i < factors.length ? valued(one, i) : short(one));
+        return { at: scale(range, 260, 30), name, names: [Math.min(...values.filter((one) => one !== null)), Math.max(...values.filter((one) => one !== null))] };
       }
       const words = [...new Set(values)];
-      return { at: (one) => 260 - (230 * (words.indexOf(one) + 0.5)) / words.length, names: words };
+      return { at: (one) => 260 - (230 * (words.indexOf(one) + 0.5)) / words.length, name: short, names: words };
     });
     const order = designs.map((_, i) => i).sort((a, b) => (a === chosen) - (b === chosen) || (designs[a].front === "on") - (designs[b].front === "on"));
     for (const i of order) {
@@ -174,7 +186,7 @@ if (factors.length >= 2) {
     }
     columns.forEach(({ name }, i) => {
       picture.append(node("line", { class: "axis", x1: x(i), x2: x(i), y1: 30, y2: 260 }), node("text", { x: x(i), y: i % 2 ? 294 : 280, "text-anchor": "middle" }, name));
-      for (const value of scales[i].names) picture.append(node("text", { x: x(i) + 4, y: scales[i].at(value) + 4 }, short(value)));
+      for (const value of scales[i].names) picture.append(node("text", { x: x(i) + 4, y: scales[i].at(value) + 4 }, scales[i].name(value)));
     });
     return picture;
   });
@@ -214,14 +226,16 @@ if (designs.some((one) => one.flights.length)) {
 {
   const made = section(main, "Designs", designs.some((one) => one.command) ? "Click one for what it is; tick several to see their missions beside each other." : "");
   const ticked = new Set();
-  let [by, sign] = [-1, 1];
+  let [by, sign] = [0, 1];
   const columns = [
+    ["rank", (i) => designs[i].rank],
     ["design", (i) => i],
     ...factors.map((name, f) => [name, (i) => designs[i].values[f]]),
     ["missions", (i) => designs[i].missions],
     ...objectives.map((one, o) => [titled(one), (i) => designs[i].estimates[o][0]]),
     ["status", (i) => designs[i].status],
-    ["front", (i) => designs[i].front],
+    ["front", (i) => PLACES[designs[i].front] ?? ""],
+    ["note", (i) => designs[i].note],
   ];
   const redraw = chart(made, () => {
     const order = designs.map((_, i) => i);
@@ -240,7 +254,8 @@ if (designs.some((one) => one.flights.length)) {
       row.append(node("td", { class: "left" }, ...(designs[i].command ? [box] : [])));
       columns.forEach(([name, value]) => {
         const objective = objectives.findIndex((one) => titled(one) === name);
-        let text = short(value(i));
+        const factor = factors.indexOf(name);
+        let text = factor >= 0 ? valued(value(i), factor) : short(value(i));
         if (objective >= 0 && designs[i].estimates[objective][1] !== null) {
           const [, low, high] = designs[i].estimates[objective];
           text += ` (${short(low)} to ${short(high)})`;
@@ -270,13 +285,13 @@ showProvenance("What was flown");
     panel.hidden = chosen < 0;
     if (chosen < 0) return;
     const design = designs[chosen];
-    const facts = factors.map((name, i) => `${name} = ${short(design.values[i])}`);
+    const facts = factors.map((name, i) => `${name} = ${valued(design.values[i], i)}`);
     const found = objectives.map((one, i) => {
       const [mean, low, high, count] = design.estimates[i];
       return `${titled(one)} ${short(mean)}${low === null ? "" : ` (${short(low)} to ${short(high)})`} of ${count}`;
     });
     panel.replaceChildren(
-      node("strong", {}, `Design ${chosen}: ${PLACES[design.front] ?? ""}`),
+      node("strong", {}, `Design ${chosen}, ${design.name}: ${design.note || PLACES[design.front] || ""}`),
       node("p", {}, facts.join(", ")),
       node("p", {}, `${design.missions} missions, ${design.failed} failed, ${design.status}. ${found.join("; ")}`),
     );

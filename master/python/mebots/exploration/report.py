@@ -10,7 +10,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from mebots.exploration import report_page
+from mebots.exploration.answer import Answer
 from mebots.exploration.comparison import Estimate, Evidence
+from mebots.exploration.figures import Units
 from mebots.exploration.study import Study, Values
 
 MOST_MISSIONS = 50_000
@@ -28,22 +30,30 @@ def write(
     rows: Sequence[dict[str, Any]],
     commands: Sequence[str],
     provenance: dict[str, str],
+    answer: Answer,
+    units: Units,
+    *,
+    refresh_s: float | None = None,
 ) -> None:
-    """``rows``: status, place on the front and failed missions of each design; ``commands``: the line that flies its
-    first mission again, into ``replay_folder``; ``provenance``: what was flown."""
+    """``rows``: status, place on the front, rank and failed missions of each design; ``commands``: the line that flies its
+    first mission again, into ``replay_folder``; ``provenance``: what was flown. ``refresh_s``: the study is under way, and the
+    page of what is known so far loads itself again."""
+    estimate = evidence.shown if refresh_s is None else evidence.so_far
     data = {
         "factors": list(factors),
         "objectives": [
-            {"label": one.label, "unit": one.unit, "sense": one.sense, "share": one.is_share} for one in study.objectives
+            {"label": one.label, "unit": _shown_unit(units.of(one)), "sense": one.sense, "share": one.is_share} for one in study.objectives
         ],
+        "factor_units": [_shown_unit(units.of_factor(name)) for name in factors],
+        "answer": {"headlines": answer.headlines, "remarks": answer.remarks},
         "constraints": [{"label": one.label, "above": one.above, "bound": one.bound} for one in study.constraints],
         "sequence": study.looks,
         "beside": {"out": shlex.quote(str(file.parent / BESIDE)), "page": BESIDE},
         "designs": [
             {
                 "values": [values[name] for name in factors],
-                "missions": evidence.missions_of(number),
-                "estimates": [_numbers(evidence.shown(number, one)) for one in study.objectives],
+                "missions": max([evidence.missions_of(number), *(estimate(number, one).count for one in study.objectives)]),
+                "estimates": [_numbers(estimate(number, one)) for one in study.objectives],
                 "command": commands[number],
                 "replay": _replay(file.parent, number),
                 "folder": shlex.quote(str(replay_folder(file.parent, number))),
@@ -53,7 +63,11 @@ def write(
             for number, values in enumerate(designs)
         ],
     }
-    report_page.write(file, study, "report.js", data, provenance)
+    report_page.write(file, study, "report.js", data, provenance, refresh_s)
+
+
+def _shown_unit(unit: str) -> str:
+    return "" if unit == "1" else unit
 
 
 def replay_folder(study: pathlib.Path, design: int) -> pathlib.Path:

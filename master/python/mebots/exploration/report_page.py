@@ -12,8 +12,8 @@ from mebots.exploration.study import Study
 from mebots.page import write_page
 
 
-def write(file: pathlib.Path, study: Study, script: str, data: dict[str, Any], provenance: dict[str, str]) -> None:
-    """``script``: file name of what draws ``data``; ``provenance``: what was flown."""
+def write(file: pathlib.Path, study: Study, script: str, data: dict[str, Any], provenance: dict[str, str], refresh_s: float | None = None) -> None:
+    """``script``: file name of what draws ``data``; ``provenance``: what was flown; ``refresh_s``: see ``write_page``."""
     title = json.loads(study.text).get("text") or study.mission.stem
     here = pathlib.Path(__file__).parent
-    write_page(file, title, [here / "report_parts.js", here / script], data | {"error": study.error}, provenance)
+    write_page(file, title, [here / "report_parts.js", here / script], data | {"error": study.error}, provenance, refresh_s)

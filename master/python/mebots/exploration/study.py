@@ -24,8 +24,9 @@ Values = dict[str, Any]
 class Objective:
     """What is asked of every mission, by ``label``.
 
-    ``source`` says where its value comes from ("outcome", "summary", "final", "series", "expression") and ``what``
-    which one; ``sense`` is -1 to minimise, +1 to maximise, 0 for neither.
+    ``source`` says where its value comes from ("outcome", "end_reason", "summary", "final", "series", "expression") and
+    ``what`` which one; ``sense`` is -1 to minimise, +1 to maximise, 0 for neither. A design's value is the mean of its
+    missions, or their ``percentile``.
     """
 
     label: str
@@ -36,11 +37,17 @@ class Objective:
     sense: int = 0
     tolerance: float = 0.0
     unit: str = ""
+    percentile: float | None = None
 
     @property
     def is_share(self) -> bool:
         """Whether its values are 0 and 1, and its mean a share of missions."""
-        return self.source == "outcome"
+        return self.source in ("outcome", "end_reason")
+
+    @property
+    def statistic(self) -> str:
+        """Names what a design's value is made by."""
+        return "mean" if self.percentile is None else f"percentile {self.percentile:g}"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -234,9 +241,9 @@ def _splitting(content: dict[str, Any]) -> Splitting:
 
 
 def _objective(label: str, content: dict[str, Any]) -> Objective:
-    source = next(key for key in ("outcome", "summary", "final", "series", "expression") if key in content)
+    source = next(key for key in ("outcome", "end_reason", "summary", "final", "series", "expression") if key in content)
     what = content[source]
-    if source == "outcome":
+    if source in ("outcome", "end_reason"):
         what = (what,) if isinstance(what, str) else tuple(what)
     return Objective(
         label=label,
@@ -247,6 +254,7 @@ def _objective(label: str, content: dict[str, Any]) -> Objective:
         sense=-1 if "minimize" in content else 1 if "maximize" in content else 0,
         tolerance=content.get("tolerance", 0.0),
         unit=content.get("unit", ""),
+        percentile=content.get("percentile"),
     )
 
 

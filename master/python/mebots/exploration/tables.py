@@ -68,7 +68,7 @@ def design_head(factors: Sequence[str], study: Study) -> list[str]:
             head += [f"{one.label}: successes", f"{one.label}: of"]
         else:
             head += [f"{one.label}: of"]
-        head += [f"{title}: mean", f"{title}: low", f"{title}: high"]
+        head += [f"{title}: {one.statistic}", f"{title}: low", f"{title}: high"]
     return head
 
 

@@ -33,7 +33,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, NoReturn
 
 from mebots import Error, Mission
-from mebots.exploration import outcomes
+from mebots.exploration import answers, outcomes
 from mebots.exploration.missions import FILE_MARK, without_paths
 from mebots.exploration.orders import Order
 from mebots.exploration.pasts import Pasts
@@ -44,6 +44,8 @@ _NO_WHOLE_STATE = (
     "'fork' and 'splitting'"
 )
 _TRIES_TO_REMOVE = 20
+FACTS = ("simulated_time", "steps")
+"""Numbers that the summary of each mission has under its own labels."""
 _ENDED_BY_FMU = -1  # with exit code 0, before the record was written
 
 
@@ -226,7 +228,8 @@ class Worker:
             labels = json.loads(order["config"]).get("summary", {})
             record["outcome"] = mission.outcome or "failed"
             record["simulated_time"] = summary.get("simulated_time", 0.0)
-            record["values"] = flat({key: summary[key] for key in labels if key in summary})
+            record["end_reason"] = summary.get("end_reason", "failed")
+            record["values"] = flat({key: summary[key] for key in (*labels, *FACTS) if key in summary})
         if "out" in order:
             mission.close()
             shutil.rmtree(order["out"], ignore_errors=True)  # of a journal that is gone
@@ -282,10 +285,18 @@ def flat(values: dict[str, Any], before: str = "") -> dict[str, Any]:
     return result
 
 
-def _reduced(mission: Mission, name: str, how: str) -> float:
+_PERCENTILES = {"p5": 5.0, "median": 50.0, "p95": 95.0}
+
+
+def _reduced(mission: Mission, name: str, how: str) -> float | None:
     values = memoryview(mission._series(name)[1]).cast("d")
     if how == "mean":
         return math.fsum(values) / len(values)
+    if how in _PERCENTILES:
+        return answers.percentile_of(sorted(values), _PERCENTILES[how])
+    if how == "first_true":
+        times_s = memoryview(mission._run.times).cast("d")
+        return next((time_s for time_s, value in zip(times_s, values, strict=True) if value != 0), None)
     return {"min": min, "max": max, "first": lambda all: all[0], "last": lambda all: all[-1]}[how](values)
 
 

@@ -275,7 +275,23 @@ void check_outcomes(const Node& node) {
   for (const auto& element : elements) element.attempt([&] { static_cast<void>(element.readable_text()); });
 }
 
-constexpr std::array<std::string_view, 5> kSources = {"outcome", "summary", "final", "series", "expression"};
+/// End reasons: a name, or several of which any counts.
+void check_end_reasons(const Node& node) {
+  const std::vector<std::string> known = {"stop_time", "stop_condition", "terminated", "failed"};
+  const auto check = [&](const Node& reason) { static_cast<void>(read_known(reason, "the end reason", known)); };
+  if (node.is(data::Kind::text)) return check(node);
+  const auto elements = node.elements();
+  if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one end reason is needed");
+  for (const auto& element : elements) element.attempt([&] { check(element); });
+}
+
+constexpr std::array<std::string_view, 6> kSources = {"outcome", "end_reason", "summary",
+                                                      "final",   "series",     "expression"};
+
+/// True for an objective whose value is 0 or 1 in each mission.
+bool is_share(const Node& objective) {
+  return objective.has("outcome") || objective.has("end_reason");
+}
 
 void check_objective(const Node& node, const Names& names) {
   Object objective(node);
@@ -283,17 +299,28 @@ void check_objective(const Node& node, const Names& names) {
   bool mark = false;
   double number = 0;
   objective.visit_if("outcome", &check_outcomes);
+  objective.visit_if("end_reason", &check_end_reasons);
   for (const std::string_view source : {"summary", "final", "series", "expression", "unit"}) {
     objective.read_if(source, text, &Node::readable_text);
   }
   objective.read_if("of", text, [](const Node& of) {
-    return read_known(of, "the reduction", {"min", "max", "mean", "first", "last"});
+    return read_known(of, "the reduction",
+                      {"min", "max", "mean", "first", "last", "median", "p5", "p95", "first_true"});
+  });
+  objective.read_if("percentile", number, [&](const Node& percentile) {
+    if (is_share(node)) percentile.fail(ErrorCode::invalid_value, "an objective that is a share has no percentile");
+    const double read = percentile.number();
+    if (read <= 0 || read >= 100) {
+      percentile.fail(ErrorCode::value_out_of_range,
+                      fmt::format("a percentile is above 0 and below 100, not {}", percentile.shown()));
+    }
+    return read;
   });
   objective.read_if("minimize", mark, &read_mark);
   objective.read_if("maximize", mark, &read_mark);
   objective.read_if("tolerance", number, data::number(Limits::at_least(0)));
   objective.read_if("where", text, [&](const Node& where) {
-    return read_known(where, "the objective of an outcome", names.successes);
+    return read_known(where, "the objective of an outcome or an end reason", names.successes);
   });
   objective.finish();
   require_one_of(objective, kSources);
@@ -311,7 +338,7 @@ void check_objectives(const Node& node, Names& names) {
   if (members.empty()) node.fail(ErrorCode::invalid_value, "at least one objective is needed");
   for (const auto& [label, value] : members) {
     names.objectives.push_back(label);
-    if (value.has("outcome")) names.successes.push_back(label);
+    if (is_share(value)) names.successes.push_back(label);
     names.compared |= value.has("minimize") || value.has("maximize");
   }
   for (const auto& [label, value] : members) {

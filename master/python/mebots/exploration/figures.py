@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Numbers as people read them: with units, SI prefixes and as many digits as their interval allows."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from mebots import _mebots
+from mebots.errors import Error
+from mebots.exploration.comparison import Estimate
+from mebots.exploration.study import Objective, Study, Values
+
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_SCALED = ("Hz", "J", "W", "Wh", "A", "Ah", "V", "F", "N", "Pa")
+_MOST_DIGITS = 6
+"""Significant digits of a value with an interval."""
+_SCALED_DOWN = ("s", "m")
+"""Units of which multiples above 1 have other names, or none that people use."""
+
+
+def scale_of(unit: str, values: Iterable[float]) -> tuple[float, str]:
+    """Returns a factor and a unit in which the largest of the values is from 1 to 1000, where the unit takes prefixes."""
+    known = [abs(value) for value in values if math.isfinite(value) and value != 0]
+    if unit == "1":
+        return 1.0, ""
+    if not known or unit not in (*_SCALED, *_SCALED_DOWN):
+        return 1.0, unit
+    largest = max(known)
+    for size, prefix in _PREFIXES:
+        if (size <= 1 or unit in _SCALED) and largest >= size * (1 - 1e-12):
+            return 1 / size, prefix + unit
+    return 1e9, "n" + unit
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Returns a number with this many significant digits, without trailing zeros."""
+    return f"{float(f'{value:.{digits}g}'):.12g}"
+
+
+def quantity(value: Any, unit: str = "") -> str:
+    """Returns a value with its unit: 102.7 MHz."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return json.dumps(value) if isinstance(value, bool) else str(value)
+    factor, shown = scale_of(unit, [value])
+    return " ".join(filter(None, (number(value * factor), shown)))
+
+
+def percent(share: float) -> str:
+    """Returns a share as a percentage. Digits are added towards 0 and 100, so that no other share reads as one of them."""
+    text = f"{100 * share:.0f}"
+    if (text == "100" and share < 1) or (text == "0" and share > 0):
+        text = f"{100 * share:.2g}" if share < 0.5 else f"{100 * share:.4g}"
+    return f"{text} %"
+
+
+def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
+    """Returns the value of a design with its interval: 263 J (262 to 264), or 40 of 40 (91 to 100 %)."""
+    if found.mean is None:
+        return "-"
+    low, high = found.interval
+    if objective.is_share:
+        return f"{found.successes} of {found.count} ({percent(low).removesuffix(' %')} to {percent(high)})"
+    factor, shown = scale_of(unit, [found.mean])
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return " ".join(filter(None, (number(found.mean * factor), shown)))
+    width = (high - low) * factor
+    # Rounding moves an end by at most a quarter of the width.
+    decimals = max(0, math.ceil(-math.log10(width / 2))) if width > 0 else _decimals_of(found.mean * factor)
+    size = max(abs(low), abs(high)) * factor
+    decimals = min(decimals, max(0, _MOST_DIGITS - 1 - math.floor(math.log10(size)))) if size > 0 else decimals
+    mean, low, high = (f"{value * factor:.{decimals}f}" for value in (found.mean, low, high))
+    head = " ".join(filter(None, (mean, shown)))
+    return head if low == high else f"{head} ({low} to {high})"
+
+
+def _decimals_of(value: float) -> int:
+    """Decimals of four significant digits, at most."""
+    text = number(value)
+    return len(text.partition(".")[2]) if "e" not in text else 0
+
+
+class Units:
+    """Units of a study's factors and objectives: those that the study states, else those of the FMUs' variables."""
+
+    def __init__(self, study: Study, summary: Mapping[str, Any]) -> None:
+        try:
+            self._of_variables: dict[str, str] = _mebots.variable_units(study.mission)
+        except Error:  # what is wrong with the mission is reported by the check of the study
+            self._of_variables = {}
+        self._summary = summary
+
+    def of_factor(self, name: str) -> str:
+        return "s" if name == "/stop_time" else self._of_variables.get(name, "")
+
+    def of(self, objective: Objective) -> str:
+        """Returns the unit of an objective; "" for none. An expression has the unit that the study states."""
+        if objective.unit or objective.is_share or objective.source == "expression":
+            return objective.unit
+        if objective.source == "summary":
+            return {"simulated_time": "s"}.get(objective.what) or self._of_variables.get(self._variable_of(objective.what), "")
+        return "s" if objective.reduction == "first_true" else self._of_variables.get(objective.what, "")
+
+    def _variable_of(self, label: str) -> str:
+        """Returns the variable that a label of the summary names."""
+        found: Any = self._summary
+        for part in label.split("."):
+            found = found.get(part, "") if isinstance(found, dict) else ""
+        return found.get("variable", "") if isinstance(found, dict) else str(found)
+
+
+def design_names(factors: Sequence[str], designs: Sequence[Values], units: Units) -> list[str]:
+    """Returns a name for each design from the values in which designs differ: "lipol_350, 0.37 m/s"."""
+    varied = [name for name in factors if len({repr(design[name]) for design in designs}) > 1]
+    shown = [units.of_factor(name) for name in varied]
+    plain = [bool(unit) and unit != "1" and shown.count(unit) == 1 for unit in shown]
+
+    def part(name: str, unit: str, is_plain: bool, value: Any) -> str:
+        text = quantity(value, unit)
+        return text if is_plain or isinstance(value, str) else f"{name.rpartition('.')[2].removeprefix('/')} {text}"
+
+    return [
+        ", ".join(part(name, unit, is_plain, design[name]) for name, unit, is_plain in zip(varied, shown, plain, strict=True)) or f"design {number}"
+        for number, design in enumerate(designs)
+    ]
