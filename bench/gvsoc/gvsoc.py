@@ -62,7 +62,7 @@ def run(program, folder):
 
 def instructions_of(done):
     """Of a run of mebots-soc, as it prints them: of all cores."""
-    return sum(map(int, re.findall(r"^(?:cluster )?instructions (\d+)", done[0], re.MULTILINE)))
+    return sum(map(int, re.findall(r"^instructions .*", done[0], re.MULTILINE)[-1].split()[1:]))
 
 
 def left_by(simulator, done, folder):

@@ -11,7 +11,6 @@ build again behind it.
 import argparse
 import json
 import pathlib
-import re
 import shutil
 import subprocess
 import tempfile
@@ -90,12 +89,12 @@ def of_dronet(build, model, folder):
             pictures.mkdir()
             for frame in frames[:count]:
                 shutil.copy(frame, pictures)
-            done = subprocess.run([build / "bin/mebots-soc", "run", dronet / "bin/PULPDroNet_GAPuino", "--board",
+            subprocess.run([build / "bin/mebots-soc", "run", dronet / "bin/PULPDroNet_GAPuino", "--board",
                                    pathlib.Path(out) / "board.json", "--flash",
-                                   dronet / "weights/WeightsPULPDroNet.raw", "--pictures", pictures],
-                                  text=True, capture_output=True, check=True)
-            lines = dict(re.findall(r"^(\w+) ([0-9.e+-]+) [Js]\b", done.stdout, re.MULTILINE))
-            found.append({name: float(value) for name, value in lines.items()})
+                                   dronet / "weights/WeightsPULPDroNet.raw", "--pictures", pictures, "--json",
+                                   pathlib.Path(out) / "report.json"], capture_output=True, check=True)
+            report = json.loads((pathlib.Path(out) / "report.json").read_text())
+            found.append({"time": report["time_s"], "energy": report["chip_j"]} | report["devices_j"])
     return {name: (found[1][name] - found[0][name]) / (MANY - FEW) for name in found[0]}
 
 

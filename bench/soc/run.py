@@ -115,8 +115,8 @@ def cluster_rate(build, files, cores):
         text, codes[is_long], seconds[is_long] = run(
             [build / "bin/mebots-soc", "run", files[cores, is_long], "--board", ROOT / "configs/boards/ai_deck.json",
              "--max-instructions", "1000000000"])
-        line = next(line for line in text.splitlines() if line.startswith("cluster instructions "))
-        done[is_long] = int(line.split()[2].rstrip(","))
+        line = next(line for line in text.splitlines() if line.startswith("instructions "))
+        done[is_long] = int(line.split()[2])
     return (done[True] - done[False]) / (seconds[True] - seconds[False]) / 1e6, codes
 
 
@@ -131,8 +131,8 @@ def run(command):
 
 
 def counts_of(text):
-    """What mebots-soc says it counted: the lines of instructions, cycles and energy."""
-    return [line for line in text.splitlines() if line.startswith(("instructions ", "cycles ", "energy "))]
+    """What mebots-soc says it counted: the lines of instructions, cycles and the chip's energy."""
+    return [line for line in text.splitlines() if line.startswith(("instructions ", "cycles ", "chip "))]
 
 
 def main():

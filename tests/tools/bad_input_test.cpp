@@ -39,6 +39,12 @@ class BadInput : public testing::Test {
   std::string program_;
 };
 
+TEST_F(BadInput, AnUnknownBoardListsThoseThatThereAre) {
+  expect_refused(fmt::format("run {} --board aideck", program_),
+                 "--board aideck: there is no such board or file. MEbots has the boards ai_deck, gap8, gap8_bare, "
+                 "pulp_open, ri5cy");
+}
+
 TEST_F(BadInput, OfTheCommandLineIsRefused) {
   expect_refused("", "");
   expect_refused("run", "mebots-soc: program is required");
@@ -51,7 +57,7 @@ TEST_F(BadInput, OfTheCommandLineIsRefused) {
   expect_refused("run " + program_ + " --gdb 65536", "");
   expect_refused("run " + program_ + " --trace-cycles", "--trace FILE");
   expect_refused("run ''", "empty file name");
-  for (const auto* option : {"--board", "--signature", "--trace", "--profile", "--power-trace"}) {
+  for (const auto* option : {"--board", "--signature", "--trace", "--profile", "--power-trace", "--json"}) {
     expect_refused(fmt::format("run {} {} ''", program_, option), fmt::format("{} has an empty file name", option));
   }
 }

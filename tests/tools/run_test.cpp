@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace mebots::soc::test {
 namespace {
@@ -30,10 +31,32 @@ TEST(Run, EndsWithTohostShiftedRightAsExitCode) {
 
 TEST(Run, PrintsCountsEnergyByComponentAndSpeed) {
   const auto run = run_program("_start: la t0, tohost\nli t1, 1\nsw t1, 0(t0)\n1: j 1b");
-  EXPECT_THAT(run.out, StartsWith("instructions 4\ncycles 4\n"));
-  EXPECT_THAT(run.out, ContainsRegex("energy [0-9.e-]+ J: fabric_controller [0-9.e-]+ J, cluster_cores [0-9.e-]+ J"));
+  EXPECT_THAT(run.out, StartsWith("instructions      4\ncycles            4\nCPI           1.000\n"));
+  EXPECT_THAT(run.out, ContainsRegex("part +energy +mean power +share\n"));
+  EXPECT_THAT(run.out,
+              ContainsRegex("fabric_controller +[0-9.]+ pJ +[0-9.]+ uW +[0-9.]+ %  instructions of the fabric"));
+  EXPECT_THAT(run.out,
+              ContainsRegex("chip +[0-9.]+ [np]J +[0-9.]+ [mu]W +100.0 %  the parts above; [0-9]+ checks would say"));
+  EXPECT_THAT(run.out, ContainsRegex("no energy: .*cluster_cores"));
   EXPECT_THAT(run.out, ContainsRegex("host [0-9.]+ MIPS\n"));
   EXPECT_THAT(run.out, HasSubstr("tohost 1\n"));
+}
+
+TEST(Run, WritesTheReportAsJson) {
+  const Folder folder;
+  const auto run = run_tool(
+      fmt::format("run {} --json {}",
+                  folder.program(fmt::format("_start: la t0, tohost\nli t1, 1\nsw t1, 0(t0)\n1: j 1b\n{}", kTohost)),
+                  folder / "report.json"));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const auto report = nlohmann::json::parse(read_file(folder.path() / "report.json"));
+  EXPECT_EQ(report["controller"]["instructions"], 4);
+  EXPECT_EQ(report["tohost"], 1);
+  double sum_j = 0;
+  for (const auto& energy_j : report["parts_j"]) sum_j += energy_j.get<double>();
+  EXPECT_GT(sum_j, 0);
+  EXPECT_NEAR(report["chip_j"].get<double>(), sum_j, 1e-12 * sum_j);
+  EXPECT_NEAR(report["chip_mean_w"].get<double>() * report["time_s"].get<double>(), sum_j, 1e-12 * sum_j);
 }
 
 // Each program is three instructions (la is two) and the store of interest; what follows must not run: it would
@@ -136,7 +159,7 @@ TEST(Run, OfACoreThatSleepsForGoodEndsWithTheReason) {
 
 TEST(Run, SaysAtTheLimitWhenTheCoreSpins) {
   const auto run = run_program("_start: nop\nstuck: beq a0, a0, stuck", "--max-instructions 50");
-  EXPECT_THAT(run.out, StartsWith("instructions 50\n"));
+  EXPECT_THAT(run.out, StartsWith("instructions     50\n"));
   EXPECT_THAT(run.err, HasSubstr("in stuck, an endless jump to itself: no enabled interrupt"));
 }
 
@@ -167,7 +190,7 @@ TEST(Run, AfterAFaultSaysPcFunctionInstructionCauseAndCallers) {
     EXPECT_THAT(run.err, HasSubstr("called from outer+0x")) << fault.text;
     EXPECT_THAT(run.err, HasSubstr("< _start+0x")) << fault.text;
     for (const auto* text : fault.says) EXPECT_THAT(run.err, HasSubstr(text));
-    EXPECT_THAT(run.out, HasSubstr("energy ")) << "results are kept";
+    EXPECT_THAT(run.out, HasSubstr("mean power")) << "results are kept";
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -92,12 +93,21 @@ std::filesystem::path board_file(const std::string& asked) {
   std::error_code error;
   if (std::filesystem::exists(asked, error) || asked.find_first_of("/.") != std::string::npos) return asked;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  // An installation has it in share/, a build beside bin/.
+  std::vector<std::string> known;
+  // An installation has them in share/, a build beside bin/.
   for (const auto* place : {"share/mebots/configs/boards", "configs/boards"}) {
-    auto file = program.parent_path().parent_path() / place / (asked + ".json");
-    if (std::filesystem::exists(file, error)) return file;
+    for (const auto& entry : std::filesystem::directory_iterator(program.parent_path().parent_path() / place, error)) {
+      if (entry.path().extension() != ".json") continue;
+      known.push_back(entry.path().stem().string());
+      if (known.back() == asked) return entry.path();
+    }
   }
-  return asked;
+  std::ranges::sort(known);
+  known.erase(std::ranges::unique(known).begin(), known.end());
+  throw Error(
+      fmt::format("--board {}: there is no such board or file. MEbots has the boards {}; name a board file of "
+                  "your own by its path",
+                  asked, fmt::join(known, ", ")));
 }
 
 namespace {

@@ -74,6 +74,8 @@ void add_options(CLI::App& command, Options& options) {
       .add_option("--power-trace", options.power_trace,
                   "Write power and states over time: .json for Perfetto, .vcd for GTKWave")
       ->type_name("FILE");
+  command.add_option("--json", options.json, "Write the report as JSON, in SI units, into this file")
+      ->type_name("FILE");
   command.add_flag("--interpret", options.interpret, "Do not translate hot code to host code; counts are the same");
   command
       .add_option("--host-files", options.host_files,
@@ -104,6 +106,7 @@ void check(const Options& options) {
   add("--trace", options.trace);
   add("--profile", options.profile);
   add("--power-trace", options.power_trace);
+  add("--json", options.json);
   for (const auto* list : {&inputs, &outputs}) {
     for (const auto& file : *list) {
       if (file.path.empty()) throw Error(fmt::format("{} has an empty file name; give a path", file.option));

@@ -1,93 +1,206 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tool/run.hpp"
+#include "tool/report.hpp"
 
-#include "mebots/error.hpp"
+#include "energy/meter.hpp"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
 #include <string_view>
 #include <utility>
 
 namespace mebots::soc::tool {
-
-void print_report(const Soc& soc, double host_s, std::optional<std::uint32_t> tohost) {
-  const auto& counters = soc.hart().counters();
-  const auto energy = soc.energy();
-  fmt::print("instructions {}\n", counters.instructions);
-  fmt::print("cycles {}\n", counters.cycles);
-  if (const auto* cluster = soc.cluster()) {
-    const auto sums = cluster->counters();
-    fmt::print("cluster instructions {}, cycles {} of {} cores together\n", sums.instructions, sums.cycles,
-               cluster->cores());
-  }
-  const auto print_cache = [](std::string_view owner, const InstructionCache* cache, std::uint64_t cycles) {
-    if (cache == nullptr) return;
-    fmt::print("{} instruction cache refills {}, cycles waited {}\n", owner, cache->refills(), cycles);
-  };
-  print_cache("fabric controller's", soc.instruction_cache(), counters.fetch_cycles);
-  if (const auto* cluster = soc.cluster()) {
-    print_cache("cluster's", cluster->instruction_cache(), cluster->counters().fetch_cycles);
-  }
-  fmt::print("time {:.9g} s, of it asleep {:.9g} s\n", static_cast<double>(soc.now()) * 1e-12,
-             static_cast<double>(soc.sleep_time()) * 1e-12);
-  fmt::print("energy {:.9g} J", energy.total_j());
-  const char* before = ": ";
-  for (const auto& component : energy.components()) {
-    fmt::print("{}{} {:.9g} J", std::exchange(before, ", "), component.name, component.energy_j);
-  }
-  const auto& checks = soc.energy_checks();
-  fmt::print("\nenergy as {} checks would have it: {:.9g} J to {:.9g} J (no confidence interval)\n", checks.count,
-             checks.least * energy.total_j(), checks.most * energy.total_j());
-  for (const auto& slot : soc.devices()) {
-    const bool consumes = !slot.entry->states.empty() || !slot.entry->is_on_bus();
-    if (consumes) fmt::print("{} {:.9g} J\n", slot.entry->name, soc.power().energy_j(*slot.device));
-  }
-  fmt::print("host {:.1f} MIPS\n", static_cast<double>(soc.instructions()) / host_s / 1e6);
-  if (tohost) fmt::print("tohost {}\n", *tohost);
-  if (soc.end() == End::exited) fmt::print("exit {}\n", soc.exit_code());
-}
-
 namespace {
 
-std::uint32_t required_symbol(const std::string& path, const Soc& soc, std::string_view name) {
-  const auto address = soc.program().symbol(name);
-  if (!address) {
-    throw Error(
-        fmt::format("--signature {}: {} has no symbol {}; the signature is the words between begin_signature "
-                    "and end_signature",
-                    path, soc.program().origin(), name));
-  }
-  return *address;
+using Json = nlohmann::ordered_json;
+
+constexpr double kPicosecond = 1e-12;
+constexpr int kDigits = 4;
+
+struct Prefix {
+  double size;
+  std::string_view text;
+};
+constexpr std::array<Prefix, 6> kPrefixes = {
+    {{1, ""}, {1e-3, "m"}, {1e-6, "u"}, {1e-9, "n"}, {1e-12, "p"}, {1e-15, "f"}}};
+
+/// A number with four significant digits: 2.475, 184.1, 1000.
+std::string number_text(double value) {
+  if (value == 0) return "0";
+  const int before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
+  return fmt::format("{:.{}f}", value, std::max(0, kDigits - std::max(before_point, 1)));
 }
 
-std::uint32_t checked_end(const std::string& path, const Soc& soc, std::uint32_t begin) {
-  const auto end = required_symbol(path, soc, "end_signature");
-  if (end < begin || (end - begin) % 4 != 0) {
-    throw Error(
-        fmt::format("--signature {}: from begin_signature 0x{:08x} to end_signature 0x{:08x} is not a whole number "
-                    "of words",
-                    path, begin, end));
+/// A quantity with an SI prefix: 184.1 mW.
+std::string quantity_text(double value, std::string_view unit) {
+  if (value == 0) return fmt::format("0 {}", unit);
+  // Half a unit of the last digit below a prefix, a value reads as 1000 of the next one.
+  const auto fits = [&](const Prefix& prefix) { return std::abs(value) >= prefix.size * 0.99995; };
+  const auto* found = std::ranges::find_if(kPrefixes, fits);
+  const auto& prefix = found == kPrefixes.end() ? kPrefixes.back() : *found;
+  return fmt::format("{} {}{}", number_text(value / prefix.size), prefix.text, unit);
+}
+
+using Row = std::vector<std::string>;
+
+/// Aligns columns: those of `left` at the left, the others at the right.
+void print_table(const std::vector<Row>& rows, const std::vector<bool>& left) {
+  std::vector<std::size_t> widths(left.size());
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   }
-  if (end != begin && soc.memory().find(begin, end - begin) == nullptr) {
-    throw Error(fmt::format("--signature {}: no memory from 0x{:08x} to 0x{:08x}", path, begin, end));
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const auto* gap = i == 0 ? "" : "  ";
+      line +=
+          left[i] ? fmt::format("{}{:<{}}", gap, row[i], widths[i]) : fmt::format("{}{:>{}}", gap, row[i], widths[i]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    fmt::print("{}\n", line);
   }
-  return end;
 }
 
 }  // namespace
 
-Signature::Signature(const std::string& path, const Soc& soc)
-    : begin_(required_symbol(path, soc, "begin_signature")),
-      end_(checked_end(path, soc, begin_)),
-      file_("--signature", path) {}
+ChipReport report_of(const Soc& soc, double host_s, std::optional<std::uint32_t> tohost) {
+  ChipReport report;
+  const auto& counters = soc.hart().counters();
+  const auto add = [&](std::string name, unsigned cores, const auto& counts, const InstructionCache* cache) {
+    report.cores.push_back({std::move(name), cores, counts.instructions, counts.cycles, {}, counts.fetch_cycles});
+    if (cache != nullptr) report.cores.back().refills = cache->refills();
+  };
+  const auto* cluster = soc.cluster();
+  add(cluster == nullptr ? "core" : "fabric controller", 1, counters, soc.instruction_cache());
+  if (cluster != nullptr) add("cluster", cluster->cores(), cluster->counters(), cluster->instruction_cache());
 
-void Signature::write(const Soc& soc) {
-  for (auto address = begin_; address < end_; address += 4) {
-    std::uint32_t word = 0;
-    soc.memory().read(address, {reinterpret_cast<std::uint8_t*>(&word), sizeof word});
-    file_.print("{:08x}\n", word);
+  report.time_s = static_cast<double>(soc.now()) * kPicosecond;
+  report.asleep_s = static_cast<double>(soc.sleep_time()) * kPicosecond;
+  const auto energy = soc.energy();
+  report.chip_j = energy.total_j();
+  const auto components = energy.components();
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    report.parts.push_back({std::string(components[i].name), components[i].energy_j, std::string(kPartTexts[i])});
   }
-  file_.close();
+  const auto& checks = soc.energy_checks();
+  report.checks = checks.count;
+  report.least_j = checks.least * report.chip_j;
+  report.most_j = checks.most * report.chip_j;
+  for (const auto& slot : soc.devices()) {
+    const auto& entry = *slot.entry;
+    if (entry.states.empty() && entry.is_on_bus()) continue;
+    auto text = entry.text;
+    if (entry.regulator) {
+      text += fmt::format(": {}", fmt::join(entry.regulator->loads, " + "));
+      if (entry.regulator->efficiency != 1) text += fmt::format(", efficiency {:g}", entry.regulator->efficiency);
+    }
+    report.devices.push_back({entry.name, soc.power().energy_j(*slot.device), text});
+  }
+  report.host_mips = static_cast<double>(soc.instructions()) / host_s / 1e6;
+  report.tohost = tohost;
+  if (soc.end() == End::exited) report.exit_code = soc.exit_code();
+  return report;
+}
+
+namespace {
+
+double cycles_per_instruction(const ChipReport::Cores& cores) {
+  return static_cast<double>(cores.cycles) / static_cast<double>(cores.instructions);
+}
+
+void print_counts(const ChipReport& report) {
+  std::vector<Row> rows = {{""}, {"instructions"}, {"cycles"}, {"CPI"}, {"cache refills"}, {"cycles waited"}};
+  for (const auto& cores : report.cores) {
+    rows[0].push_back(cores.cores == 1 ? cores.name : fmt::format("{}, {} cores", cores.name, cores.cores));
+    rows[1].push_back(std::to_string(cores.instructions));
+    rows[2].push_back(std::to_string(cores.cycles));
+    rows[3].push_back(cores.instructions == 0 ? "-" : fmt::format("{:.3f}", cycles_per_instruction(cores)));
+    rows[4].push_back(cores.refills ? std::to_string(*cores.refills) : "-");
+    rows[5].push_back(cores.refills ? std::to_string(cores.waited_cycles) : "-");
+  }
+  const bool has_cache = std::ranges::any_of(report.cores, [](const auto& cores) { return cores.refills.has_value(); });
+  if (!has_cache) rows.resize(4);
+  if (report.cores.size() == 1) rows.erase(rows.begin());
+  std::vector<bool> left(report.cores.size() + 1, false);
+  left[0] = true;
+  print_table(rows, left);
+}
+
+Row energy_row(const ChipReport::Part& part, const ChipReport& report, bool has_share) {
+  const auto mean = report.time_s > 0 ? quantity_text(part.energy_j / report.time_s, "W") : "-";
+  const auto share =
+      has_share && report.chip_j > 0 ? fmt::format("{:.1f} %", 100 * part.energy_j / report.chip_j) : std::string();
+  return {part.name, quantity_text(part.energy_j, "J"), mean, share, part.text};
+}
+
+/// The parts that took energy, the greatest first, their sum, and the board's devices.
+void print_energy(const ChipReport& report) {
+  std::vector<Row> rows = {{"part", "energy", "mean power", "share", ""}};
+  auto parts = report.parts;
+  std::ranges::stable_sort(parts, std::greater(), &ChipReport::Part::energy_j);
+  std::vector<std::string> unused;
+  const auto add = [&](const ChipReport::Part& part, bool has_share) {
+    if (part.energy_j == 0) {
+      unused.push_back(part.name);
+    } else {
+      rows.push_back(energy_row(part, report, has_share));
+    }
+  };
+  for (const auto& part : parts) add(part, true);
+  auto chip = energy_row({"chip", report.chip_j, "the parts above"}, report, true);
+  chip.back() += fmt::format("; {} checks would say {} to {} (no confidence interval)", report.checks,
+                             quantity_text(report.least_j, "J"), quantity_text(report.most_j, "J"));
+  rows.push_back(std::move(chip));
+  for (const auto& device : report.devices) add(device, false);
+  print_table(rows, {true, false, false, false, true});
+  if (!unused.empty()) fmt::print("no energy: {}\n", fmt::join(unused, ", "));
+}
+
+Json json_of(const std::vector<ChipReport::Part>& parts) {
+  Json found = Json::object();
+  for (const auto& part : parts) found[part.name] = part.energy_j;
+  return found;
+}
+
+}  // namespace
+
+void print(const ChipReport& report) {
+  print_counts(report);
+  const auto asleep = report.time_s > 0 ? 100 * report.asleep_s / report.time_s : 0;
+  fmt::print("time {}, of it asleep {} ({:.1f} %)\n\n", quantity_text(report.time_s, "s"),
+             quantity_text(report.asleep_s, "s"), asleep);
+  print_energy(report);
+  fmt::print("\nhost {:.1f} MIPS\n", report.host_mips);
+  if (report.tohost) fmt::print("tohost {}\n", *report.tohost);
+  if (report.exit_code) fmt::print("exit {}\n", *report.exit_code);
+}
+
+std::string json_text(const ChipReport& report) {
+  Json json;
+  for (const auto& cores : report.cores) {
+    auto& found = json[cores.cores == 1 ? "controller" : "cluster"];
+    found = {{"cores", cores.cores}, {"instructions", cores.instructions}, {"cycles", cores.cycles}};
+    if (cores.refills) {
+      found["cache_refills"] = *cores.refills;
+      found["cycles_waited"] = cores.waited_cycles;
+    }
+  }
+  json["time_s"] = report.time_s;
+  json["asleep_s"] = report.asleep_s;
+  json["chip_j"] = report.chip_j;
+  json["chip_mean_w"] = report.time_s > 0 ? Json(report.chip_j / report.time_s) : Json();
+  json["checks"] = {{"count", report.checks}, {"least_j", report.least_j}, {"most_j", report.most_j}};
+  json["parts_j"] = json_of(report.parts);
+  json["devices_j"] = json_of(report.devices);
+  json["host_mips"] = report.host_mips;
+  json["tohost"] = report.tohost ? Json(*report.tohost) : Json();
+  json["exit_code"] = report.exit_code ? Json(*report.exit_code) : Json();
+  return json.dump(2) + "\n";
 }
 
 }  // namespace mebots::soc::tool

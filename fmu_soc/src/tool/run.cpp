@@ -3,7 +3,9 @@
 
 #include "board/board_file.hpp"
 #include "observe/session.hpp"
+#include "observe/text_file.hpp"
 #include "tool/host_services.hpp"
+#include "tool/report.hpp"
 
 #include "devices/gap8/himax.hpp"
 #include "hart/csr_numbers.hpp"
@@ -214,6 +216,8 @@ int run(const Options& options) {
   soc.program_host().serve(&services);
   std::optional<Signature> signature;
   if (options.signature) signature.emplace(*options.signature, soc);
+  std::optional<observe::TextFile> json;
+  if (options.json) json.emplace("--json", *options.json);
   observe::Session session(requests_of(options), soc);
 
   const auto start = std::chrono::steady_clock::now();
@@ -221,7 +225,12 @@ int run(const Options& options) {
   const auto host_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto tohost = tohost_of(soc);
   const auto code = has_seen_all(soc, options) ? 0 : exit_code(soc, tohost);
-  print_report(soc, host_s, tohost);
+  const auto report = report_of(soc, host_s, tohost);
+  print(report);
+  if (json) {
+    json->print("{}", json_text(report));
+    json->close();
+  }
   const bool is_told = soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
   if (code == kFaultOrLimit && !is_told) fmt::print(stderr, "mebots-soc: {}\n", why_no_end(soc, options));
   print_remarks(soc, !options.board);

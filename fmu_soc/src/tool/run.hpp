@@ -23,6 +23,7 @@ namespace mebots::soc::tool {
 BoardDescription board_around(const Elf& program);
 
 /// Returns the file of a board, which is given by its path or by the name of a board that came with this program.
+/// Throws Error that lists those boards for a name that is not one of them.
 std::filesystem::path board_file(const std::string& asked);
 
 /// The pictures of a folder, its .png and .pgm files in the order of their names, as grey pixels row by row; colours
@@ -30,9 +31,6 @@ std::filesystem::path board_file(const std::string& asked);
 /// pixels wide and at least `least_height` high, and for a folder without pictures.
 std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path& folder, std::uint32_t width,
                                                      std::uint32_t least_height);
-
-/// Prints what a run did: instructions, cycles, time, energy by component, speed of the host, tohost.
-void print_report(const Soc& soc, double host_s, std::optional<std::uint32_t> tohost);
 
 /// The words between the symbols begin_signature and end_signature, 8 hexadecimal digits a line.
 class Signature {
@@ -62,6 +60,7 @@ struct Options {
   bool trace_cycles = false;
   std::optional<std::string> profile;
   std::optional<std::string> power_trace;
+  std::optional<std::string> json;
   bool interpret = false;
   std::optional<std::string> host_files;
   std::optional<int> gdb_port;

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "soc/soc.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mebots::soc::tool {
+
+/// What a run did.
+struct ChipReport {
+  struct Cores {
+    std::string name;
+    unsigned cores = 1;
+    std::uint64_t instructions = 0;  ///< of all these cores together, as cycles
+    std::uint64_t cycles = 0;
+    std::optional<std::uint64_t> refills;  ///< of their instruction cache, if they have one
+    std::uint64_t waited_cycles = 0;       ///< for it
+  };
+  struct Part {
+    std::string name;
+    double energy_j = 0;
+    std::string text;  ///< one sentence on what it is
+  };
+
+  std::vector<Cores> cores;  ///< the fabric controller, then the cluster if there is one
+  double time_s = 0;
+  double asleep_s = 0;
+  double chip_j = 0;
+  std::vector<Part> parts;  ///< of the chip; their sum is chip_j
+  std::size_t checks = 0;   ///< measured programs that the energies were compared with
+  double least_j = 0;       ///< chip_j as the checks would have it
+  double most_j = 0;
+  std::vector<Part> devices;  ///< of the board; a regulator holds the energy of its loads
+  double host_mips = 0;
+  std::optional<std::uint32_t> tohost;
+  std::optional<int> exit_code;
+};
+
+ChipReport report_of(const Soc& soc, double host_s, std::optional<std::uint32_t> tohost);
+
+/// Prints tables of counts and energies.
+void print(const ChipReport& report);
+/// The same as JSON, in SI units.
+std::string json_text(const ChipReport& report);
+
+}  // namespace mebots::soc::tool
