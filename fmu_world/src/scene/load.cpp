@@ -3,6 +3,7 @@
 
 #include "mebots/data/document.hpp"
 #include "mebots/data/object.hpp"
+#include "mebots/file_kind.hpp"
 #include "mebots/png_file.hpp"
 #include "scene/vector_reader.hpp"
 
@@ -30,9 +31,20 @@ const Limits kTime_s = Limits::between(0.0, 1e6);
 
 using File = std::filesystem::path;
 
-/// A file that a scene names, beside it unless its path begins with a slash.
+/// A file that a scene names, relative to the scene's folder unless its path begins with a slash.
 auto file_in(const File& folder) {
-  return [folder](const Node& node) { return (folder / node.readable_text()).lexically_normal(); };
+  return [folder](const Node& node) {
+    const auto text = node.readable_text();
+    const auto file = (folder / text).lexically_normal();
+    if (!is_there(file)) {
+      node.fail(
+          ErrorCode::file_not_found,
+          fmt::format("there is no file '{}': the path is relative to the folder of this file, {}. Copy that file "
+                      "as well, or give its whole path",
+                      text, std::filesystem::absolute(folder).lexically_normal().string()));
+    }
+    return file;
+  };
 }
 
 void read_picture(Object& object, Texture& texture, const File& folder) {

@@ -55,6 +55,13 @@ class SceneFile : public testing::Test {
   json drone;
 };
 
+TEST_F(SceneFile, AMissingFileIsNamedWithTheFolderThatItsPathIsRelativeTo) {
+  scene["drone"] = "../drones/crazyflie.json";
+  EXPECT_THAT(message(), HasSubstr("there is no file '../drones/crazyflie.json': the path is relative to the folder of "
+                                   "this file, " +
+                                   fs::absolute(folder_).lexically_normal().string()));
+}
+
 TEST_F(SceneFile, IsReadAsItStands) {
   const Scene read = load();
   EXPECT_EQ(read.gates.size(), 1U);

@@ -33,6 +33,7 @@ DescribedDevice::DescribedDevice(const BoardDevice& entry, DeviceHost& host)
     : entry_(entry),
       host_(host),
       values_(entry.registers.size()),
+      was_read_(entry.registers.size()),
       spent_(entry.states.size()),
       state_(state_index(entry.initial_state)) {
   MEBOTS_ASSERT(spent_.empty() || state_ < spent_.size(), "the board file names a state of the device");
@@ -89,6 +90,7 @@ bool DescribedDevice::load(std::uint32_t offset, Picoseconds /*now*/, std::uint3
   const auto& described = entry_.registers[index];
   const auto& reg = registers_[index];
   if (described.access == "w") return false;
+  was_read_[index] = 1;
   if (described.shows == kStatus) {
     value = status_;
   } else if (reg.is_live) {
@@ -213,10 +215,27 @@ double DescribedDevice::energy_j(Picoseconds now) const {
   return charge_as * entry_.supply_voltage_v;
 }
 
+void DescribedDevice::program_ended() {
+  for (const auto& variable : entry_.variables) {
+    if (variable.causality != BoardVariable::Causality::parameter || !variable.is_number()) continue;
+    const auto value = inputs_[place_of(entry_, variable.name, true)];
+    bool is_shown = false;
+    bool is_read = false;
+    for (std::size_t i = 0; i < registers_.size(); ++i) {
+      const bool shows = entry_.registers[i].shows == variable.name;
+      is_shown = is_shown || shows;
+      is_read = is_read || (shows && was_read_[i] != 0);
+    }
+    if (value == variable.start || !is_shown || is_read) continue;
+    host_.complain(fmt::format("{} = {} had no effect: the program ended and never read it", variable.name, value));
+  }
+}
+
 void DescribedDevice::visit(state::Visitor& v) {
   v("inputs", std::span(inputs_));
   v("outputs", std::span(outputs_));
   v("values", std::span(values_));
+  v("was_read", std::span(was_read_));
   v("spent", std::span(spent_));
   v("state", state_);
   if (state_ >= std::max<std::size_t>(1, spent_.size())) {

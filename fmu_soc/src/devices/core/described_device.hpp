@@ -46,6 +46,8 @@ class DescribedDevice final : public Device {
   Picoseconds next_event() const override { return done_at_; }
   bool interrupt() const override { return (status_ & kReady) != 0; }
   std::string_view state_name() const override;
+  /// Reports parameters that differ from their start values, and that the program never read.
+  void program_ended() override;
   void visit(state::Visitor& v) override;
 
  private:
@@ -72,13 +74,14 @@ class DescribedDevice final : public Device {
 
   const BoardDevice& entry_;
   DeviceHost& host_;
-  std::vector<std::uint32_t> told_;    // offsets without register; not part of a state
-  std::vector<Register> registers_;    // as the entry's
-  bool commits_ = false;               // some register does
-  std::vector<double> inputs_;         // as the entry's variables, those that go in only
-  std::vector<double> outputs_;        // likewise, those that go out
-  std::vector<std::uint32_t> values_;  // as its registers
-  std::vector<Picoseconds> spent_;     // in each state, up to the last change
+  std::vector<std::uint32_t> told_;      // offsets without register; not part of a state
+  std::vector<Register> registers_;      // as the entry's
+  bool commits_ = false;                 // some register does
+  std::vector<double> inputs_;           // as the entry's variables, those that go in only
+  std::vector<double> outputs_;          // likewise, those that go out
+  std::vector<std::uint32_t> values_;    // as its registers
+  std::vector<std::uint32_t> was_read_;  // likewise, 0 or 1
+  std::vector<Picoseconds> spent_;       // in each state, up to the last change
   std::uint64_t state_ = 0;
   std::uint32_t status_ = 0;
   Picoseconds since_ = 0;

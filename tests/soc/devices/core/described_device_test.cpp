@@ -223,6 +223,25 @@ TEST(DescribedDevice, WithoutStatesShowsInputsAndParametersAsTheyAre) {
   EXPECT_EQ(device.energy_j(kMillisecond), 0);
 }
 
+TEST(DescribedDevice, ReportsASetParameterThatTheProgramNeverRead) {
+  const auto entry = link();
+  for (const bool is_read : {false, true}) {
+    DescribedDevice device(entry, ear());
+    ear().complaints.clear();
+    device.program_ended();
+    EXPECT_TRUE(ear().complaints.empty()) << "it has its start value";
+    *device.input("link.gain") = 0.75;
+    if (is_read) read(device, 0x14);
+    device.program_ended();
+    if (is_read) {
+      EXPECT_TRUE(ear().complaints.empty());
+    } else {
+      ASSERT_EQ(ear().complaints.size(), 1U);
+      EXPECT_EQ(ear().complaints[0], "link.gain = 0.75 had no effect: the program ended and never read it");
+    }
+  }
+}
+
 TEST(DescribedDevice, CommitsAllThatItSendsTogetherOrNothing) {
   const auto entry = link();
   DescribedDevice device(entry, ear());
