@@ -4,11 +4,9 @@
 #include "base/time.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/nearest_names.hpp"
-#include "message/message_text.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -99,74 +97,6 @@ void Progress::show(const master::Point& point, double elapsed_s) {
 
 void Progress::ended(const master::Point& /*point*/) {
   console_->redraw("");
-}
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string short_duration(double seconds) {
-  return seconds < 1 ? fmt::format("{:.3g} ms", seconds * 1e3) : fmt::format("{:.3g} s", seconds);
-}
-
-std::string value_text(const Json& value) {
-  if (value.is_string()) return master::one_line(master::valid_utf8(value.get<std::string>()));
-  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
-  return value.dump();
-}
-
-Json member_of(const Json& object, const std::string& label) {
-  return object.is_object() && object.contains(label) ? object.at(label) : Json();
-}
-
-std::string interval_text(const Json& interval) {
-  return fmt::format("{} to {}", value_text(interval[0]), value_text(interval[1]));
-}
-
-/// `intervals`: of the values, under the same labels.
-void append_values(const Json& values, const Json& units, const Json& intervals, const std::string& prefix,
-                   std::vector<std::string>& lines) {
-  for (const auto& [label, value] : values.items()) {
-    const auto unit = member_of(units, label);
-    const auto interval = member_of(intervals, label);
-    if (value.is_object()) {
-      append_values(value, unit, interval, prefix + label + ".", lines);
-      continue;
-    }
-    const bool shown_unit = unit.is_string() && unit != "1";
-    lines.push_back(fmt::format("  {:<24} {}{}{}", prefix + label, value_text(value),
-                                shown_unit ? " " + unit.get<std::string>() : "",
-                                interval.is_array() ? fmt::format(" ({})", interval_text(interval)) : ""));
-  }
-}
-
-/// The line of a run with drawn flights.
-std::string uncertainty_line(const Json& uncertainty) {
-  std::vector<std::string> outcomes;
-  for (const auto& [outcome, count] : uncertainty["outcomes"].items())
-    outcomes.push_back(fmt::format("{} {}", outcome, count.get<int>()));
-  const auto time = member_of(uncertainty["intervals"], "simulated_time");
-  return fmt::format("uncertainty: simulated {} s in 9 of 10 flights, other ranges below ({} draws: {})",
-                     time.is_array() ? interval_text(time) : "nothing", uncertainty["flights"].get<int>(),
-                     fmt::join(outcomes, ", "));
-}
-
-}  // namespace
-
-std::vector<std::string> end_lines(const master::Run& run) {
-  const auto& report = run.report();
-  std::vector<std::string> lines;
-  lines.push_back(fmt::format("outcome: {} ({})", run.outcome(), report.end_text));
-  if (run.files() == nullptr || !run.files()->kept()) return lines;  // it never came to t = 0
-  lines.push_back(fmt::format("simulated {} s in {} of stepping, {:.3g} x real time",
-                              master::to_seconds(report.simulated_ns), short_duration(report.wall.stepping_s),
-                              report.real_time_factor()));
-  const auto uncertainty = member_of(run.summary(), "uncertainty");
-  if (!uncertainty.is_null()) lines.push_back(uncertainty_line(uncertainty));
-  append_values(run.values().values(), run.values().units(), member_of(uncertainty, "intervals"), "", lines);
-  lines.push_back(fmt::format("results: {} ({} rows, {} columns), {}", run.files()->rows_file().string(), report.rows,
-                              run.columns(), (run.files()->folder() / "summary.json").string()));
-  return lines;
 }
 
 std::string why_unexpected(const master::Run& run, const std::vector<std::string>& expected) {

@@ -44,9 +44,6 @@ class Progress final : public master::Observer {
 /// "1 h 02 min", "3 min 05 s", "12 s".
 std::string duration_text(double seconds);
 
-/// What is shown of a run that is over: outcome, speed, the summary's values with their units, where the files are.
-std::vector<std::string> end_lines(const master::Run& run);
-
 /// Throws InputError when a run of this system cannot end with one of the outcomes that are expected.
 void check_expected(const master::SystemDescription& system, const std::vector<std::string>& expected);
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "command.hpp"
 #include "console.hpp"
+#include "end_lines.hpp"
 #include "junit_report.hpp"
+#include "live_view.hpp"
 #include "progress.hpp"
 
 #include "base/signal_guard.hpp"
@@ -10,9 +12,6 @@
 #include "io/config/load_system.hpp"
 #include "run/draws.hpp"
 #include "run/run.hpp"
-#ifdef MEBOTS_HAS_live
-#include "live_run.hpp"
-#endif
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -46,8 +45,10 @@ struct ReportOptions {
   std::vector<std::string> expect;  ///< outcomes of which one must come
   std::filesystem::path junit;      ///< JUnit file to write; empty = none
   bool quiet = false;
+  bool verbose = false;
+  bool dry_run = false;                    ///< of a new run
   std::optional<std::string> uncertainty;  ///< "calibration" or "none", in place of the config's
-  std::optional<int> live_port;            ///< of a new run: a browser may look at it; 0 = any port
+  LiveViewOptions live;
 };
 
 RunOptions options_of(const TypedOptions& typed) {
@@ -73,29 +74,12 @@ int exit_code(const Run& run, const ReportOptions& options, Console& console) {
   return kFailed;
 }
 
-/// To the end of a run that is not started.
-void run_to_the_end(Run& run, const std::optional<int>& live_port, Console& console) {
-  if (!live_port) {
-    run.start();
-    run.run();
-    return;
-  }
-#ifdef MEBOTS_HAS_live
-  live::LiveRun live(run, *live_port);
-  console.always("live: " + live.address());
-  live.run();
-#else
-  static_cast<void>(console);
-  throw InputError(ErrorCode::not_offered, "--live: this mebots was built without pages (MEBOTS_PAGES)");
-#endif
-}
-
-void show_end(const Run& run, Console& console) {
+void show_end(const Run& run, const ReportOptions& options, Console& console) {
   for (const auto& loss : run.losses()) {
     console.warning(fmt::format("'{}' was lost at {} s; the others continued without it", loss.name,
                                 master::to_seconds(*loss.at_ns)));
   }
-  for (const auto& line : end_lines(run)) console.line(line);
+  for (const auto& line : end_lines(run, options.verbose)) console.line(line);
   for (const auto& line : solvers_table(run.solvers())) console.line(line);
   if (run.options().statistics) {
     for (const auto& line : statistics_table(run.statistics(), run.report().wall.simulating_s())) console.line(line);
@@ -148,10 +132,22 @@ int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptio
     Progress progress(console, run->system().start_time_ns, run->system().stop_time_ns);
     run->listen([&](const Message& message) { console.message(message); });
     run->add(progress);
-    run_to_the_end(*run, options.live_port, console);
+    if (options.dry_run) {
+      run->start();
+      for (const auto& line : start_lines(*run)) console.line(line);
+      return kRanToItsEnd;
+    }
+    const auto view = options.live.is_on() ? LiveView::make(*run, options.live, console) : nullptr;
+    if (view) {
+      view->run();
+    } else {
+      run->start();
+      run->run();
+    }
     if (wants_draws(*run, options)) fly_draws(*run, console);
-    show_end(*run, console);
+    show_end(*run, options, console);
     code = exit_code(*run, options, console);
+    if (view) view->end(console);
   } catch (const InputError& error) {
     error_text = error.what();
     code = kBadInput;
@@ -181,6 +177,7 @@ void add_report_options(CLI::App& command, ReportOptions& options) {
       ->type_name("FILE.xml")
       ->check(not_empty());
   command.add_flag("--quiet", options.quiet, "Show warnings and errors only");
+  command.add_flag("--verbose", options.verbose, "Show all values of the summary at the end, one per line");
 }
 
 const std::vector<std::string> kExitCodes = {
@@ -248,14 +245,10 @@ void add_run(CLI::App& app, Action& action) {
                    "calibration: make 19 more flights with drawn parameters, and report intervals; none: make none")
       ->type_name("KIND")
       ->check(CLI::IsMember({"calibration", "none"}));
+  command->add_flag("--dry-run", report->dry_run,
+                    "Check everything up to t = 0, print what the run consists of, and write nothing");
   command->add_flag("--isolate", run->run.isolate, "Run every instance in a separate process");
-  command
-      ->add_option("--live", report->live_port,
-                   "Let a browser on this machine follow the run, hold it and set its free inputs; on this port")
-      ->expected(0, 1)
-      ->default_str("0")
-      ->type_name("PORT")
-      ->check(CLI::Range(0, 65535));
+  add_live_options(*command, report->live);
   add_report_options(*command, *report);
   command->footer(
       help_footer(kExitCodes, {"mebots run configs/gate_easy.json --out results/fast --set soc.core.clock=150e6",
@@ -267,7 +260,8 @@ void add_run(CLI::App& app, Action& action) {
     action = [run, report] {
       const auto open = [&] {
         auto options = options_of(*run);
-        options.in_memory = report->live_port.has_value();
+        options.in_memory = report->live.is_on();
+        if (report->dry_run) options.out.clear();
         return std::make_unique<Run>(run->config, options);
       };
       return execute(open, *report);
@@ -280,10 +274,11 @@ void add_resume(CLI::App& app, Action& action) {
   const auto report = std::make_shared<ReportOptions>();
   auto* command = app.add_subcommand("resume", "Go on with a run from its last checkpoint");
   command->add_option("folder", *folder, "The results folder of the run")->type_name("FOLDER")->required();
+  add_live_options(*command, report->live);
   add_report_options(*command, *report);
   command->footer(help_footer(kExitCodes, {"mebots resume results/gate_easy"}));
   command->callback([folder, report, &action] {
-    action = [folder, report] { return execute([&] { return Run::resume(*folder); }, *report); };
+    action = [folder, report] { return execute([&] { return Run::resume(*folder, report->live.is_on()); }, *report); };
   });
 }
 

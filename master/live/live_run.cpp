@@ -31,7 +31,8 @@ using Json = nlohmann::ordered_json;
 constexpr auto kPatience = 20s;     ///< of a browser's thread: a step may take long
 constexpr auto kLinger = 3s;        ///< at the end, for whoever looked
 constexpr auto kLookedLately = 5s;  ///< who asked so lately is looking
-constexpr auto kHeldNap = 50ms;     ///< between looks at the interrupt flag while the run is held
+constexpr auto kHeldNap = 50ms;     ///< between looks at the interrupt flag while the run waits
+constexpr std::string_view kPaceOrder = "pace=";
 
 /// The rows in memory from `first` on as a table, thinned out as one of a file is.
 master::report::ResultTable table_of(const master::MemorySink& memory, std::size_t first) {
@@ -60,7 +61,8 @@ master::report::ResultTable table_of(const master::MemorySink& memory, std::size
 
 }  // namespace
 
-LiveRun::LiveRun(master::Run& run, int port) : run_(&run) {
+LiveRun::LiveRun(master::Run& run, const LiveOptions& options)
+    : run_(&run), for_browser_(options.for_browser), pace_(options.pace) {
   const auto page = std::make_shared<const std::string>(
       master::report::make_live_page(master::report::read_page_parts(), run.system().name));
   const auto in_run = [this](Mailbox::Question question) {
@@ -76,7 +78,7 @@ LiveRun::LiveRun(master::Run& run, int port) : run_(&run) {
     return in_run([this, variable, value] { return set(variable, value); });
   };
   run.listen([log = log_](const Message& message) { *log += master::message_text(message) + "\n"; });
-  server_ = std::make_unique<Server>(port, answers);
+  server_ = std::make_unique<Server>(options.port, answers);
   address_ = server_->address();
 }
 
@@ -88,17 +90,24 @@ void LiveRun::run() {
   run_->start();
   // A scenario that begins at t = 0 acts on initialisation, too: what is set by hand comes later, or it could not be
   // said by one.
+  set_pace(pace_);
   if (run_->step()) step_until_the_end();
   ended_ = true;
-  wait_for_the_last_look();
 }
 
 void LiveRun::step_until_the_end() {
   for (;;) {
     mailbox_.answer_all();
     const bool interrupted = run_->interrupt_flag().load(std::memory_order_relaxed);
-    if (held_ && !one_step_ && !interrupted) {
+    if (must_wait() && !interrupted) {
       mailbox_.wait_and_answer(kHeldNap);
+      set_pace(pace_);
+      continue;
+    }
+    const auto due = until_due();
+    if (due > Clock::duration::zero() && !one_step_ && !interrupted) {
+      mailbox_.wait_and_answer(std::min(std::chrono::duration_cast<std::chrono::milliseconds>(due) + 1ms,
+                                        std::chrono::milliseconds(kHeldNap)));
       continue;
     }
     one_step_ = false;
@@ -106,7 +115,27 @@ void LiveRun::step_until_the_end() {
   }
 }
 
-void LiveRun::wait_for_the_last_look() {
+bool LiveRun::must_wait() const {
+  return for_browser_ || (held_ && !one_step_);
+}
+
+void LiveRun::set_pace(double pace) {
+  pace_ = pace;
+  paced_since_ = Clock::now();
+  paced_from_s_ = run_->time_s();
+}
+
+Clock::duration LiveRun::until_due() const {
+  if (pace_ == 0) return Clock::duration::zero();
+  const std::chrono::duration<double> after_start((run_->time_s() - paced_from_s_) / pace_);
+  return paced_since_ + std::chrono::duration_cast<Clock::duration>(after_start) - Clock::now();
+}
+
+void LiveRun::keep() {
+  while (!run_->interrupt_flag().load(std::memory_order_relaxed)) mailbox_.wait_and_answer(kHeldNap);
+}
+
+void LiveRun::linger() {
   const auto start = Clock::now();
   if (start - last_look_ > kLookedLately) return;
   const auto& interrupted = run_->interrupt_flag();
@@ -116,9 +145,11 @@ void LiveRun::wait_for_the_last_look() {
 
 std::string LiveRun::data(const Known& known) {
   last_look_ = Clock::now();
+  for_browser_ = false;
   end_seen_ = ended_;
   master::report::RunFolder folder;
   folder.live = {{"held", held_},
+                 {"pace", pace_},
                  {"ended", ended_},
                  {"known", {{"rows", known.rows}, {"pictures", known.pictures}, {"log", known.log}}},
                  {"log", log_->size()}};
@@ -149,8 +180,15 @@ std::string LiveRun::control(const std::string& order) {
   } else if (order == "step") {
     held_ = true;
     one_step_ = true;
+  } else if (order.starts_with(kPaceOrder)) {
+    const auto pace = data::csv_number<double>(order.substr(kPaceOrder.size()));
+    if (!pace || !(*pace >= 0) || *pace > kFastestPace) {
+      throw InputError(ErrorCode::invalid_argument,
+                       fmt::format("'{}': the pace must be from 0 (as fast as possible) to {}", order, kFastestPace));
+    }
+    set_pace(*pace);
   } else {
-    throw InputError(ErrorCode::invalid_argument, fmt::format("'{}' must be hold, step or go", order));
+    throw InputError(ErrorCode::invalid_argument, fmt::format("'{}' must be hold, step, go or pace=NUMBER", order));
   }
   return Json({{"held", held_}}).dump();
 }

@@ -44,6 +44,14 @@ class Mailbox {
   bool closed_ = false;
 };
 
+constexpr double kFastestPace = 1e6;
+
+struct LiveOptions {
+  int port = 0;              ///< 0: a free one
+  bool for_browser = false;  ///< the first step waits until a browser has fetched the data
+  double pace = 0;           ///< simulated seconds per second of wall time; 0: as fast as possible
+};
+
 /// Steps a run to its end while a browser on this machine may look at it, hold it, and set its free inputs.
 ///
 /// The page is served on the loopback address under a token that nobody can guess; requests of other hosts and origins
@@ -52,16 +60,20 @@ class Mailbox {
 class LiveRun {
  public:
   /// `run` is not started, has a folder and keeps its rows in memory (RunOptions::in_memory); it must outlive this
-  /// object. `port` 0 = a free one. Throws InputError when the port is taken, Error for a mebots without pages.
-  LiveRun(master::Run& run, int port);
+  /// object. Throws InputError when the port is taken, Error for a mebots without pages.
+  LiveRun(master::Run& run, const LiveOptions& options);
   ~LiveRun();
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
 
   /// What to open in a browser.
   const std::string& address() const { return address_; }
-  /// To the end. Then waits a moment for whoever is looking to fetch it.
+  /// Steps to the end.
   void run();
+  /// After the end: waits a moment for browsers that sent a request lately, so that they get the last rows.
+  void linger();
+  /// After the end: serves the page until the run's interrupt flag is set.
+  void keep();
 
   class Server;
 
@@ -74,7 +86,11 @@ class LiveRun {
   };
 
   void step_until_the_end();
-  void wait_for_the_last_look();
+  /// True until the next step may be taken.
+  bool must_wait() const;
+  void set_pace(double pace);
+  /// Wall time until the next step is due at the pace.
+  std::chrono::steady_clock::duration until_due() const;
   std::string data(const Known& known);
   void tell_what_stays(master::report::RunFolder& folder) const;
   std::string control(const std::string& order);
@@ -85,6 +101,10 @@ class LiveRun {
   std::string address_;
   std::shared_ptr<std::string> log_ = std::make_shared<std::string>();  // the run's listener may outlive this
   Mailbox mailbox_;
+  bool for_browser_ = false;
+  double pace_ = 0;
+  double paced_from_s_ = 0;  ///< simulated time at paced_since_
+  std::chrono::steady_clock::time_point paced_since_{};
   bool held_ = false;
   bool one_step_ = false;
   bool ended_ = false;

@@ -27,7 +27,10 @@ function runAlone(name, more = []) {
 
 /** Starts a live run; its address, and a promise of its exit code. */
 async function runLive(name, config = system, more = []) {
-  const child = spawn(mebots, ["run", config, "--out", join(out, name), ...more, "--live"], { stdio: ["ignore", "pipe", "inherit"] });
+  return addressOf(spawn(mebots, ["run", config, "--out", join(out, name), ...more, "--live"], { stdio: ["ignore", "pipe", "inherit"] }));
+}
+
+async function addressOf(child) {
   const ended = once(child, "exit");
   let said = "";
   for await (const piece of child.stdout) {
@@ -54,7 +57,7 @@ function ask(address, path, { method = "GET", headers = {}, body = "" } = {}) {
   });
 }
 
-const order = (live, what) => ask(live.address, "control", { method: "POST", body: `order=${what}` });
+const order = (live, what) => ask(live.address, "control", { method: "POST", body: `order=${encodeURIComponent(what)}` });
 const set = (live, variable, value) => ask(live.address, "set", { method: "POST", body: `variable=${encodeURIComponent(variable)}&value=${value}` });
 
 /** The header of the data: what the run is, how far it came. */
@@ -157,6 +160,51 @@ const overHttp = {
     assert.notEqual(results("by_hand"), results("alone"));
     runAlone("again", ["--scenario", join(out, "by_hand", "live_scenario.json")]);
     assert.equal(results("again"), results("by_hand"));
+  },
+
+  async "it may wait for a browser, and then gives the same bits"() {
+    const live = await runLive("awaited", system, ["--live-start", "browser"]);
+    await new Promise((done) => setTimeout(done, 500));
+    assert.equal((await header(live)).runs[0].summary.steps, 1); // the step after which inputs can be set
+    assert.equal(await live.ended, 0);
+    assert.equal(results("awaited"), results("alone"));
+  },
+
+  async "it keeps to a pace, which can change on the way"() {
+    runAlone("short", ["--stop-time", "300"]);
+    const start = Date.now();
+    const live = await runLive("paced", system, ["--stop-time", "300", "--live-pace", "100"]);
+    assert.equal((await header(live)).runs[0].live.pace, 100);
+    assert.equal((await order(live, "pace=fast")).status, 400);
+    assert.equal((await order(live, "pace=-1")).status, 400);
+    await until(live, (run) => run.summary.simulated_time >= 100);
+    assert.ok(Date.now() - start > 990, `${Date.now() - start} ms for 100 s at 100 times real time`);
+    assert.equal((await order(live, "pace=0")).status, 200);
+    assert.equal(await live.ended, 0);
+    assert.equal(results("paced"), results("short"));
+  },
+
+  async "the page stays until Ctrl-C with complete results"() {
+    const live = await runLive("kept", system, ["--live-keep"]);
+    await until(live, (run) => run.live.ended);
+    assert.equal(results("kept"), results("alone"));
+    await new Promise((done) => setTimeout(done, 3500)); // longer than a page is kept otherwise
+    assert.equal((await header(live)).runs[0].summary.outcome, "completed");
+    live.child.kill("SIGINT");
+    assert.equal(await live.ended, 0);
+  },
+
+  async "a run that is resumed can be looked at, too"() {
+    const cut = await runLive("resumed", system, ["--checkpoint-every", "10", "--live-pace", "1000"]);
+    await until(cut, (run) => run.summary.simulated_time > 30);
+    cut.child.kill("SIGINT");
+    assert.equal(await cut.ended, 1);
+    const child = spawn(mebots, ["resume", join(out, "resumed"), "--live", "--live-keep"], { stdio: ["ignore", "pipe", "inherit"] });
+    const live = await addressOf(child);
+    await until(live, (run) => run.live.ended);
+    live.child.kill("SIGINT");
+    assert.equal(await live.ended, 0);
+    assert.equal(results("resumed"), results("alone"));
   },
 
   async "strangers are refused: without the token, under another host's name, from another page"() {

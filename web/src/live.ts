@@ -9,6 +9,8 @@ import type { Window } from "./view/window";
 
 /** Between two looks [ms]. */
 const PERIOD = 400;
+/** Offered paces, in multiples of real time. */
+const PACES = [0, 0.1, 0.5, 1, 2, 5, 10];
 
 /** Fetches all data, or only the data that this page lacks. */
 export async function fetchPayload(known?: { rows: number; pictures: number; log: number }): Promise<Payload> {
@@ -29,6 +31,8 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   const badge = element("span", { class: "outcome", id: "live" }, "live");
   const hold = element("button", { id: "hold", onclick: () => void order(run.header.live?.held ? "go" : "hold") });
   const step = element("button", { id: "step", title: "One communication step", onclick: () => void order("step") }, "step");
+  const pace = element("select", { id: "pace", title: "Simulated seconds per second", "aria-label": "pace", onchange: () => void order(`pace=${pace.value}`) },
+    ...PACES.map((one) => element("option", { value: String(one) }, one === 0 ? "full speed" : `${one}\u00d7`)));
   const order = async (what: string) => {
     await post("control", { order: what }).then(look).catch((error) => (badge.textContent = String(error)));
   };
@@ -36,7 +40,10 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
     const state = run.header.live;
     badge.textContent = state?.ended ? "ended" : state?.held ? "held" : "live";
     hold.textContent = state?.held ? "go on" : "hold";
-    hold.disabled = step.disabled = state?.ended ?? false;
+    hold.disabled = step.disabled = pace.disabled = state?.ended ?? false;
+    const value = String(state?.pace ?? 0);
+    if (![...pace.options].some((one) => one.value === value)) pace.append(element("option", { value }, `${value}\u00d7`));
+    if (document.activeElement !== pace) pace.value = value;
   };
   // One request at a time: two answers to the same request would contain the same rows.
   let looking: Promise<void> = Promise.resolve();
@@ -63,7 +70,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   };
   show();
   setTimeout(keepLooking, PERIOD);
-  return element("span", { class: "live" }, badge, " ", hold, " ", step);
+  return element("span", { class: "live" }, badge, " ", hold, " ", step, " ", pace);
 }
 
 /** Controls for unconnected inputs. Settings are kept as a scenario, so that the run can be repeated. */

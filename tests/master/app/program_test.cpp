@@ -12,6 +12,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <thread>
@@ -144,6 +145,35 @@ TEST_F(Program, SetFindsNamesWithAnEqualsSign) {
   const auto result = run({"run", "one.json", "--out", "results/two", "--set", "a.gain=2=5", "a.gain=3"});
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(summary()["parameters"]["a"], nlohmann::json({{"gain", 3.0}, {"gain=2", 5.0}}));
+}
+
+TEST_F(Program, ADryRunChecksEverythingAndWritesNothing) {
+  const auto fine = run_config({"--dry-run"});
+  EXPECT_EQ(fine.code, 0) << fine.err;
+  EXPECT_THAT(fine.out, AllOf(HasSubstr("two: 2 instances (a, b), 1 connections"),
+                              HasSubstr("to 1 s in 10 steps of 0.1 s"), HasSubstr("nothing was written")));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "results"));
+  EXPECT_EQ(run_config({"--dry-run", "--set", "a.gian=2"}).code, 2);
+}
+
+TEST_F(Program, ASummaryHasTenLinesAndTheRestWithVerbose) {
+  std::string labels;
+  for (int group = 0; group < 20; ++group)
+    labels += fmt::format(R"("g{0}": {{"x": "a.real_out", "y": "b.integral"}},)", group);
+  write_file(folder.path() / "many.json",
+             with_probe(fmt::format(
+                 R"({{"step": 0.1, "stop_time": 1, "instances": {{"a": {{"fmu": "PROBE"}}, "b": {{"fmu": "PROBE"}}}},
+          "connections": [], "summary": {{{} "last": "b.integral"}}}})",
+                 labels)));
+  const auto lines_after_outcome = [](const std::string& text) {
+    const auto end = text.substr(text.find("outcome: "));
+    return std::count(end.begin(), end.end(), '\n');
+  };
+  const auto brief = run({"run", "many.json"});
+  EXPECT_EQ(lines_after_outcome(brief.out), 10) << brief.out;
+  EXPECT_THAT(brief.out, AllOf(HasSubstr("  last 0"), HasSubstr("  g0: x 0"), HasSubstr("(all values: --verbose)")));
+  const auto verbose = run({"run", "many.json", "--verbose"});
+  EXPECT_EQ(lines_after_outcome(verbose.out), 3 + 41) << verbose.out;
 }
 
 TEST_F(Program, QuietShowsNothingButErrors) {

@@ -28,6 +28,7 @@ export interface PanelInfo {
 
 export interface SystemInfo {
   name: string;
+  text?: string;
   step: number;
   stop_time: number;
   instances: Record<string, { model: string; text?: string; step: number }>;
@@ -42,6 +43,7 @@ export type Json = any;
 /** Of a run that is under way. */
 export interface LiveState {
   held: boolean;
+  pace: number; // simulated seconds per second; 0: as fast as possible
   ended: boolean;
   /** The data that this page had at its request; the payload has the later data. */
   known: { rows: number; pictures: number; log: number };

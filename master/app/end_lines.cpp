@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "end_lines.hpp"
+
+#include "base/time.hpp"
+#include "message/message_text.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace mebots::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string short_duration(double seconds) {
+  return seconds < 1 ? fmt::format("{:.3g} ms", seconds * 1e3) : fmt::format("{:.3g} s", seconds);
+}
+
+std::string value_text(const Json& value) {
+  if (value.is_string()) return master::one_line(master::valid_utf8(value.get<std::string>()));
+  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+  return value.dump();
+}
+
+Json member_of(const Json& object, const std::string& label) {
+  return object.is_object() && object.contains(label) ? object.at(label) : Json();
+}
+
+std::string interval_text(const Json& interval) {
+  return fmt::format("{} to {}", value_text(interval[0]), value_text(interval[1]));
+}
+
+std::string unit_text(const Json& unit) {
+  return unit.is_string() && unit != "1" ? " " + unit.get<std::string>() : "";
+}
+
+/// `intervals`: of the values, under the same labels.
+void append_values(const Json& values, const Json& units, const Json& intervals, const std::string& prefix,
+                   std::vector<std::string>& lines) {
+  for (const auto& [label, value] : values.items()) {
+    const auto unit = member_of(units, label);
+    const auto interval = member_of(intervals, label);
+    if (value.is_object()) {
+      append_values(value, unit, interval, prefix + label + ".", lines);
+      continue;
+    }
+    lines.push_back(fmt::format("  {:<24} {}{}{}", prefix + label, value_text(value), unit_text(unit),
+                                interval.is_array() ? fmt::format(" ({})", interval_text(interval)) : ""));
+  }
+}
+
+constexpr std::size_t kMostLines = 10;
+constexpr std::size_t kWidest = 110;
+constexpr auto kCut = ", ...";
+
+/// A list of values that ends before it is too wide.
+class ValueLine {
+ public:
+  explicit ValueLine(std::string head) : text_(std::move(head)) {}
+
+  void add(const std::string& label, const Json& value, const Json& unit, const Json& interval) {
+    if (cut_) return;
+    const auto shown = value.is_number_float() ? fmt::format("{:.4g}", value.get<double>()) : value_text(value);
+    const auto range = interval.is_array() ? fmt::format(" ({})", interval_text(interval)) : "";
+    const auto piece = fmt::format("{}{} {}{}{}", empty_ ? "" : ", ", label, shown, unit_text(unit), range);
+    if (!empty_ && text_.size() + piece.size() > kWidest) {
+      cut_ = true;
+      text_ += kCut;
+      return;
+    }
+    empty_ = false;
+    text_ += piece;
+  }
+  /// All values below a label.
+  void add_all(const Json& values, const Json& units, const Json& intervals, const std::string& prefix = "") {
+    for (const auto& [label, value] : values.items()) {
+      const auto unit = member_of(units, label);
+      const auto interval = member_of(intervals, label);
+      if (value.is_object()) {
+        add_all(value, unit, interval, prefix + label + ".");
+      } else {
+        add(prefix + label, value, unit, interval);
+      }
+    }
+  }
+
+  bool is_full() const { return cut_; }
+  bool is_empty() const { return empty_; }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+  bool empty_ = true;
+  bool cut_ = false;
+};
+
+/// Values without a group on shared lines, then a line for each group. The last line says what is left out.
+void append_shared(const Json& values, const Json& units, const Json& intervals, std::vector<std::string>& lines) {
+  std::vector<ValueLine> own;
+  bool is_cut = false;
+  ValueLine alone("  ");
+  for (const auto& [label, value] : values.items()) {
+    if (value.is_object()) continue;
+    alone.add(label, value, member_of(units, label), member_of(intervals, label));
+  }
+  if (!alone.is_empty()) own.push_back(alone);
+  for (const auto& [label, value] : values.items()) {
+    if (!value.is_object()) continue;
+    own.emplace_back(fmt::format("  {}: ", label)).add_all(value, member_of(units, label), member_of(intervals, label));
+  }
+  const auto most = kMostLines - std::min(kMostLines, lines.size() + 1);
+  for (const auto& line : own) is_cut |= line.is_full();
+  is_cut |= own.size() > most;
+  if (own.size() > most) own.resize(most, ValueLine(""));
+  for (const auto& line : own) lines.push_back(line.text());
+  if (is_cut) lines.back() += "  (all values: --verbose)";
+}
+
+/// The line of a run with drawn flights.
+std::string uncertainty_line(const Json& uncertainty) {
+  std::vector<std::string> outcomes;
+  for (const auto& [outcome, count] : uncertainty["outcomes"].items())
+    outcomes.push_back(fmt::format("{} {}", outcome, count.get<int>()));
+  const auto time = member_of(uncertainty["intervals"], "simulated_time");
+  return fmt::format("uncertainty: simulated {} s in 9 of 10 flights, other ranges below ({} draws: {})",
+                     time.is_array() ? interval_text(time) : "nothing", uncertainty["flights"].get<int>(),
+                     fmt::join(outcomes, ", "));
+}
+
+}  // namespace
+
+std::vector<std::string> end_lines(const master::Run& run, bool verbose) {
+  const auto& report = run.report();
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format("outcome: {} ({})", run.outcome(), report.end_text));
+  if (run.files() == nullptr || !run.files()->kept()) return lines;  // it never came to t = 0
+  lines.push_back(fmt::format("simulated {} s in {} of stepping, {:.3g} x real time",
+                              master::to_seconds(report.simulated_ns), short_duration(report.wall.stepping_s),
+                              report.real_time_factor()));
+  const auto uncertainty = member_of(run.summary(), "uncertainty");
+  if (!uncertainty.is_null()) lines.push_back(uncertainty_line(uncertainty));
+  const auto values = run.values().values();
+  const auto units = run.values().units();
+  const auto intervals = member_of(uncertainty, "intervals");
+  if (verbose) {
+    append_values(values, units, intervals, "", lines);
+  } else {
+    append_shared(values, units, intervals, lines);
+  }
+  lines.push_back(fmt::format("results: {} ({} rows, {} columns), {}", run.files()->rows_file().string(), report.rows,
+                              run.columns(), (run.files()->folder() / "summary.json").string()));
+  return lines;
+}
+
+std::vector<std::string> start_lines(const master::Run& run) {
+  const auto& system = run.system();
+  const auto grid = system.grid();
+  std::vector<std::string> names;
+  for (const auto& instance : system.instances) names.push_back(instance.name);
+  const auto steps = grid.point_at(system.stop_time_ns);
+  return {fmt::format("{}: {} instances ({}), {} connections", system.name, names.size(), fmt::join(names, ", "),
+                      run.resolved().connections.size()),
+          fmt::format("to {} s in {} steps of {} s; a row has {} columns", grid.time_s(system.stop_time_ns), steps,
+                      master::to_seconds(system.step), run.columns()),
+          "every check passed, and t = 0 was reached; nothing was written"};
+}
+
+}  // namespace mebots::app

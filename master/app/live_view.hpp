@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "console.hpp"
+
+#include "run/run.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace mebots::app {
+
+/// The options of `mebots run` and `mebots resume` for a page that follows the run.
+struct LiveViewOptions {
+  std::optional<int> port;           ///< 0: any free one
+  std::optional<std::string> start;  ///< "browser" or "now"; default: "browser" on a terminal
+  std::optional<double> pace;        ///< simulated seconds per second
+  std::optional<bool> keep;          ///< the page stays after the end; default: on a terminal
+
+  bool is_on() const { return port.has_value(); }
+};
+
+void add_live_options(CLI::App& command, LiveViewOptions& options);
+
+/// Steps a run while browsers may look at it.
+class LiveView {
+ public:
+  /// Prints the address. Throws InputError if the port is taken, or this program was built without pages.
+  static std::unique_ptr<LiveView> make(master::Run& run, const LiveViewOptions& options, Console& console);
+  virtual ~LiveView() = default;
+
+  /// Starts the run and steps it to its end.
+  virtual void run() = 0;
+  /// Keeps the page until Ctrl-C if it is to stay, else until browsers have the last rows.
+  virtual void end(Console& console) = 0;
+};
+
+}  // namespace mebots::app
