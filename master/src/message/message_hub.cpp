@@ -52,10 +52,10 @@ std::string time_stamp(std::int64_t time_ns) {
 std::string message_text(const Message& message) {
   if (message.instance.empty()) {
     return fmt::format("{}{}", message.severity == Severity::info ? "notice: " : prefix_of(message.severity),
-                       one_line(message.text));
+                       indented_lines(message.text));
   }
   return fmt::format("{} {}: {}{}", time_stamp(message.time_ns), message.instance, prefix_of(message.severity),
-                     one_line(message.text));
+                     indented_lines(message.text));
 }
 
 }  // namespace mebots::master

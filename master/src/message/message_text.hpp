@@ -8,8 +8,8 @@
 
 namespace mebots::master {
 
-/// Returns the line of a message for the terminal and log.txt: "[   12.345 s] battery: warning: low voltage". Messages
-/// of the run itself have no instance: "notice: ...". Escapes control characters, so that it is always one line.
+/// Returns the text of a message for the terminal and log.txt: "[   12.345 s] battery: warning: low voltage". Messages
+/// of the run itself have no instance: "notice: ...". Further lines are those of indented_lines().
 std::string message_text(const Message& message);
 
 /// "[   12.345 s]"
@@ -24,5 +24,9 @@ std::string valid_utf8(std::string_view text);
 /// Escapes control characters, so that the text is one line and a terminal only prints it. Line feed, carriage return
 /// and tab become \n, \r and \t; other characters of C0 and C1 become \x1b, \u009b and the like. Takes valid UTF-8.
 std::string one_line(std::string_view text);
+
+/// As one_line(), but keeps line breaks. Each line after the first is indented, so that it does not look like a message
+/// of its own. Leaves out empty lines. Takes valid UTF-8.
+std::string indented_lines(std::string_view text);
 
 }  // namespace mebots::master

@@ -82,4 +82,16 @@ std::string one_line(std::string_view text) {
   return result;
 }
 
+std::string indented_lines(std::string_view text) {
+  std::string result;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const auto end = std::min(text.find('\n', begin), text.size());
+    auto line = text.substr(begin, end - begin);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (!line.empty()) result += (result.empty() ? "" : "\n    ") + one_line(line);
+    begin = end + 1;
+  }
+  return result;
+}
+
 }  // namespace mebots::master

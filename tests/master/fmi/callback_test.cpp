@@ -109,9 +109,16 @@ TEST(PlainText, NothingThatATerminalActsOnIsLeft) {
   EXPECT_EQ(one_line(std::string_view("\0", 1)), "\\x00");
 }
 
-TEST(PlainText, AMessageIsOneLine) {
-  EXPECT_EQ(message_text({"a", Severity::warning, "", "one\ntwo", 1'000'000'000}),
-            "[    1.000 s] a: warning: one\\ntwo");
+TEST(PlainText, FurtherLinesAreIndented) {
+  EXPECT_EQ(indented_lines("cell.json: 2 mistakes\n  a: missing\r\n\nb:\tmissing\n"),
+            "cell.json: 2 mistakes\n      a: missing\n    b:\\tmissing");
+  EXPECT_EQ(indented_lines("one"), "one");
+  EXPECT_EQ(indented_lines("\n"), "");
+}
+
+TEST(PlainText, FurtherLinesOfAMessageAreNoMessages) {
+  EXPECT_EQ(message_text({"a", Severity::warning, "", "one\n[    2.000 s] b: two\n", 1'000'000'000}),
+            "[    1.000 s] a: warning: one\n    [    2.000 s] b: two");
 }
 
 std::vector<std::string> said(const std::string& fault, const std::string& more = "") {

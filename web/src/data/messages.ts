@@ -24,7 +24,7 @@ export function readMessages(log: string): Message[] {
       const severity = untimed[1] === "notice" ? "info" : (untimed[1] as "warning" | "error");
       messages.push({ time: null, instance: "", severity, text: untimed[2] });
     } else if (messages.length > 0) {
-      messages[messages.length - 1].text += "\n" + line; // a message of several lines
+      messages[messages.length - 1].text += "\n" + line.trimStart(); // a message of several lines
     }
   }
   return messages;

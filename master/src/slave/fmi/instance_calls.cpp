@@ -129,7 +129,7 @@ void InstanceCalls::logged(LoggerCall call) {
   const auto severity = severity_of(call.status);
   auto text = with_names(call.text);
   if (severity != Severity::info) {
-    last_messages_.push_back(one_line(text));
+    last_messages_.push_back(indented_lines(text));
     if (last_messages_.size() > kLastMessages) last_messages_.pop_front();
   }
   if (!is_shown(severity, call.category)) return;
@@ -203,7 +203,7 @@ std::string InstanceCalls::last_messages() const {
 void InstanceCalls::fail(const char* function, std::string_view what) {
   const std::lock_guard lock(log_mutex_);
   const auto is_quoted = [this](const Held& held) {
-    return std::ranges::find(last_messages_, one_line(held.text)) != last_messages_.end();
+    return std::ranges::find(last_messages_, indented_lines(held.text)) != last_messages_.end();
   };
   const auto first_quoted = std::find_if_not(held_.rbegin(), held_.rend(), is_quoted).base();
   deliver_all_but(static_cast<std::size_t>(held_.end() - first_quoted));  // those are in the exception
