@@ -8,6 +8,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -550,6 +551,23 @@ class Python(StudyCase):
         with self.assertRaises(TypeError) as told:
             mebots.Mission(self.folder / "mission.json", set="a.gain=2")
         self.assertIn("a.gain=2", str(told.exception))
+
+    def test_a_mission_may_be_a_dict_whose_paths_are_relative_to_the_working_folder(self):
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(self.folder)
+        config = json.loads((self.folder / "mission.json").read_text())
+        shutil.copy(PROBE, self.folder / "here.fmu")
+        config["instances"]["a"]["fmu"] = "here.fmu"
+        config["instances"]["a"]["parameters"]["string_in"] = "far"  # names no file
+        with mebots.Mission(config, set={"a.gain": 3}) as mission:
+            mission.run()
+            self.assertEqual((mission.outcome, mission.value("a.real_out")), ("far", 9.0))
+        config["instances"]["a"]["fum"] = "here.fmu"
+        with self.assertRaisesRegex(mebots.InputError, "fum"):
+            mebots.Mission(config)
+
+    def test_dir_lists_all_that_the_package_offers(self):
+        self.assertLessEqual({"Mission", "sweep", "replay", "identify", "new_cell", "read"}, set(dir(mebots)))
 
     def test_sweep_gives_the_same_bytes_as_the_program(self):
         self.sweep_file = self.study()

@@ -24,6 +24,10 @@ __all__ = ["Error", "InputError", "Mission", "Results", "identify", "new_cell", 
 _FLIGHT = ("identify", "new_cell", "replay")
 
 
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
 def __getattr__(name: str):
     if name == "sweep":  # looked up when it is asked for: its modules are not what a single mission needs
         from mebots.exploration.command import sweep

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -28,7 +29,8 @@ class Mission:
     As a context manager it is closed at the end of the block, also when that is left early. One thread at a time per
     mission; several missions may run on several threads, since stepping releases the interpreter's lock.
 
-    :param config: config (.json), FMU (.fmu) or SSP 1.0 (.ssp). The names of an FMU's variables need no instance in front.
+    :param config: config (.json), FMU (.fmu) or SSP 1.0 (.ssp), or the content of a config as a dict, whose paths are relative
+        to the working folder. The names of an FMU's variables need no instance in front.
     :param set: values for parameters and start values, by "instance.variable", in place of the config's.
     :param record: names of variables to record (* and ? allowed), in place of the config's choice.
     :param scenarios: files with overrides, after those of the config.
@@ -45,7 +47,7 @@ class Mission:
 
     def __init__(
         self,
-        config: Path,
+        config: Path | Mapping[str, Any],
         *,
         set: Mapping[str, Scalar] | None = None,
         record: Iterable[str] | None = None,
@@ -63,8 +65,9 @@ class Mission:
             scenarios = [scenarios]
         if isinstance(inputs, (str, os.PathLike)):
             inputs = [inputs]
+        file, self._folder = _file_of(config)
         self._run = _mebots.Mission(
-            config,
+            file,
             out,
             in_memory,
             list(scenarios),
@@ -87,6 +90,7 @@ class Mission:
         """A mission that goes on from the last checkpoint in a results folder, to the same bits as one that nobody
         disturbed. Rows from before the checkpoint come into memory, too."""
         mission = cls.__new__(cls)
+        mission._folder = None
         mission._run = _mebots.Mission.resume(folder, in_memory)
         return mission
 
@@ -291,6 +295,22 @@ class Mission:
     def summary(self) -> dict[str, Any]:
         """The content of summary.json, as far as it is known; {} before the start."""
         return json.loads(self._run.summary)
+
+
+def _file_of(config: Path | Mapping[str, Any]) -> tuple[Path, tempfile.TemporaryDirectory[str] | None]:
+    """Returns the file of a config, and for a dict the temporary folder that holds it."""
+    if not isinstance(config, Mapping):
+        return config, None
+    base = _mebots.BaseConfig(os.path.join(os.getcwd(), "the config"), json.dumps(config))
+    content = json.loads(base.config)
+    for name, value in json.loads(base.texts).items():  # of parameters, with absolute paths of files
+        instance, _, variable = name.partition(".")
+        content["instances"][instance]["parameters"][variable] = value
+    folder = tempfile.TemporaryDirectory(prefix="mebots-mission-")
+    file = os.path.join(folder.name, "mission.json")
+    with open(file, "w", encoding="utf-8") as stream:
+        json.dump(content, stream)
+    return file, folder
 
 
 def _array(values: bytes) -> npt.NDArray[np.float64]:
