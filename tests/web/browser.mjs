@@ -35,5 +35,6 @@ export async function openUrl(browser, url, { width = 1400, height = 900, dark =
   return { page, problems, requests };
 }
 
-/** The same for a page on the disk. */
-export const open = (browser, file, options) => openUrl(browser, pathToFileURL(file).href, options);
+/** The same for a page on the disk, which stands at a time; null: as it opens without one. */
+export const open = (browser, file, { time = 0, ...options } = {}) =>
+  openUrl(browser, pathToFileURL(file).href + (time === null ? "" : `#t=${time}`), options);

@@ -146,6 +146,53 @@ const tests = {
     assert.equal(await page.evaluate(() => globalThis.mebots.clock.time), stood);
   },
 
+  async "it says what the mission is and what happened"({ page }) {
+    assert.match(await page.$eval(".story .about", (text) => text.textContent), /finds a gate by its camera/);
+    const happened = await page.$eval(".story .happened", (text) => text.textContent);
+    const delivered = JSON.parse(readFileSync(join(runs, "flight", "summary.json"), "utf8")).energy.delivered;
+    assert.match(happened, /^Ran 4\.000 s: timeout; [\d.]+ J, \d\d % of it motors; \d\d\.\d % of the charge left\.$/);
+    assert.ok(Math.abs(Number(/; ([\d.]+) J/.exec(happened)[1]) - delivered) < 1e-3 * delivered, happened);
+  },
+
+  async "a search knows what altitude and volts are"({ page }) {
+    await page.click('[data-tab="Variables"]');
+    const found = async (words) => {
+      await page.$eval("#search", (box) => (box.value = ""));
+      await page.type("#search", words);
+      return page.$$eval(".signals tbody button", (buttons) => buttons.map((button) => button.textContent));
+    };
+    assert.ok((await found("altitude")).includes("world.drone.position.z"));
+    const volts = await found("volt battery");
+    assert.ok(volts.includes("battery.cell.voltage") && !volts.includes("world.drone.position.z"), String(volts));
+    await page.$eval("#search", (box) => { box.value = ""; box.dispatchEvent(new Event("input")); box.blur(); });
+  },
+
+  async "escape closes the keys, and shows all of a plot"({ page }) {
+    await page.keyboard.press("?");
+    assert.ok(await page.$("dialog[open]"));
+    await page.keyboard.press("Escape");
+    assert.equal(await page.$("dialog[open]"), null);
+    await page.evaluate(() => globalThis.mebots.span.set(1, 2));
+    await page.keyboard.press("Escape");
+    assert.ok(await page.evaluate(() => globalThis.mebots.span.isWhole));
+  },
+
+  async "shift and drag on a plot choose a span"({ page }) {
+    await setTime(page, 1);
+    const box = await (await page.$(".chart .u-over")).boundingBox();
+    await page.keyboard.down("Shift");
+    await page.mouse.move(box.x + 0.25 * box.width, box.y + 20);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 0.75 * box.width, box.y + 20, { steps: 3 });
+    await page.mouse.up();
+    await page.keyboard.up("Shift");
+    const { start, stop, time } = await page.evaluate(() => ({ start: globalThis.mebots.span.start, stop: globalThis.mebots.span.stop, time: globalThis.mebots.clock.time }));
+    assert.ok(Math.abs(start - 1) < 0.05 && Math.abs(stop - 3) < 0.05, `${start} to ${stop}`);
+    assert.equal(time, 1);
+    assert.equal(await page.$(".marked"), null);
+    await page.keyboard.press("Escape");
+  },
+
   async "the picture is the last that the camera took"({ page }) {
     await setTime(page, 1);
     assert.equal(await page.$eval(".picture figcaption", (caption) => caption.textContent), "no picture yet");
@@ -293,11 +340,27 @@ const besideTests = {
     assert.ok(rows.some((row) => row.startsWith("outcome")));
   },
 
+  async "numbers have their difference beside them"({ page }) {
+    const [first, last] = ["flight", "fast"].map((run) => JSON.parse(readFileSync(join(runs, run, "summary.json"), "utf8")).energy.delivered);
+    const text = await page.$$eval(".comparison tr", (found) => [...found].find((row) => row.cells[0].textContent === "energy · delivered").lastElementChild.textContent);
+    const share = ((100 * (last - first)) / first).toPrecision(2);
+    assert.ok(text.includes(`${last > first ? "+" : ""}${+share} %`), `${text}, not ${share} %`);
+  },
+
   async "in this table a long text leaves the names their room"({ page }) {
     const broken = await page.$$eval(".comparison td:first-child", (cells) => cells.filter((cell) => cell.scrollWidth > cell.clientWidth || cell.offsetWidth < 80).map((cell) => cell.textContent));
     assert.deepEqual(broken, []);
     const { scrollWidth, clientWidth } = await page.$eval(".comparison", ({ scrollWidth, clientWidth }) => ({ scrollWidth, clientWidth }));
     assert.ok(scrollWidth <= clientWidth, `${scrollWidth} of ${clientWidth} pixels`);
+  },
+};
+
+const openingTests = {
+  async "a flight opens on the way and plays"({ page }) {
+    const height = column("flight", "world.drone.position.z");
+    const { time, isPlaying } = await page.evaluate(() => ({ time: globalThis.mebots.clock.time, isPlaying: globalThis.mebots.clock.isPlaying }));
+    assert.ok(isPlaying || time === 4, `it stands at ${time} s`);
+    assert.ok(valueAt("flight", "world.drone.position.z", time) - height[0] > 0.4 * (Math.max(...height) - height[0]), `at ${time} s`);
   },
 };
 
@@ -343,6 +406,7 @@ const browser = await launch(chromium);
 try {
   await check(browser, pageOf("flight"), tests);
   await check(browser, pageOf("flight"), phoneTests, { width: 390, height: 844, dark: true, touch: true });
+  await check(browser, pageOf("flight"), openingTests, { time: null });
   await check(browser, pageOf("long"), longTests);
   await check(browser, pageOf("system"), systemTests);
   await check(browser, join(runs, "beside.html"), besideTests);

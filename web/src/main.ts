@@ -16,6 +16,7 @@ import { makePanel } from "./view/panel";
 import { makePicture } from "./view/picture";
 import { makeSignals } from "./view/signals";
 import { finalValues, makeStatistics } from "./view/statistics";
+import { makeStory, openingTime } from "./view/story";
 import { makeTabs } from "./view/tabs";
 import { makeThinNote } from "./view/thin";
 import { makeTimeline, nextSpeed } from "./view/timeline";
@@ -62,14 +63,23 @@ async function main(): Promise<void> {
   left.append(tabs.root);
   const page = document.getElementById("page")!;
   page.classList.toggle("no-scene", !stage);
-  page.replaceChildren(makeHeading(runs), element("main", {}, left, panels), makeTimeline(run, clock, span));
+  page.replaceChildren(makeHeading(runs), ...(runs.length === 1 ? [makeStory(run)] : []), element("main", {}, left, panels), makeTimeline(run, clock, span));
   listenToKeys(clock, span, stage, run);
-  clock.set(isLive ? clock.end : 0);
+  const asked = timeOfAddress();
+  clock.set(isLive ? clock.end : asked ?? openingTime(run));
   if (isLive) page.querySelector("h1")!.after(follow(run, clock, span));
   Object.assign(globalThis.window.mebots, { clock, runs, span }); // for scripts and tests
   await stage?.ready;
   await new Promise(requestAnimationFrame);
   document.documentElement.dataset.state = "ready";
+  const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  if (stage && !isLive && asked === null && !isCalm) clock.play();
+}
+
+/** The moment that an address asks for: flight.html#t=12.5 opens there and does not play. */
+function timeOfAddress(): number | null {
+  const found = /^#t=(\d+(?:\.\d+)?)$/.exec(location.hash);
+  return found ? Number(found[1]) : null;
 }
 
 /** Null without a scene, or without WebGL: then all else is shown. */
@@ -129,7 +139,7 @@ const KEYS: [string, string][] = [
   ["home, end", "begin, end"],
   ["+ \u2212", "faster, slower"],
   [LOOKS.map((_, i) => i + 1).join(" "), `camera: ${LOOKS.join(", ")}`],
-  ["ctrl + wheel, two fingers", "on a plot: zoom in; double click or escape: show all"],
+  ["shift + drag, ctrl + wheel, two fingers", "on a plot: zoom in; double click or escape: show all"],
   ["/", "search a variable"],
   ["d", "dark or light"],
 ];
@@ -161,6 +171,7 @@ function listenToKeys(clock: Clock, span: Span, stage: Stage | null, run: Run): 
   LOOKS.forEach((look, i) => (keys[String(i + 1)] = () => stage?.setLook(look)));
   document.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
+    if (document.querySelector("dialog[open]")) return; // Escape closes it
     if (["INPUT", "SELECT", "TEXTAREA"].includes(target.tagName) || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === " " && target.tagName === "BUTTON") return; // presses it
     const act = keys[event.key];

@@ -104,6 +104,7 @@ Json system_json(const ResolvedSystem& system) {
   const auto& description = *system.description;
   Json json;
   json["name"] = description.name;
+  put_unless_empty(json, "text", description.text);
   json["step"] = to_seconds(description.step);
   json["stop_time"] = description.grid().time_s(description.stop_time_ns);
   json["instances"] = instances_json(system);

@@ -14,6 +14,7 @@ export class Body {
   readonly eye = new THREE.PerspectiveCamera();
   private readonly rotors: { disc: THREE.Object3D; sense: number; command: string }[] = [];
   private readonly frustum = new THREE.Group();
+  private readonly corner = new THREE.Vector3();
   private readonly screen: THREE.Mesh<THREE.BufferGeometry, THREE.MeshBasicMaterial> | null = null;
 
   /** Names in `info` are those of the instance. */
@@ -55,6 +56,11 @@ export class Body {
       this.screen.material.map = texture;
       this.screen.material.needsUpdate = true;
     }
+  }
+
+  /** A corner of the drawn field of view, in the scene; null without a camera. */
+  frustumCorner(): THREE.Vector3 | null {
+    return this.screen ? this.corner.clone().applyMatrix4(this.eye.matrixWorld) : null;
   }
 
   get recorded(): boolean {
@@ -127,6 +133,7 @@ export class Body {
       new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.45, side: THREE.DoubleSide, depthWrite: false }),
     );
     screen.position.z = -FRUSTUM_M;
+    this.corner.copy(corners[2]);
     this.frustum.add(edges, screen);
     this.eye.add(this.frustum);
     return screen;

@@ -51,6 +51,7 @@ export class Stage {
   private readonly plumb: THREE.Line;
   private readonly ring = element("div", { class: "ring" });
   private readonly legend = element("div", { class: "legend" });
+  private readonly eyeTag = element("div", { class: "tag small" }, "camera's view");
   private readonly textures = new Map<string, THREE.Texture>();
   private readonly buttons = new Map<Look, HTMLButtonElement>();
   private look: Look = "follow";
@@ -86,7 +87,7 @@ export class Stage {
       const tag = element("div", { class: "tag" }, label.text);
       this.labels.push({ place: new THREE.Vector3(...(label.position as [number, number, number])), tag });
     }
-    this.root.append(this.canvas, this.ring, ...this.labels.map((label) => label.tag), this.makeTools(), this.legend);
+    this.root.append(this.canvas, this.ring, this.eyeTag, ...this.labels.map((label) => label.tag), this.makeTools(), this.legend);
     this.firstDrawn = new Promise((resolve) => (this.tellDrawn = resolve));
     new ResizeObserver(() => this.resize()).observe(this.root);
     clock.onTime(() => this.showMoment());
@@ -181,7 +182,8 @@ export class Stage {
     const bar = element("div", { class: "bar" });
     const stops = Array.from({ length: 11 }, (_, i) => `rgb(${scaleColour(i / 10).map((part) => Math.round(255 * part)).join(" ")})`);
     bar.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
-    this.legend.append("path: ", select, element("span", {}, shown(low, chosen.unit)), bar, element("span", {}, shown(high, chosen.unit)));
+    this.legend.append("path flown: ", select, element("span", {}, shown(low, chosen.unit)), bar, element("span", {}, shown(high, chosen.unit)),
+      element("i", { class: "swatch ahead" }), "still to fly");
     this.ask();
   }
 
@@ -256,6 +258,9 @@ export class Stage {
 
   private placeTags(camera: THREE.PerspectiveCamera, body: Body, onboard: boolean): void {
     for (const { place, tag } of this.labels) this.put(tag, place, camera);
+    const eye = onboard ? null : body.frustumCorner();
+    this.eyeTag.hidden = eye === null;
+    if (eye) this.put(this.eyeTag, eye, camera);
     // A ring marks a drone that is only a few pixels large.
     const distance = camera.position.distanceTo(body.group.position);
     this.ring.hidden = onboard || distance < 2.6;

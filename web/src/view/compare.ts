@@ -9,6 +9,15 @@ import { finalValues, shownValue } from "./statistics";
 interface Row {
   label: string;
   cells: string[];
+  /** Last run less first run, of numbers. */
+  difference: string;
+}
+
+/** A value as text, and as a number with its unit where it is one. */
+interface Cell {
+  text: string;
+  number?: number;
+  unit?: string;
 }
 
 export function makeComparison(runs: Run[]): HTMLElement {
@@ -16,23 +25,42 @@ export function makeComparison(runs: Run[]): HTMLElement {
   const paint = () => heads.forEach(({ swatch }, i) => (swatch.style.background = colour(i)));
   paint();
   onTheme(paint);
-  const head = element("tr", {}, element("th", {}), ...heads.map(({ swatch, run }) => element("th", {}, swatch, run.name)));
+  const last = runs.length === 2 ? "difference" : "last less first";
+  const head = element("tr", {}, element("th", {}), ...heads.map(({ swatch, run }) => element("th", {}, swatch, run.name)), element("th", {}, last));
   const given = differing(parameterRows(runs));
   const came = outcomeRows(runs);
   const section = (title: string, rows: Row[], empty: string) => [
-    element("tr", {}, element("th", { class: "part", colspan: String(runs.length + 1) }, title)),
+    element("tr", {}, element("th", { class: "part", colspan: String(runs.length + 2) }, title)),
     ...(rows.length > 0
-      ? rows.map((row) => element("tr", {}, element("td", {}, row.label), ...row.cells.map((cell) => element("td", { class: "number" }, cell))))
-      : [element("tr", {}, element("td", { class: "faint", colspan: String(runs.length + 1) }, empty))]),
+      ? rows.map((row) => element("tr", {}, element("td", {}, row.label), ...[...row.cells, row.difference].map((cell) => element("td", { class: "number" }, cell))))
+      : [element("tr", {}, element("td", { class: "faint", colspan: String(runs.length + 2) }, empty))]),
   ];
   return element("div", { class: "comparison scroll" }, element("table", {}, element("thead", {}, head),
     element("tbody", {}, ...section("What was given differently", given, "No parameter: same settings."), ...section("What came of it", came, ""))));
 }
 
-function rowsOf(runs: Run[], read: (run: Run) => Map<string, string>): Row[] {
+function rowsOf(runs: Run[], missing: string, read: (run: Run) => Map<string, Cell>): Row[] {
   const all = runs.map(read);
   const labels = new Set(all.flatMap((values) => [...values.keys()]));
-  return [...labels].map((label) => ({ label, cells: all.map((values) => values.get(label) ?? "\u2013") }));
+  return [...labels].map((label) => {
+    const cells = all.map((values) => values.get(label));
+    return { label, cells: cells.map((cell) => cell?.text ?? missing), difference: differenceOf(cells[0], cells[cells.length - 1]) };
+  });
+}
+
+/** "+12.3 J (+4.5 %)"; "" for what has no difference. */
+function differenceOf(first: Cell | undefined, last: Cell | undefined): string {
+  if (first?.number === undefined || last?.number === undefined || first.unit !== last.unit) return "";
+  const difference = last.number - first.number;
+  if (difference === 0) return "0";
+  if (Math.abs(difference) < 1e-8 * Math.abs(first.number)) return "\u2248 0";
+  const sign = difference > 0 ? "+" : "";
+  const share = first.number !== 0 ? ` (${sign}${+((100 * difference) / Math.abs(first.number)).toPrecision(2)} %)` : "";
+  return `${sign}${shownValue(difference, first.unit ?? "")}${share}`;
+}
+
+function cellOf(value: Json, unit: string): Cell {
+  return { text: shownValue(value, unit), number: typeof value === "number" ? value : undefined, unit };
 }
 
 function differing(rows: Row[]): Row[] {
@@ -40,23 +68,23 @@ function differing(rows: Row[]): Row[] {
 }
 
 function parameterRows(runs: Run[]): Row[] {
-  return rowsOf(runs, (run) => {
-    const values = new Map<string, string>();
+  return rowsOf(runs, "default", (run) => {
+    const values = new Map<string, Cell>();
     for (const [instance, parameters] of Object.entries<Json>(run.summary.parameters ?? {})) {
-      for (const [name, value] of Object.entries<Json>(parameters)) values.set(`${instance}.${name}`, String(value));
+      for (const [name, value] of Object.entries<Json>(parameters)) values.set(`${instance}.${name}`, { ...cellOf(value, ""), text: String(value) });
     }
-    for (const change of run.summary.inputs?.changes ?? []) if (!change.startsWith("set ")) values.set(change, "yes");
+    for (const change of run.summary.inputs?.changes ?? []) if (!change.startsWith("set ")) values.set(change, { text: "yes" });
     return values;
   });
 }
 
 function outcomeRows(runs: Run[]): Row[] {
-  return rowsOf(runs, (run) => {
-    const values = new Map<string, string>([
-      ["outcome", run.summary.outcome ?? "unknown"],
-      ["simulated time", shownValue(run.summary.simulated_time ?? run.end, "s")],
+  return rowsOf(runs, "\u2013", (run) => {
+    const values = new Map<string, Cell>([
+      ["outcome", { text: run.summary.outcome ?? "unknown" }],
+      ["simulated time", cellOf(run.summary.simulated_time ?? run.end, "s")],
     ]);
-    for (const { label, value, unit } of finalValues(run.summary)) values.set(label, shownValue(value, unit));
+    for (const { label, value, unit } of finalValues(run.summary)) values.set(label, cellOf(value, unit));
     return values;
   });
 }

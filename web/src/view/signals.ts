@@ -7,6 +7,18 @@ import { element } from "../dom";
 
 const MOST_ROWS = 400;
 
+/** Words for units that a search finds. */
+const UNIT_WORDS: Record<string, string> = {
+  V: "volt voltage", A: "ampere current", W: "watt power", J: "joule energy", s: "second time", m: "metre length distance",
+  "m/s": "speed velocity", rad: "radian angle", "rad/s": "angular speed rate", Hz: "hertz clock frequency", N: "newton force",
+  "N.m": "newton metre torque", degC: "celsius temperature", K: "kelvin temperature",
+};
+/** What else a variable with this meaning may be called. */
+const SYNONYMS: Record<string, string[]> = {
+  altitude: ["position.z", "height"], height: ["position.z", "altitude"], battery: ["cell."], charge: ["state_of_charge", "soc"],
+  heading: ["yaw"], cpu: ["soc.", "core"], chip: ["soc."], propeller: ["rotor"], motor: ["rotor"], drone: ["body"],
+};
+
 export function makeSignals(run: Run, clock: Clock, plot: (name: string) => void): HTMLElement {
   const search = element("input", { type: "search", id: "search", placeholder: "Search variables: name, unit, meaning  ( / )", "aria-label": "search variables" });
   const body = element("tbody", {});
@@ -14,7 +26,8 @@ export function makeSignals(run: Run, clock: Clock, plot: (name: string) => void
   let cells: [HTMLElement, string][] = [];
   const all = run.variables.map((name) => {
     const text = run.info(name)?.text ?? "";
-    return { name, text, unit: run.unit(name), hay: `${name} ${text} ${run.unit(name)}`.toLowerCase() };
+    const unit = run.unit(name);
+    return { name, text, unit, hay: `${name} ${text} ${unit} ${UNIT_WORDS[unit] ?? ""}`.toLowerCase() };
   });
   const show = () => {
     if (root.offsetParent === null) return;
@@ -22,7 +35,7 @@ export function makeSignals(run: Run, clock: Clock, plot: (name: string) => void
   };
   const find = () => {
     const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    const found = all.filter(({ hay }) => words.every((word) => hay.includes(word)));
+    const found = all.filter(({ hay }) => words.every((word) => hay.includes(word) || SYNONYMS[word]?.some((other) => hay.includes(other))));
     cells = [];
     body.replaceChildren(...found.slice(0, MOST_ROWS).map(({ name, text, unit }) => {
       const value = element("td", { class: "number", "data-variable": name });

@@ -89,7 +89,7 @@ class _Tab:
 
     def open(self, page: pathlib.Path) -> float:
         """Waits until all is drawn. Returns the run's end [s]."""
-        self._call("Page.navigate", url=page.resolve().as_uri())
+        self._call("Page.navigate", url=page.resolve().as_uri() + "#t=0")
         deadline = time.monotonic() + PATIENCE_S
         while (end := self.evaluate(READY)) is None:
             if time.monotonic() > deadline:

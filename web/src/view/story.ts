@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// What happened in a run, in one sentence that is made from its results, and the moment at which the page opens.
+import type { Json } from "../data/payload";
+import { type Run, rowAt } from "../data/run";
+import { shown, shownTime } from "../data/units";
+import { element } from "../dom";
+import { finalValues } from "./statistics";
+
+/** The first time at which a recorded variable is not 0, of those whose name ends so. */
+function firstTrue(run: Run, ending: string): number | null {
+  const name = run.variables.find((candidate) => candidate.endsWith(ending));
+  const values = name === undefined ? undefined : run.values(name);
+  const row = values?.findIndex((value) => value !== 0) ?? -1;
+  return row > 0 ? run.times[row] : null;
+}
+
+/** "Crossed the gate 1.4 cm off its middle after 23.5 s" */
+function crossing(run: Run): string {
+  const time = firstTrue(run, ".gate.crossed");
+  if (time === null) return "";
+  const miss = run.summary.lateral_error;
+  const off = typeof miss === "number" ? ` ${(100 * Math.abs(miss)).toFixed(1)} cm off its middle` : "";
+  return `crossed the gate${off} after ${shownTime(time)}`;
+}
+
+/** The energy that was delivered, and the largest part of it. */
+function energy(summary: Json): string {
+  const { delivered, ...parts } = summary.energy ?? {};
+  if (summary.units?.energy?.delivered !== "J" || typeof delivered !== "number" || !(delivered > 0)) return "";
+  const total = shown(delivered, "J");
+  const used = Object.entries<Json>(parts).filter(([name, value]) => typeof value === "number" && !["open_circuit", "imbalance"].includes(name));
+  const [name, largest] = used.reduce((best, one) => (one[1] > best[1] ? one : best), ["", 0] as [string, Json]);
+  return name === "" || largest > delivered ? total : `${total}, ${((100 * largest) / delivered).toFixed(0)} % of it ${name}`;
+}
+
+function charge(summary: Json): string {
+  const left = summary.state_of_charge;
+  return typeof left === "number" && summary.units?.state_of_charge === "1" ? `${(100 * left).toFixed(1)} % of the charge left` : "";
+}
+
+/** One sentence on a run that has ended; "" if it left no results. */
+export function storyOf(run: Run): string {
+  const { summary } = run;
+  if (summary.outcome === undefined) return "";
+  const end = `${crossing(run) ? "ended after" : "ran"} ${shown(summary.simulated_time ?? run.end, "s")}: ${String(summary.outcome).replaceAll("_", " ")}`;
+  const facts = [crossing(run), end, energy(summary), charge(summary)].filter((fact) => fact !== "");
+  if (facts.length === 1) {
+    const values = finalValues(summary).filter(({ value, unit }) => typeof value === "number" && unit !== "-").slice(0, 3);
+    facts.push(...values.map(({ label, value, unit }) => `${label} ${shown(value, unit)}`));
+  }
+  const text = facts.join("; ");
+  return `${text[0].toUpperCase()}${text.slice(1)}.`;
+}
+
+export function makeStory(run: Run): HTMLElement {
+  const what = element("p", { class: "about" }, run.system?.text ?? "");
+  what.hidden = what.textContent === "";
+  const happened = element("p", { class: "happened" });
+  const show = () => {
+    happened.textContent = run.header.live && !run.header.live.ended ? "" : storyOf(run);
+    happened.hidden = happened.textContent === "";
+  };
+  run.onData(show);
+  show();
+  return element("div", { class: "story" }, what, happened);
+}
+
+/**
+ * The moment at which the page opens: of a flight that of its first picture or, without pictures, one in which the body
+ * moves; of another run the start.
+ */
+export function openingTime(run: Run): number {
+  const names = (run.scene?.bodies?.[0]?.position ?? []) as string[];
+  if (names.length === 0 || run.times.length < 2) return 0;
+  const instance = run.system?.view.scene?.instance ?? "";
+  const columns = names.map((name) => run.values(`${instance}.${name}`)).filter((values) => values !== undefined);
+  const away = (row: number) => Math.hypot(...columns.map((values) => values[row] - values[0]));
+  const rows = Array.from(run.times.keys());
+  const farthest = Math.max(...rows.map(away));
+  const underWay = rows.find((row) => away(row) > 0.5 * farthest) ?? 0;
+  const pictured = run.pictures.length > 0 ? rowAt(run.times, run.pictures[0].time) : 0;
+  return run.times[Math.max(pictured, underWay)];
+}
