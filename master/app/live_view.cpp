@@ -53,10 +53,12 @@ void add_live_options(CLI::App& command, LiveViewOptions& options) {
       ->type_name("FACTOR")
       ->check(CLI::Range(1e-3, 1e6))
       ->needs(live);
-  command
-      .add_flag("--live-keep,!--no-live-keep", options.keep,
-                "Keep the page after the end until Ctrl-C; default: on a terminal")
-      ->needs(live);
+  auto* keep =
+      command.add_flag("--live-keep", options.keep, "Keep the page after the end until Ctrl-C; default: on a terminal");
+  keep->needs(live);
+  command.add_flag("--no-live-keep", options.no_keep, "End with the run, on a terminal as well")
+      ->needs(live)
+      ->excludes(keep);
 }
 
 std::unique_ptr<LiveView> LiveView::make(master::Run& run, const LiveViewOptions& options, Console& console) {
@@ -65,7 +67,7 @@ std::unique_ptr<LiveView> LiveView::make(master::Run& run, const LiveViewOptions
   const bool for_browser = options.start ? *options.start == "browser" : terminal;
   auto view = std::make_unique<ServedView>(
       run, live::LiveOptions{.port = *options.port, .for_browser = for_browser, .pace = options.pace.value_or(0)},
-      options.keep.value_or(terminal));
+      options.keep || (terminal && !options.no_keep));
   console.always("live: " + view->address());
   if (for_browser) console.line("the run starts when a browser opens this page; --live-start now does not wait");
   return view;

@@ -18,7 +18,8 @@ struct LiveViewOptions {
   std::optional<int> port;           ///< 0: any free one
   std::optional<std::string> start;  ///< "browser" or "now"; default: "browser" on a terminal
   std::optional<double> pace;        ///< simulated seconds per second
-  std::optional<bool> keep;          ///< the page stays after the end; default: on a terminal
+  bool keep = false;                 ///< the page stays after the end, as on a terminal without `no_keep`
+  bool no_keep = false;
 
   bool is_on() const { return port.has_value(); }
 };
