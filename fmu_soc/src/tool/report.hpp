@@ -10,7 +10,7 @@
 
 namespace mebots::soc::tool {
 
-/// What a run did.
+/// Counts, times and energies of a run.
 struct ChipReport {
   struct Cores {
     std::string name;
