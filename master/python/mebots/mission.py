@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import tempfile
+import weakref
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -65,7 +67,7 @@ class Mission:
             scenarios = [scenarios]
         if isinstance(inputs, (str, os.PathLike)):
             inputs = [inputs]
-        file, self._folder = _file_of(config)
+        file = _file_of(config, self) if isinstance(config, Mapping) else config
         self._run = _mebots.Mission(
             file,
             out,
@@ -90,7 +92,6 @@ class Mission:
         """A mission that goes on from the last checkpoint in a results folder, to the same bits as one that nobody
         disturbed. Rows from before the checkpoint come into memory, too."""
         mission = cls.__new__(cls)
-        mission._folder = None
         mission._run = _mebots.Mission.resume(folder, in_memory)
         return mission
 
@@ -297,20 +298,19 @@ class Mission:
         return json.loads(self._run.summary)
 
 
-def _file_of(config: Path | Mapping[str, Any]) -> tuple[Path, tempfile.TemporaryDirectory[str] | None]:
-    """Returns the file of a config, and for a dict the temporary folder that holds it."""
-    if not isinstance(config, Mapping):
-        return config, None
+def _file_of(config: Mapping[str, Any], mission: Mission) -> str:
+    """Returns a temporary file with the config, which lasts as long as the mission."""
     base = _mebots.BaseConfig(os.path.join(os.getcwd(), "the config"), json.dumps(config))
     content = json.loads(base.config)
     for name, value in json.loads(base.texts).items():  # of parameters, with absolute paths of files
         instance, _, variable = name.partition(".")
         content["instances"][instance]["parameters"][variable] = value
-    folder = tempfile.TemporaryDirectory(prefix="mebots-mission-")
-    file = os.path.join(folder.name, "mission.json")
+    folder = tempfile.mkdtemp(prefix="mebots-mission-")
+    weakref.finalize(mission, shutil.rmtree, folder, ignore_errors=True)
+    file = os.path.join(folder, "mission.json")
     with open(file, "w", encoding="utf-8") as stream:
         json.dump(content, stream)
-    return file, folder
+    return file
 
 
 def _array(values: bytes) -> npt.NDArray[np.float64]:
