@@ -133,6 +133,13 @@ class Answers(StudyCase):
         found, _ = self.judge([[10 + one, 11 + one, 9 + one, 10.5 + one, 10.2 + one] for one in (0, 0.1, 0.2)])
         self.assertIn("All others are surely worse", found.headlines[0])
 
+    def test_designs_that_agree_in_the_first_objective_are_ranked_by_the_next(self):
+        self.study(draws=self.DRAWS, design={"kind": "grid", "factors": {"a.gain": [3, 2, 4]}},
+                   objectives={"ended": {"end_reason": "stop_time", "maximize": True}, "out": {"summary": "deep.out", "minimize": True}})
+        said = self.sweep()
+        self.assertRegex(said, r"Highest ended: gain 2, 20 of 20 .* 2 designs cannot be separated from it\.")
+        self.assertRegex(said, r"(?s)1  #1 .*2  #0 .*3  #2 ")
+
     def test_without_draws_a_mission_of_each_design_decides(self):
         found, evidence = self.judge([[10.0], [10.1]], draws=None)
         self.assertIn("The other one is surely worse", found.headlines[0])

@@ -23,7 +23,7 @@ h1{font-size:22px;margin:0 0 4px}h2{font-size:16px;margin:28px 0 4px}p{margin:4p
 .pair{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(480px,100%),1fr));gap:8px 28px}
 .answer{font-size:18px;color:var(--ink)}
 svg{width:100%;height:auto;display:block}svg text{fill:var(--soft);font:12px system-ui,sans-serif}
-svg .axis{stroke:var(--line)}svg .mark{cursor:pointer}svg .mark:hover,svg .chosen{stroke:var(--ink);stroke-width:2}
+svg .lettered{paint-order:stroke;stroke:var(--back);stroke-width:3px}svg .axis{stroke:var(--line)}svg .mark{cursor:pointer}svg .mark:hover,svg .chosen{stroke:var(--ink);stroke-width:2}
 select{font:inherit;color:inherit;background:var(--panel);border:1px solid var(--line);border-radius:4px}
 table{border-collapse:collapse;font-size:13px;width:100%}td,th{padding:3px 8px;text-align:right;border-bottom:1px solid var(--line)}
 td.left{text-align:left}th{color:var(--soft);font-weight:normal;text-align:right;cursor:pointer}tbody tr{cursor:pointer}tbody tr:hover,tr.chosen{background:var(--panel)}

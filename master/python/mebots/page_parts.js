@@ -19,6 +19,9 @@ const short = (value) => {
   if (typeof value !== "number") return String(value);
   return Number(value.toPrecision(4)).toString();
 };
+/** A text of at most this many characters; all of it is its title. */
+const label = (attributes, text, most) =>
+  text.length <= most ? node("text", attributes, text) : node("text", attributes, node("title", {}, text), `${text.slice(0, most - 1)}\u2026`);
 const section = (parent, title, text) => {
   const made = node("section", {}, node("h2", {}, title));
   if (text) made.append(node("p", {}, text));

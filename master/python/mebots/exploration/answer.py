@@ -127,15 +127,23 @@ class Judge:
             rows.append(Row(len(rows) + 1 if ranked else None, design, self._names[design], missions, cells, note(design)))
         return rows
 
-    def _key(self, design: int, found: Sequence[Estimate], at: int | None) -> tuple[float, float, float]:
-        """Sorts designs that can be ranked first; then by the share on which the main objective depends; then by that."""
-        if at is None or found[at].mean is None:
-            return 2, 0.0, 0.0
+    def _key(self, design: int, found: Sequence[Estimate], at: int | None) -> tuple[float, ...]:
+        """Sorts designs that can be ranked first; then by the share on which the main objective depends; then by that; then by
+        the other objectives, for designs that agree in it."""
+        if at is None or self._main is None or found[at].mean is None:
+            return (2,)
+        order = self._order(self._main, found)
         if any(not self._is_within(one, found[self._evidence.index[one.label]]) for one in self._study.constraints):
-            return 1, 0.0, -self._sign(self._main) * found[at].mean
+            return 1, *order
         share = self._condition(self._main)
         share_found = None if share is None else found[self._evidence.index[share.label]].mean
-        return 0, -(share_found or 0.0), -self._sign(self._main) * found[at].mean
+        return 0, -(share_found or 0.0), *order
+
+    def _order(self, first: Objective, found: Sequence[Estimate]) -> list[float]:
+        """Returns what a better design has less of: the values of an objective and of those after it, in their senses."""
+        wanted = [first, *(one for one in self._senses if one is not first)]
+        means = [(self._sign(one), found[self._evidence.index[one.label]].mean) for one in wanted]
+        return [math.inf if mean is None else -sign * mean for sign, mean in means]
 
     def _condition(self, objective: Objective) -> Objective | None:
         """Returns the share that a design needs before a value that counts its successes only says anything."""
@@ -176,7 +184,8 @@ class Judge:
         group = self._group(objective)
         if not group:
             return None
-        best = max(group, key=lambda design: (self._sign(objective) * (self._evidence.shown(design, objective).mean or 0.0), -design))
+        shown = {design: [self._evidence.shown(design, one) for one in self._study.objectives] for design in group}
+        best = min(group, key=lambda design: (self._order(objective, shown[design]), design))
         near = [one for one in group if one != best and not self._evidence.surely_better(best, one, objective.label)]
         return best, near
 

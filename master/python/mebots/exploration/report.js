@@ -48,8 +48,20 @@ main.append(pair);
   let up = objectives.findIndex((one, i) => one.share && i !== across);
   if (up < 0) up = sorted[Math.min(1, sorted.length - 1)];
   if (up === across && choices.length > objectives.length) across = objectives.length;
-  const made = section(pair, "Front", "Each point a design; bars are intervals. Click one for what it is.");
+  const made = section(pair, "Front", "Each point a design; bars are intervals; the dashed line is the front by means. Click one for what it is.");
   const names = choices.map((one) => one.name);
+  /** The designs that no other one dominates by the two means that are shown, where both are to be minimised or maximised. */
+  const frontLine = (x, y) => {
+    const senseOf = (choice) => objectives[choice]?.sense || (objectives[choice]?.share ? 1 : 0);
+    const [sx, sy] = [senseOf(across), senseOf(up)];
+    if (!sx || !sy || across === up) return [];
+    const points = designs.filter((one) => one.front !== "excluded").map((one) => [choices[across].at(one)[0], choices[up].at(one)[0]]).filter((point) => !point.includes(null));
+    const beats = (a, b) => sx * (a[0] - b[0]) >= 0 && sy * (a[1] - b[1]) >= 0 && (a[0] !== b[0] || a[1] !== b[1]);
+    const best = points.filter((one) => !points.some((other) => beats(other, one))).sort((a, b) => a[0] - b[0]);
+    if (best.length < 2) return [];
+    return [node("path", { d: "M" + best.map(([a, b]) => `${x(a)},${y(b)}`).join("L"), fill: "none", stroke: "var(--ink)", "stroke-width": 1.5, "stroke-dasharray": "5 4" },
+      node("title", {}, "front by means"))];
+  };
   const redraw = chart(made, () => {
     const picture = frame(520, 340);
     const box = { left: 60, right: 505, top: 24, bottom: 295 };
@@ -61,6 +73,7 @@ main.append(pair);
     for (const bound of study.constraints.filter((one) => one.label === choices[up].label)) {
       picture.append(node("line", { x1: box.left, x2: box.right, y1: y(bound.bound), y2: y(bound.bound), stroke: "var(--excluded)", "stroke-dasharray": "4 3" }));
     }
+    picture.append(...frontLine(x, y));
     const inside = (value, [low, high]) => Math.min(Math.max(value, low), high);
     const order = designs.map((_, i) => i).sort((a, b) => (a === chosen) - (b === chosen) || (designs[a].front === "on") - (designs[b].front === "on"));
     for (const i of order) {
@@ -111,7 +124,7 @@ if (factors.length >= 2) {
     const cells = up.map((r) => across.map((c) => pooled(designs.filter((one) => r.has(one.values[rows]) && c.has(one.values[columns])), objective)));
     const range = objectives[objective].share ? [0, 1] : extent(cells.flat());
     up.forEach((r, i) => {
-      picture.append(node("text", { x: left - 6, y: top + (i + 0.5) * height + 4, "text-anchor": "end" }, r.name));
+      picture.append(label({ x: left - 6, y: top + (i + 0.5) * height + 4, "text-anchor": "end" }, r.name, 14));
       across.forEach((c, j) => {
         const value = cells[i][j];
         if (value === null) return;
@@ -122,7 +135,7 @@ if (factors.length >= 2) {
         );
       });
     });
-    across.forEach((c, j) => picture.append(node("text", { x: left + (j + 0.5) * width, y: top + 296, "text-anchor": "middle" }, c.name)));
+    across.forEach((c, j) => picture.append(label({ x: left + (j + 0.5) * width, y: top + 296, "text-anchor": "middle" }, c.name, Math.floor(width / 7))));
     return picture;
   });
   selector(made, "of", objectives.map(titled), objective, (value) => ((objective = value), redraw()));
@@ -149,8 +162,11 @@ if (factors.length >= 2) {
       const points = means[i].map((mean, j) => (mean === null ? null : [x(j), y(mean)])).filter(Boolean);
       picture.append(node("path", { d: "M" + points.map((point) => point.join(",")).join("L"), fill: "none", stroke: "var(--undecided)", "stroke-width": 2 }));
       points.forEach(([cx, cy]) => picture.append(node("circle", { cx, cy, r: 4, fill: "var(--undecided)" })));
-      own.forEach((level, j) => picture.append(node("text", { x: x(j), y: 245, "text-anchor": "end", transform: `rotate(-30 ${x(j)} 245)` }, level.name)));
-      picture.append(node("text", { x: 60 + (i + 0.5) * width, y: 12, "text-anchor": "middle" }, factors[i].split(".").slice(-2).join(".")));
+      const every = Math.max(1, Math.ceil((own.length * 14) / width)); // lines of text do not touch
+      own.forEach((level, j) => {
+        if (j % every === 0) picture.append(label({ x: x(j) + 4, y: 240, "text-anchor": "end", transform: `rotate(-40 ${x(j) + 4} 240)` }, level.name, 12));
+      });
+      picture.append(label({ x: 60 + (i + 0.5) * width, y: 12, "text-anchor": "middle" }, factors[i].split(".").pop(), Math.floor(width / 7)));
     });
     return picture;
   });
@@ -161,7 +177,7 @@ if (factors.length >= 2) {
 {
   const made = section(pair, "Parallel coordinates", "A line for each design through its factors and means.");
   const columns = [
-    ...factors.map((name, i) => ({ name: name.split(".").slice(-2).join("."), value: (one) => one.values[i] })),
+    ...factors.map((name, i) => ({ name: name.split(".").pop(), value: (one) => one.values[i] })),
     ...objectives.map((one, i) => ({ name: one.label, value: (design) => design.estimates[i][0] })),
   ];
   chart(made, () => {
@@ -185,8 +201,13 @@ if (factors.length >= 2) {
       picture.append(mark(i, "path", { d: line, fill: "none", stroke: colour(i), "stroke-opacity": loud ? 1 : 0.35, "stroke-width": loud ? 2 : 1.2 }));
     }
     columns.forEach(({ name }, i) => {
-      picture.append(node("line", { class: "axis", x1: x(i), x2: x(i), y1: 30, y2: 260 }), node("text", { x: x(i), y: i % 2 ? 294 : 280, "text-anchor": "middle" }, name));
-      for (const value of scales[i].names) picture.append(node("text", { x: x(i) + 4, y: scales[i].at(value) + 4 }, scales[i].name(value)));
+      picture.append(node("line", { class: "axis", x1: x(i), x2: x(i), y1: 30, y2: 260 }), label({ x: x(i), y: i % 2 ? 294 : 280, "text-anchor": "middle" }, name, Math.floor(840 / columns.length / 7)));
+      const room = Math.max(4, Math.floor(420 / Math.max(1, columns.length - 1) / 7) - 1);
+      const every = Math.max(1, Math.ceil((scales[i].names.length * 13) / 230));
+      scales[i].names.forEach((value, j) => {
+        const last = i === columns.length - 1; // its names lie at the left: there is more space
+        if (j % every === 0) picture.append(label({ x: x(i) + (last ? -4 : 4), y: scales[i].at(value) + 4, "text-anchor": last ? "end" : "start", class: "lettered" }, scales[i].name(value), room));
+      });
     });
     return picture;
   });
@@ -199,19 +220,21 @@ if (designs.some((one) => one.flights.length)) {
   const redraw = chart(made, () => {
     const order = designs.map((_, i) => i).filter((i) => designs[i].estimates[objective][0] !== null)
       .sort((a, b) => designs[a].estimates[objective][0] - designs[b].estimates[objective][0]);
-    const picture = frame(1080, 260);
+    const wide = Math.max(340, Math.min(1300, made.clientWidth || 1080));
+    const picture = frame(wide, 260);
     const values = order.flatMap((i) => designs[i].flights[objective] ?? []);
     const range = extent(values);
     const y = scale(range, 235, 15);
     for (const value of ticks(range)) {
-      picture.append(node("line", { class: "axis", x1: 60, x2: 1070, y1: y(value), y2: y(value) }), node("text", { x: 54, y: y(value) + 4, "text-anchor": "end" }, short(value)));
+      picture.append(node("line", { class: "axis", x1: 60, x2: wide - 10, y1: y(value), y2: y(value) }), node("text", { x: 54, y: y(value) + 4, "text-anchor": "end" }, short(value)));
     }
-    const width = 1010 / Math.max(1, order.length);
+    const width = (wide - 70) / Math.max(1, order.length);
+    const named = Math.min(MOST_NAMED, Math.floor((wide - 70) / 18));
     order.forEach((i, place) => {
       const middle = 60 + (place + 0.5) * width;
       const dots = (designs[i].flights[objective] ?? []).filter((one) => one !== null);
       const path = dots.map((one, j) => `M${middle + (((j * 0.618) % 1) - 0.5) * width * 0.6},${y(one)}h0`).join("");
-      if (order.length <= MOST_NAMED) picture.append(node("text", { x: middle, y: 252, "text-anchor": "middle" }, String(i)));
+      if (order.length <= named) picture.append(node("text", { x: middle, y: 252, "text-anchor": "middle" }, String(i)));
       picture.append(
         node("path", { d: path, stroke: colour(i), "stroke-opacity": 0.5, "stroke-width": 4, "stroke-linecap": "round" }),
         mark(i, "rect", { x: middle - width / 2, y: 15, width, height: 220, fill: "transparent" }),
