@@ -34,20 +34,6 @@ inline constexpr std::array<std::string_view, kParts> kPartNames{
     "fabric_controller", "cluster_cores",      "fc_memory", "l2",       "l1", "interconnect", "dma",
     "fc_background",     "cluster_background", "leakage",   "retention"};
 
-/// What each part is, for people.
-inline constexpr std::array<std::string_view, kParts> kPartTexts{
-    "instructions of the fabric controller, and its gated clock while it sleeps",
-    "instructions of the cluster's cores, and their gated clocks while they sleep",
-    "accesses to the fabric controller's own memory",
-    "accesses to L2",
-    "accesses to L1, the cluster's memory",
-    "words between cluster and SoC, accesses to devices",
-    "the DMA: data moved, and its clock while the cluster is on",
-    "clock tree, buses and peripherals of the fabric controller, in proportion to the clock",
-    "clock tree and buses of the cluster while it is on",
-    "leakage of everything that has its supply",
-    "memories kept in retention sleep"};
-
 struct EnergyComponent {
   std::string_view name;
   double energy_j = 0;

@@ -19,6 +19,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// What each part of the chip's energy is, in the order of kPartNames.
+constexpr std::array<std::string_view, kParts> kPartTexts{
+    "instructions of the fabric controller, and its gated clock while it sleeps",
+    "instructions of the cluster's cores, and their gated clocks while they sleep",
+    "accesses to the fabric controller's own memory",
+    "accesses to L2",
+    "accesses to L1, the cluster's memory",
+    "words between cluster and SoC, accesses to devices",
+    "the DMA: data moved, and its clock while the cluster is on",
+    "clock tree, buses and peripherals of the fabric controller, in proportion to the clock",
+    "clock tree and buses of the cluster while it is on",
+    "leakage of everything that has its supply",
+    "memories kept in retention sleep"};
 constexpr double kPicosecond = 1e-12;
 constexpr int kDigits = 4;
 

@@ -40,15 +40,15 @@ std::vector<std::string> SystemDescription::instance_names() const {
   return names;
 }
 
-std::optional<VariableName> SystemDescription::split(std::string_view given) const {
+std::optional<VariableName> SystemDescription::split(std::string_view text) const {
   // No instance's name is the beginning of another's, so at most one fits.
-  for (auto dot = given.find('.'); dot != std::string_view::npos; dot = given.find('.', dot + 1)) {
-    const auto instance = given.substr(0, dot);
-    if (dot + 1 < given.size() && find_instance(instance) != nullptr) {
-      return VariableName{std::string(instance), std::string(given.substr(dot + 1))};
+  for (auto dot = text.find('.'); dot != std::string_view::npos; dot = text.find('.', dot + 1)) {
+    const auto instance = text.substr(0, dot);
+    if (dot + 1 < text.size() && find_instance(instance) != nullptr) {
+      return VariableName{std::string(instance), std::string(text.substr(dot + 1))};
     }
   }
-  if (single_fmu && !given.empty()) return VariableName{instances.front().name, std::string(given)};
+  if (single_fmu && !text.empty()) return VariableName{instances.front().name, std::string(text)};
   return std::nullopt;
 }
 

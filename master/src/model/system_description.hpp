@@ -304,7 +304,6 @@ class InstanceIndex {
 struct SystemDescription {
   std::filesystem::path file;  ///< the config, FMU or SSP
   std::string name;            ///< its file name without extension
-  std::string text;            ///< what it is about, for people
   std::string source;          ///< its bytes, for the hash of the inputs
   ExactTime step;              ///< communication step
   std::int64_t start_time_ns = 0;

@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include <span>
+#include <sstream>
+#include <string>
 
 namespace mebots::master {
 namespace {
@@ -23,6 +25,18 @@ constexpr std::string_view kPanelKinds[] = {"lines", "stack", "lanes"};
 
 void put_unless_empty(Json& object, const char* key, const std::string& text) {
   if (!text.empty()) object[key] = text;
+}
+
+/// The `text` of a config, else of the config that it extends, which follows in `source`. Empty for an SSP.
+std::string text_for_people(const std::string& source) {
+  std::istringstream stream(source);
+  try {
+    for (Json config; stream >> config;) {
+      if (config.is_object() && config.contains("text") && config["text"].is_string()) return config["text"];
+    }
+  } catch (const Json::exception&) {  // NOLINT(bugprone-empty-catch): the end, or no JSON: there is no text
+  }
+  return {};
 }
 
 Json instances_json(const ResolvedSystem& system) {
@@ -104,7 +118,7 @@ Json system_json(const ResolvedSystem& system) {
   const auto& description = *system.description;
   Json json;
   json["name"] = description.name;
-  put_unless_empty(json, "text", description.text);
+  put_unless_empty(json, "text", text_for_people(description.source));
   json["step"] = to_seconds(description.step);
   json["stop_time"] = description.grid().time_s(description.stop_time_ns);
   json["instances"] = instances_json(system);

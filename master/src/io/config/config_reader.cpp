@@ -34,7 +34,7 @@ struct Section {
 
 // In the order of reading, which is not that of the file: a reader may count on those before it.
 constexpr Section kSections[] = {
-    {"$schema", false, &config::read_schema},
+    {"$schema", false, &config::read_text},
     {"text", false, &config::read_text},
     {"step", true, &config::read_step},
     {"instances", true, &config::read_instances},

@@ -12,7 +12,6 @@
 /// they cannot continue.
 namespace mebots::master::config {
 
-void read_schema(const data::Node& node, SystemDescription& system);
 void read_text(const data::Node& node, SystemDescription& system);
 void read_step(const data::Node& node, SystemDescription& system);
 void read_instances(const data::Node& node, SystemDescription& system);

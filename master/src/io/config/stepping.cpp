@@ -13,12 +13,8 @@
 
 namespace mebots::master::config {
 
-void read_schema(const Node& node, SystemDescription& /*system*/) {
-  static_cast<void>(node.text());  // for editors only
-}
-
-void read_text(const Node& node, SystemDescription& system) {
-  system.text = node.text();
+void read_text(const Node& node, SystemDescription& /*system*/) {
+  static_cast<void>(node.text());  // for people only
 }
 
 void read_step(const Node& node, SystemDescription& system) {
