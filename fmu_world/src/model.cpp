@@ -161,7 +161,8 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
       sequencer_(starts_on_ground(scene_, parameters)),
       gates_({scene_.gates.begin(), scene_.gates.end()}, scene_.drone.body_size_m),
       state_(start_of(scene_, parameters)),
-      flight_control_(scene_.drone, parameters.stabiliser_controller, parameters.stabiliser_state, state_, start_ns) {
+      flight_control_(scene_.drone, parameters.stabiliser_controller, parameters.stabiliser_propellers,
+                      parameters.stabiliser_state, state_, start_ns) {
   for (const auto& warning : calibration_.warnings) log_(warning);
   require_at_least_zero(in_.drone_dry_mass_kg, "drone.dry_mass");
   require_at_least_zero(in_.range_noise_m, "range.noise");
@@ -204,6 +205,10 @@ void World::check_words() const {
   if (to_string(in_.stabiliser_controller) == "?") {
     throw Error(fmt::format("stabiliser.controller = {} is not a controller; ideal is 0, crazyflie 1",
                             static_cast<std::int32_t>(in_.stabiliser_controller)));
+  }
+  if (to_string(in_.stabiliser_propellers) == "?") {
+    throw Error(fmt::format("stabiliser.propellers = {} are no known propellers; legacy is 0, plus 1, thrust_upgrade 2",
+                            static_cast<std::int32_t>(in_.stabiliser_propellers)));
   }
   if (to_string(in_.stabiliser_state) == "?") {
     throw Error(fmt::format("stabiliser.state = {} is not a source of the state; truth is 0, estimate 1",

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "crazyflie/controller.hpp"
 
-#include "crazyflie/power_distribution.hpp"
 #include "math/periods.hpp"
 #include "math/rotation.hpp"
 
@@ -22,7 +21,7 @@ constexpr double kLeastSupply_v = 2.0;
 
 }  // namespace
 
-Controller::Controller() = default;
+Controller::Controller(Propellers propellers) : rotor_(&thrust_over_voltage(propellers)) {}
 
 void Controller::start(const StabiliserGoal& goal, const RigidState& state, const Eigen::Vector3d& attitude_deg) {
   memory_ = {};
@@ -118,7 +117,7 @@ const RotorValues& Controller::update(const StabiliserGoal& goal, const RigidSta
   }
   RotorValues shares = control_attitude(state, attitude_deg);
   if (bus_voltage_v >= kLeastSupply_v) {
-    for (double& share : shares) share = compensated(share, bus_voltage_v);
+    for (double& share : shares) share = compensated(share, bus_voltage_v, *rotor_);
   }
   memory_.command = capped(shares);
   return memory_.command;

@@ -3,6 +3,7 @@
 
 #include "crazyflie/gains.hpp"
 #include "crazyflie/pid.hpp"
+#include "crazyflie/power_distribution.hpp"
 #include "dynamics/airframe.hpp"
 #include "math/periods.hpp"
 #include "mebots/state/visitor.hpp"
@@ -24,7 +25,7 @@ class Controller {
   static constexpr std::int64_t kAttitudePeriod_ns = 2'000'000;
   static constexpr std::int64_t kPositionPeriod_ns = 10'000'000;
 
-  Controller();
+  explicit Controller(Propellers propellers);
 
   /// Commands (duty cycle, 0..1) for what the drone is taken to do at time_ns; held until the next attitude period.
   /// With a bus voltage of at least 2 V the firmware's battery compensation makes them, otherwise there is none.
@@ -53,6 +54,7 @@ class Controller {
   void control_position(const StabiliserGoal& goal, const RigidState& state, double yaw_rad);
   RotorValues control_attitude(const RigidState& state, const Eigen::Vector3d& attitude_deg);
 
+  const ThrustOverVoltage* rotor_;
   Gains gains_;
   Pid roll_rate_{gains_.roll_rate};
   Pid pitch_rate_{gains_.pitch_rate};

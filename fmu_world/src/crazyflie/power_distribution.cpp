@@ -7,21 +7,41 @@ namespace mebots::world::crazyflie {
 namespace {
 
 constexpr double kFull = 65535.0;
-// Of a rotor with legacy propellers, over its motor's voltage: crazyflie-firmware, platform_defaults_cf2.h.
-constexpr double kConstant_n = -0.014830744918356092;
-constexpr double kLinear_n_per_v = 0.04724465241828281;
-constexpr double kSquare_n_per_v2 = -0.01847364358025878;
-constexpr double kCubic_n_per_v3 = 0.005960923942142;
-constexpr double kLeast_n = 0.012817578393224994;
-constexpr double kMost_n = 0.12;
+// crazyflie-firmware, platform_defaults_cf2.h: VMOTOR2THRUST0 to 3, THRUST_MIN, THRUST_MAX.
+constexpr ThrustOverVoltage kLegacy{
+    .constant_n = -0.014830744918356092,
+    .linear_n_per_v = 0.04724465241828281,
+    .square_n_per_v2 = -0.01847364358025878,
+    .cubic_n_per_v3 = 0.005960923942142,
+    .least_n = 0.012817578393224994,
+    .most_n = 0.12,
+};
+constexpr ThrustOverVoltage kPlus{
+    .constant_n = -0.02476537915958403,
+    .linear_n_per_v = 0.06523793527519485,
+    .square_n_per_v2 = -0.026792504967750107,
+    .cubic_n_per_v3 = 0.006776789303971145,
+    .least_n = 0.012817578393224994,
+    .most_n = 0.12,
+};
+constexpr ThrustOverVoltage kThrustUpgrade{
+    .constant_n = 0.006728127583707208,
+    .linear_n_per_v = 0.01011557616217668,
+    .square_n_per_v2 = 0.010263198062061085,
+    .cubic_n_per_v3 = 0.0028358638322392503,
+    .least_n = 0.01922636758983749,
+    .most_n = 0.18,
+};
 
-/// The cubic rises everywhere and is convex above 1.03 V, so Newton's steps from 4 V come down to the root.
-double motor_voltage_v(double thrust_n) {
+/// The cubics rise everywhere and are convex above 1.32 V, so Newton's steps from 4 V come down to the root; a root
+/// below takes more of them.
+double motor_voltage_v(double thrust_n, const ThrustOverVoltage& rotor) {
   double v = 4.0;
   constexpr int kSteps = 16;
   for (int i = 0; i < kSteps; ++i) {
-    const double thrust_at_v = kConstant_n + v * (kLinear_n_per_v + v * (kSquare_n_per_v2 + v * kCubic_n_per_v3));
-    const double slope = kLinear_n_per_v + v * (2.0 * kSquare_n_per_v2 + v * 3.0 * kCubic_n_per_v3);
+    const double thrust_at_v =
+        rotor.constant_n + v * (rotor.linear_n_per_v + v * (rotor.square_n_per_v2 + v * rotor.cubic_n_per_v3));
+    const double slope = rotor.linear_n_per_v + v * (2.0 * rotor.square_n_per_v2 + v * 3.0 * rotor.cubic_n_per_v3);
     v -= (thrust_at_v - thrust_n) / slope;
   }
   return v;
@@ -39,9 +59,21 @@ RotorValues distributed(const Demand& demand) {
   return shares;
 }
 
-double compensated(double share, double supply_v) {
-  const double thrust_n = kMost_n * share;
-  return thrust_n < kLeast_n ? 0.0 : motor_voltage_v(thrust_n) / supply_v;
+const ThrustOverVoltage& thrust_over_voltage(Propellers propellers) {
+  switch (propellers) {
+    case Propellers::plus:
+      return kPlus;
+    case Propellers::thrust_upgrade:
+      return kThrustUpgrade;
+    case Propellers::legacy:
+      break;
+  }
+  return kLegacy;
+}
+
+double compensated(double share, double supply_v, const ThrustOverVoltage& rotor) {
+  const double thrust_n = rotor.most_n * share;
+  return thrust_n < rotor.least_n ? 0.0 : motor_voltage_v(thrust_n, rotor) / supply_v;
 }
 
 RotorValues capped(const RotorValues& shares) {

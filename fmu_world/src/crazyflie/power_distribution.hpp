@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dynamics/airframe.hpp"
+#include "fmu_world/variables.hpp"
 
 namespace mebots::world::crazyflie {
 
@@ -16,10 +17,21 @@ struct Demand {
 /// Shares of a motor's full thrust, before limits.
 RotorValues distributed(const Demand& demand);
 
-/// Which share of the supply gives a share of 0.12 N, the firmware's greatest thrust of a rotor: by its published cubic
-/// fit of thrust over motor voltage for legacy propellers. In 0 to 1, above 1 where the supply cannot give it, 0 below
-/// 0.0128 N.
-double compensated(double share, double supply_v);
+/// The firmware's published fit of a rotor's thrust over its motor's voltage.
+struct ThrustOverVoltage {
+  double constant_n;
+  double linear_n_per_v;
+  double square_n_per_v2;
+  double cubic_n_per_v3;
+  double least_n;  ///< a motor stands still below
+  double most_n;   ///< thrust of a full share
+};
+
+const ThrustOverVoltage& thrust_over_voltage(Propellers propellers);
+
+/// Returns the duty cycle that gives a share of the greatest thrust: above 1 if the supply cannot give it, 0 below the
+/// least thrust.
+double compensated(double share, double supply_v, const ThrustOverVoltage& rotor);
 
 /// A motor beyond full takes what it exceeds by off all four; none is below 0.
 RotorValues capped(const RotorValues& shares);

@@ -5,9 +5,9 @@
 
 namespace mebots::world {
 
-FlightControl::FlightControl(const scene::Drone& drone, FlightController controller, StateSource source,
-                             const RigidState& start, std::int64_t start_ns)
-    : controller_(controller), ideal_(drone) {
+FlightControl::FlightControl(const scene::Drone& drone, FlightController controller, Propellers propellers,
+                             StateSource source, const RigidState& start, std::int64_t start_ns)
+    : controller_(controller), ideal_(drone), crazyflie_(propellers) {
   if (source == StateSource::truth) return;
   MEBOTS_ASSERT(drone.flow.has_value());  // no flow sensor, no world
   estimator_.emplace(*drone.flow, start, start_ns);

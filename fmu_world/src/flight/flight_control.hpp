@@ -25,8 +25,8 @@ struct Senses {
 class FlightControl {
  public:
   /// An estimate needs a flow sensor in the drone's file.
-  FlightControl(const scene::Drone& drone, FlightController controller, StateSource source, const RigidState& start,
-                std::int64_t start_ns);
+  FlightControl(const scene::Drone& drone, FlightController controller, Propellers propellers, StateSource source,
+                const RigidState& start, std::int64_t start_ns);
 
   void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) { ideal_.set_mass(mass_kg, inertia_kg_m2); }
 

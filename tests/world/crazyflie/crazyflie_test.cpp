@@ -74,15 +74,30 @@ TEST(CrazyflieMotors, AMotorBeyondFullLowersAllFour) {
   EXPECT_THAT(crazyflie::capped({0.5, -0.1, 0.5, 0.5}), ElementsAre(0.5, 0.0, 0.5, 0.5));
 }
 
+/// Thrust of a rotor at its motor's voltage, by the cubic that the firmware has for its propellers.
+double thrust_n(const crazyflie::ThrustOverVoltage& rotor, double v) {
+  return rotor.constant_n + rotor.linear_n_per_v * v + rotor.square_n_per_v2 * v * v + rotor.cubic_n_per_v3 * v * v * v;
+}
+
 TEST(CrazyflieMotors, CompensationGivesTheVoltageThatThePublishedCubicHasForAThrust) {
-  for (const double share : {0.11, 0.3, 0.55, 0.82, 1.0}) {
-    const double v = 3.7 * crazyflie::compensated(share, 3.7);
-    const double thrust_n =
-        -0.014830744918356092 + 0.04724465241828281 * v - 0.01847364358025878 * v * v + 0.005960923942142 * v * v * v;
-    EXPECT_NEAR(thrust_n, 0.12 * share, 1e-12) << share;
+  for (const auto propellers : {Propellers::legacy, Propellers::plus, Propellers::thrust_upgrade}) {
+    const auto& rotor = crazyflie::thrust_over_voltage(propellers);
+    for (const double share : {0.11, 0.3, 0.55, 0.82, 1.0}) {
+      const double v = 3.7 * crazyflie::compensated(share, 3.7, rotor);
+      EXPECT_NEAR(thrust_n(rotor, v), rotor.most_n * share, 1e-12) << share;
+    }
+    EXPECT_EQ(crazyflie::compensated(0.1, 3.7, rotor), 0.0);  // 0.012 and 0.018 N
+    EXPECT_NEAR(crazyflie::compensated(0.5, 3.0, rotor), crazyflie::compensated(0.5, 4.2, rotor) * 4.2 / 3.0, 1e-12);
   }
-  EXPECT_EQ(crazyflie::compensated(0.1, 3.7), 0.0);  // 0.012 N
-  EXPECT_NEAR(crazyflie::compensated(0.5, 3.0), crazyflie::compensated(0.5, 4.2) * 4.2 / 3.0, 1e-12);
+}
+
+// Bitcraze's table for the 2.1+ (rotor file crazyflie_21plus, steady_speed and thrust_coefficient): 0.1067 N at 2.93 V.
+TEST(CrazyflieMotors, PropellersOfThe21PlusNeedMoreVoltageForAThrust) {
+  const auto voltage_for = [](Propellers propellers) {
+    return 3.7 * crazyflie::compensated(0.1067 / 0.12, 3.7, crazyflie::thrust_over_voltage(propellers));
+  };
+  EXPECT_NEAR(voltage_for(Propellers::plus), 2.93, 0.01);
+  EXPECT_NEAR(voltage_for(Propellers::legacy), 2.84, 0.01);
 }
 
 TEST(CrazyflieLowPass, LetsThroughWhatIsSlowAndHalvesThePowerAtItsCutoff) {
@@ -337,6 +352,10 @@ TEST(CrazyflieParameters, RefusesWhatCannotFly) {
   unknown.stabiliser_controller = static_cast<FlightController>(7);
   EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), unknown); },
               ThrowsMessage<Error>(HasSubstr("stabiliser.controller = 7 is not a controller")));
+  Parameters strange = knowing();
+  strange.stabiliser_propellers = static_cast<Propellers>(7);
+  EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), strange); },
+              ThrowsMessage<Error>(HasSubstr("stabiliser.propellers = 7 are no known propellers")));
   scene::Scene bare = shipped_scene("empty");
   bare.drone.flow.reset();
   EXPECT_THAT([&] { FlightRig(bare, own()); }, ThrowsMessage<Error>(HasSubstr("needs flow_sensor in the drone file")));
