@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws docs/img/flight_unseen.png and flight_errors.png from flights that no file was fitted on.
+"""Draws docs/img/flight_unseen.png and flight_errors.png from flights that no file was fitted on, and
+flight_endurance.png from hover flights of the model.
 
-    .venv/bin/python bench/flight/figures.py FOLDER
+    .venv/bin/python bench/flight/figures.py FOLDER [--jobs N]
 
-FOLDER as in flight_data.py.
+FOLDER as in flight_data.py. The hover flights, 80 of them, take two minutes of processor time.
 """
 import argparse
 import json
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -19,14 +21,19 @@ from fit_rotor import flight_coefficient
 from judge_cell import START_S
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
+sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "bench/world")]
 import figure_style as style  # noqa: E402
+import hover_table  # noqa: E402
 from figure_style import plt  # noqa: E402
 
 CELLS = (("bitcraze_250", style.VERMILION), ("bitcraze_250_flights", style.BLUE))
 ROTORS = (("crazyflie_bench", style.VERMILION), ("crazyflie_legacy", style.BLUE))
 THRUST_FLIGHT = "jana01"
 LEAST_SHOWN_S = 100.0
+CHARGED = "bitcraze_250_charged"
+HOVERING_CELL = "bitcraze_250_flights"
+BARE_G = 27.0
+STATED = (("Bitcraze, bare drone", BARE_G, 420.0), ("MEbots paper, 40 g", 40.0, 410.0))  # mass [g], seconds
 
 
 def quantity(kind, name, key):
@@ -73,6 +80,7 @@ def voltage_errors(axis, title, flights):
     """Share of flights below an error, for both cells blind and after the first seconds."""
     flown = Set(flights, Rotors())
     curves = [(name, colour, "-", rms(flown.errors(Cell.load(name), 1.0)), "blind") for name, colour in CELLS]
+    curves.append((CHARGED, style.PALETTE[3], "-", rms(flown.errors(Cell.load(CHARGED), 1.0)), "blind"))
     new = Cell.load("bitcraze_250_flights")
     later = flown.errors(new, flown.best_factor(new, START_S))[:, round(START_S / data.STEP_S):]
     later = later[(~np.isnan(later)).sum(axis=1) > 10 / data.STEP_S]
@@ -99,10 +107,29 @@ def thrust_errors(axis, folder):
     axis.legend(fontsize=8, loc="upper center", ncols=2)
 
 
+def endurance(axis, jobs):
+    """Hover time over payload, with the interval of 19 draws, and what others state."""
+    with tempfile.TemporaryDirectory() as scratch:
+        values = hover_table.flown(Path(scratch) / "values", jobs, [HOVERING_CELL])
+        draws = hover_table.flown(Path(scratch) / "draws", jobs, [HOVERING_CELL], **hover_table.DRAWS)
+    grams = hover_table.PAYLOADS_G
+    seconds = [sorted(time for time, _ in draws[HOVERING_CELL, g]) for g in grams]
+    axis.fill_between(grams, [s[0] for s in seconds], [s[-1] for s in seconds], color=style.BLUE, alpha=0.15, lw=0, label="19 draws")
+    for g, times in zip(grams, seconds):
+        axis.plot([g] * len(times), times, "_", ms=6, color=style.BLUE, alpha=0.5)
+    axis.plot(grams, [values[HOVERING_CELL, g][0][0] for g in grams], "o-", ms=4, color=style.BLUE, label=f"{HOVERING_CELL}, values of the files")
+    for (name, mass, time), mark in zip(STATED, "^s"):
+        axis.plot(mass - BARE_G, time, mark, color=style.VERMILION, label=f"stated: {name}")
+    axis.set(xlabel="payload of a bare Crazyflie 2.1 [g]", ylabel="hover [s]", ylim=(0, None), title="Endurance: an interval, not a check")
+    axis.legend(fontsize=8, loc="lower left")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder")
-    folder = parser.parse_args().folder
+    parser.add_argument("--jobs", type=int)
+    given = parser.parse_args()
+    folder = given.folder
     unseen = [f for f in data.craciun(folder) if not f.fitted]
     figure, (left, right) = plt.subplots(1, 2, figsize=(10, 3.8), layout="constrained")
     voltage(left, unseen)
@@ -112,8 +139,11 @@ def main():
     thrust_errors(axes[0], folder)
     voltage_errors(axes[1], "Craciun", unseen)
     voltage_errors(axes[2], "NanoBench", data.nanobench(folder))
-    figure.legend(*axes[1].get_legend_handles_labels(), fontsize=8, loc="outside lower right", ncols=3)
+    figure.legend(*axes[1].get_legend_handles_labels(), fontsize=8, loc="outside lower right", ncols=2)
     style.save(figure, ROOT / "docs/img/flight_errors.png")
+    figure, axis = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
+    endurance(axis, given.jobs)
+    style.save(figure, ROOT / "docs/img/flight_endurance.png")
 
 
 if __name__ == "__main__":

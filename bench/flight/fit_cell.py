@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fits the resistances of a 250 mAh cell on half of Craciun's flights.
 
-    .venv/bin/python bench/flight/fit_cell.py FOLDER
+    .venv/bin/python bench/flight/fit_cell.py FOLDER [--full VOLTS]
 
 FOLDER as in flight_data.py. Flights whose SHA-256 is even are fitted, the others never. The flights have no current: the
 power is that of crazyflie_legacy at the weight of the drone (cell_model.py). Open-circuit voltage and the shape of all
 curves over charge are Chen and Rincon-Mora's, and the capacity is the nominal one: flights that use less than half of
-the charge do not separate it from slow changes of the resistance. Fitted are the series resistance, resistance and time
+the charge do not separate it from slow changes of the resistance. `--full` raises the open-circuit voltage in proportion to
+the charge, so that the full cell has this one. Fitted are the series resistance, resistance and time
 constant of one pair, and a factor of all resistances for each flight, since the cells are not named. With a second pair
 the fit gives it 0 Ohm.
 """
@@ -18,7 +19,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import flight_data as data
-from cell_model import Cell, Rotors, Set, rms
+from cell_model import GRID, Cell, Rotors, Set, rms
 
 EMPTY_V = 3.7   # at rest: below, the fit would rest on the curve's end
 TRUST_V = 0.05  # errors beyond count linearly
@@ -35,8 +36,12 @@ def scaled(base, series, pairs):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder")
-    flights = [f for f in data.craciun(parser.parse_args().folder) if f.fitted and f.rest_v > EMPTY_V]
+    parser.add_argument("--full", type=float, help="open-circuit voltage of the full cell; by default the published one, 4.103 V")
+    given = parser.parse_args()
+    flights = [f for f in data.craciun(given.folder) if f.fitted and f.rest_v > EMPTY_V]
     flown, base = Set(flights, Rotors()), Cell.load(SHAPE)
+    if given.full:
+        base = replace(base, open_circuit=base.open_circuit + (given.full - base.open_circuit[-1]) * GRID)
     count = len(flights)
     known = ~np.isnan(flown.voltage_v)
     weight = 1 / np.sqrt(known.sum(axis=1))[:, None] / TRUST_V
@@ -61,12 +66,13 @@ def main():
         return matrix
 
     start = np.r_[np.log([0.15, 0.03, 2.0]), np.zeros(count)]
-    x = least_squares(errors, start, jac=slopes, loss="soft_l1", max_nfev=60).x
+    found = least_squares(errors, start, jac=slopes, loss="soft_l1", max_nfev=60)
+    x = found.x
     middle = np.median(x[COMMON:])
     series, ohm, tau = np.exp(x[:COMMON] + middle * np.array([1, 1, 0]))
     factors = np.exp(x[COMMON:] - middle)
     off = rms(flown.errors(cell_of(x[:COMMON]), np.exp(x[COMMON:])))
-    print(f"{count} flights fitted, {sum(len(f.voltage_v) for f in flights) * data.STEP_S / 60:.0f} minutes")
+    print(f"{count} flights fitted, {sum(len(f.voltage_v) for f in flights) * data.STEP_S / 60:.0f} minutes, cost {found.cost:.1f}")
     print(f"series {series:.4f} Ohm, pair {ohm:.4f} Ohm {tau:.2f} s, at full charge")
     print("factor of all resistances, 5, 25, 50, 75, 95 %: " + ", ".join(f"{np.percentile(factors, p):.2f}" for p in (5, 25, 50, 75, 95)))
     print(f"rms of a flight with its own factor: median {1e3 * np.median(off):.0f} mV, 90 % {1e3 * np.percentile(off, 90):.0f} mV")

@@ -17,7 +17,7 @@ import numpy as np
 import flight_data as data
 from cell_model import Cell, Rotors, Set, rms
 
-CELLS = ("bitcraze_250", "bitcraze_250_flights")
+CELLS = ("bitcraze_250", "bitcraze_250_flights", "bitcraze_250_charged")
 START_S = 20.0
 SAME_CELL_S = 300.0
 RECOVERY_V = (-0.01, 0.1)

@@ -6,8 +6,9 @@
 
 FOLDER as in flight_data.py. Thrust: k times the measured speeds, against the weight and the measured acceleration, in
 each second. `one flight`: with k from the first flight of the same drone, judged on the others. Speed: fmu_motors with
-the logged duty cycles and voltage as inputs. Power: fmu_motors settled at the stand's voltage and at its thrust, or its
-speed, against voltage times current; up and down are the two directions of the stand's sweep.
+the logged duty cycles and voltage as inputs; `one flight`: with a factor for each rotor from the first flight. Power: fmu_motors settled at the stand's voltage and at its thrust, or its
+speed, against voltage times current; up and down are the two directions of the stand's sweep. The last table has the power of
+that stand over that of the stand which the rotor was fitted on, without a model.
 """
 import argparse
 
@@ -48,8 +49,8 @@ def thrust_table(sets, models):
 
 def speed_table(sets, models):
     print("| speed from duty cycle and voltage | flights | " + " | ".join(
-        f"{m.rotor}: mean of a rotor | {m.rotor}: rms over time" for m in models) + " |")
-    print("|---|---|" + "---|---|" * len(models))
+        f"{m.rotor}: mean of a rotor | {m.rotor}: rms over time | {m.rotor}: each rotor | {m.rotor}: one flight" for m in models) + " |")
+    print("|---|---|" + "---|" * 4 * len(models))
     for name, flights in sets.items():
         cells = []
         for m in models:
@@ -57,9 +58,12 @@ def speed_table(sets, models):
             for f in flights:
                 whole = np.concatenate([np.r_[s] for s in f.blocks()])
                 off = m.fly(f)[0][:, whole] / f.speed_rad_per_s[:, whole] - 1
-                means += list(off.mean(axis=1))
+                means.append(off.mean(axis=1))
                 squares.append(np.mean(off**2))
-            cells += [spread(means), f"{100 * np.sqrt(np.mean(squares)):.1f}"]
+            means = np.array(means)
+            each = ", ".join(f"{100 * mean:+.1f} (sd {100 * sd:.1f})" for mean, sd in zip(means.mean(axis=0), means.std(axis=0)))
+            later = (1 + means[1:]) / (1 + means[0]) - 1
+            cells += [spread(means), f"{100 * np.sqrt(np.mean(squares)):.1f}", each, spread(later)]
         print(f"| {name} | {len(flights)} | " + " | ".join(cells) + " |")
 
 
@@ -84,6 +88,20 @@ def stand_table(stand, models):
             up, down = 100 * np.array(both)
             three = [f"{u:+.1f}, {d:+.1f}, {(u + d) / 2:+.1f}" for u, d in zip(up, down)]
             print(f"| {low} to {high} g | {m.rotor} | {three[0]} | {(up[1] + down[1]) / 2:+.1f} | {three[2]} | {three[3]} |")
+
+
+def stands_table(judged, fitted):
+    """Power of one stand over that of another at the same thrust. Directions of both sweeps are averaged."""
+    print("| power of stock-prop / stock2 - 1 | up and down averaged | up | down |\n|---|---|---|---|")
+    rising = np.arange(len(judged.duty)) < np.argmax(judged.duty)
+    order = np.argsort(fitted.grams)
+    for low, high in GRAMS:
+        inside = (judged.grams >= low) & (judged.grams < high) & (judged.grams <= fitted.grams.max())
+        if not inside.any():
+            continue
+        ratio = judged.power_w / np.interp(judged.grams, fitted.grams[order], fitted.power_w[order]) - 1
+        up, down = (100 * ratio[inside & direction].mean() for direction in (rising, ~rising))
+        print(f"| {low} to {high} g | {(up + down) / 2:+.1f} | {up:+.1f} | {down:+.1f} |")
 
 
 def drone_models_table(models):
@@ -111,6 +129,8 @@ def main():
     speed_table(sets, models)
     print()
     stand_table(data.stand(given.folder, data.JUDGED_STAND), models)
+    print()
+    stands_table(data.stand(given.folder, data.JUDGED_STAND), data.stand(given.folder, data.CALIBRATION_STANDS[1]))
     print()
     drone_models_table(models)
 

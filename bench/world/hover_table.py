@@ -28,12 +28,15 @@ BARE_KG = 0.0199  # of configs/hover.json
 CELL, MASS = "battery.cell.name", "world.drone.dry_mass"
 
 
-def flown(folder, jobs, **sections):
+DRAWS = {"draws": {"replicates": 19}, "uncertainty": "calibration"}  # of a study
+
+
+def flown(folder, jobs, cells=CELLS, **sections):
     """{(cell, payload): [(seconds, outcome)]}"""
     masses = {round(BARE_KG + payload / 1000, 4): payload for payload in PAYLOADS_G}
     study = {
         "mission": str(ROOT / "configs/hover.json"),
-        "design": {"kind": "grid", "factors": {CELL: list(CELLS), MASS: list(masses)}},
+        "design": {"kind": "grid", "factors": {CELL: list(cells), MASS: list(masses)}},
         "objectives": {"charge": {"summary": "state_of_charge"}},
     } | sections
     mebots.sweep(study, folder, jobs=jobs)
@@ -73,7 +76,7 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(scratch)
         values = flown(folder / "values", jobs)
-        draws = flown(folder / "draws", jobs, draws={"replicates": 19}, uncertainty="calibration")
+        draws = flown(folder / "draws", jobs, **DRAWS)
     print("| payload | " + " | ".join(f"`{cell}`" for cell in CELLS) + " |")
     print("|---" * (len(CELLS) + 1) + "|")
     for payload in PAYLOADS_G:

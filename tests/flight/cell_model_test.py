@@ -46,7 +46,7 @@ class FastCell(unittest.TestCase):
         def power_w(voltage):
             return rotors.hovering(MASS_KG, voltage) + cell_model.AVIONICS_W
 
-        for name, charge in (("bitcraze_250_flights", 0.95), ("bitcraze_250", 0.7)):
+        for name, charge in (("bitcraze_250_flights", 0.95), ("bitcraze_250", 0.7), ("bitcraze_250_charged", 1.0)):
             cell = cell_model.Cell.load(name)
             rest_v = np.array([float(cell_model.at(cell.open_circuit, charge))])
             steps = round(DURATION_S / cell_model.STEP_S)
