@@ -171,11 +171,11 @@ void Model::watch_current(double current_a, std::int64_t now_ns) {
   const bool over = std::abs(current_a) > cell_.continuous_current_a;
   if (over && !over_current_) {
     over_current_since_ns_ = now_ns;
-    over_current_told_ = false;
+    over_current_warned_ = false;
   }
   over_current_ = over;
-  if (!over || over_current_told_ || now_ns - over_current_since_ns_ < kTellOverCurrentAfterNs) return;
-  over_current_told_ = true;
+  if (!over || over_current_warned_ || now_ns - over_current_since_ns_ < kWarnOverCurrentAfterNs) return;
+  over_current_warned_ = true;
   log_(fmt::format(
       "t = {:.9g} s: the current has been above the cell's continuous limit of {} A for {:.9g} s; now {:.3f} A",
       seconds(now_ns), cell_.continuous_current_a, seconds(now_ns - over_current_since_ns_), current_a));
@@ -223,7 +223,7 @@ void Model::visit(state::Visitor& v) {
   v("low_s", low_s_);
   v("full", full_);
   v("over_current", over_current_);
-  v("over_current_told", over_current_told_);
+  v("over_current_told", over_current_warned_);
   v("over_current_since", over_current_since_ns_);
 }
 

@@ -30,7 +30,7 @@ class Model {
   static constexpr double kResumeChargingBelow = 0.999;
   /// A continuous limit is about heat, which a take-off of some tenths of a second does not bring. The log tells of a
   /// current above it that has flowed this long without a break. The output tells at once.
-  static constexpr std::int64_t kTellOverCurrentAfterNs = 1'000'000'000;
+  static constexpr std::int64_t kWarnOverCurrentAfterNs = 1'000'000'000;
 
   /// Told of events (protection, over-current, full cell), in the order of time.
   using EventLog = std::function<void(std::string_view)>;
@@ -79,7 +79,7 @@ class Model {
   double low_s_ = 0;
   bool full_ = false;
   bool over_current_ = false;
-  bool over_current_told_ = false;
+  bool over_current_warned_ = false;
   std::int64_t over_current_since_ns_ = 0;  // while it is
 };
 

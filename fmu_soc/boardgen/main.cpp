@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
   auto* skeleton_option =
       app.add_option("--skeleton", skeleton, "Write the source of a device of this board, all but its behaviour")
           ->type_name("DEVICE FILE.cpp");
-  if (const auto code = mebots::command_line::tell_of_it(app, MEBOTS_VERSION, argc, argv)) return *code;
+  if (const auto code = mebots::command_line::handle_hidden_options(app, MEBOTS_VERSION, argc, argv)) return *code;
   try {
     app.parse(argc, argv);
     if (c_option->empty() && cpp_option->empty() && skeleton_option->empty()) {

@@ -76,13 +76,13 @@ std::string finder(const BoardDevice& device, std::string_view head, std::string
 
 std::string variables(const BoardDevice& device) {
   const auto of = [](std::string_view type) {
-    return [type](const soc::BoardVariable& variable) { return variable.goes_in() && type_of(variable) == type; };
+    return [type](const soc::BoardVariable& variable) { return variable.is_input() && type_of(variable) == type; };
   };
   return finder(device, "double* input", "override", of("double")) +
          finder(device, "std::string_view* text_input", "override", of("std::string_view")) +
          finder(device, "std::span<const std::uint8_t>* bytes_input", "override", of("std::span<const std::uint8_t>")) +
          finder(device, "const double* output", "const override",
-                [](const soc::BoardVariable& variable) { return !variable.goes_in() && variable.is_number(); });
+                [](const soc::BoardVariable& variable) { return !variable.is_input() && variable.is_number(); });
 }
 
 std::string energy(const BoardDevice& device) {

@@ -346,7 +346,7 @@ void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) 
     situation.crashed = true;
     report(end_ns, "crash: tipped over");
   }
-  situation.come_down = contact_.has_come_down();
+  situation.has_landed = contact_.has_landed();
   sequencer_.update(setpoint_.mode, setpoint_.altitude_m, situation, dt_s);
   if (sequencer_.stands()) contact_.stand();
   report_phase(before, end_ns);

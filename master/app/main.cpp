@@ -91,7 +91,8 @@ int main(int argument_count, char** arguments) {
   Action action;
   for (const auto add : kCommands) add(app, action);
   const std::string version(mebots::version());
-  if (const auto code = mebots::command_line::tell_of_it(app, version, argument_count, arguments)) return *code;
+  if (const auto code = mebots::command_line::handle_hidden_options(app, version, argument_count, arguments))
+    return *code;
   try {
     const std::vector<std::string> given(arguments + std::min(argument_count, 1), arguments + argument_count);
     const auto words = mebots::master::with_each_set(given);

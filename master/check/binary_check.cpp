@@ -79,14 +79,14 @@ class NeededLibraries {
       if (!is_there(candidate)) continue;
       if (fs::weakly_canonical(candidate).string().starts_with(fs::weakly_canonical(folder_).string())) {
         follow(candidate, inherited);
-      } else if (!folder.starts_with("/usr") && !folder.starts_with("/lib") && told_.insert(needed).second) {
+      } else if (!folder.starts_with("/usr") && !folder.starts_with("/lib") && reported_.insert(needed).second) {
         findings_.warning(fmt::format("{} loads {} from {}, a folder of this machine only", asking.filename().string(),
                                       needed, folder),
                           "put the library into the folder of the FMU's own, and link with -Wl,-rpath,'$ORIGIN'");
       }
       return;
     }
-    if (system_has(needed) || !told_.insert(needed).second) return;
+    if (system_has(needed) || !reported_.insert(needed).second) return;
     if (is_there(folder_ / needed)) {
       findings_.error(fmt::format("{1} needs {0} from its own folder, but has no search path for it", needed,
                                   asking.filename().string()),
@@ -112,7 +112,7 @@ class NeededLibraries {
   fs::path folder_;
   Findings findings_;
   std::set<std::string> seen_;
-  std::set<std::string> told_;
+  std::set<std::string> reported_;
 };
 
 }  // namespace

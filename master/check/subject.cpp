@@ -155,13 +155,13 @@ void Instance::free() {
 void Instance::logged(master::LoggerCall call) {
   const std::lock_guard lock(mutex_);
   if (call.status != fmi2OK) messages_.push_back(call.text);
-  if (!told_environment_ && !call.own_environment) {
-    told_environment_ = true;
+  if (!reported_environment_ && !call.own_environment) {
+    reported_environment_ = true;
     library_->witness().error("the logger was called with another environment than the FMU was given",
                               "keep componentEnvironment of fmi2Instantiate per instance and hand it to the logger");
   }
-  if (!told_name_ && call.instance != name_) {
-    told_name_ = true;
+  if (!reported_name_ && call.instance != name_) {
+    reported_name_ = true;
     library_->witness().error(
         fmt::format("the logger was called with the instance name \"{}\" instead of \"{}\"",
                     call.instance.value_or("(null)"), name_),
@@ -169,9 +169,9 @@ void Instance::logged(master::LoggerCall call) {
   }
   const std::string_view name = call.category;
   const auto& known = library_->target().model->log_categories;
-  if (!told_category_ && !name.empty() && !known.empty() && !is_standard_category(name) &&
+  if (!reported_category_ && !name.empty() && !known.empty() && !is_standard_category(name) &&
       std::ranges::find(known, name, &modeldesc::LogCategory::name) == known.end()) {
-    told_category_ = true;
+    reported_category_ = true;
     library_->witness().remark(fmt::format("a message is of category \"{}\", which LogCategories does not list", name),
                                "add the category to modelDescription.xml");
   }

@@ -143,9 +143,9 @@ class Instance final : private master::CallbackListener {
   std::vector<std::string> messages_;
   std::mutex mutex_;  // the FMU may log from threads of its own
   bool ended_ = false;
-  bool told_environment_ = false;
-  bool told_name_ = false;
-  bool told_category_ = false;
+  bool reported_environment_ = false;
+  bool reported_name_ = false;
+  bool reported_category_ = false;
 };
 
 }  // namespace mebots::check

@@ -153,7 +153,7 @@ std::string LiveRun::data(const Known& known) {
                  {"ended", ended_},
                  {"known", {{"rows", known.rows}, {"pictures", known.pictures}, {"log", known.log}}},
                  {"log", log_->size()}};
-  if (known.rows == 0 || ended_) tell_what_stays(folder);
+  if (known.rows == 0 || ended_) add_constant_data(folder);
   folder.name = run_->system().name;
   folder.pictures = master::report::read_pictures(run_->options().out, known.pictures);
   folder.results = table_of(run_->memory(), known.rows);
@@ -163,7 +163,7 @@ std::string LiveRun::data(const Known& known) {
 }
 
 /// Data that the browser gets once at the start, and again at the end, when profiles exist.
-void LiveRun::tell_what_stays(master::report::RunFolder& folder) const {
+void LiveRun::add_constant_data(master::report::RunFolder& folder) const {
   auto side = master::report::read_side_files(run_->options().out);
   folder.scene = std::move(side.scene);
   folder.profiles = std::move(side.profiles);

@@ -92,7 +92,7 @@ class LiveRun {
   /// Wall time until the next step is due at the pace.
   std::chrono::steady_clock::duration until_due() const;
   std::string data(const Known& known);
-  void tell_what_stays(master::report::RunFolder& folder) const;
+  void add_constant_data(master::report::RunFolder& folder) const;
   std::string control(const std::string& order);
   std::string set(const std::string& variable, const std::string& value);
   void save_scenario() const;

@@ -24,7 +24,7 @@ std::string cell(const std::string& name) {
 }
 
 /// A value that the limits of an input allow, and that is not where its outputs rest.
-double asked_of(const Field& input) {
+double example_value(const Field& input) {
   const double least = input.min.value_or(input.max.value_or(2) - 2);
   return input.max ? 0.5 * (least + *input.max) : least + 1;
 }
@@ -34,7 +34,7 @@ std::map<const Field*, std::vector<double>> held_inputs(const Plan& plan) {
   std::map<const Field*, std::vector<double>> held;
   for (const Field& field : plan.description->fields) {
     if (field.causality != Causality::input || field.type != FieldType::real) continue;
-    held[&field] = std::vector<double>(field.fmi_names.size(), asked_of(field));
+    held[&field] = std::vector<double>(field.fmi_names.size(), example_value(field));
   }
   return held;
 }

@@ -54,7 +54,7 @@ namespace mebots::command_line {
 /// bash|fish|zsh` prints what the shell needs to complete the program's command line, `PROGRAM --write-manuals FOLDER`
 /// writes a manual page for the program and one for each of its commands. Returns the exit code when the command line
 /// was one of these. `app` has its name and all its commands; `version` stands on the pages.
-std::optional<int> tell_of_it(const CLI::App& app, const std::string& version, int argument_count,
-                              const char* const* arguments);
+std::optional<int> handle_hidden_options(const CLI::App& app, const std::string& version, int argument_count,
+                                         const char* const* arguments);
 
 }  // namespace mebots::command_line

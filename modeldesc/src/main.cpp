@@ -95,7 +95,7 @@ int main(int argc, char** argv) {
   });
 
   app.name("mebots-modeldesc");
-  if (const auto code = mebots::command_line::tell_of_it(app, MEBOTS_VERSION, argc, argv)) return *code;
+  if (const auto code = mebots::command_line::handle_hidden_options(app, MEBOTS_VERSION, argc, argv)) return *code;
   try {
     app.parse(argc, argv);
     return 0;

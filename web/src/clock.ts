@@ -20,7 +20,7 @@ export class Clock {
   /** The run went on. */
   extend(end: number): void {
     this.last = end;
-    this.tellState();
+    this.notifyState();
   }
 
   get time(): number {
@@ -50,12 +50,12 @@ export class Clock {
     this.playing = true;
     this.lastFrame = performance.now();
     requestAnimationFrame((frame) => this.advance(frame));
-    this.tellState();
+    this.notifyState();
   }
 
   pause(): void {
     this.playing = false;
-    this.tellState();
+    this.notifyState();
   }
 
   toggle(): void {
@@ -65,7 +65,7 @@ export class Clock {
 
   setSpeed(speed: number): void {
     this.speed = speed;
-    this.tellState();
+    this.notifyState();
   }
 
   private advance(frame: number): void {
@@ -77,7 +77,7 @@ export class Clock {
     else requestAnimationFrame((next) => this.advance(next));
   }
 
-  private tellState(): void {
+  private notifyState(): void {
     for (const listener of this.stateListeners) listener();
   }
 }

@@ -72,7 +72,7 @@ def opens_apart(first, second, kinds, digits):
     return "in no flight of both" if apart is None else f"at most {apart:.{digits}f} % of charge apart"
 
 
-def told_of_experiments(both):
+def describe_experiments(both):
     first, second = both.values()
     flights, otherwise = ends_apart(first, second)
     apart = " and by ".join(f"{most:.1f} {unit} ({what})" for unit, (most, what) in targets_apart(first, second).items())
@@ -88,7 +88,7 @@ def told_of_experiments(both):
            f"{opens_apart(first, second, ('hover', 'empty'), 3)}, in cruise {opens_apart(first, second, ('cruise',), 2)}.")
 
 
-def told_of_decisions(both):
+def describe_decisions(both):
     ones = {chip: data["decisions"]["b-adaptive"] for chip, data in both.items()}
     yield "A decision of the hard adaptive flight takes " + ", ".join(
         f"{1e3 * one['latency_s']:.1f} ms with {chip} (rows {1e3 * one['read_out_s']:.1f}, inference "
@@ -96,7 +96,7 @@ def told_of_decisions(both):
         f"{1e3 * (one['latency_s'] - one['read_out_s'] - one['inference_s']):.1f})" for chip, one in ones.items()) + "."
 
 
-def told_of_joules(both):
+def describe_joules(both):
     for chip, data in both.items():
         one, parts, seconds = data["decisions"]["b-adaptive"], data["adaptive"]["chip"], data["speeds"]["adaptive"]["simulated_s"]
         low, high = bounds(data)
@@ -174,7 +174,7 @@ def same_starts(first, second, name):
     return [pairs.count(pair) for pair in ((True, True), (True, False), (False, True), (False, False))]
 
 
-def told_of_starts(both, name):
+def describe_starts(both, name):
     first, second = both
     with_both, alone_first, alone_second, none = same_starts(both[first], both[second], name)
     told = (f"{name}: from {with_both} starts both passed, from {alone_first} {first} alone, from {alone_second} {second} alone, "

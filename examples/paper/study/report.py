@@ -252,7 +252,7 @@ def on_both_chips(page, data, beside):
     page.text("Checks against silicon allow " + " and ".join(
         "{:.2f} to {:.2f} times the joules of {}'s chip".format(*chips.bounds(of), chip) for chip, of in both.items())
         + ". These are no confidence intervals.")
-    for told in (chips.told_of_experiments, chips.told_of_decisions, chips.told_of_joules):
+    for told in (chips.describe_experiments, chips.describe_decisions, chips.describe_joules):
         page.text(" ".join(told(both)))
     if "landing" not in beside:
         page.text(f"Not flown with {second}: the charge at which a landing must begin, whose search goes in steps of {STEP} %.")
@@ -291,7 +291,7 @@ def starts_of_both(page, both):
     page.table(("starts", "chip", "flights", "passed", "95 %", "without a touch", "crossed the opening", "not passed"),
                numbers(chips.of_starts(both), 2), "From the random starts that both flew")
     for name in chips.scenarios_of_both(*both.values()):
-        page.text(chips.told_of_starts(both, name))
+        page.text(chips.describe_starts(both, name))
     page.text("The adaptive policy slows down where the mean of ten outputs is above 0.3. The noise of the pictures and their times differ "
               "with the chip, so that rates can be compared and single starts cannot.")
 

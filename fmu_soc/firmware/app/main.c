@@ -110,7 +110,7 @@ static pilot_command_t steer(crew_t* crew, const navigator_output_t* seen, int32
                        : pilot_step(&crew->pilot, seen, velocity_um_s, elapsed_us);
 }
 
-static void tell(const crew_t* crew, const navigator_output_t* seen, const pilot_command_t* order) {
+static void print_decision(const crew_t* crew, const navigator_output_t* seen, const pilot_command_t* order) {
   static const char* const kPhases[] = {"search", "approach", "through", "done"};
   print("%m s  picture %u, %s", (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, kPhases[phase_of(crew)]);
   if (crew->follows) {
@@ -133,7 +133,7 @@ static int fly(crew_t* crew) {
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
   int64_t frame_ns = timer_now_ns();  // when to ask for the next picture
   int64_t last_ns = frame_ns;
-  bool asked = false;
+  bool requested = false;
   for (;;) {
     if (flight_phase() == FLIGHT_PHASE_CRASHED) {
       return EXIT_CRASHED;
@@ -146,7 +146,7 @@ static int fly(crew_t* crew) {
     picture_t picture;
     navigator_output_t seen = {0, 0, 0};
     camera_result_t result = PICTURE_REFUSED;
-    if (asked || camera_ask()) {
+    if (requested || camera_ask()) {
       result = camera_wait(&picture, frame_ns + 5 * period_ns);
     }
     const int64_t here_ns = timer_now_ns();
@@ -155,11 +155,11 @@ static int fly(crew_t* crew) {
     }
     if (result == PICTURE_TAKEN) {
       // A picture that would be due before this look ends is exposed and read out meanwhile.
-      asked = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
-      statistics.overlapped += asked ? 1 : 0;
+      requested = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
+      statistics.overlapped += requested ? 1 : 0;
       seen = look(crew, &picture);
     } else if (result == PICTURE_LATE) {
-      asked = true;
+      requested = true;
       ++statistics.late;
     } else {
       print("the camera refuses to take pictures\n");
@@ -172,13 +172,13 @@ static int fly(crew_t* crew) {
     last_ns = now_ns;
     command(FLIGHT_MODE_FLY, order.velocity_um_s, order.yaw_rate_urad_s);
     if (phase_of(crew) != before || statistics.pictures % PICTURES_PER_LINE == 1) {
-      tell(crew, &seen, &order);
+      print_decision(crew, &seen, &order);
     }
     if (phase_of(crew) == PILOT_DONE) {
       return EXIT_GATE_CROSSED;
     }
 
-    if (!asked) {
+    if (!requested) {
       timer_sleep_until(frame_ns);
     }
   }

@@ -62,7 +62,7 @@ static sight_t look(const picture_t* picture) {
   return sight;
 }
 
-static void tell(const traverser_t* traverser, const sight_t* sight, const traverser_command_t* order) {
+static void print_decision(const traverser_t* traverser, const sight_t* sight, const traverser_command_t* order) {
   static const char* const kPhases[] = {"search", "approach", "through", "elsewhere", "done"};
   print("%m s  picture %u, %s", (int32_t)(timer_now_ns() / NS_PER_MS), statistics.pictures, kPhases[traverser->phase]);
   if (sight->visible > 0) {
@@ -91,7 +91,7 @@ static int fly(traverser_command_t* order) {
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
   int64_t frame_ns = timer_now_ns();  // when to ask for the next picture
   int64_t last_ns = frame_ns;
-  bool asked = false;
+  bool requested = false;
   while (traverser.phase != TRAVERSER_DONE) {
     if (flight_phase() == FLIGHT_PHASE_CRASHED) {
       return EXIT_CRASHED;
@@ -103,7 +103,7 @@ static int fly(traverser_command_t* order) {
     picture_t picture;
     sight_t sight = {0, 0, 0, -127};
     camera_result_t result = PICTURE_REFUSED;
-    if (asked || camera_ask()) {
+    if (requested || camera_ask()) {
       result = camera_wait(&picture, frame_ns + 5 * period_ns);
     }
     const int64_t here_ns = timer_now_ns();
@@ -114,10 +114,10 @@ static int fly(traverser_command_t* order) {
       print("the camera refuses to take pictures\n");
       return EXIT_CAMERA;
     }
-    asked = true;
+    requested = true;
     if (result == PICTURE_TAKEN) {
       // A picture that would be due before this look ends is exposed and read out meanwhile.
-      asked = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
+      requested = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
       sight = look(&picture);
     } else {
       ++statistics.late;
@@ -131,9 +131,9 @@ static int fly(traverser_command_t* order) {
     last_ns = now_ns;
     command(FLIGHT_MODE_FLY, order);
     if (traverser.phase != before || statistics.pictures % PICTURES_PER_LINE == 1) {
-      tell(&traverser, &sight, order);
+      print_decision(&traverser, &sight, order);
     }
-    if (!asked) {
+    if (!requested) {
       timer_sleep_until(frame_ns);
     }
   }

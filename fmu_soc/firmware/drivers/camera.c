@@ -15,7 +15,7 @@
 static uint8_t buffers[2][BUFFER_BYTES] __attribute__((aligned(4), section(".noinit.camera")));
 // The buffer that the picture on its way goes to, or went to last.
 static unsigned filling;
-static bool on_its_way;
+static bool is_requested;
 // STATUS bits that the interrupt brought.
 static volatile uint32_t outcome;
 
@@ -32,7 +32,7 @@ void camera_init(void) {
 }
 
 bool camera_ask(void) {
-  if (on_its_way) {
+  if (is_requested) {
     return true;
   }
   outcome = 0;
@@ -43,7 +43,7 @@ bool camera_ask(void) {
     CAMERA_STATUS = STATUS_REFUSED;
     return false;
   }
-  on_its_way = true;
+  is_requested = true;
   return true;
 }
 
@@ -55,7 +55,7 @@ camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns) {
   if (outcome == 0) {
     return PICTURE_LATE;
   }
-  on_its_way = false;
+  is_requested = false;
   if ((outcome & STATUS_READY) == 0) {
     return PICTURE_REFUSED;
   }

@@ -19,7 +19,7 @@ static inline void core_clock_set(uint32_t hz) {
 }
 
 // Lets interrupt `number` in: it ends a sleep, and comes when interrupts are on.
-static inline void core_let_in(unsigned number) {
+static inline void core_enable_interrupt(unsigned number) {
   const uint32_t bit = UINT32_C(1) << number;
   __asm__ volatile("csrs mie, %0" ::"r"(bit) : "memory");
 }

@@ -13,7 +13,7 @@ static interrupt_handler_t handlers[INTERRUPT_COUNT];
 
 void interrupt_attach(unsigned number, interrupt_handler_t handler) {
   handlers[number] = handler;
-  core_let_in(number);
+  core_enable_interrupt(number);
 }
 
 static void end_on_exception(uint32_t cause) {

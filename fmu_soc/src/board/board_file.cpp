@@ -31,17 +31,17 @@ auto read_place() {
   return data::word_of<Place>({{"fabric_controller", Place::fabric_controller}, {"cluster", Place::cluster}});
 }
 
-constexpr std::uint32_t kMostWayCycles = 1000;
+constexpr std::uint32_t kMostLatencyCycles = 1000;
 
-BoardWay read_way(const Node& node) {
+BoardLatency read_latency(const Node& node) {
   Object object(node);
-  BoardWay way;
-  object.read("fabric_controller", way.fabric_controller, count_up_to(kMostWayCycles));
-  object.read("cluster", way.cluster, count_up_to(kMostWayCycles));
-  object.read("soc", way.soc, count_up_to(kMostWayCycles));
+  BoardLatency latency;
+  object.read("fabric_controller", latency.fabric_controller, count_up_to(kMostLatencyCycles));
+  object.read("cluster", latency.cluster, count_up_to(kMostLatencyCycles));
+  object.read("soc", latency.soc, count_up_to(kMostLatencyCycles));
   object.comment("text");
   object.finish();
-  return way;
+  return latency;
 }
 
 BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
@@ -67,7 +67,7 @@ BoardMemory read_memory(const Node& node, std::set<std::string>& names) {
   object.read_if("leaks", memory.leaks, &Node::flag);
   object.read_if("alias", memory.alias, &read_address);
   object.visit_if("way", [&](const Node& member) {
-    memory.way = read_way(member);
+    memory.latency = read_latency(member);
     if (memory.place == Place::cluster) {
       member.fail(ErrorCode::invalid_value, "the cluster's memory has no 'way': remove the key, or change 'place'");
     }
@@ -284,7 +284,7 @@ BoardDescription read_root(const Node& root) {
     }
   });
   const bool has_way =
-      std::ranges::any_of(board.memories, [](const BoardMemory& memory) { return memory.way.has_value(); });
+      std::ranges::any_of(board.memories, [](const BoardMemory& memory) { return memory.latency.has_value(); });
   if (object.sound() && board.instruction_cache(Place::cluster).refill_soc_cycles != 0 && !has_way) {
     root.at("instruction_caches")
         .complain(ErrorCode::invalid_value, "refill_soc_cycles needs a memory with a 'way', and none has one");

@@ -20,7 +20,7 @@ namespace mebots::soc {
 enum class Place : std::uint8_t { fabric_controller, cluster };
 
 /// How long the way to a memory is that stands outside the cluster: cycles that an access waits there and back.
-struct BoardWay {
+struct BoardLatency {
   std::uint32_t fabric_controller = 0;  // of the fabric controller, in its clock
   std::uint32_t cluster = 0;            // of the cluster's cores and DMA: as far as the cluster's clock goes
   std::uint32_t soc = 0;                // and behind that, in the clock of the SoC
@@ -31,12 +31,12 @@ struct BoardMemory {
   std::uint32_t base = 0;
   std::uint32_t size = 0;  // bytes
   Place place = Place::fabric_controller;
-  bool leaks = true;                   // false: stands for no real memory
-  unsigned banks = 1;                  // that serve a word per cycle each; told apart in the cluster only
-  bool arbitration_tree = false;       // of the cluster's: its cores' order at the banks is a tree's, else it rotates
-  std::uint32_t quantum = 64;          // of the cluster's: ticks for which a core takes banks in one go
-  std::optional<std::uint32_t> alias;  // where the cores of its place see it, too
-  std::optional<BoardWay> way;         // nothing = as the chip has it for all memories
+  bool leaks = true;                    // false: stands for no real memory
+  unsigned banks = 1;                   // that serve a word per cycle each; told apart in the cluster only
+  bool arbitration_tree = false;        // of the cluster's: its cores' order at the banks is a tree's, else it rotates
+  std::uint32_t quantum = 64;           // of the cluster's: ticks for which a core takes banks in one go
+  std::optional<std::uint32_t> alias;   // where the cores of its place see it, too
+  std::optional<BoardLatency> latency;  // nothing = as the chip has it for all memories
   std::string text;
 };
 

@@ -165,10 +165,10 @@ Node entry_of(const Node& device, const BoardRegister& reg) {
 }
 
 /// The names of the variables that a register may show, or send.
-std::vector<std::string> numbers_of(const BoardDevice& device, bool that_go_in) {
+std::vector<std::string> numbers_of(const BoardDevice& device, bool inputs) {
   std::vector<std::string> names;
   for (const auto& variable : device.variables) {
-    if (variable.goes_in() == that_go_in && variable.is_number()) names.push_back(variable.name);
+    if (variable.is_input() == inputs && variable.is_number()) names.push_back(variable.name);
   }
   return names;
 }
@@ -206,7 +206,7 @@ void check_display(const Node& node, const BoardDevice& device, const BoardRegis
 /// Every output of a described device has one source.
 void check_outputs(const Node& node, const BoardDevice& device) {
   for (const auto& variable : device.variables) {
-    if (variable.goes_in()) continue;
+    if (variable.is_input()) continue;
     const auto& name = variable.name;
     const auto senders = std::ranges::count(device.registers, name, &BoardRegister::sends);
     const bool is_own = name == device.power_variable() || name == device.energy_variable();

@@ -19,11 +19,11 @@ Cluster::Cluster(Memory& memory, const ClusterSettings& settings, const Instruct
                         .translate = settings.translate}),
       dma_(memory, settings.l1_region, settings.dma),
       peripherals_(settings.make_peripherals(dma_)),
-      scheduler_(settings_, decoded_, way_, dma_, *this) {
+      scheduler_(settings_, decoded_, soc_port_, dma_, *this) {
   MEBOTS_ASSERT(settings.cores > 0 && settings.cores <= kMostClusterCores);
   ClusterBus& bus = *this;
   for (unsigned id = 0; id < settings.cores; ++id) {
-    cores_.push_back(std::make_unique<ClusterCore>(bus, settings_, id, memory, decoded_, way_));
+    cores_.push_back(std::make_unique<ClusterCore>(bus, settings_, id, memory, decoded_, soc_port_));
     scheduler_.add(*cores_.back());
   }
   clock_.reset(settings.clock_hz);
@@ -36,7 +36,7 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   scheduler_.set_alarm(peripherals_->next_tick());
   dma_.reset();
   banks_.free_all();  // nothing of what cores had claimed ahead of time when they were switched off
-  way_.free_all();
+  soc_port_.free_all();
   if (instruction_cache_) instruction_cache_->flush();
   for (auto& core : cores_) core->halt();
   scheduler_.cores_changed();
@@ -63,12 +63,12 @@ void Cluster::power_off(Picoseconds now) {
   fabric_woken_ = false;
 }
 
-void Cluster::set_ways(const ClusterWays& ways) {
-  MEBOTS_ASSERT(ways.waits.size() == settings_.ports.size());
-  for (std::size_t i = 0; i < ways.waits.size(); ++i) settings_.ports[i].wait_cycles = ways.waits[i];
-  dma_.set_timing(ways.dma);
-  if (instruction_cache_) instruction_cache_->set_refill_cycles(ways.refill_cycles);
-  for (auto& core : cores_) core->connect(std::clamp(ways.access_ticks, 1U, ClusterWays::kMostAccessTicks));
+void Cluster::set_latencies(const ClusterLatencies& latencies) {
+  MEBOTS_ASSERT(latencies.waits.size() == settings_.ports.size());
+  for (std::size_t i = 0; i < latencies.waits.size(); ++i) settings_.ports[i].wait_cycles = latencies.waits[i];
+  dma_.set_timing(latencies.dma);
+  if (instruction_cache_) instruction_cache_->set_refill_cycles(latencies.refill_cycles);
+  for (auto& core : cores_) core->connect(std::clamp(latencies.access_ticks, 1U, ClusterLatencies::kMostAccessTicks));
   scheduler_.drop_resume_points();
 }
 
@@ -263,7 +263,7 @@ std::uint64_t Cluster::longest_cycles() const {
 
 void Cluster::visit(state::Visitor& v) {
   v("banks", banks_);
-  v("way", way_);
+  v("way", soc_port_);
   if (instruction_cache_) v("instruction_cache", *instruction_cache_);
   v("event_unit", *peripherals_);
   v("dma", dma_);

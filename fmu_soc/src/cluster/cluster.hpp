@@ -57,7 +57,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// Of a core: L1 first.
   const std::vector<MemoryPort>& ports() const { return settings_.ports; }
   /// From now on; between quanta.
-  void set_ways(const ClusterWays& ways);
+  void set_latencies(const ClusterLatencies& latencies);
 
   /// Returns the time of the cluster's next activity; kNever while all cores sleep and no transfer runs.
   Picoseconds next() const;
@@ -141,7 +141,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   ClusterSettings settings_;
   std::unique_ptr<InstructionCache> instruction_cache_;
   Banks banks_;
-  Banks way_{1};         // to the SoC: one access a cycle, whose it may be
+  Banks soc_port_{1};    // to the SoC: one access a cycle, whose it may be
   DecodedCode decoded_;  // one for all cores: they run the same code
   ClusterDma dma_;
   std::unique_ptr<ClusterPeripherals> peripherals_;

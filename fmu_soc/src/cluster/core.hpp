@@ -38,7 +38,7 @@ class ClusterCore final : private Bus {
         id_(id),
         hart_(memory, *this, code, {.id = id, .has_gap8_interrupts = settings.has_gap8_interrupts}),
         l1_(*code.banks),
-        way_(way) {
+        soc_port_(way) {
     connect(1);
   }
 
@@ -46,9 +46,9 @@ class ClusterCore final : private Bus {
   void connect(std::uint32_t access_ticks) {
     auto ports = settings_.ports;
     for (auto& port : ports) {
-      if (settings_.shares_way && port.region != settings_.l1_region) port.banks = &way_;
+      if (settings_.shares_soc_port && port.region != settings_.l1_region) port.banks = &soc_port_;
     }
-    way_.set_ticks(access_ticks);
+    soc_port_.set_ticks(access_ticks);
     hart_.connect(ports);
     share_banks(shares_banks_);
   }
@@ -74,7 +74,7 @@ class ClusterCore final : private Bus {
     asleep_ = false;
     waits_for_turn_ = false;
     granted_ = false;
-    go_on_at(tick);
+    resume_at(tick);
     if (observer_ != nullptr) observer_->switched(hart_, true);
   }
   /// True if it has not started yet.
@@ -87,7 +87,7 @@ class ClusterCore final : private Bus {
     if (!asleep_) return false;
     asleep_ = false;
     hart_.wake();
-    go_on_at(tick);
+    resume_at(tick);
     return true;
   }
   /// Sets all its interrupt lines. An enabled one wakes the core in this tick. Returns true if the core wakes.
@@ -136,13 +136,13 @@ class ClusterCore final : private Bus {
   }
 
  private:
-  void go_on_at(std::uint64_t tick) {
+  void resume_at(std::uint64_t tick) {
     offset_ = tick - hart_.counters().cycles;
     apply_offset();
   }
   void apply_offset() {
     l1_.set_offset(offset_);
-    way_.set_offset(offset_);
+    soc_port_.set_offset(offset_);
     hart_.set_tick_offset(offset_);
   }
 
@@ -177,7 +177,7 @@ class ClusterCore final : private Bus {
   unsigned id_;
   Hart hart_;
   BankSchedule l1_;
-  BankSchedule way_;  // to the SoC
+  BankSchedule soc_port_;  // to the SoC
   bool shares_banks_ = false;
   Observer* observer_ = nullptr;
   std::uint64_t offset_ = 0;

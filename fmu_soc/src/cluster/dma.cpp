@@ -191,7 +191,7 @@ std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::ui
   std::uint64_t waited = 0;
   while (in_burst < burst && transfer.next_beat < until) {
     const auto end = std::min(in_burst + timing_.bytes_per_cycle, burst);
-    const auto wait = banks.claim_soon(transfer.next_beat, (begin + in_burst) & ~3U, begin + end);
+    const auto wait = banks.claim_or_next(transfer.next_beat, (begin + in_burst) & ~3U, begin + end);
     transfer.moved += end - in_burst;
     MEBOTS_ASSERT(end > in_burst);
     MEBOTS_ASSERT(transfer.moved <= what.size, "beats end with the transfer");

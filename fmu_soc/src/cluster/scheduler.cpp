@@ -10,7 +10,7 @@ namespace mebots::soc {
 
 ClusterScheduler::ClusterScheduler(const ClusterSettings& settings, DecodedCode& code, Banks& way, ClusterDma& dma,
                                    ClusterEvents& events)
-    : settings_(settings), code_(code), banks_(*code.banks), way_(way), dma_(dma), events_(events) {
+    : settings_(settings), code_(code), banks_(*code.banks), soc_port_(way), dma_(dma), events_(events) {
   MEBOTS_ASSERT(settings.quantum > 0 && settings.quantum <= Banks::kLongestRun);
   cores_.reserve(settings.cores);
   queue_.reserve(settings.cores);
@@ -143,7 +143,7 @@ void ClusterScheduler::share_banks() {
 void ClusterScheduler::move_banks(std::uint64_t tick) {
   if (!banks_.must_start_over(tick)) {
     banks_.move_to(tick);
-    if (settings_.shares_way) way_.move_to(tick);
+    if (settings_.shares_soc_port) soc_port_.move_to(tick);
     return;
   }
   // The DMA takes nothing behind the last quantum's end, and no core anything behind where it stands.
@@ -151,7 +151,7 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
   for (const auto* core : cores_) last = std::max(last, core->tick());
   const auto moved = banks_.start_over(tick, last);
   for (auto* core : cores_) core->hart().move_resume_point(moved);
-  if (settings_.shares_way) way_.start_over(tick, last + ClusterWays::kMostAccessTicks);
+  if (settings_.shares_soc_port) soc_port_.start_over(tick, last + ClusterLatencies::kMostAccessTicks);
 }
 
 /// Behind the quantum just begun the next core and the other of DMA and cores come first. With the tree the DMA's side

@@ -95,7 +95,7 @@ class ClusterScheduler {
   const ClusterSettings& settings_;
   DecodedCode& code_;
   Banks& banks_;  // of L1
-  Banks& way_;
+  Banks& soc_port_;
   ClusterDma& dma_;
   ClusterEvents& events_;
   std::vector<ClusterCore*> cores_;

@@ -16,7 +16,7 @@ namespace mebots::soc {
 
 /// How far cores and DMA of a cluster are from the memories of the SoC, in the cluster's ticks. It changes with the
 /// clocks: the SoC has its own.
-struct ClusterWays {
+struct ClusterLatencies {
   /// The way to the SoC is taken no longer by one access, however slow the SoC's clock is.
   static constexpr std::uint32_t kMostAccessTicks = 512;
 
@@ -36,7 +36,7 @@ struct ClusterSettings {
   /// Ticks of a quantum when several cores are awake or the DMA moves data.
   std::uint32_t quantum = 0;
   std::vector<MemoryPort> ports;  // of a core, L1 first; its banks are filled in by the core
-  bool shares_way = false;        // to the SoC: a core's access waits for those of other cores
+  bool shares_soc_port = false;   // to the SoC: a core's access waits for those of other cores
   InstructionCacheSettings instruction_cache;
   std::uint32_t clock_hz = 0;
   /// Its registers; the DMA engine is the cluster's.

@@ -29,11 +29,11 @@ GdbServer::GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::stri
   announce_(fmt::format("waiting for gdb: target remote 127.0.0.1:{}", connection_.port()));
 }
 
-bool GdbServer::meet_debugger() {
+bool GdbServer::accept_debugger() {
   if (!connection_.accept(awaited_)) return false;
   awaited_ = false;
   stepping_.reset();
-  alone_.reset();
+  only_hart_.reset();
   breakpoints_.clear();
   watches_.clear();
   return true;
@@ -45,7 +45,7 @@ GdbServer::Resume GdbServer::serve() {
   held_ = true;
   stepping_.reset();
   step_range_ = {};
-  alone_.reset();
+  only_hart_.reset();
   for (;;) {
     const auto packet = connection_.receive();
     if (!packet) break;  // gone: the run goes on without
@@ -56,34 +56,34 @@ GdbServer::Resume GdbServer::serve() {
     return resume;
   }
   held_ = false;
-  return Resume::go_on;
+  return Resume::run;
 }
 
 /// Does what a packet says; anything but `no` ends the conversation for now.
 GdbServer::Resume GdbServer::obey(const std::string& packet) {
-  const auto go_on_at = [this](std::string_view text) {
+  const auto resume_at = [this](std::string_view text) {
     if (const auto address = parse_hex(text)) write_register(kPcNumber, *address);
   };
   switch (packet.empty() ? '\0' : packet[0]) {
     case '\x03':
       return Resume::no;  // it stands already
     case 'c':
-      go_on_at(std::string_view(packet).substr(1));
-      return Resume::go_on;
+      resume_at(std::string_view(packet).substr(1));
+      return Resume::run;
     case 's':
-      go_on_at(std::string_view(packet).substr(1));
+      resume_at(std::string_view(packet).substr(1));
       return Resume::step;
     case 'C':
-      return Resume::go_on;
+      return Resume::run;
     case 'S':
       return Resume::step;
     case 'D':
       connection_.send("OK");
       connection_.disconnect();
-      return Resume::go_on;
+      return Resume::run;
     case 'k':
       connection_.disconnect();
-      return kill_ == Kill::ends_run ? Resume::end : Resume::go_on;
+      return kill_ == Kill::ends_run ? Resume::end : Resume::run;
     default:
       break;
   }
@@ -91,7 +91,7 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
   if (packet.starts_with("vKill")) {
     connection_.send("OK");
     connection_.disconnect();
-    return kill_ == Kill::ends_run ? Resume::end : Resume::go_on;
+    return kill_ == Kill::ends_run ? Resume::end : Resume::run;
   }
   connection_.send(answer(packet));
   if (packet == "QStartNoAckMode") connection_.stop_acknowledging();
@@ -114,9 +114,9 @@ GdbServer::Resume GdbServer::resume(std::string_view actions) {
   if (const auto colon = action.find(':'); colon != std::string_view::npos) {
     const auto text = action.substr(colon + 1);
     if (const auto number = threads_.parse(text)) threads_.choose(*number);
-    if (action.size() == actions.size() && text != "-1") alone_ = threads_.chosen();
+    if (action.size() == actions.size() && text != "-1") only_hart_ = threads_.chosen();
   }
-  return step == std::string_view::npos ? Resume::go_on : Resume::step;
+  return step == std::string_view::npos ? Resume::run : Resume::step;
 }
 
 std::string GdbServer::answer(const std::string& packet) {

@@ -23,7 +23,7 @@ namespace mebots::soc::debug {
 class GdbServer {
  public:
   /// What gdb's `kill` means: the run ends, or it goes on without the debugger.
-  enum class Kill : std::uint8_t { ends_run, lets_go };
+  enum class Kill : std::uint8_t { ends_run, detaches };
 
   /// Listens on 127.0.0.1 and says where through `announce`. The first instruction waits for a debugger.
   /// Throws Error when the port cannot be had.
@@ -42,29 +42,29 @@ class GdbServer {
     char kind = '2';  // '2' stores, '3' loads, '4' both
     friend bool operator==(const Watch&, const Watch&) = default;
   };
-  enum class Resume : std::uint8_t { no, go_on, step, end };
+  enum class Resume : std::uint8_t { no, run, step, end };
 
-  class OfHart final : public Observer {
+  class HartObserver final : public Observer {
    public:
-    OfHart(GdbServer& server, unsigned number) : server_(server), number_(number) {}
+    HartObserver(GdbServer& server, unsigned number) : server_(server), number_(number) {}
     bool before(const Hart& hart) override;
     void retired(const Hart& hart, const Retired& instruction) override;
-    void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) override { has_stood_ = false; }
+    void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) override { was_held_ = false; }
     void switched(const Hart& hart, bool on) override;
 
    private:
-    bool heard() const { return !server_.alone_ || server_.alone_ == number_; }
+    bool reports_to_gdb() const { return !server_.only_hart_ || server_.only_hart_ == number_; }
     void hold(const Hart& hart);
 
     GdbServer& server_;
     unsigned number_;
     // It has been held before this instruction, which may come again: it let others go first, or sleeps before it.
-    bool has_stood_ = false;
-    std::uint32_t stood_at_ = 0;
-    std::uint64_t stood_after_ = 0;  // instructions
+    bool was_held_ = false;
+    std::uint32_t held_pc_ = 0;
+    std::uint64_t held_instructions_ = 0;  // instructions
   };
 
-  bool meet_debugger();
+  bool accept_debugger();
   void stop(unsigned number, std::string_view signal, std::string_view why = {});
   Resume serve();
   Resume obey(const std::string& packet);
@@ -86,15 +86,15 @@ class GdbServer {
   Connection connection_;
   std::function<void(std::string_view)> announce_;
   Threads threads_;
-  std::deque<OfHart> harts_;
+  std::deque<HartObserver> harts_;
   std::set<std::uint32_t> breakpoints_;
   std::vector<Watch> watches_;
   std::string stop_reply_;
-  std::optional<unsigned> stepping_;  // the hart
-  QuietCode step_range_;              // in which the step goes on; empty = one instruction
-  std::optional<unsigned> alone_;     // likewise: gdb wants to hear of no other one meanwhile
-  bool awaited_ = true;               // the run has not begun: wait for the debugger
-  bool held_ = false;                 // gdb believes that the program stands
+  std::optional<unsigned> stepping_;   // the hart
+  QuietCode step_range_;               // in which the step goes on; empty = one instruction
+  std::optional<unsigned> only_hart_;  // likewise: gdb wants to hear of no other one meanwhile
+  bool awaited_ = true;                // the run has not begun: wait for the debugger
+  bool held_ = false;                  // gdb believes that the program stands
   bool killed_ = false;
   bool ended_ = false;
   std::uint32_t ticks_ = 0;

@@ -11,7 +11,7 @@ namespace mebots::soc::debug {
 namespace {
 
 /// How many instructions pass between two looks for Ctrl-C or a new debugger.
-constexpr std::uint32_t kPatience = 1U << 12;
+constexpr std::uint32_t kPollInterval = 1U << 12;
 constexpr std::string_view kTrap = "T05";
 constexpr std::string_view kInterrupted = "T02";
 constexpr std::string_view kAtBreakpoint = "swbreak:;";
@@ -24,24 +24,24 @@ void GdbServer::stop(unsigned number, std::string_view signal, std::string_view 
   stop_reply_ = fmt::format("{}thread:{:x};{}", signal, number + 1, why);
 }
 
-bool GdbServer::OfHart::before(const Hart& hart) {
+bool GdbServer::HartObserver::before(const Hart& hart) {
   auto& server = server_;
   auto& connection = server.connection_;
   if (server.killed_) return false;
-  const bool look = (++server.ticks_ & (kPatience - 1)) == 0;
+  const bool look = (++server.ticks_ & (kPollInterval - 1)) == 0;
   if (look && connection.connected()) connection.refuse_others();
   // NOLINTBEGIN(bugprone-branch-clone): the order of the questions is the rule
   if (!connection.connected()) {
-    if (!(server.awaited_ || look) || !server.meet_debugger()) return true;
+    if (!(server.awaited_ || look) || !server.accept_debugger()) return true;
     server.stop(number_, kTrap);
     server.held_ = true;  // gdb asks why by itself
   } else if (look && connection.interrupted()) {
-    server.stop(server.alone_.value_or(number_), kInterrupted);
-  } else if (has_stood_ && hart.pc() == stood_at_ && hart.counters().instructions == stood_after_) {
+    server.stop(server.only_hart_.value_or(number_), kInterrupted);
+  } else if (was_held_ && hart.pc() == held_pc_ && hart.counters().instructions == held_instructions_) {
     return true;
   } else if (server.ends_step(number_, hart.pc())) {
     server.stop(number_, kTrap);  // in a handler: the instruction itself has not retired
-  } else if (heard() && server.breakpoints_.contains(hart.pc())) {
+  } else if (reports_to_gdb() && server.breakpoints_.contains(hart.pc())) {
     server.stop(number_, kTrap, kAtBreakpoint);
   } else {
     return true;
@@ -53,12 +53,13 @@ bool GdbServer::OfHart::before(const Hart& hart) {
 
 /// A step ends, and a watched place is reported, before any other hart goes on: gdb takes a step for the work of one
 /// thread. It makes steps of its own from breakpoints, too, letting one thread go on alone.
-void GdbServer::OfHart::retired(const Hart& hart, const Retired& instruction) {
-  if (!server_.connection_.connected() || !heard()) return;
+void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instruction) {
+  if (!server_.connection_.connected() || !reports_to_gdb()) return;
   const auto touched = server_.watch_touched(instruction.access);
   if (!touched.empty() || server_.ends_step(number_, hart.pc())) {
     server_.stop(number_, kTrap, touched);
-  } else if ((server_.alone_ == number_ || server_.stepping_ == number_) && server_.breakpoints_.contains(hart.pc())) {
+  } else if ((server_.only_hart_ == number_ || server_.stepping_ == number_) &&
+             server_.breakpoints_.contains(hart.pc())) {
     server_.stop(number_, kTrap, kAtBreakpoint);
   } else {
     return;
@@ -67,17 +68,17 @@ void GdbServer::OfHart::retired(const Hart& hart, const Retired& instruction) {
 }
 
 /// A core that is switched off ends no step.
-void GdbServer::OfHart::switched(const Hart& /*hart*/, bool /*on*/) {
-  has_stood_ = false;
+void GdbServer::HartObserver::switched(const Hart& /*hart*/, bool /*on*/) {
+  was_held_ = false;
   if (server_.stepping_ == number_) server_.stepping_.reset();
-  if (server_.alone_ == number_) server_.alone_.reset();
+  if (server_.only_hart_ == number_) server_.only_hart_.reset();
 }
 
-void GdbServer::OfHart::hold(const Hart& hart) {
+void GdbServer::HartObserver::hold(const Hart& hart) {
   server_.killed_ = server_.serve() == Resume::end;
-  has_stood_ = true;
-  stood_at_ = hart.pc();
-  stood_after_ = hart.counters().instructions;
+  was_held_ = true;
+  held_pc_ = hart.pc();
+  held_instructions_ = hart.counters().instructions;
 }
 
 /// Which watched place the access touches, as gdb wants to hear it; empty = none.

@@ -180,7 +180,7 @@ std::uint32_t loaded_entry(const ElfBytes& file, std::uint32_t entry, const std:
 }
 
 /// psABI mapping symbols tell code from data; .L labels are the compiler's own. Neither names anything.
-bool names_nothing(std::string_view name) {
+bool is_unnamed(std::string_view name) {
   return name.starts_with("$x") || name.starts_with("$d") || name.starts_with(".L");
 }
 
@@ -225,7 +225,7 @@ std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const Sectio
       file.fail(fmt::format("symbol {} has its name outside the names", at / sizeof entry));
     const auto end = *std::lower_bound(ends.begin(), ends.end(), entry.name);
     const auto name = text.substr(entry.name, end - entry.name);
-    if (!name.empty() && !names_nothing(name)) {
+    if (!name.empty() && !is_unnamed(name)) {
       symbols.push_back({name, entry.value, entry.size, type == kFunction});
     }
   }

@@ -98,7 +98,7 @@ observe::Requests requests_of(const Parameters& parameters, const Listeners& lis
   requests.profile = path(parameters.observe_profile);
   requests.power_trace = path(parameters.observe_power_trace);
   if (parameters.gdb_port >= 0) requests.gdb_port = parameters.gdb_port;
-  requests.gdb_kill = debug::GdbServer::Kill::lets_go;
+  requests.gdb_kill = debug::GdbServer::Kill::detaches;
   requests.announce = [&listeners](std::string_view text) {
     if (listeners.observe) listeners.observe(text);
   };
@@ -152,7 +152,7 @@ void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
   const auto energy_before = soc_.energy();
   soc_.advance(start_ns - origin_ns_ + duration_ns);
   if (session_) session_->stepped();
-  say_when_spinning();
+  report_spinning();
   const auto duration_s = static_cast<double>(duration_ns) * kNanosecond;
   write(duration_s);
   const auto energy_after = soc_.energy();
@@ -164,9 +164,9 @@ void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
 }
 
 /// An endless loop is nothing that ends a mission, but somebody should know.
-void Model::say_when_spinning() {
-  if (said_spinning_ || !soc_.spins()) return;
-  said_spinning_ = true;
+void Model::report_spinning() {
+  if (spinning_reported_ || !soc_.spins()) return;
+  spinning_reported_ = true;
   if (!listeners_.faults) return;
   const auto pc = soc_.hart().pc();
   listeners_.faults(

@@ -45,7 +45,7 @@ class Model {
   void take_inputs();
   void write(double step_s);
   void write_decisions();
-  void say_when_spinning();
+  void report_spinning();
 
   Variables& variables_;
   Listeners listeners_;
@@ -54,7 +54,7 @@ class Model {
   Soc soc_;
   VariableFields fields_;
   std::unique_ptr<observe::Session> session_;
-  bool said_spinning_ = false;
+  bool spinning_reported_ = false;
   std::int64_t origin_ns_ = 0;
 };
 

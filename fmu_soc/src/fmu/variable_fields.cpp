@@ -66,7 +66,7 @@ void VariableFields::find(const DeviceSet::Member& slot, const BoardVariable& va
     return;
   }
   const auto field = *required(fmu::number_field(variables, causality, name), name);
-  if (variable.goes_in()) {
+  if (variable.is_input()) {
     auto* to = known(slot.device->input(name), *slot.entry, name);
     numbers_.push_back({name, field, to});
     if (name == soc_.board().supply.variable) supply_v_ = to;

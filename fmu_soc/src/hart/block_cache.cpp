@@ -36,7 +36,7 @@ BlockCache::BlockCache(Memory& memory, const CodeSettings& settings, bool for_tr
       timing_(settings.timing),
       energy_fj_(settings.energy.fj),
       end_at_targets_(!settings.loose_limit),
-      end_behind_loops_(end_at_targets_ && for_translation),
+      end_after_loops_(end_at_targets_ && for_translation),
       cached_lines_(settings.instruction_cache),
       by_pc_(std::size_t{1} << kBucketBits),
       by_page_(std::size_t{1} << kBucketBits),
@@ -117,7 +117,7 @@ bool BlockCache::ends_here(const Decoding& decoding) const {
   if (!end_at_targets_ || decoding.sums.index < 2) return false;
   const auto pc = decoding.block.end;
   if (const auto number = known(pc); number != 0) return !blocks_[number].early_jump;
-  return (pc == decoding.target || (end_behind_loops_ && decoding.branched_back)) && !leaves_soon(pc);
+  return (pc == decoding.target || (end_after_loops_ && decoding.branched_back)) && !leaves_soon(pc);
 }
 
 std::uint32_t BlockCache::decode_block(std::uint32_t pc) {

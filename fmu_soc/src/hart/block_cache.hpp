@@ -73,7 +73,7 @@ struct Block {
   bool is_often_absent() const { return 2 * absences > heat + kFewAbsences; }
   static constexpr int kFewAbsences = 8;  // of the 64 turns after which a block is hot
   /// Returns the stall of its first instruction after a load.
-  std::uint32_t stall_behind(const Previous& before) const {
+  std::uint32_t stall_after(const Previous& before) const {
     return is_load(before.op) ? static_cast<std::uint32_t>(stalled_by >> before.rd & 1U) : 0U;
   }
 };
@@ -248,7 +248,7 @@ class BlockCache {
   /// True if a block also ends at known targets of jumps and branches, so that few blocks overlap. Not for harts with a
   /// loose limit: their blocks must depend on memory and pc only.
   bool end_at_targets_;
-  bool end_behind_loops_;  // the same after backward branches
+  bool end_after_loops_;  // the same after backward branches
   const InstructionCache* cached_lines_;
   std::vector<Block> blocks_;         // number 0 is not a block; never moves
   std::vector<std::uint32_t> free_;   // numbers of invalid blocks

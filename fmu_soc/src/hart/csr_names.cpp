@@ -22,21 +22,21 @@ constexpr auto kRows = std::to_array<Row>({
 #include "hart/csrs.inc"
 });
 
-constexpr bool stands_alone(const Row& row) {
+constexpr bool is_single(const Row& row) {
   return row.core == Core::every && row.count == 1;
 }
 
-constexpr std::size_t alone() {
+constexpr std::size_t count_singles() {
   std::size_t number = 0;
-  for (const auto& row : kRows) number += stands_alone(row) ? 1 : 0;
+  for (const auto& row : kRows) number += is_single(row) ? 1 : 0;
   return number;
 }
 
 constexpr auto kNamed = [] {
-  std::array<Named, alone()> named{};
+  std::array<Named, count_singles()> named{};
   std::size_t i = 0;
   for (const auto& row : kRows) {
-    if (stands_alone(row)) named[i++] = {row.number, row.name};
+    if (is_single(row)) named[i++] = {row.number, row.name};
   }
   return named;
 }();

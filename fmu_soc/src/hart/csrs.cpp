@@ -227,7 +227,7 @@ const Instruction* Csrs::access(const Instruction* at) {
   e.counters.cycles = e.start_of(at);
   std::uint32_t old = 0;
   bool good = read(number, old);
-  note_stopped_counter(number);
+  record_stopped_counter(number);
   if (good && writes) good = write(number, replace ? operand : set ? old | operand : old & ~operand);
   e.counters = saved;
   if (!good) return e.raise(at, cause::kIllegalInstruction, blocks_.word_at(at->pc).value_or(0));
@@ -236,7 +236,7 @@ const Instruction* Csrs::access(const Instruction* at) {
 }
 
 /// The first instruction that reads a counter that has not run since reset.
-void Csrs::note_stopped_counter(unsigned number) {
+void Csrs::record_stopped_counter(unsigned number) {
   const bool cycles = number == csr::kMcycle || number == csr::kCycle;
   const bool instructions = number == csr::kMinstret || number == csr::kInstret;
   if (!cycles && !instructions) return;

@@ -129,7 +129,7 @@ class Csrs {
   }
 
   bool is_inhibited(std::uint32_t bit) const { return (word<csr::kMcountinhibit>() & bit) != 0; }
-  void note_stopped_counter(unsigned number);
+  void record_stopped_counter(unsigned number);
   std::uint64_t read_counter(bool instret) const;
   void write_counter(bool instret, std::uint32_t value, bool high);
   bool counts_event(unsigned counter) const;

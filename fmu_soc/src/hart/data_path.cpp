@@ -24,7 +24,7 @@ std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
 
 /// For how many cycles there are banks to be taken. Behind that the interpreter finds all free and takes none, and
 /// translated code, which does not look where it is, must not come there.
-std::uint64_t room_behind(const Execution& e, std::uint64_t cycle) {
+std::uint64_t bank_cycles_left(const Execution& e, std::uint64_t cycle) {
   if (const auto* shared = e.ram[0].banks; shared != nullptr) return shared->cycles_left(cycle);
   MEBOTS_ASSERT(cycle >= e.counters.cycles);
   const auto passed = cycle - e.counters.cycles;  // of the run, which began at the first row
@@ -154,7 +154,7 @@ const Instruction* DataPath::stored_over_mark(const Instruction* at, std::uint32
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address))
     return execution_.leave_after(at, Leave::stop);
   // With a loose limit the block runs on: where a core stops must not depend on what has been decoded.
-  return runs_on_ ? at + 1 : execution_.leave_after(at, Leave::normal);
+  return finishes_block_ ? at + 1 : execution_.leave_after(at, Leave::normal);
 }
 
 std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint32_t offset) noexcept {
@@ -162,7 +162,8 @@ std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint3
   MEBOTS_ASSERT(far.is_shared() && offset < far.span);
   const auto address = far.base + offset;
   const std::uint64_t wait = far.wait_cycles + far.banks->wait(cycle + far.wait_cycles, address);
-  if (wait + Banks::kLongestBlock > room_behind(execution, cycle)) return kNoRoom;  // with the rest of the block
+  if (wait + Banks::kLongestBlock > bank_cycles_left(execution, cycle))
+    return kOutsideBanks;  // with the rest of the block
   far.banks->claim(cycle + wait, address);
   ++execution.counters.far_accesses;
   return wait;

@@ -24,9 +24,10 @@ struct MemoryPort {
 /// and watched words.
 class DataPath {
  public:
-  /// `runs_on`: behind a store into code the block runs to its end as it was at its start, and is forgotten then.
-  DataPath(Execution& execution, Memory& memory, Bus& bus, bool runs_on)
-      : execution_(execution), memory_(memory), bus_(bus), runs_on_(runs_on) {}
+  /// `finishes_block`: behind a store into code the block runs to its end as it was at its start, and is forgotten
+  /// then.
+  DataPath(Execution& execution, Memory& memory, Bus& bus, bool finishes_block)
+      : execution_(execution), memory_(memory), bus_(bus), finishes_block_(finishes_block) {}
 
   /// True: the fast memories are others, or have other waits that translated code holds.
   bool connect(std::span<const MemoryPort> ports);
@@ -50,17 +51,18 @@ class DataPath {
   Execution& execution_;
   Memory& memory_;
   Bus& bus_;
-  bool runs_on_;
+  bool finishes_block_;
   std::vector<MemoryPort> ports_;
 };
 
 /// The answer of `wait_for_far` when it has done nothing.
-inline constexpr std::uint64_t kNoRoom = std::numeric_limits<std::uint64_t>::max();
+inline constexpr std::uint64_t kOutsideBanks = std::numeric_limits<std::uint64_t>::max();
 
 /// For translated code, of an access within a word of the second memory, which others use, too: takes its bank for the
 /// instruction that starts in active cycle `cycle`, and counts the access. `offset`: from the memory's start. The
-/// answer is how many cycles it waits, for the way and for the bank. kNoRoom: the rest of the block could lead further
-/// than the banks of the first memory reach, where translated code does not look; the interpreter makes the access.
+/// answer is how many cycles it waits, for the way and for the bank. kOutsideBanks: the rest of the block could lead
+/// further than the banks of the first memory reach, where translated code does not look; the interpreter makes the
+/// access.
 std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint32_t offset) noexcept;
 
 }  // namespace mebots::soc

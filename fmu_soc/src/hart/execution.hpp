@@ -110,7 +110,7 @@ struct HostState {
   std::uint64_t instructions = 0;  // of the last run; upper half: loads and stores
   /// What the pipeline holds for a region's block that was reached straight from the end of another one, as bits of a
   /// Pipeline; 0 = nothing came straight.
-  std::uint64_t came_from = 0;
+  std::uint64_t straight_pipeline = 0;
   const Instruction* slow_load = nullptr;  // the last load across two words
   std::uint64_t slow_load_when = 0;        // what `instructions` was then: of its block if they still are
   std::uint64_t tick_offset = 0;           // active cycle c is tick c + offset of what the hart shares

@@ -13,7 +13,7 @@ void Fetch::flush() {
   if (cache_ != nullptr) cache_->flush();
 }
 
-std::uint32_t Fetch::bring(const Instruction* at, std::uint64_t cycle) {
+std::uint32_t Fetch::fetch_lines(const Instruction* at, std::uint64_t cycle) {
   MEBOTS_ASSERT(is_cached() && !is_block_end(at->op));
   std::uint32_t wait = 0;
   for (auto line = cache_->line_of(at->pc); line <= cache_->line_of(at[1].pc - 1); ++line) {

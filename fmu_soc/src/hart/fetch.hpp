@@ -23,7 +23,7 @@ class Fetch {
   const InstructionCache* cache() const { return cache_; }
   void flush();
   /// Fetches the lines of an instruction that the core reaches in active cycle `cycle`. Returns the wait cycles.
-  std::uint32_t bring(const Instruction* at, std::uint64_t cycle);
+  std::uint32_t fetch_lines(const Instruction* at, std::uint64_t cycle);
   /// True if an instruction is in the line in which the one before it ends.
   bool shares_line(const Instruction* before, const Instruction* at) const {
     MEBOTS_ASSERT(is_cached());

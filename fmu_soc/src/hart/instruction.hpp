@@ -71,7 +71,7 @@ class FlowMap {
   FlowMap& operator=(const FlowMap&) = default;
   virtual ~FlowMap() = default;
 
-  virtual bool leads_away(std::uint32_t pc, std::uint32_t next) const = 0;
+  virtual bool may_leave_function(std::uint32_t pc, std::uint32_t next) const = 0;
 };
 
 }  // namespace mebots::soc

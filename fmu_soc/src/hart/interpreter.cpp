@@ -15,9 +15,9 @@ const Instruction* stop_here(Execution& e, const Instruction* at) {
 }
 
 /// A jump hides some of its cycles behind a load across two words, which has given them back already.
-std::uint32_t hidden_in(const Execution& e, const Instruction* jump) {
+std::uint32_t overlapped_cycles(const Execution& e, const Instruction* jump) {
   const bool hides = jump->index != 0 && e.slow_load == jump - 1 &&
-                     hides_behind(executed(jump[-1], true), {jump->op, jump->rd, jump->rs1});
+                     overlaps_slow(executed(jump[-1], true), {jump->op, jump->rd, jump->rs1});
   return hides ? jump[1].cycles_before - jump->cycles_before - 1U : 0U;
 }
 
@@ -34,7 +34,7 @@ void Interpreter::step() {
     return;
   }
   e.cut_pc = first[1].pc;
-  e.begin_block(fetch_.is_cached() ? fetch_.bring(first, e.counters.cycles) : 0, 0, nullptr);
+  e.begin_block(fetch_.is_cached() ? fetch_.fetch_lines(first, e.counters.cycles) : 0, 0, nullptr);
   for (const auto* at = first; at != nullptr;) at = at->run(e, at);
   e.finish_block();
   e.link = nullptr;
@@ -43,17 +43,18 @@ void Interpreter::step() {
 void Interpreter::run_to_limit(const Block& block, std::uint32_t stall) {
   MEBOTS_ASSERT(!limit_.is_loose() && walk_ == nullptr);
   const auto* first = blocks_.instructions(block);
-  execution_.begin_block(fetch_.is_cached() ? fetch_.bring(first, execution_.counters.cycles) : 0, stall, nullptr);
+  execution_.begin_block(fetch_.is_cached() ? fetch_.fetch_lines(first, execution_.counters.cycles) : 0, stall,
+                         nullptr);
   run_one_by_one(first);
 }
 
-bool Interpreter::go_on_to_limit() {
+bool Interpreter::resume_to_limit() {
   auto& e = execution_;
   const auto* at = cut_.at;
   const bool is_here = at != nullptr && cut_.generation == blocks_.generation() && at->pc == e.pc;
   if (!is_here || cut_.pipeline != e.pipeline) return false;
   e.begin_block_inside(at);
-  if (fetch_.is_cached()) e.extra_cycles += fetch_.bring(at, e.cycle_of(at));
+  if (fetch_.is_cached()) e.extra_cycles += fetch_.fetch_lines(at, e.cycle_of(at));
   run_one_by_one(at);
   return true;
 }
@@ -67,14 +68,14 @@ void Interpreter::run_one_by_one(const Instruction* at) {
   for (;;) {
     const auto* next = run_until(at, at + 1);
     if (next == nullptr) break;
-    const auto hidden = hidden_in(e, next);
+    const auto hidden = overlapped_cycles(e, next);
     const auto cycle = e.cycle_of(next) + hidden;
     if (limit_.reached_at(cycle)) {
       e.extra_cycles += hidden;
       cut_at(next);
       break;
     }
-    if (fetch_.is_cached() && !fetch_.shares_line(at, next)) e.extra_cycles += fetch_.bring(next, cycle);
+    if (fetch_.is_cached() && !fetch_.shares_line(at, next)) e.extra_cycles += fetch_.fetch_lines(next, cycle);
     at = next;
   }
   e.finish_block();
@@ -101,7 +102,7 @@ void Interpreter::resume(const Instruction* at, std::uint32_t wait_cycles, std::
     return;
   }
   execution_.begin_block(wait_cycles, stall, slow_load);
-  execution_.extra_cycles += fetch_.bring(at, execution_.cycle_of(at));
+  execution_.extra_cycles += fetch_.fetch_lines(at, execution_.cycle_of(at));
   execute_fetching(at);
 }
 
@@ -127,7 +128,7 @@ bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   if (!limit_.admits(execution_.counters.cycles, block.last_start_bound + stall + wait)) return false;
   const auto* first = blocks_.instructions(block);
   // The first instruction is fetched before it stalls for a load, as all others are.
-  execution_.begin_block(fetch_.bring(first, execution_.counters.cycles), stall, nullptr);
+  execution_.begin_block(fetch_.fetch_lines(first, execution_.counters.cycles), stall, nullptr);
   execute_fetching(first);
   return true;
 }
@@ -138,7 +139,8 @@ void Interpreter::execute_fetching(const Instruction* at) {
   while (at != nullptr) {
     const auto* stop = fetch_.next_to_wait(at);
     at = walk_ != nullptr ? walk_->walk(at, stop) : run_until(at, stop);
-    if (at != nullptr) execution_.extra_cycles += fetch_.bring(at, execution_.cycle_of(at) + hidden_in(execution_, at));
+    if (at != nullptr)
+      execution_.extra_cycles += fetch_.fetch_lines(at, execution_.cycle_of(at) + overlapped_cycles(execution_, at));
   }
   execution_.finish_block();
 }

@@ -63,12 +63,12 @@ class Interpreter {
   void run_to_limit(const Block& block, std::uint32_t stall);
   /// The same, from the instruction at which the last limit cut a block. Returns false, without effect, if the core is
   /// elsewhere.
-  bool go_on_to_limit();
+  bool resume_to_limit();
   /// Runs a block whose first instruction stalls for `stall` cycles. Returns false, without effect, if it might reach
   /// the limit.
   bool run(const Block& block, std::uint32_t stall);
   /// The same, and then the linked blocks, as long as no decision is necessary. Ignores the BlockWalk.
-  bool run_on(const Block& block, std::uint32_t stall, const Csrs& csrs);
+  bool run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs);
   /// Resumes a block that translated code has left after `wait_cycles` of waiting. `fetches`: lines may be absent.
   void resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall, const Instruction* slow_load,
               bool fetches);
@@ -118,7 +118,7 @@ inline bool Interpreter::run(const Block& block, std::uint32_t stall) {
   return true;
 }
 
-inline bool Interpreter::run_on(const Block& block, std::uint32_t stall, const Csrs& csrs) {
+inline bool Interpreter::run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs) {
   MEBOTS_ASSERT(walk_ == nullptr, "an observer walks instead");
   if (!run(block, stall)) return false;
   // Only the limit and the lines are to be checked.
@@ -131,7 +131,7 @@ inline bool Interpreter::run_on(const Block& block, std::uint32_t stall, const C
     if (next.pc != e.pc || !blocks.is_present(next)) break;
     if (blocks.delays_jump(next, e.pipeline.two_before, e.pipeline.before)) break;
     const auto cycles = e.counters.cycles + (e.jumped && next.unaligned ? kUnalignedTargetExtra : 0U);
-    const auto next_stall = next.stall_behind(e.pipeline.before);
+    const auto next_stall = next.stall_after(e.pipeline.before);
     if (!limit.admits(cycles, std::uint64_t{next.last_start_bound} + next_stall)) break;
     e.counters.cycles = cycles;
     e.jumped = false;

@@ -87,7 +87,7 @@ unsigned static_cycles(const Timing& timing, const Previous& two_before, const P
   return own_cycles(timing, current) + (load_stall(timing, before, current) ? 1U : 0U);
 }
 
-bool hides_behind(const Previous& slow, const Current& current) {
+bool overlaps_slow(const Previous& slow, const Current& current) {
   return is_jump(current.op) && jump_cycles({}, slow, current) == 1;
 }
 

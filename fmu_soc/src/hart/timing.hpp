@@ -95,7 +95,7 @@ unsigned static_cycles(const Timing& timing, const Previous& two_before, const P
                        const Current& current);
 
 /// True if the instruction is a jump after a slow instruction, during which it was fetched. It then takes one cycle.
-bool hides_behind(const Previous& slow, const Current& current);
+bool overlaps_slow(const Previous& slow, const Current& current);
 
 /// The most cycles that execution can add to `static_cycles`, apart from an unaligned target.
 unsigned most_extra_cycles(Op op);

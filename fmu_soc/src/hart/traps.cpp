@@ -13,10 +13,10 @@ namespace mebots::soc {
 namespace {
 
 /// This many exceptions in a row, each with the hart in the same state, are an endless loop.
-constexpr std::uint32_t kHopelessRepeats = 16;
+constexpr std::uint32_t kEndlessRepeats = 16;
 /// This many of the same exception with the same registers are an endless loop, too. Fewer are not: a handler may count
 /// in memory and leave without mret.
-constexpr std::uint32_t kHopelessReturns = 1'000'000;
+constexpr std::uint32_t kEndlessReturns = 1'000'000;
 
 constexpr unsigned kReturnAddress = 1;
 constexpr unsigned kStackPointer = 2;
@@ -90,7 +90,7 @@ bool Traps::take_exception() {
   last_exception_ = {execution_.pc, cause, execution_.counters.instructions, execution_.counters.accesses, {}};
   std::copy_n(execution_.x.begin(), last_exception_.registers.size(), last_exception_.registers.begin());
   last_exception_.registers[0] = 0;
-  if (repeats_ >= kHopelessRepeats || returns_ >= kHopelessReturns) {
+  if (repeats_ >= kEndlessRepeats || returns_ >= kEndlessReturns) {
     fail(cause, value, true);
     return false;
   }

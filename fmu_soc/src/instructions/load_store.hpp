@@ -28,7 +28,7 @@ constexpr bool is_post(Mode mode) {
 [[gnu::always_inline]] inline void misaligned_load(Execution& e, const Instruction* at) {
   e.extra_cycles += kMisalignedExtra;
   e.slow_load = at;
-  if (hides_behind(executed(at[0], true), {at[1].op, at[1].rd, at[1].rs1})) {
+  if (overlaps_slow(executed(at[0], true), {at[1].op, at[1].rd, at[1].rs1})) {
     e.extra_cycles -= static_cast<std::uint32_t>(at[2].cycles_before - at[1].cycles_before - 1);
   }
 }

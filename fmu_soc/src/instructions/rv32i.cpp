@@ -118,7 +118,7 @@ void emit_bgeu(Assembler& c, const Instruction* at) {
   emit_branch(c, at, [&](const Label& taken) { c.jae(taken, kNear); });
 }
 void emit_end_of_block(Assembler& c, const Instruction* at) {
-  c.edges.go_straight(at, at->link, at->pc, true);
+  c.edges.fall_through(at, at->link, at->pc, true);
 }
 #endif
 

@@ -161,7 +161,7 @@ void emit_loop_end(Assembler& c, const Instruction* at) {
     c.edges.iterate(at, loop);
     c.L(other);
   }
-  c.edges.go_straight(at, at->link, at->pc, true);
+  c.edges.fall_through(at, at->link, at->pc, true);
 }
 #endif
 

@@ -58,7 +58,7 @@ class Banks {
   /// For who has its turn at the latest after one other, and takes all words from `address` on before `end` at once: of
   /// each one the bank's cycle in `tick`, or when that is taken the next one in any case. The answer is 1 when one of
   /// them was, else 0.
-  std::uint32_t claim_soon(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
+  std::uint32_t claim_or_next(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
     if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
     auto* row = &byte_of(tick, 0);
     std::uint32_t wait = 0;

@@ -101,7 +101,7 @@ void InstructionCache::note_present() {
 }
 
 void InstructionCache::note_arrivals(std::uint64_t tick) {
-  std::erase_if(on_their_way_, [&](std::size_t place) {
+  std::erase_if(pending_refills_, [&](std::size_t place) {
     if (arrivals_[place] > tick) return false;
     *entries_[place].present = 1;
     return true;
@@ -111,7 +111,7 @@ void InstructionCache::note_arrivals(std::uint64_t tick) {
 void InstructionCache::set_alone(bool alone) {
   MEBOTS_ASSERT(is_shared());
   is_alone_ = alone;
-  for (const auto place : on_their_way_) *entries_[place].present = 0;  // who joins has not waited
+  for (const auto place : pending_refills_) *entries_[place].present = 0;  // who joins has not waited
 }
 
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
@@ -129,7 +129,7 @@ void InstructionCache::flush() {
   note_absent();
   for (auto& entry : entries_) entry.line = kNoLine;
   std::fill(arrivals_.begin(), arrivals_.end(), 0);
-  on_their_way_.clear();
+  pending_refills_.clear();
 }
 
 void InstructionCache::visit(state::Visitor& v) {
@@ -140,8 +140,8 @@ void InstructionCache::visit(state::Visitor& v) {
   v("shift_register", state_.shift_register);
   v("refills", state_.refills);
   if (!v.restores() || !is_shared()) return;
-  on_their_way_.resize(entries_.size());  // for who goes on first, which is not known here
-  std::iota(on_their_way_.begin(), on_their_way_.end(), std::size_t{0});
+  pending_refills_.resize(entries_.size());  // for who goes on first, which is not known here
+  std::iota(pending_refills_.begin(), pending_refills_.end(), std::size_t{0});
   set_alone(is_alone_);
 }
 

@@ -84,13 +84,13 @@ class InstructionCache {
     ++state_.refills;
     if (is_shared()) {
       arrivals_[place] = tick + refill_cycles_;
-      on_their_way_.push_back(place);
+      pending_refills_.push_back(place);
     }
     return refill_cycles_;
   }
   /// For a shared cache: no core accesses it before this tick any more.
   void settle(std::uint64_t tick) {
-    if (!on_their_way_.empty()) [[unlikely]]
+    if (!pending_refills_.empty()) [[unlikely]]
       note_arrivals(tick);
   }
   /// For a shared cache: true if no other core can need a line before it has arrived for the core that fetches it.
@@ -181,8 +181,8 @@ class InstructionCache {
   std::uint32_t covered_count_ = 0;
   std::uint8_t nowhere_ = 0;
   // Likewise, of a shared cache. More lines than needed may count as on their way, never fewer.
-  std::vector<std::size_t> on_their_way_;  // places of entries
-  bool is_alone_;                          // set_alone()
+  std::vector<std::size_t> pending_refills_;  // places of entries
+  bool is_alone_;                             // set_alone()
 };
 
 /// Null when the settings say that there is none.

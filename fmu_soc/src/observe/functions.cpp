@@ -16,7 +16,7 @@ std::uint32_t Functions::of_symbol(const ElfSymbol& symbol) {
   return number;
 }
 
-bool Functions::leads_away(std::uint32_t pc, std::uint32_t next) const {
+bool Functions::may_leave_function(std::uint32_t pc, std::uint32_t next) const {
   const auto* to = program_.covering(next);
   return to != nullptr && to != program_.covering(pc);
 }

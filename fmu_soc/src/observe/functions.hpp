@@ -19,7 +19,7 @@ class Functions final : public FlowMap {
   explicit Functions(const Elf& program);
 
   /// Whether a step that is neither a call nor a return leads into another function.
-  bool leads_away(std::uint32_t pc, std::uint32_t next) const override;
+  bool may_leave_function(std::uint32_t pc, std::uint32_t next) const override;
 
   /// The function that a call into `address` enters. Without a symbol there: one named by the address.
   std::uint32_t entered(std::uint32_t address);

@@ -27,9 +27,9 @@ class Trace {
   void close() { file_.close(); }
 
  private:
-  class OfHart final : public Observer {
+  class HartObserver final : public Observer {
    public:
-    OfHart(Trace& trace, unsigned number) : trace_(trace), number_(number) {}
+    HartObserver(Trace& trace, unsigned number) : trace_(trace), number_(number) {}
     void retired(const Hart& hart, const Retired& instruction) override { trace_.put(number_, hart, instruction); }
 
    private:
@@ -40,7 +40,7 @@ class Trace {
 
   Columns columns_;
   TextFile file_;
-  std::deque<OfHart> harts_;
+  std::deque<HartObserver> harts_;
 };
 
 }  // namespace mebots::soc::observe

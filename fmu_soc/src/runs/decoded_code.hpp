@@ -46,7 +46,7 @@ struct DecodedCode {
     blocks.set_listener(nullptr);
     translator.reset();
   }
-  void note_flow(const FlowMap* map) {
+  void record_flow(const FlowMap* map) {
     if (map == flow) return;
     drop_translations();
     flow = map;

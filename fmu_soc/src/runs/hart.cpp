@@ -64,11 +64,11 @@ Stop Hart::run(std::uint64_t limit) {
   if (!stays_awake()) return Stop::sleeping;
   e.link = nullptr;
   e.jumped = false;
-  return go_on(limit, false);
+  return continue_run(limit, false);
 }
 
 /// To the limit, or whatever else stops it. `left_translated`: translated code has just been left.
-Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
+Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
   auto& e = execution_;
   limit_.set_end(limit);
   for (;;) {
@@ -91,7 +91,7 @@ Stop Hart::go_on(std::uint64_t limit, bool left_translated) {
       continue;
     }
     if (observed_.wants_all()) [[unlikely]] {
-      if (!observed_.goes_on()) return Stop::observer;
+      if (!observed_.continues()) return Stop::observer;
       blocks_.forget_if_stale();  // a debugger may have changed code, or the pc
       number = 0;
       e.link = nullptr;
@@ -151,7 +151,7 @@ inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   MEBOTS_ASSERT(block.valid() && block.pc == execution_.pc);
   // What ran before can delay the first instruction if it was a load, and a jump soon behind it in more ways.
   const bool delays_jump = blocks_.delays_jump(block, execution_.pipeline.two_before, before);
-  const auto stall = block.stall_behind(before);
+  const auto stall = block.stall_after(before);
   const bool at_access = std::exchange(at_access_, false);
   if (!delays_jump && !at_access) {
     if (const auto* entry = translated_.entry(number, block, stall); entry != nullptr) {
@@ -163,8 +163,8 @@ inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
     observed_.run_block(block, stall, delays_jump);
     return false;
   }
-  const bool runs =
-      !delays_jump && (translated_.is_on() ? interpreter_.run(block, stall) : interpreter_.run_on(block, stall, csrs_));
+  const bool runs = !delays_jump && (translated_.is_on() ? interpreter_.run(block, stall)
+                                                         : interpreter_.run_linked(block, stall, csrs_));
   if (!runs) delays_jump ? interpreter_.step() : interpreter_.run_to_limit(block, stall);
   return false;
 }
@@ -173,7 +173,7 @@ inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
 void Hart::step() {
   if (observed_.observer() != nullptr) {
     observed_.step();
-  } else if (!interpreter_.go_on_to_limit()) {
+  } else if (!interpreter_.resume_to_limit()) {
     interpreter_.step();
   }
 }
@@ -279,14 +279,14 @@ void Hart::visit(state::Visitor& v) {
 Hart::RoundEnd Hart::run_round_robin(Hart& first, std::uint64_t limit_tick) {
   const auto [exit, execution] = first.translated_.run_round(limit_tick);
   if (first.decoded_.flow != nullptr) {
-    for (auto* e = &first.execution_; e != nullptr; e = e->host.next) e->hart->translated_.tell_flow();
+    for (auto* e = &first.execution_; e != nullptr; e = e->host.next) e->hart->translated_.report_flow();
   }
   if (execution == nullptr) return {};
   MEBOTS_ASSERT(execution->hart != nullptr);
   auto& hart = *execution->hart;
   if (exit == nullptr) return {&hart};
   const bool begins = hart.translated_.finish(*exit);
-  return {&hart, true, hart.go_on(limit_tick - hart.execution_.host.tick_offset, begins)};
+  return {&hart, true, hart.continue_run(limit_tick - hart.execution_.host.tick_offset, begins)};
 }
 
 }  // namespace mebots::soc

@@ -125,7 +125,7 @@ class Hart {
   std::uint32_t following();
   std::uint32_t land();
   std::uint32_t following_block(std::uint32_t* link);
-  Stop go_on(std::uint64_t limit, bool left_translated);
+  Stop continue_run(std::uint64_t limit, bool left_translated);
   bool run_block(std::uint32_t number, bool left_translated);
   void step();
   Stop leave();

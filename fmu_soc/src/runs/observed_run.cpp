@@ -24,12 +24,12 @@ void ObservedRun::observe(Observer* observer, bool sleeping) {
   observer_ = observer;
   restored(sleeping);
   flow_ = observer == nullptr ? nullptr : observer->flow();
-  decoded_.note_flow(flow_);
+  decoded_.record_flow(flow_);
   interpreter_.set_walk(observer == nullptr ? nullptr : this);
 }
 
 /// Whether an observer for whom this code is quiet must be told of the instruction.
-bool ObservedRun::is_told(const Instruction* at, const QuietCode& quiet) {
+bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
   if (!quiet.holds(at->pc) || !quiet.holds(at[1].pc) || at[1].op == Op::loop_end) return true;
   if (is_branch(at->op)) return !quiet.holds(static_cast<std::uint32_t>(at->imm));
   if (at->op == Op::jal) return at->rd != 32 || !quiet.holds(static_cast<std::uint32_t>(at->imm));
@@ -38,14 +38,14 @@ bool ObservedRun::is_told(const Instruction* at, const QuietCode& quiet) {
 
 /// The first instruction from `at` on, before `stop` and in the block, of which the observer must be told; else where
 /// that ends.
-const Instruction* ObservedRun::next_told(const Instruction* at, const Instruction* stop) const {
+const Instruction* ObservedRun::next_reported(const Instruction* at, const Instruction* stop) const {
   const auto quiet = observer_->quiet();
-  while (at != stop && !is_block_end(at->op) && !is_told(at, quiet)) ++at;
+  while (at != stop && !is_block_end(at->op) && !is_reported(at, quiet)) ++at;
   return at;
 }
 
 /// What the instruction at `pc` is about to do.
-Retired ObservedRun::foresee(std::uint32_t pc) const {
+Retired ObservedRun::preview(std::uint32_t pc) const {
   Retired retired;
   retired.pc = pc;
   retired.word = decoded_.blocks.word_at(pc).value_or(0);
@@ -56,7 +56,7 @@ Retired ObservedRun::foresee(std::uint32_t pc) const {
 }
 
 void ObservedRun::step() {
-  const auto retired = foresee(execution_.pc);
+  const auto retired = preview(execution_.pc);
   const auto instructions = execution_.counters.instructions;
   interpreter_.step();
   if (execution_.counters.instructions != instructions) observer_->retired(hart_, retired);
@@ -66,7 +66,7 @@ void ObservedRun::step() {
 /// alone. It has been asked before the first instruction.
 void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone) {
   const auto* first = decoded_.blocks.instructions(block);
-  alone = alone || (wants_all() && !limit_.is_loose() && is_told(first, observer_->quiet()));
+  alone = alone || (wants_all() && !limit_.is_loose() && is_reported(first, observer_->quiet()));
   if (alone || !interpreter_.run(block, stall)) step();
   if (wants_all()) execution_.link = nullptr;
 }
@@ -76,11 +76,11 @@ void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone)
 const Instruction* ObservedRun::walk(const Instruction* at, const Instruction* stop) {
   auto& e = execution_;
   while (at != nullptr && at != stop) {
-    if (const auto* told = next_told(at, stop); told != at) {
+    if (const auto* told = next_reported(at, stop); told != at) {
       at = interpreter_.run_until(at, told);
       continue;
     }
-    const auto retired = foresee(at->pc);
+    const auto retired = preview(at->pc);
     const auto* next = interpreter_.run_until(at, at + 1);
     if (next != nullptr) e.pc = next->pc;
     const bool has_retired = e.exit->index > at->index;
@@ -97,11 +97,11 @@ const Instruction* ObservedRun::walk(const Instruction* at, const Instruction* s
 
 void ObservedRun::slept() {
   if (observer_ != nullptr) observer_->slept(hart_);
-  knows_of_sleep_ = observer_ != nullptr;
+  sleep_reported_ = observer_ != nullptr;
 }
 
-void ObservedRun::tell_of_waking() {
-  knows_of_sleep_ = false;
+void ObservedRun::report_wake_up() {
+  sleep_reported_ = false;
   if (observer_ != nullptr) observer_->woke(hart_);
 }
 

@@ -30,7 +30,7 @@ class ObservedRun final : private BlockWalk {
   bool allows_translation() const { return observer_ == nullptr || (flow_ != nullptr && flow_ == decoded_.flow); }
 
   /// True if the run continues with the instruction at the pc.
-  bool goes_on() { return observer_->before(hart_); }
+  bool continues() { return observer_->before(hart_); }
   /// Runs a block, or only its first instruction if the block may reach the limit. `alone`: always only that.
   void run_block(const Block& block, std::uint32_t stall, bool alone);
   void step();
@@ -44,18 +44,18 @@ class ObservedRun final : private BlockWalk {
   }
   void slept();
   void woke() {
-    if (knows_of_sleep_) [[unlikely]]
-      tell_of_waking();
+    if (sleep_reported_) [[unlikely]]
+      report_wake_up();
   }
   /// Called after a state was restored; `sleeping`: of a core that sleeps.
-  void restored(bool sleeping) { knows_of_sleep_ = observer_ != nullptr && sleeping; }
+  void restored(bool sleeping) { sleep_reported_ = observer_ != nullptr && sleeping; }
 
  private:
-  static bool is_told(const Instruction* at, const QuietCode& quiet);
-  const Instruction* next_told(const Instruction* at, const Instruction* stop) const;
+  static bool is_reported(const Instruction* at, const QuietCode& quiet);
+  const Instruction* next_reported(const Instruction* at, const Instruction* stop) const;
   const Instruction* walk(const Instruction* at, const Instruction* stop) override;
-  Retired foresee(std::uint32_t pc) const;
-  void tell_of_waking();
+  Retired preview(std::uint32_t pc) const;
+  void report_wake_up();
 
   const Hart& hart_;
   Execution& execution_;
@@ -64,7 +64,7 @@ class ObservedRun final : private BlockWalk {
   const RunLimit& limit_;
   Observer* observer_ = nullptr;
   const FlowMap* flow_ = nullptr;  // of the observer
-  bool knows_of_sleep_ = false;
+  bool sleep_reported_ = false;
 };
 
 }  // namespace mebots::soc

@@ -53,7 +53,7 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
 /// Tells translated code how far it may go.
 void TranslatedRun::set_budget() {
   auto& host = execution_.host;
-  const auto cycles = flow_notes_.make_room(limit_.cycles_from(execution_.counters.cycles));
+  const auto cycles = flow_log_.make_room(limit_.cycles_from(execution_.counters.cycles));
   auto* banks = decoded_.banks;
   if (banks == nullptr) {
     host.begin = std::min(cycles, kLongestRun);
@@ -73,7 +73,8 @@ bool TranslatedRun::finish(const translate::Exit& exit) {
     e.pipeline = {};
   }
   e.slow_load = nullptr;
-  if (exit.is_reached_straight && host.came_from != 0) e.pipeline = std::bit_cast<Pipeline>(host.came_from);
+  if (exit.is_reached_straight && host.straight_pipeline != 0)
+    e.pipeline = std::bit_cast<Pipeline>(host.straight_pipeline);
   if (exit.resumes) {
     resume_interpreter(exit);
     return false;
@@ -99,7 +100,7 @@ void TranslatedRun::resume_interpreter(const translate::Exit& exit) {
   const auto* at = exit.at;
   std::uint32_t stall = 0;
   if (at->index == 0) {  // counted already, but it has not begun
-    stall = decoded_.blocks.block(decoded_.blocks.known(at->pc)).stall_behind(e.pipeline.before);
+    stall = decoded_.blocks.block(decoded_.blocks.known(at->pc)).stall_after(e.pipeline.before);
     e.counters.cycles -= stall;
   }
   const auto* slow_load = e.host.slow_load_when == e.host.instructions ? e.host.slow_load : nullptr;
@@ -111,7 +112,7 @@ void TranslatedRun::chain_to_here() {
   if (number == 0 || decoded_.translator == nullptr) return;
   const auto& block = decoded_.blocks.block(number);
   if (const auto* entry = decoded_.translator->find(number); entry != nullptr) {
-    chain(block, *entry, block.stall_behind(execution_.pipeline.before));
+    chain(block, *entry, block.stall_after(execution_.pipeline.before));
   }
 }
 

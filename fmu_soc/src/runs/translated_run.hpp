@@ -5,7 +5,7 @@
 #include "hart/fetch.hpp"
 #include "hart/interpreter.hpp"
 #include "runs/decoded_code.hpp"
-#include "runs/flow_notes.hpp"
+#include "runs/flow_log.hpp"
 #include "runs/observed_run.hpp"
 #include "translate/translator.hpp"
 
@@ -25,7 +25,7 @@ class TranslatedRun {
         fetch_(fetch),
         observed_(observed),
         limit_(limit),
-        flow_notes_(execution, decoded) {}
+        flow_log_(execution, decoded) {}
 
   /// True if hot code is translated.
   bool is_on() const { return decoded_.translates; }
@@ -59,7 +59,7 @@ class TranslatedRun {
   /// without reporting them.
   translate::RunEnd run_round(std::uint64_t limit_tick);
   /// Passes the steps between functions of the last run to the observer.
-  void tell_flow() { flow_notes_.tell(observed_); }
+  void report_flow() { flow_log_.report(observed_); }
   /// Handles an exit from translated code; returns as `run`.
   bool finish(const translate::Exit& exit);
 
@@ -79,7 +79,7 @@ class TranslatedRun {
   Fetch& fetch_;
   const ObservedRun& observed_;
   const RunLimit& limit_;
-  FlowNotes flow_notes_;
+  FlowLog flow_log_;
   std::uint64_t next_generation_ = 0;  // of blocks, for Execution::next_block
 };
 
@@ -88,7 +88,7 @@ class TranslatedRun {
 inline bool TranslatedRun::may_begin(const Block& block, std::uint32_t stall) const {
   if (!is_on() || !observed_.allows_translation()) return false;
   const auto bound = std::uint64_t{decoded_.blocks.fetch_bound(block)} + stall;
-  if (decoded_.flow != nullptr && bound >= FlowNotes::kLongestRun) return false;
+  if (decoded_.flow != nullptr && bound >= FlowLog::kLongestRun) return false;
   if (block.line_count != 0 && (limit_.is_loose() || stall != 0) && !decoded_.blocks.begins_present(block))
     return false;
   // With a loose limit, a stall may reach it; translated code would not begin then.
@@ -109,7 +109,7 @@ inline bool TranslatedRun::run(const translate::Entry& entry, std::uint32_t stal
   set_budget();
   execution_.set_next(nullptr);
   const auto& exit = *decoded_.translator->run(execution_, entry.plain).exit;
-  if (decoded_.flow != nullptr) tell_flow();
+  if (decoded_.flow != nullptr) report_flow();
   return finish(exit);
 }
 

@@ -48,7 +48,7 @@ void Decisions::sent(std::string_view sender, Picoseconds now, const CoreWork& w
     decision.awake[1 + core] = std::llround(cycles / work.cluster_hz * kPsPerS);
   }
   ended_ = decision;
-  asked_ = picture_->asked;
+  requested_ = picture_->asked;
   sent_at_ = now;
   picture_ = next_;
   next_.reset();
@@ -59,7 +59,7 @@ void Decisions::sent(std::string_view sender, Picoseconds now, const CoreWork& w
 void Decisions::published(Picoseconds now) {
   if (!ended_) return;
   ended_->part(DecisionPart::sending) = now - sent_at_;
-  ended_->latency = now - asked_;
+  ended_->latency = now - requested_;
   last_ = *ended_;
   ended_.reset();
   ++count_;
@@ -75,7 +75,7 @@ void Decisions::visit(state::Visitor& v) {
   v("begun", begun_);
   v("before", before_);
   v("ended", ended_);
-  v("asked", asked_);
+  v("asked", requested_);
   v("sent_at", sent_at_);
   v("count", count_);
   v("last", last_);

@@ -81,7 +81,7 @@ class Decisions {
   Picoseconds begun_ = 0;          // when it could be
   CoreWork before_;                // up to then
   std::optional<Decision> ended_;  // sent, not yet published
-  Picoseconds asked_ = 0;          // of it
+  Picoseconds requested_ = 0;      // of it
   Picoseconds sent_at_ = 0;
   std::uint64_t count_ = 0;
   Decision last_;

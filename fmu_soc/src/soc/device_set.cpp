@@ -136,10 +136,10 @@ void DeviceSet::end_program() {
 }
 
 Picoseconds DeviceSet::next_event() {
-  if (!known_.next_event) {
+  if (!cached_.next_event) {
     next_event_ = kNever;
     for (const auto& member : members_) next_event_ = std::min(next_event_, member.device->next_event());
-    known_.next_event = true;
+    cached_.next_event = true;
   }
   return next_event_;
 }
@@ -150,7 +150,7 @@ void DeviceSet::advance(Picoseconds time) {
 }
 
 void DeviceSet::update_lines(Hart& hart, const Cluster* cluster, int cluster_interrupt) {
-  const bool known = std::exchange(known_.lines, true);
+  const bool known = std::exchange(cached_.lines, true);
   if (event_unit_ != nullptr) {
     if (known) return;
     for (const auto& slot : slots_) {

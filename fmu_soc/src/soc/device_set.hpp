@@ -78,12 +78,12 @@ class DeviceSet {
   const gap8_devices::Signals& signals() const { return signals_; }
 
   /// Invalidates what is known of the devices. Every access, event and change from outside calls this.
-  void touch() { known_ = {}; }
+  void touch() { cached_ = {}; }
   void begin_step(Picoseconds now) const;
   void end_program();
   /// The next time at which a device acts without an access.
   Picoseconds next_event();
-  void forget_next_event() { known_.next_event = false; }
+  void forget_next_event() { cached_.next_event = false; }
   void advance(Picoseconds time);
   /// Sets the interrupt lines of the fabric controller.
   void update_lines(Hart& hart, const Cluster* cluster, int cluster_interrupt);
@@ -91,8 +91,8 @@ class DeviceSet {
 
   /// Clocks, voltage and power of the cluster that the firmware requests; null if no device sets them.
   const PowerSettings* power_settings() const;
-  bool power_is_applied() const { return known_.power; }
-  void set_power_applied() { known_.power = true; }
+  bool power_is_applied() const { return cached_.power; }
+  void set_power_applied() { cached_.power = true; }
   /// True if a device has ended the program.
   bool have_exited() const { return signals_.exit_code || (power_manager_ != nullptr && power_manager_->exited()); }
   std::int32_t exit_code() const;
@@ -101,7 +101,7 @@ class DeviceSet {
 
  private:
   /// What holds until the next touch(). Not part of a state.
-  struct Known {
+  struct Cached {
     bool next_event = false;
     bool lines = false;
     bool power = false;
@@ -120,7 +120,7 @@ class DeviceSet {
   std::vector<Slot> slots_;
   PowerManager* power_manager_ = nullptr;
   gap8_devices::EventUnit* event_unit_ = nullptr;
-  Known known_;
+  Cached cached_;
   Picoseconds next_event_ = kNever;
 };
 

@@ -90,39 +90,39 @@ void Hardware::connect_memories() {
 }
 
 std::uint32_t Hardware::wait_of_controller(std::size_t memory) const {
-  const auto& way = board_.memories[memory].way;
-  return way ? way->fabric_controller : 0;
+  const auto& latency = board_.memories[memory].latency;
+  return latency ? latency->fabric_controller : 0;
 }
 
 /// The cluster's ways to memories whose board says how much of them lies in the clock of the SoC. An access, a refill
 /// and a beat of the DMA take a cycle of the slower clock: the AXI bus between the two is as wide in both.
-void Hardware::set_ways(std::uint32_t soc_hz) {
-  if (!cluster_ || !has_ways()) return;
+void Hardware::set_latencies(std::uint32_t soc_hz) {
+  if (!cluster_ || !has_latencies()) return;
   const auto ticks_of = [&](std::uint64_t soc_cycles) {
     return static_cast<std::uint32_t>((soc_cycles * cluster_->clock_hz() + soc_hz - 1) / soc_hz);
   };
-  ClusterWays ways;
-  ways.dma = chip_.dma;
+  ClusterLatencies latencies;
+  latencies.dma = chip_.dma;
   for (const auto& port : cluster_->ports()) {
-    const auto& way = board_.memories[port.region].way;
-    ways.waits.push_back(way ? way->cluster + ticks_of(way->soc) : port.wait_cycles);
+    const auto& latency = board_.memories[port.region].latency;
+    latencies.waits.push_back(latency ? latency->cluster + ticks_of(latency->soc) : port.wait_cycles);
   }
   const auto& cache = board_.instruction_cache(Place::cluster);
-  ways.refill_cycles = cache.refill_cycles + ticks_of(cache.refill_soc_cycles);
-  ways.access_ticks = ticks_of(1);
+  latencies.refill_cycles = cache.refill_cycles + ticks_of(cache.refill_soc_cycles);
+  latencies.access_ticks = ticks_of(1);
   // Of the memory that the DMA mostly works on, which is the largest one.
   const auto outside = std::ranges::find_if(
-      cluster_->ports(), [&](const MemoryPort& port) { return board_.memories[port.region].way.has_value(); });
+      cluster_->ports(), [&](const MemoryPort& port) { return board_.memories[port.region].latency.has_value(); });
   const auto least = chip_.dma.latency - chip_.interconnect.cluster_to_soc;  // the DMA's own
-  ways.dma.latency = least + ways.waits[static_cast<std::size_t>(outside - cluster_->ports().begin())];
-  ways.dma.least_burst_cycles = chip_.dma.least_burst_of(ways.dma.latency);
+  latencies.dma.latency = least + latencies.waits[static_cast<std::size_t>(outside - cluster_->ports().begin())];
+  latencies.dma.least_burst_cycles = chip_.dma.least_burst_of(latencies.dma.latency);
   const auto beat = std::uint64_t{DmaTiming::kBeatUnit} * cluster_->clock_hz() / soc_hz;
-  ways.dma.beat_ticks = static_cast<std::uint32_t>(std::max<std::uint64_t>(beat, DmaTiming::kBeatUnit));
-  cluster_->set_ways(ways);
+  latencies.dma.beat_ticks = static_cast<std::uint32_t>(std::max<std::uint64_t>(beat, DmaTiming::kBeatUnit));
+  cluster_->set_latencies(latencies);
 }
 
-bool Hardware::has_ways() const {
-  return std::ranges::any_of(board_.memories, [](const BoardMemory& memory) { return memory.way.has_value(); });
+bool Hardware::has_latencies() const {
+  return std::ranges::any_of(board_.memories, [](const BoardMemory& memory) { return memory.latency.has_value(); });
 }
 
 void Hardware::add_cluster(const Settings& settings, DeviceHost& host) {
@@ -135,7 +135,7 @@ void Hardware::add_cluster(const Settings& settings, DeviceHost& host) {
   cluster.cores = settings.cluster_cores;
   cluster.clock_hz = checked_cluster_clock(chip_, settings);
   cluster.dma = chip_.dma;
-  cluster.shares_way = has_ways();
+  cluster.shares_soc_port = has_latencies();
   cluster.timing = timing_of(board_, chip_);
   cluster.instruction_cache = board_.instruction_cache(Place::cluster);
   cluster.translate = settings.translate;

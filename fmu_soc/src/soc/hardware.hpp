@@ -35,7 +35,7 @@ class Hardware {
   /// Connects the fabric controller with the memories, those of a cluster that is on included.
   void connect_memories();
   /// Sets the latencies of the cluster's accesses, which depend on both clocks.
-  void set_ways(std::uint32_t soc_hz);
+  void set_latencies(std::uint32_t soc_hz);
   /// Copies each segment to its load address; start-up code copies it to where it runs. Throws Error for a segment that
   /// lies neither in a memory nor, without bytes, in a device.
   void load_program(const Elf& program, const DeviceSet& devices);
@@ -68,7 +68,7 @@ class Hardware {
 
  private:
   std::uint32_t wait_of_controller(std::size_t memory) const;
-  bool has_ways() const;
+  bool has_latencies() const;
   void choose_peripherals(ClusterSettings& cluster, DeviceHost& host);
   [[noreturn]] void fail_outside(const Elf& program, const ElfSegment& segment, std::string_view what,
                                  std::uint32_t address, std::uint32_t size) const;

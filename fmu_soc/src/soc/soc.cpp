@@ -66,7 +66,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
   }
   devices_.make(services_);
   hardware_.connect_memories();
-  hardware_.set_ways(timeline_.clock().hz());
+  hardware_.set_latencies(timeline_.clock().hz());
   hardware_.load_program(program_, devices_);
   hart().reset(program_.entry());
   apply_power_settings(core_time());  // GAP8's own devices set the power at the start
@@ -256,7 +256,7 @@ void Soc::apply_power_settings(Picoseconds time) {
   power_.set_voltage(wanted.voltage_mv);
   if (changed) {
     power_.change(before);
-    hardware_.set_ways(clock.hz());
+    hardware_.set_latencies(clock.hz());
     devices_.forget_next_event();  // of timers
   }
   if (cluster == nullptr || (wanted.cluster_on != 0) == cluster->powered()) return;
@@ -320,7 +320,7 @@ void Soc::visit(state::Visitor& v) {
   if (!v.restores()) return;
   timeline_.check(cluster());
   hardware_.connect_memories();
-  hardware_.set_ways(timeline_.clock().hz());
+  hardware_.set_latencies(timeline_.clock().hz());
 }
 
 }  // namespace mebots::soc

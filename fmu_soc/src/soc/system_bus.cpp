@@ -27,7 +27,7 @@ bool UnmodelledRegisters::are_at(std::uint32_t address) {
 }
 
 bool UnmodelledRegisters::is_new(std::uint32_t address) {
-  return told_.insert(address).second;
+  return warned_.insert(address).second;
 }
 
 std::string UnmodelledRegisters::text(std::uint32_t address, bool stores, std::string_view function,

@@ -30,7 +30,7 @@ class UnmodelledRegisters {
   bool is_new(std::uint32_t address);
 
  private:
-  std::set<std::uint32_t> told_;
+  std::set<std::uint32_t> warned_;
 };
 
 /// The bus of the fabric controller: devices of the SoC, and registers of the cluster.

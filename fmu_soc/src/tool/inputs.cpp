@@ -60,7 +60,7 @@ std::vector<Range> merged(const std::vector<Range>& ranges) {
 }
 
 /// Rounds a range to pages and adds space after the program for its heap and stack.
-Range with_room(const Range& range) {
+Range with_margin(const Range& range) {
   const auto begin = range.begin / kPage * kPage;
   const auto end = std::max(begin + 4 * kMiB, (range.end + kMiB + kPage - 1) / kPage * kPage);
   return {begin, std::min(end, kAddressSpace)};
@@ -73,7 +73,7 @@ BoardDescription board_around(const Elf& program) {
   board.name = "none";
   std::uint64_t total = 0;
   for (const auto& group : merged(ranges_of(program))) {
-    const auto range = with_room(group);
+    const auto range = with_margin(group);
     BoardMemory ram;
     ram.name = fmt::format("ram{}", board.memories.empty() ? "" : std::to_string(board.memories.size() + 1));
     ram.base = static_cast<std::uint32_t>(range.begin);

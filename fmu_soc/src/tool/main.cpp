@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   auto* command = app.add_subcommand("run", "Run a program until it stores to tohost, exits or faults");
   add_options(*command, options);
   app.name("mebots-soc");
-  if (const auto code = mebots::command_line::tell_of_it(app, MEBOTS_VERSION, argc, argv)) return *code;
+  if (const auto code = mebots::command_line::handle_hidden_options(app, MEBOTS_VERSION, argc, argv)) return *code;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

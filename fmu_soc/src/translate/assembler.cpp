@@ -30,13 +30,13 @@ bool emit_instruction(Assembler& a, const Instruction* at) {
 void emit_node(Assembler& a, const Node& node) {
   const auto* at = node.first;
   if (a.blocks.fetched() == nullptr) {
-    while (emit_instruction(a, at)) a.cycles.note_flow_inside(at++);
+    while (emit_instruction(a, at)) a.cycles.record_flow_inside(at++);
     return;
   }
   // With a cache that others use, too, who begins the block has asked for its first line.
   if (a.fetches.are_inline()) a.fetches.emit(*node.block, at, nullptr);
   while (emit_instruction(a, at)) {
-    a.cycles.note_flow_inside(at++);
+    a.cycles.record_flow_inside(at++);
     if (!is_block_end(at->op)) a.fetches.emit(*node.block, at, at - 1);
   }
 }

@@ -77,12 +77,12 @@ void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Lab
 /// True if observers need this step.
 bool CycleAccounting::is_noted(const Instruction* at, std::uint32_t next) const {
   if (a_.options.flow == nullptr) return false;
-  return (at->op == Op::jal && at->rd != 32) || a_.options.flow->leads_away(at->pc, next);
+  return (at->op == Op::jal && at->rd != 32) || a_.options.flow->may_leave_function(at->pc, next);
 }
 
 /// Notes a step behind `at`, up to which all is counted, to where `set_next` stores. rcx and rdx are lost.
 template <typename SetNext>
-void CycleAccounting::note_flow(const Instruction* at, SetNext set_next) {
+void CycleAccounting::record_flow(const Instruction* at, SetNext set_next) {
   MEBOTS_ASSERT(a_.options.flow != nullptr);
   const auto field = [this](std::size_t offset) { return rdx + static_cast<int>(offset); };
   const auto end = rbx + static_cast<int>(offsetof(Execution, host.flow));
@@ -99,20 +99,20 @@ void CycleAccounting::note_flow(const Instruction* at, SetNext set_next) {
   a_.add(qword[end], static_cast<std::uint32_t>(sizeof(Flow)));
 }
 
-void CycleAccounting::note_flow_to(const Instruction* at, std::uint32_t next) {
-  note_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
+void CycleAccounting::record_flow_to(const Instruction* at, std::uint32_t next) {
+  record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
 /// Notes a step to the address in `next`.
-void CycleAccounting::note_flow_to(const Instruction* at, const Xbyak::Reg32& next) {
-  note_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
+void CycleAccounting::record_flow_to(const Instruction* at, const Xbyak::Reg32& next) {
+  record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
 /// A step within the block, whose counts are not added before it is left.
-void CycleAccounting::note_flow_inside(const Instruction* at) {
+void CycleAccounting::record_flow_inside(const Instruction* at) {
   if (is_block_end(at[1].op) || !is_noted(at, at[1].pc)) return;
   count(at, 0);
-  note_flow_to(at, at[1].pc);
+  record_flow_to(at, at[1].pc);
   take_back(at);
 }
 

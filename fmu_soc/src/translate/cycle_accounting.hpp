@@ -39,13 +39,13 @@ class CycleAccounting {
 
   /// True if a step must be noted.
   bool is_noted(const Instruction* at, std::uint32_t next) const;
-  void note_flow_to(const Instruction* at, std::uint32_t next);
-  void note_flow_to(const Instruction* at, const Xbyak::Reg32& next);
-  void note_flow_inside(const Instruction* at);
+  void record_flow_to(const Instruction* at, std::uint32_t next);
+  void record_flow_to(const Instruction* at, const Xbyak::Reg32& next);
+  void record_flow_inside(const Instruction* at);
 
  private:
   template <typename SetNext>
-  void note_flow(const Instruction* at, SetNext set_next);
+  void record_flow(const Instruction* at, SetNext set_next);
 
   Assembler& a_;
 };

@@ -106,7 +106,7 @@ void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
   load_next_point();
   store_next_block(node);
   if (exit.straight) {
-    a_.mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))]);
+    a_.mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))]);
   } else {
     a_.mov(rdx, bits_of({}));
   }
@@ -123,7 +123,7 @@ void EdgeWriter::park_at_entry(const Node& node, const Exit& exit, std::uint32_t
   load_next_point();
   store_next_block(node);
   if (exit.is_reached_straight) {
-    a_.mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))]);
+    a_.mov(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))]);
     a_.mov(pipeline, rdx);
   } else {
     Label begun;
@@ -190,7 +190,7 @@ void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
     const auto landing = jumped && node->block->unaligned ? kUnalignedTargetExtra : 0U;
     if (a_.cycles.is_noted(at, pc)) {
       a_.cycles.count(at, extra);
-      a_.cycles.note_flow_to(at, pc);
+      a_.cycles.record_flow_to(at, pc);
       a_.cycles.spend(landing);
     } else {
       a_.cycles.count(at, extra + landing);
@@ -200,7 +200,7 @@ void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
     return;
   }
   a_.cycles.count(at, extra);
-  if (a_.cycles.is_noted(at, pc)) a_.cycles.note_flow_to(at, pc);
+  if (a_.cycles.is_noted(at, pc)) a_.cycles.record_flow_to(at, pc);
   Exit exit;
   exit.pc = pc;
   exit.at = at;
@@ -233,7 +233,7 @@ void EdgeWriter::jump_indirect(const Instruction* at) {
       const auto landing = node->block->unaligned ? kUnalignedTargetExtra : 0U;
       if (a_.options.flow != nullptr) {
         a_.cycles.count(at, 0);
-        a_.cycles.note_flow_to(at, eax);
+        a_.cycles.record_flow_to(at, eax);
         a_.cycles.spend(landing);
       } else {
         a_.cycles.count(at, landing);
@@ -243,7 +243,7 @@ void EdgeWriter::jump_indirect(const Instruction* at) {
     });
   }
   a_.cycles.count(at, 0);
-  if (a_.options.flow != nullptr) a_.cycles.note_flow_to(at, eax);
+  if (a_.options.flow != nullptr) a_.cycles.record_flow_to(at, eax);
   a_.registers.store_all();
   a_.mov(ptr[rbx + static_cast<int>(offsetof(Execution, pc))], eax);
   Label unknown;

@@ -18,8 +18,8 @@ class Assembler;
 /// The edges of a region's blocks: the ways in from other code, from one block to the next, and out.
 ///
 /// A block that is left by a jump leaves nothing in the pipeline. One that is left straight on may delay the next one:
-/// that is added on the edge, and HostState::came_from holds what the pipeline does, for code that leaves the next
-/// block early.
+/// that is added on the edge, and HostState::straight_pipeline holds what the pipeline does, for code that leaves the
+/// next block early.
 class EdgeWriter {
  public:
   explicit EdgeWriter(Assembler& assembler) : a_(assembler) {}
@@ -41,7 +41,7 @@ class EdgeWriter {
   /// After a jump to the address in eax.
   void jump_indirect(const Instruction* at);
   /// From the end of a block to the block at `pc`. `is_last`: no other code of its node follows.
-  void go_straight(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last);
+  void fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last);
   /// To the start of a hardware loop.
   void iterate(const Instruction* at, unsigned loop);
   /// The interpreter continues with `at` and finishes the block.
@@ -49,10 +49,10 @@ class EdgeWriter {
   void leave_by(const Exit& exit);
 
  private:
-  /// The bits of what the pipeline holds, as HostState::came_from has them.
+  /// The bits of what the pipeline holds, as HostState::straight_pipeline has them.
   static std::uint64_t bits_of(const Pipeline& pipeline) { return std::bit_cast<std::uint64_t>(pipeline); }
   const Node* straight_successor(const Instruction* at, std::uint32_t link) const;
-  void go_straight_to(const Instruction* at, const Node& node, bool is_last);
+  void fall_through_to(const Instruction* at, const Node& node, bool is_last);
   void save_pipeline_state(const Instruction* end);
   void clear_pipeline_state();
   void check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit);

@@ -26,15 +26,15 @@ const Node* EdgeWriter::straight_successor(const Instruction* at, std::uint32_t 
 }
 
 /// Straight on to the block at `pc`, to which a link has led. `is_last`: nothing else of its node comes behind it.
-void EdgeWriter::go_straight(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last) {
+void EdgeWriter::fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last) {
   MEBOTS_ASSERT(is_block_end(at->op) && at->index > 0);
   const auto* node = straight_successor(at, link);
   if (node != nullptr && node->block->pc == pc) {
-    go_straight_to(at, *node, is_last);
+    fall_through_to(at, *node, is_last);
     return;
   }
   a_.cycles.count(at - 1, 0);
-  if (a_.cycles.is_noted(at - 1, pc)) a_.cycles.note_flow_to(at - 1, pc);
+  if (a_.cycles.is_noted(at - 1, pc)) a_.cycles.record_flow_to(at - 1, pc);
   Exit exit;
   exit.straight = true;
   exit.pc = pc;
@@ -43,9 +43,9 @@ void EdgeWriter::go_straight(const Instruction* at, std::uint32_t link, std::uin
   leave_chained(exit);
 }
 
-void EdgeWriter::go_straight_to(const Instruction* at, const Node& node, bool is_last) {
+void EdgeWriter::fall_through_to(const Instruction* at, const Node& node, bool is_last) {
   a_.cycles.count(at - 1, 0);
-  if (a_.cycles.is_noted(at - 1, node.block->pc)) a_.cycles.note_flow_to(at - 1, node.block->pc);
+  if (a_.cycles.is_noted(at - 1, node.block->pc)) a_.cycles.record_flow_to(at - 1, node.block->pc);
   save_pipeline_state(at);
   const bool stalls = translate::stalls(*node.block, at);
   Exit at_limit;
@@ -71,13 +71,13 @@ void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
     Label elsewhere;
     a_.cmp(start, pc);
     a_.jne(elsewhere, kNear);
-    go_straight(at, link, pc, false);
+    fall_through(at, link, pc, false);
     a_.L(elsewhere);
   }
   a_.cycles.count(at - 1, 0);
   save_pipeline_state(at);
   a_.mov(eax, start);
-  if (a_.options.flow != nullptr) a_.cycles.note_flow_to(at - 1, eax);
+  if (a_.options.flow != nullptr) a_.cycles.record_flow_to(at - 1, eax);
   a_.mov(ptr[rbx + static_cast<int>(offsetof(Execution, pc))], eax);
   Exit exit;
   exit.straight = true;
@@ -90,15 +90,15 @@ void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
 /// counted. rcx and rdx are lost.
 void EdgeWriter::save_pipeline_state(const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op) && end->index > 0);
-  const auto came_from = ptr[rbx + static_cast<int>(offsetof(Execution, host.came_from))];
+  const auto straight_pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))];
   if (end->index >= 2) {
     a_.mov(rdx, bits_of({executed(end[-1], false), one_later(executed(end[-2], false))}));
-    a_.mov(came_from, rdx);
+    a_.mov(straight_pipeline, rdx);
     return;
   }
   // A block of one instruction: also the instruction before it. For the first block of a run, the run has found it.
   Label straight;
-  a_.mov(rdx, came_from);
+  a_.mov(rdx, straight_pipeline);
   a_.test(rdx, rdx);
   a_.jnz(straight);
   a_.movd(ecx, xmm15);
@@ -110,12 +110,12 @@ void EdgeWriter::save_pipeline_state(const Instruction* end) {
   a_.shl(rdx, 32);
   a_.mov(ecx, std::bit_cast<std::uint32_t>(executed(end[-1], false)));
   a_.or_(rdx, rcx);
-  a_.mov(came_from, rdx);
+  a_.mov(straight_pipeline, rdx);
 }
 
 /// Before a jump to a node: nothing came straight.
 void EdgeWriter::clear_pipeline_state() {
-  a_.mov(qword[rbx + static_cast<int>(offsetof(Execution, host.came_from))], 0);
+  a_.mov(qword[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))], 0);
 }
 
 }  // namespace mebots::soc::translate

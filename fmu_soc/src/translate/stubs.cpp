@@ -75,7 +75,7 @@ void emit_fetch_stub(Assembler& a) {
 /// Calls wait_for_far, and spends what it says.
 void emit_far_stub(Assembler& a) {
   MEBOTS_ASSERT(a.options.banks != nullptr, "a core whose second memory is shared shares the first one");
-  static_assert(kNoRoom >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31, "the sign tells which it is");
+  static_assert(kOutsideBanks >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31, "the sign tells which it is");
   const auto bits = std::countr_zero(a.options.banks->count());
   // What a called function may change (System V ABI), and where an even number of words leaves the stack aligned.
   const std::array saved{rsi, rdi, r8, r9, r10, r11, rcx};

@@ -102,15 +102,15 @@ class HostTranslator : public Translator {
  private:
   static constexpr auto kNone = ~std::uint32_t{0};
 
-  struct MadeRegion {
-    struct OfBlock {
+  struct TranslatedRegion {
+    struct RegionBlock {
       std::uint32_t number;
       std::uint32_t pc;
     };
     std::uint32_t segment = 0;
     const std::uint8_t* begin = nullptr;  // of its code; null = dropped
     const std::uint8_t* end = nullptr;
-    std::vector<OfBlock> blocks;
+    std::vector<RegionBlock> blocks;
     std::vector<std::uint32_t> patched_to;  // patch points that lead to its code, or once did
   };
 
@@ -199,7 +199,7 @@ class HostTranslator : public Translator {
   std::size_t used_ = 0;       // where the next region begins
   ExitTable exits_;
   const TranslationContext context_{*memory_, blocks_, memories_.ram, options_, exits_};
-  std::vector<MadeRegion> regions_{1};  // number 0 is none
+  std::vector<TranslatedRegion> regions_{1};  // number 0 is none
   std::vector<std::uint32_t> free_regions_;
   std::uint32_t last_exit_ = kNone;
   std::uint64_t times_dropped_ = 0;

@@ -22,7 +22,7 @@ struct Exit {
   bool indirect = false;             // the code has put the pc into Execution::pc
   bool jumped = false;               // an unaligned target costs its cycle yet
   bool straight = false;             // behind the last instruction of a block, which `at` stands behind
-  bool is_reached_straight = false;  // its block may be: HostState::came_from says from where
+  bool is_reached_straight = false;  // its block may be: HostState::straight_pipeline says from where
   std::uint32_t pc = 0;
   std::uint32_t block = 0;          // that begins at `pc`; 0 = not known
   const Instruction* at = nullptr;  // resumes: comes next; else: what led here, null when its link is of no interest
@@ -34,7 +34,7 @@ struct Exit {
 struct Entry {
   const std::uint8_t* plain = nullptr;
   const std::uint8_t* jumped = nullptr;    // pays for an unaligned target first
-  const std::uint8_t* straight = nullptr;  // from the end of a block, which HostState::came_from says
+  const std::uint8_t* straight = nullptr;  // from the end of a block, which HostState::straight_pipeline says
   const std::uint8_t* stalled = nullptr;   // likewise, from a load that the first instruction waits for a cycle
   std::uint32_t region = 0;                // number of the region that has the code
 };

@@ -21,7 +21,7 @@ struct Painted {
   std::array<Vector3d, 3> axes_W;  // unit; the last one is its own up
   std::size_t tile;
   const scene::Lighting& lighting;
-  std::size_t mover = Face::kStands;
+  std::size_t mover = Face::kStatic;
 };
 
 template <typename Thing>
@@ -38,7 +38,7 @@ std::array<Vector3d, 3> axes_of(const Thing& thing) {
 /// The mover of a thing on a path, added; none for one that stands.
 template <typename Thing>
 std::size_t add_mover(Geometry& geometry, const Thing& thing) {
-  if (!thing.path.moves()) return Face::kStands;
+  if (!thing.path.moves()) return Face::kStatic;
   geometry.movers.push_back({thing.path, thing.p_W_m});
   return geometry.movers.size() - 1;
 }
@@ -81,7 +81,7 @@ void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const 
       const int first = far << axis;
       std::vector<Vector3d> side{corners[first], corners[first + a], corners[first + a + b], corners[first + b]};
       const bool below = std::all_of(side.begin(), side.end(), [](const Vector3d& p) { return p.z() <= 0.0; });
-      if (axis == 2 && far == 0 && below && solid.mover == Face::kStands) continue;
+      if (axis == 2 && far == 0 && below && solid.mover == Face::kStatic) continue;
       add_side(geometry, solid, axis, far != 0 ? 1.0 : -1.0, std::move(side));
     }
   }
@@ -270,7 +270,7 @@ Geometry make_geometry(const scene::Scene& scene) {
   for (const scene::Gate& gate : scene.gates) {
     if (!gate.has_beams()) {
       const Eigen::Matrix3d R_WG = scene::attitude_of(gate).toRotationMatrix();
-      add_mesh(geometry, gate.frame(), gate.p_W_m, R_WG, scene.lighting, Face::kStands);
+      add_mesh(geometry, gate.frame(), gate.p_W_m, R_WG, scene.lighting, Face::kStatic);
       continue;
     }
     add_gate(geometry, gate, add_tile(geometry, gate.texture), scene.lighting);

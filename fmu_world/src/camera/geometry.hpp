@@ -30,8 +30,8 @@ struct Face {
   double u_origin_m = 0.0;
   double v_origin_m = 0.0;
   double light = 1.0;           ///< grey level seen over grey level of the texture; of what moves, where it begins
-  std::size_t mover = kStands;  ///< index in Geometry::movers
-  static constexpr std::size_t kStands = SIZE_MAX;
+  std::size_t mover = kStatic;  ///< index in Geometry::movers
+  static constexpr std::size_t kStatic = SIZE_MAX;
 };
 
 /// Faces that move together: they turn about the vertical through `origin_W_m` and are then shifted.

@@ -40,7 +40,7 @@ Geometry checked(Geometry geometry) {
       throw Error(
           fmt::format("camera: face {} has {} corners; it must have 3..{}, cut it up", i, corners, kMaxCorners));
     }
-    if (face.mover != Face::kStands && face.mover >= geometry.movers.size()) {
+    if (face.mover != Face::kStatic && face.mover >= geometry.movers.size()) {
       throw Error(fmt::format("camera: face {} refers to mover {} of {}", i, face.mover, geometry.movers.size()));
     }
     if (face.tile >= geometry.tiles.size()) {
@@ -166,7 +166,7 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Worksp
   MEBOTS_ASSERT(workspace.nearest_.size() == (static_cast<std::size_t>(intrinsics_.width) + kSpareColumns) * kStripRows,
                 "make_workspace() made it");
   for (const FaceGroup& group : groups_) {
-    const bool stands = group.mover == Face::kStands;
+    const bool stands = group.mover == Face::kStatic;
     const Pose& eye = stands ? pose : workspace.eyes_[group.mover];
     const Eigen::Matrix3d R_CE = eye.R_WC.transpose();
     if (sides.leave_out(R_CE * (group.middle_W_m - eye.p_WC_m), group.radius_m)) continue;

@@ -57,7 +57,7 @@ bool GateJudge::whole_drone_behind(const GateFrame& gate, const RigidState& stat
   return gate.in_gate(state.p_WB_m).x() - reach_m(gate, state) >= 0.5 * gate.thickness_m;
 }
 
-bool GateJudge::comes_back(const RigidState& from, const RigidState& to) const {
+bool GateJudge::crosses_back(const RigidState& from, const RigidState& to) const {
   if (next_ == 0) return false;
   const GateFrame& gate = gates_[next_ - 1];
   if (!whole_drone_in_front(gate, to) || whole_drone_in_front(gate, from)) return false;
@@ -66,7 +66,7 @@ bool GateJudge::comes_back(const RigidState& from, const RigidState& to) const {
 
 std::optional<GateEvent> GateJudge::move(const RigidState& from, const RigidState& to) {
   std::optional<GateEvent> event;
-  if (comes_back(from, to)) {
+  if (crosses_back(from, to)) {
     --next_;
     turned_back_ = true;
     event = GateEvent{GateEvent::Kind::turned_back, next_};

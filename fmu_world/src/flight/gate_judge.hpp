@@ -114,7 +114,7 @@ class GateJudge {
   double reach_m(const GateFrame& gate, const RigidState& state) const;
   /// No gate is left to be crossed now.
   bool crossed_all() const { return !gates_.empty() && next_ == gates_.size(); }
-  bool comes_back(const RigidState& from, const RigidState& to) const;
+  bool crosses_back(const RigidState& from, const RigidState& to) const;
   std::optional<GateEvent> cross(const RigidState& from, const RigidState& to);
   std::optional<GateEvent> get_stuck(std::size_t gate);
 

@@ -26,7 +26,7 @@ class GroundContact {
   void stand() { from_air_ = false; }
 
   /// True if the drone came down from the air and still touched something after the hold time.
-  bool has_come_down() const { return in_contact_ && from_air_ && last_ns_ - since_ns_ >= hold_ns_; }
+  bool has_landed() const { return in_contact_ && from_air_ && last_ns_ - since_ns_ >= hold_ns_; }
   /// First touch of the contact.
   std::int64_t since_ns() const { return since_ns_; }
 

@@ -39,7 +39,7 @@ void Sequencer::follow(FlightMode mode, double altitude_goal_m, const Situation&
   switch (mode) {
     case FlightMode::take_off:
       if (phase_ == FlightPhase::on_ground || phase_ == FlightPhase::landed || phase_ == FlightPhase::descending ||
-          (phase_ == FlightPhase::grounded && !situation.come_down)) {
+          (phase_ == FlightPhase::grounded && !situation.has_landed)) {
         phase_ = FlightPhase::climbing;
       }
       if (phase_ == FlightPhase::climbing && std::abs(altitude_goal_m - situation.altitude_m) < kReachedAltitude_m &&
@@ -55,7 +55,7 @@ void Sequencer::follow(FlightMode mode, double altitude_goal_m, const Situation&
       if (is_powered(phase_)) phase_ = FlightPhase::descending;
       return;
   }
-  if (situation.come_down) phase_ = FlightPhase::grounded;
+  if (situation.has_landed) phase_ = FlightPhase::grounded;
 }
 
 void Sequencer::descend(FlightMode mode, const Situation& situation, double dt_s) {

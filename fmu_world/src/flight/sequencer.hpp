@@ -13,7 +13,7 @@ struct Situation {
   double altitude_m = 0.0;
   double climb_m_per_s = 0.0;
   double speed_m_per_s = 0.0;  ///< of all three axes
-  bool come_down = false;      ///< GroundContact::has_come_down()
+  bool has_landed = false;     ///< GroundContact::has_landed()
 };
 
 /// Take-off and landing: which phase follows from mode and situation, and whether the motors may turn.

@@ -50,7 +50,7 @@ Json face_json(const camera::Face& face, const camera::Tile& tile) {
                {"texture_coordinates", coordinates},
                {"texture", face.tile},
                {"light", face.light}};
-  if (face.mover != camera::Face::kStands) json["mover"] = face.mover;
+  if (face.mover != camera::Face::kStatic) json["mover"] = face.mover;
   return json;
 }
 

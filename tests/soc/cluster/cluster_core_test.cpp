@@ -72,12 +72,12 @@ class LoneClusterCore : public testing::Test, private ClusterBus {
 
   Memory memory_ = make_memory();
   Banks banks_{16};
-  Banks way_{1};
+  Banks soc_port_{1};
   DecodedCode code_{memory_, {.loose_limit = true, .banks = &banks_}};
   ClusterSettings settings_ = make_settings();
 
  protected:
-  ClusterCore core{*this, settings_, 0, memory_, code_, way_};
+  ClusterCore core{*this, settings_, 0, memory_, code_, soc_port_};
 };
 
 TEST_F(LoneClusterCore, StopsInFrontOfADeviceUntilItHasItsTurn) {

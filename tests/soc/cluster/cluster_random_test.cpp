@@ -46,7 +46,7 @@ class StepCounter final : public Observer, private FlowMap {
   }
 
  private:
-  bool leads_away(std::uint32_t pc, std::uint32_t next) const override { return (pc ^ next) / 2 % 3 == 0; }
+  bool may_leave_function(std::uint32_t pc, std::uint32_t next) const override { return (pc ^ next) / 2 % 3 == 0; }
   std::map<const Hart*, Flow> last_;
 };
 
@@ -59,7 +59,7 @@ class Comparison {
     settings_.cluster_cores = below(3) == 0 ? 1 + below(8) : 8;
     for (auto& memory : board_.memories) {
       if (memory.place != Place::cluster) {
-        if (seed % 3 == 1) memory.way = {.fabric_controller = 3, .cluster = 2, .soc = 17};  // which cores share
+        if (seed % 3 == 1) memory.latency = {.fabric_controller = 3, .cluster = 2, .soc = 17};  // which cores share
         continue;
       }
       memory.arbitration_tree = seed % 2 == 0;

@@ -90,7 +90,7 @@ TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
   EXPECT_LT(cycles_of_core(0xff, factors, 7), cycles_of_core(1, factors, 0) * 5 / 4);
   auto board = Gap8System::gap8();
   for (auto& memory : board.memories) {
-    if (memory.way) memory.way->soc = 1;
+    if (memory.latency) memory.latency->soc = 1;
   }
   EXPECT_LT(cycles_of_core(1, factors, 0, board), kLoads * 24);
   EXPECT_GE(cycles_of_core(0xff, factors, 7, board), kLoads * 8 * 8 * 9 / 10) << "eight loads take 64 cycles";

@@ -74,10 +74,10 @@ struct Pair {
 /// Runs to the end with limits of all sizes, interrupts at any time, and states restored.
 void compare_at_random_limits(Pair& pair, std::uint32_t seed) {
   std::mt19937 random(seed);
-  bool goes_on = true;
-  for (int stops = 0; goes_on && stops < 4000; ++stops) {
+  bool continues = true;
+  for (int stops = 0; continues && stops < 4000; ++stops) {
     const auto limit = pair.translated.hart().counters().cycles + 1 + random() % (random() % 4 == 0 ? 20000 : 80);
-    goes_on = pair.run(limit);
+    continues = pair.run(limit);
     const auto chance = random() % 256;
     for (auto* machine : {&pair.translated, &pair.interpreted}) {
       machine->hart().set_interrupt(chance % 2 == 0 ? 11 : 7, chance < 4);
@@ -90,7 +90,7 @@ void compare_at_random_limits(Pair& pair, std::uint32_t seed) {
     machine->hart().set_interrupt(11, false);
     machine->hart().set_interrupt(7, false);
   }
-  if (goes_on) pair.run(1'000'000'000);
+  if (continues) pair.run(1'000'000'000);
   EXPECT_EQ(pair.translated.word("tohost"), 1U);
 }
 

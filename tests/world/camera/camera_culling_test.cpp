@@ -84,7 +84,7 @@ TEST(CameraCulling, GroupsHoldAllFacesInOrderAndNoneMixesMovers) {
   for (std::size_t i = 0; i < 100; ++i) {
     const auto x = static_cast<double>(i);
     faces.push_back(face_with({Vector3d(x, 0, 0), Vector3d(x, 1, 0), Vector3d(x, 0, 2)}));
-    faces.back().mover = i < 40 ? Face::kStands : i / 50;
+    faces.back().mover = i < 40 ? Face::kStatic : i / 50;
   }
   std::size_t next = 0;
   for (const auto& group : groups_of(faces)) {

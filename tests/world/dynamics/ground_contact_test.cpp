@@ -31,9 +31,9 @@ void touch(GroundContact& contact, std::int64_t from_ms, std::int64_t to_ms) {
 TEST(GroundContact, CountsAfterItsHoldTimeOnly) {
   GroundContact contact(false, 1.0, 0, 1000 * kMs);
   touch(contact, 100, 1100);
-  EXPECT_FALSE(contact.has_come_down());
+  EXPECT_FALSE(contact.has_landed());
   touch(contact, 1100, 1101);
-  EXPECT_TRUE(contact.has_come_down());
+  EXPECT_TRUE(contact.has_landed());
   EXPECT_EQ(contact.since_ns(), 100 * kMs);
 }
 
@@ -41,32 +41,32 @@ TEST(GroundContact, GoesOnOverLowHopsAndEndsWithHigherOnes) {
   GroundContact low(false, 1.0, 0, 1000 * kMs);
   low.update(true, kHeight_m, 100 * kMs);
   low.update(false, kHeight_m + 0.09, 1100 * kMs);
-  EXPECT_FALSE(low.has_come_down()) << "not before it touches again";
+  EXPECT_FALSE(low.has_landed()) << "not before it touches again";
   low.update(true, kHeight_m, 2100 * kMs);
-  EXPECT_TRUE(low.has_come_down());
+  EXPECT_TRUE(low.has_landed());
   EXPECT_EQ(low.since_ns(), 100 * kMs);
   GroundContact high(false, 1.0, 0, 1000 * kMs);
   for (int ms = 0; ms <= 6000; ms += 600) {
     high.update(true, kHeight_m, ms * kMs);
     high.update(false, kHeight_m + 0.11, (ms + 300) * kMs);
   }
-  EXPECT_FALSE(high.has_come_down()) << "touches and goes";
+  EXPECT_FALSE(high.has_landed()) << "touches and goes";
   GroundContact hovering(false, 1.0, 0, 1000 * kMs);
   hovering.update(true, kHeight_m, 0);
   hovering.update(false, kHeight_m + 0.05, 5001 * kMs);
   hovering.update(true, kHeight_m, 5002 * kMs);
-  EXPECT_FALSE(hovering.has_come_down()) << "flew at 5 cm for 5 s";
+  EXPECT_FALSE(hovering.has_landed()) << "flew at 5 cm for 5 s";
 }
 
 TEST(GroundContact, OfADroneThatStoodThereIsNoDescent) {
   GroundContact contact(true, kHeight_m, 0, 1000 * kMs);
   touch(contact, 0, 5000);
-  EXPECT_FALSE(contact.has_come_down());
+  EXPECT_FALSE(contact.has_landed());
   contact.update(false, 1.0, 6000 * kMs);
   touch(contact, 7000, 9000);
-  EXPECT_TRUE(contact.has_come_down());
+  EXPECT_TRUE(contact.has_landed());
   contact.stand();
-  EXPECT_FALSE(contact.has_come_down()) << "it has landed";
+  EXPECT_FALSE(contact.has_landed()) << "it has landed";
 }
 
 /// From here a bounce stays below 10 cm.

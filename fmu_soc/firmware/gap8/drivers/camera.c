@@ -41,10 +41,10 @@ _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the inte
 static uint8_t buffers[2][CAMERA_EDGE * CAMERA_EDGE] __attribute__((aligned(4), section(".noinit.camera")));
 // The buffer that the picture on its way goes to, or went to last.
 static unsigned filling;
-static bool on_its_way;
+static bool is_requested;
 static uint32_t count;
 static volatile bool stored;
-static volatile unsigned told;  // the sensor was
+static volatile unsigned is_sent;  // the sensor was
 static uint8_t commands[13];
 static uint32_t divider;  // of the clock, for the bits on the bus
 
@@ -52,14 +52,14 @@ static void on_picture(void) {
   stored = true;
 }
 
-static void on_told(void) {
-  told = 1;
+static void on_sent(void) {
+  is_sent = 1;
 }
 
 // Stores into a register of the sensor; goes on while the bits are on their way, which nothing may overtake.
-static void tell_sensor(uint32_t at, uint32_t value) {
-  soc_event_wait(&told);
-  told = 0;
+static void write_sensor(uint32_t at, uint32_t value) {
+  soc_event_wait(&is_sent);
+  is_sent = 0;
   uint8_t* next = commands;
   *next++ = I2C_DIVIDER;
   *next++ = (uint8_t)(divider >> 8);
@@ -77,26 +77,26 @@ static void tell_sensor(uint32_t at, uint32_t value) {
 void camera_init(void) {
   divider = START_CLOCK_HZ / (2 * I2C_HZ);
   UDMA_CLOCK_GATE |= UDMA_CLOCK_I2C1 | UDMA_CLOCK_CAMERA;
-  soc_event_attach(SOC_EVENT_I2C1_SENT, on_told);
+  soc_event_attach(SOC_EVENT_I2C1_SENT, on_sent);
   soc_event_attach(SOC_EVENT_CAMERA, on_picture);
-  told = 1;
+  is_sent = 1;
   UDMA_CAM_CFG_LL = MARGIN << ROW_SHIFT | MARGIN / 2;
   UDMA_CAM_CFG_UR = (MARGIN + CAMERA_EDGE - 1) << ROW_SHIFT | ((MARGIN + CAMERA_EDGE) / 2 - 1);
   UDMA_CAM_CFG_SIZE = (SENSOR_EDGE - 1) << ROW_SHIFT;
   UDMA_CAM_CFG_GLOB = INTERFACE_ON | INTERFACE_WINDOW | INTERFACE_AS_IT_COMES;
-  tell_sensor(FRAME_COUNT, 1);
+  write_sensor(FRAME_COUNT, 1);
 }
 
 bool camera_ask(void) {
-  if (on_its_way) {
+  if (is_requested) {
     return true;
   }
   stored = false;
   filling ^= 1;
   // First: the interface takes a frame from its begin only.
   udma_start(UDMA_CAMERA_OFFSET, buffers[filling], sizeof buffers[filling]);
-  tell_sensor(MODE_SELECT, SOME_FRAMES);
-  on_its_way = true;
+  write_sensor(MODE_SELECT, SOME_FRAMES);
+  is_requested = true;
   return true;
 }
 
@@ -108,7 +108,7 @@ camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns) {
   if (!stored) {
     return PICTURE_LATE;
   }
-  on_its_way = false;
+  is_requested = false;
   picture->pixels = buffers[filling];
   picture->width = CAMERA_EDGE;
   picture->height = CAMERA_EDGE;

@@ -23,14 +23,14 @@ static uint64_t count(void) {
 }
 
 // One that belongs to an alarm before is none of this one.
-static void look(void) {
+static void check_alarm(void) {
   if (count() >= alarm_count) {
     alarm_came = true;
   }
 }
 
 void timer_init(void) {
-  interrupt_attach(FABRIC_EVENT_TIMER, look);
+  interrupt_attach(FABRIC_EVENT_TIMER, check_alarm);
 }
 
 int64_t timer_now_ns(void) {
@@ -45,7 +45,7 @@ void timer_set_alarm(int64_t time_ns) {
   alarm_came = false;
   store(TIMER_BASE + TIMER_COMPARE_LO_OFFSET, (uint32_t)alarm_count);
   store(TIMER_BASE + TIMER_COMPARE_HI_OFFSET, (uint32_t)(alarm_count >> 32));
-  look();  // the timer tells only when it is there, not that it was
+  check_alarm();  // the timer tells only when it is there, not that it was
 }
 
 #include "drivers/timer_alarm.inc"

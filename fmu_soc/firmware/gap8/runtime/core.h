@@ -20,7 +20,7 @@ uint32_t core_clock_hz(void);
 void core_clock_set(uint32_t hz);
 
 // Lets interrupt `number` in: it ends a sleep, and comes when interrupts are on.
-static inline void core_let_in(unsigned number) {
+static inline void core_enable_interrupt(unsigned number) {
   const uint32_t bit = UINT32_C(1) << number;
   store(EU_BASE + EU_MASK_OR_OFFSET, bit);
   store(EU_BASE + EU_MASK_IRQ_OR_OFFSET, bit);

@@ -46,7 +46,9 @@ struct BoardVariable {
   double start = 0;           // of a number; false and true are 0 and 1
 
   bool is_number() const { return type != "String" && type != "Binary"; }
-  bool goes_in() const { return causality != Causality::output; }
+  /// True for inputs and parameters.
+  bool is_input() const { return causality != Causality::output; }
+  [[deprecated("use is_input()")]] bool goes_in() const { return is_input(); }
 };
 
 struct BoardState {

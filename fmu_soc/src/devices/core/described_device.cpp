@@ -17,10 +17,10 @@ namespace {
 constexpr std::string_view kStatus = "status";
 
 /// The place of a variable among those that go in, or out.
-std::size_t place_of(const BoardDevice& entry, std::string_view name, bool goes_in) {
+std::size_t place_of(const BoardDevice& entry, std::string_view name, bool is_input) {
   std::size_t place = 0;
   for (const auto& variable : entry.variables) {
-    if (variable.goes_in() != goes_in) continue;
+    if (variable.is_input() != is_input) continue;
     if (variable.name == name) return place;
     ++place;
   }
@@ -37,7 +37,7 @@ DescribedDevice::DescribedDevice(const BoardDevice& entry, DeviceHost& host)
       spent_(entry.states.size()),
       state_(state_index(entry.initial_state)) {
   MEBOTS_ASSERT(spent_.empty() || state_ < spent_.size(), "the board file names a state of the device");
-  for (const auto& variable : entry.variables) (variable.goes_in() ? inputs_ : outputs_).push_back(variable.start);
+  for (const auto& variable : entry.variables) (variable.is_input() ? inputs_ : outputs_).push_back(variable.start);
   const bool measures = std::ranges::any_of(entry.states, [](const auto& state) { return state.delay_s > 0; });
   for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = entry.registers[i].reset;
   for (const auto& described : entry.registers) {
@@ -122,8 +122,8 @@ bool DescribedDevice::store(std::uint32_t offset, Picoseconds now, std::uint32_t
 /// An access where the entry has no register: it goes on as on the chip where the device has room for more.
 bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   if (entry_.span == 0) return false;
-  if (std::ranges::find(told_, offset) != told_.end()) return true;
-  told_.push_back(offset);
+  if (std::ranges::find(warned_, offset) != warned_.end()) return true;
+  warned_.push_back(offset);
   const auto function = host_.function();
   host_.complain(
       fmt::format("{}: {} 0x{:08x}{}{}: no register of device {} is modelled there: it reads 0, and stores are "

@@ -74,7 +74,7 @@ class DescribedDevice final : public Device {
 
   const BoardDevice& entry_;
   DeviceHost& host_;
-  std::vector<std::uint32_t> told_;      // offsets without register; not part of a state
+  std::vector<std::uint32_t> warned_;    // offsets without register; not part of a state
   std::vector<Register> registers_;      // as the entry's
   bool commits_ = false;                 // some register does
   std::vector<double> inputs_;           // as the entry's variables, those that go in only

@@ -13,7 +13,7 @@
 namespace mebots::soc {
 namespace {
 
-std::unique_ptr<Device> make_nothing(const BoardDevice& /*entry*/, ChipHost& /*host*/) {
+std::unique_ptr<Device> make_no_device(const BoardDevice& /*entry*/, ChipHost& /*host*/) {
   return nullptr;
 }
 
@@ -21,9 +21,9 @@ std::unique_ptr<Device> make_nothing(const BoardDevice& /*entry*/, ChipHost& /*h
 }  // namespace mebots::soc
 
 // The cluster makes these itself.
-MEBOTS_CHIP_KIND(event_unit, board::event_unit::kRegisters, make_nothing)
-MEBOTS_CHIP_KIND(cluster_dma, board::cluster_dma::kRegisters, make_nothing)
-MEBOTS_CHIP_KIND(gap8_cluster, {}, make_nothing)
+MEBOTS_CHIP_KIND(event_unit, board::event_unit::kRegisters, make_no_device)
+MEBOTS_CHIP_KIND(cluster_dma, board::cluster_dma::kRegisters, make_no_device)
+MEBOTS_CHIP_KIND(gap8_cluster, {}, make_no_device)
 
 namespace mebots::soc {
 namespace kinds {

@@ -61,7 +61,7 @@ std::uint64_t ticks_up_of(std::uint32_t limits) {
 
 AdvancedTimer::AdvancedTimer(Signals& signals, std::function<double()> clock_hz,
                              std::function<void(const char*)> complain)
-    : signals_(signals), clock_hz_(std::move(clock_hz)), complain_(std::move(complain)) {
+    : signals_(signals), clock_hz_(std::move(clock_hz)), warn_(std::move(complain)) {
   signals.clock_changes = [this, others = signals.clock_changes](Picoseconds now) {
     others(now);
     for (std::size_t timer = 0; timer < kTimers; ++timer) settle(timer, now);
@@ -80,7 +80,7 @@ std::uint32_t AdvancedTimer::value_of(const Settings& settings, std::uint64_t ti
   return static_cast<std::uint32_t>(low_limit(settings.limits) + phase);
 }
 
-std::optional<AdvancedTimer::Rises> AdvancedTimer::rises(const Settings& settings, std::uint32_t channel) {
+std::optional<AdvancedTimer::RisingEdges> AdvancedTimer::rising_edges(const Settings& settings, std::uint32_t channel) {
   const std::uint64_t threshold = channel & 0xffffU;
   const auto ticks_up = ticks_up_of(settings.limits);
   if (threshold < low_limit(settings.limits) || threshold - low_limit(settings.limits) > ticks_up) return std::nullopt;
@@ -90,15 +90,15 @@ std::optional<AdvancedTimer::Rises> AdvancedTimer::rises(const Settings& setting
   const auto second = is_saw ? whole - 1 : 2 * ticks_up - there;
   switch (channel >> 16 & 7U) {
     case kPwmSet:
-      return Rises{there, 0};
+      return RisingEdges{there, 0};
     case kPwmToggleClear:
     case kPwmSetClear:
-      return Rises{there, whole};
+      return RisingEdges{there, whole};
     case kPwmToggle:  // back down on the next meeting
-      return Rises{there, is_saw ? 2 * whole : whole};
+      return RisingEdges{there, is_saw ? 2 * whole : whole};
     case kPwmToggleSet:
     case kPwmClearSet:
-      return Rises{second, whole};
+      return RisingEdges{second, whole};
     default:
       return std::nullopt;
   }
@@ -169,7 +169,7 @@ bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t v
   if (offset == kPwmEventConfig) {
     events_ = value;
     // A channel that nobody listened to may have risen up to now.
-    for (std::size_t i = 0; i < kTimers; ++i) counters_[i].told = std::max(counters_[i].told, ticks_at(i, now));
+    for (std::size_t i = 0; i < kTimers; ++i) counters_[i].raised = std::max(counters_[i].raised, ticks_at(i, now));
     return true;
   }
   const auto timer = offset / kPwmTimerBytes;
@@ -179,8 +179,8 @@ bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t v
   if (reg == kPwmCommand) command(timer, value, now);
   if (reg == kPwmConfig) {
     stored.config = value;
-    if ((value >> kPwmModeShift & kPwmModeMask) != 0 && !std::exchange(told_pads_[timer], true)) {
-      complain_("counting at an input pad is not modelled: it counts its clock");
+    if ((value >> kPwmModeShift & kPwmModeMask) != 0 && !std::exchange(warned_pads_[timer], true)) {
+      warn_("counting at an input pad is not modelled: it counts its clock");
     }
   }
   if (reg == kPwmLimits) stored.limits = value;
@@ -203,12 +203,12 @@ void AdvancedTimer::command(std::size_t timer, std::uint32_t value, Picoseconds 
     counter.is_fresh = false;
   }
   if ((value & kPwmReset) != 0) {
-    counter.ticks = counter.told = 0;
+    counter.ticks = counter.raised = 0;
     counter.fraction = 0;
   }
   if ((value & kPwmStop) != 0) counter.runs = false;
   if ((value & kPwmStart) != 0) counter.runs = true;
-  counter.told = std::max(counter.told, counter.ticks);
+  counter.raised = std::max(counter.raised, counter.ticks);
 }
 
 std::optional<std::size_t> AdvancedTimer::chosen(unsigned event) const {
@@ -217,21 +217,21 @@ std::optional<std::size_t> AdvancedTimer::chosen(unsigned event) const {
 }
 
 /// In ticks of its counter: the first one that has not been told.
-std::optional<std::uint64_t> AdvancedTimer::next_rise(unsigned event) const {
+std::optional<std::uint64_t> AdvancedTimer::next_rising_edge(unsigned event) const {
   const auto channel = chosen(event);
   if (!channel || !counts(*channel / kChannelsOfTimer)) return std::nullopt;
   const auto& counter = counters_[*channel / kChannelsOfTimer];
-  const auto found = rises(counter.active, counter.active.channels[*channel % kChannelsOfTimer]);
+  const auto found = rising_edges(counter.active, counter.active.channels[*channel % kChannelsOfTimer]);
   if (!found) return std::nullopt;
-  if (counter.told < found->first) return found->first;
+  if (counter.raised < found->first) return found->first;
   if (found->step == 0) return std::nullopt;
-  return found->first + ((counter.told - found->first) / found->step + 1) * found->step;
+  return found->first + ((counter.raised - found->first) / found->step + 1) * found->step;
 }
 
 Picoseconds AdvancedTimer::next_event() const {
   auto next = kNever;
   for (unsigned event = 0; event < kPwmEvents; ++event) {
-    if (const auto rise = next_rise(event)) {
+    if (const auto rise = next_rising_edge(event)) {
       next = std::min(next, time_of(counters_[*chosen(event) / kChannelsOfTimer], *rise));
     }
   }
@@ -240,17 +240,17 @@ Picoseconds AdvancedTimer::next_event() const {
 
 void AdvancedTimer::advance(Picoseconds now) {
   for (auto time = next_event(); time <= now; time = next_event()) {
-    std::array<std::uint64_t, kTimers> told{};
+    std::array<std::uint64_t, kTimers> raised{};
     for (unsigned event = 0; event < kPwmEvents; ++event) {
-      const auto rise = next_rise(event);
+      const auto rise = next_rising_edge(event);
       if (!rise) continue;
       const auto timer = *chosen(event) / kChannelsOfTimer;
       if (time_of(counters_[timer], *rise) > time) continue;
       signals_.raise_soc_event(kPwmFirstEvent + event, time);
-      told[timer] = std::max(told[timer], *rise);
+      raised[timer] = std::max(raised[timer], *rise);
     }
     for (std::size_t timer = 0; timer < kTimers; ++timer) {
-      counters_[timer].told = std::max(counters_[timer].told, told[timer]);
+      counters_[timer].raised = std::max(counters_[timer].raised, raised[timer]);
     }
   }
 }

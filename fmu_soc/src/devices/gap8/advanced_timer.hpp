@@ -48,10 +48,10 @@ class AdvancedTimer final : public Device {
     Settings active;  // since the last update
     bool runs = false;
     Picoseconds since = 0;
-    std::uint64_t ticks = 0;  // at `since`
-    double fraction = 0;      // of the next tick, which had passed then
-    std::uint64_t told = 0;   // up to which events have been raised
-    bool is_fresh = true;     // never updated: takes what is stored when it starts
+    std::uint64_t ticks = 0;   // at `since`
+    double fraction = 0;       // of the next tick, which had passed then
+    std::uint64_t raised = 0;  // up to which events have been raised
+    bool is_fresh = true;      // never updated: takes what is stored when it starts
 
     void visit(state::Visitor& v) {
       v("stored", stored);
@@ -60,18 +60,18 @@ class AdvancedTimer final : public Device {
       v("since", since);
       v("ticks", ticks);
       v("fraction", fraction);
-      v("told", told);
+      v("told", raised);
       v("is_fresh", is_fresh);
     }
   };
   /// Ticks at which a channel's output rises: the first, and how far apart; nothing when it does not.
-  struct Rises {
+  struct RisingEdges {
     std::uint64_t first;
     std::uint64_t step;  // 0: once
   };
 
   static std::uint64_t period(const Settings& settings);
-  static std::optional<Rises> rises(const Settings& settings, std::uint32_t channel);
+  static std::optional<RisingEdges> rising_edges(const Settings& settings, std::uint32_t channel);
   static std::uint32_t value_of(const Settings& settings, std::uint64_t ticks);
   double tick_hz(const Counter& counter) const;
   bool counts(std::size_t timer) const;
@@ -82,15 +82,15 @@ class AdvancedTimer final : public Device {
   void command(std::size_t timer, std::uint32_t value, Picoseconds now);
   /// The channel of event `event`; nothing when it is off.
   std::optional<std::size_t> chosen(unsigned event) const;
-  std::optional<std::uint64_t> next_rise(unsigned event) const;
+  std::optional<std::uint64_t> next_rising_edge(unsigned event) const;
 
   Signals& signals_;
   std::function<double()> clock_hz_;
-  std::function<void(const char*)> complain_;
+  std::function<void(const char*)> warn_;
   std::array<Counter, kTimers> counters_;
   std::uint32_t events_ = 0;
   std::uint32_t enabled_ = 0;
-  std::array<bool, kTimers> told_pads_{};  // not part of a state: a restored run tells it again
+  std::array<bool, kTimers> warned_pads_{};  // not part of a state: a restored run tells it again
 };
 
 }  // namespace mebots::soc::gap8_devices

@@ -13,7 +13,7 @@ namespace {
 namespace reg = event_unit_reg;
 
 /// Who asks by the long way.
-constexpr unsigned kNobody = kMostClusterCores;
+constexpr unsigned kNoCore = kMostClusterCores;
 
 /// Cycles of an event load beyond the first, when its answer is there: 4 in all. Source: CV32E40P user manual.
 constexpr std::uint32_t kEventLoadExtra = 3;
@@ -61,10 +61,10 @@ BusReply ClusterEventUnit::shared(std::uint32_t offset, const std::uint32_t* sto
     return reply;
   }
   if (offset >= reg::kLongBarriers && offset < reg::kLongSoftwareEvents) {
-    return barrier_register(kNobody, offset - reg::kLongBarriers, stored, false);
+    return barrier_register(kNoCore, offset - reg::kLongBarriers, stored, false);
   }
   if (offset >= reg::kLongSoftwareEvents && offset < reg::kLongSoftwareEvents + reg::kTriggerBytes) {
-    return software_event(kNobody, offset - reg::kLongSoftwareEvents, stored, false);
+    return software_event(kNoCore, offset - reg::kLongSoftwareEvents, stored, false);
   }
   return {};
 }
@@ -127,7 +127,7 @@ BusReply ClusterEventUnit::software_event(unsigned core, std::uint32_t offset, c
     raise(*stored == 0 ? all() : *stored, number);
     return BusReply::done();
   }
-  if (core == kNobody || stored != nullptr) return {};
+  if (core == kNoCore || stored != nullptr) return {};
   auto& self = of_[core];
   if (self.waits_for != Wait::event) raise(self.software_targets, number);
   return wait(self, Wait::event, block == 2, event);
@@ -137,7 +137,7 @@ BusReply ClusterEventUnit::barrier_register(unsigned core, std::uint32_t offset,
                                             bool event) {
   if (offset / reg::kBarrierBytes >= kBarriers) return {};
   auto& barrier = barriers_[offset / reg::kBarrierBytes];
-  const auto self = core == kNobody ? 0 : 1U << core;
+  const auto self = core == kNoCore ? 0 : 1U << core;
   switch (offset % reg::kBarrierBytes) {
     case reg::kBarrierTeam:
       if (stored == nullptr) return BusReply::done(barrier.team);

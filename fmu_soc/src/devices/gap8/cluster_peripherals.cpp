@@ -131,20 +131,20 @@ BusReply ClusterPeripherals::timer(std::uint32_t offset, const ClusterAccess& ac
     return timer_.load(offset, access.tick, value) ? BusReply::done(value) : BusReply{};
   }
   if (ClusterTimer::wants_reference_clock(offset, *access.stored)) {
-    complain_once(kTimer + offset, access, "its reference clock is not modelled; the counter does not count");
+    warn_once(kTimer + offset, access, "its reference clock is not modelled; the counter does not count");
   }
   return timer_.store(offset, access.tick, *access.stored) ? BusReply::done() : BusReply{};
 }
 
 /// Silicon answers there, or not, in a way that we do not know.
 BusReply ClusterPeripherals::pass_over(std::uint32_t offset, const ClusterAccess& access) {
-  complain_once(offset, access, "no register of it is modelled there, or not for this; it reads 0");
+  warn_once(offset, access, "no register of it is modelled there, or not for this; it reads 0");
   return BusReply::done();
 }
 
-void ClusterPeripherals::complain_once(std::uint32_t offset, const ClusterAccess& access, std::string_view what) {
-  if (std::ranges::find(told_, offset) != told_.end()) return;
-  told_.push_back(offset);
+void ClusterPeripherals::warn_once(std::uint32_t offset, const ClusterAccess& access, std::string_view what) {
+  if (std::ranges::find(warned_, offset) != warned_.end()) return;
+  warned_.push_back(offset);
   const auto who = access.who == kFabricController ? std::string("the fabric controller")
                                                    : fmt::format("cluster core {}", access.who);
   host_.complain(fmt::format("{}: {} 0x{:08x} by {}: {}", entry_.name,

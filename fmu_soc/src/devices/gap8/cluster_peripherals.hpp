@@ -55,7 +55,7 @@ class ClusterPeripherals final : public soc::ClusterPeripherals {
   bool is_test_and_set(std::uint32_t address) const;
   BusReply test_and_set(std::uint32_t address, const std::uint32_t* stored);
   BusReply pass_over(std::uint32_t offset, const ClusterAccess& access);
-  void complain_once(std::uint32_t offset, const ClusterAccess& access, std::string_view what);
+  void warn_once(std::uint32_t offset, const ClusterAccess& access, std::string_view what);
 
   const BoardDevice& entry_;
   DeviceHost& host_;
@@ -65,9 +65,9 @@ class ClusterPeripherals final : public soc::ClusterPeripherals {
   Mchan mchan_;
   ClusterTimer timer_;
   std::array<std::uint32_t, kMostClusterCores> boot_{};
-  std::uint32_t fetching_ = 0;       // cores
-  std::uint32_t started_ = 0;        // used up with the access that starts them
-  std::vector<std::uint32_t> told_;  // offsets that are not modelled; not part of a state
+  std::uint32_t fetching_ = 0;         // cores
+  std::uint32_t started_ = 0;          // used up with the access that starts them
+  std::vector<std::uint32_t> warned_;  // offsets that are not modelled; not part of a state
 };
 
 }  // namespace mebots::soc::gap8_devices

@@ -58,7 +58,7 @@ void Himax::select_mode(std::uint32_t mode, Picoseconds now) {
     port_.begin(now);
   }
   const auto frames = std::max<Picoseconds>(reg(kFrameCount), 1);
-  ends_at_ = (mode & kModes) == kSomeFrames ? frame_behind(lit_at) + frames * period() : kNever;
+  ends_at_ = (mode & kModes) == kSomeFrames ? frame_after(lit_at) + frames * period() : kNever;
 }
 
 void Himax::stand_by(Picoseconds now) {
@@ -117,14 +117,14 @@ Picoseconds Himax::period() const {
   return lines_time(std::max(pair(kFrameLines), format().height()));
 }
 
-Picoseconds Himax::frame_behind(Picoseconds time) const {
+Picoseconds Himax::frame_after(Picoseconds time) const {
   const auto past = std::max<Picoseconds>(time - first_at_, 0);
   return first_at_ + (past + period() - 1) / period() * period();
 }
 
 Picoseconds Himax::frame_at(Picoseconds time) const {
   MEBOTS_ASSERT(streams_);
-  const auto begin = frame_behind(time);
+  const auto begin = frame_after(time);
   return begin < ends_at_ ? begin : kNever;
 }
 

@@ -101,7 +101,7 @@ class Himax final : public I2cDevice {
   void stand_by(Picoseconds now);
   /// From a frame's begin to that of the next.
   Picoseconds period() const;
-  Picoseconds frame_behind(Picoseconds time) const;
+  Picoseconds frame_after(Picoseconds time) const;
   std::uint8_t reg(std::size_t at) const { return registers_[at]; }
   std::uint32_t pair(std::size_t at) const { return std::uint32_t{reg(at)} << 8 | reg(at + 1); }
 

@@ -43,12 +43,12 @@ bool SocEvents::store(std::uint32_t offset, Picoseconds now, std::uint32_t value
 
 void SocEvents::advance(Picoseconds now) {
   const auto edges = reference_edges(now);
-  if (edges > edges_ && heard(kReferenceClockEvent)) deliver_(kReferenceClockEvent);
+  if (edges > edges_ && is_unmasked(kReferenceClockEvent)) deliver_(kReferenceClockEvent);
   edges_ = edges;
 }
 
 Picoseconds SocEvents::next_event() const {
-  return heard(kReferenceClockEvent) ? reference_edge_time(edges_ + 1) : kNever;
+  return is_unmasked(kReferenceClockEvent) ? reference_edge_time(edges_ + 1) : kNever;
 }
 
 void SocEvents::visit(state::Visitor& v) {

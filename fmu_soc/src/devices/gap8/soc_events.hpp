@@ -29,9 +29,9 @@ class SocEvents final : public Device {
  private:
   static constexpr std::size_t kMasks = 6;  // for each of three, events 32 to 63, then 0 to 31
 
-  bool heard(unsigned event) const { return (masks_[event >= 32 ? 0 : 1] >> (event % 32) & 1U) == 0; }
+  bool is_unmasked(unsigned event) const { return (masks_[event >= 32 ? 0 : 1] >> (event % 32) & 1U) == 0; }
   void raise(unsigned event) {
-    if (heard(event)) deliver_(event);
+    if (is_unmasked(event)) deliver_(event);
   }
 
   Deliver deliver_;

@@ -135,7 +135,7 @@ bool Udma::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   if (channel == kChannelRows.size()) {
     const bool known = host_.registers.store(offset, now, value);
     camera_.registers_changed(offset, now);
-    ask_who_waits(now);
+    retry_waiting_transfers(now);
     return known;
   }
   const auto reg = offset - kChannelRows[channel].offset;
@@ -169,7 +169,7 @@ void Udma::enqueue(std::size_t channel, Picoseconds now) {
 }
 
 /// Something has happened for which a transfer may have waited.
-void Udma::ask_who_waits(Picoseconds now) {
+void Udma::retry_waiting_transfers(Picoseconds now) {
   for (auto& queue : queues_) {
     if (queue.empty() || queue.front().done_at != kNever) continue;
     queue.front().done_at = peripheral(queue.front().channel).end_time(queue.front(), now);
@@ -189,7 +189,7 @@ void Udma::advance(Picoseconds now) {
     if (at >= std::min(sensor_.next_event(), camera_.next_event())) {
       sensor_.advance(at);
       camera_.advance(at);
-      ask_who_waits(at);
+      retry_waiting_transfers(at);
     }
     for (auto& queue : queues_) {
       if (queue.empty() || at < queue.front().done_at) continue;
@@ -200,7 +200,7 @@ void Udma::advance(Picoseconds now) {
       if (!queue.empty()) {
         queue.front().done_at = peripheral(queue.front().channel).end_time(queue.front(), transfer.done_at);
       }
-      ask_who_waits(transfer.done_at);
+      retry_waiting_transfers(transfer.done_at);
     }
   }
 }
@@ -234,7 +234,7 @@ void Udma::load_flash() {
 void Udma::begin_step(Picoseconds now) {
   if (!flash_path_.empty() && flash_path_ != loaded_) load_flash();
   camera_.begin_step(now);
-  ask_who_waits(now);
+  retry_waiting_transfers(now);
 }
 
 void Udma::visit(state::Visitor& v) {

@@ -81,7 +81,7 @@ class Udma final : public Device {
   void load_flash();
   void enqueue(std::size_t channel, Picoseconds now);
   void clear(std::size_t channel, Picoseconds now);
-  void ask_who_waits(Picoseconds now);
+  void retry_waiting_transfers(Picoseconds now);
 
   UdmaHost host_;
   Himax sensor_;

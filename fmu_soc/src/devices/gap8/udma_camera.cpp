@@ -54,17 +54,17 @@ Picoseconds UdmaCamera::end_of_frame() const {
 }
 
 Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds start) {
-  if (asked_at_ == kNever) asked_at_ = start;
+  if (requested_at_ == kNever) requested_at_ = start;
   // Every change of sensor and interface comes by here when it is made, so that a frame's fate hangs on their time
   // only. One that was read out whole stays: its picture may come later than the standby behind it.
-  const bool goes_on = is_on() && sensor_.first_frame_at() == first_frame_at_;
-  if (frame_at_ != kNever && !goes_on && start < ends_at_) lose_frame();
+  const bool is_same_stream = is_on() && sensor_.first_frame_at() == first_frame_at_;
+  if (frame_at_ != kNever && !is_same_stream && start < ends_at_) lose_frame();
   if (frame_at_ == kNever) {
     if (!is_on()) return kNever;
     frame_at_ = sensor_.frame_at(start);
     if (frame_at_ == kNever) return kNever;
     first_frame_at_ = sensor_.first_frame_at();
-    light_at_ = std::max(frame_at_ - sensor_.exposure_time(), asked_at_);
+    light_at_ = std::max(frame_at_ - sensor_.exposure_time(), requested_at_);
   }
   if (start <= frame_at_) {
     format_ = sensor_.format();
@@ -104,7 +104,7 @@ void UdmaCamera::take(std::span<const std::uint8_t> picture, Picoseconds now) {
   require_rows(picture.size());
   picture_.assign(picture.begin(), picture.end());
   has_picture_ = true;
-  came_at_ = now;
+  arrived_at_ = now;
 }
 
 void UdmaCamera::require_rows(std::size_t bytes) const {
@@ -165,7 +165,7 @@ void UdmaCamera::end(const UdmaTransfer& transfer) {
   require_rows(picture_.size());  // once more: it may have come for another frame
   format_.read_out(picture_, pixels_);
   convert();
-  const PictureTimes times{asked_at_, light_at_, frame_at_, transfer.done_at};
+  const PictureTimes times{requested_at_, light_at_, frame_at_, transfer.done_at};
   forget();
   has_picture_ = false;
   if (stream_.size() > transfer.size) stream_.resize(transfer.size);
@@ -190,7 +190,7 @@ void UdmaCamera::lose_frame() {
 }
 
 void UdmaCamera::forget() {
-  asked_at_ = kNever;
+  requested_at_ = kNever;
   frame_at_ = kNever;
 }
 
@@ -256,7 +256,7 @@ void InterfaceSettings::visit(state::Visitor& v) {
 
 void UdmaCamera::visit(state::Visitor& v) {
   v("requests", requests_);
-  v("asked_at", asked_at_);
+  v("asked_at", requested_at_);
   v("frame_at", frame_at_);
   v("light_at", light_at_);
   v("ends_at", ends_at_);
@@ -265,7 +265,7 @@ void UdmaCamera::visit(state::Visitor& v) {
   v("interface", interface_);
   v("waits", waits_);
   v("has_picture", has_picture_);
-  v("came_at", came_at_);
+  v("came_at", arrived_at_);
   v("picture", picture_);
   v("frame_id", frame_id_);
   v("frame_width", frame_width_);

@@ -54,7 +54,7 @@ class UdmaCamera final : public UdmaPeripheral {
   const double* output(std::string_view variable) const override;
   void begin_step(Picoseconds now) override;
   /// With a roll: one that it has not.
-  bool takes_picture() const override { return roll_.exists() ? waits_ : asked_at_ != kNever; }
+  bool takes_picture() const override { return roll_.exists() ? waits_ : requested_at_ != kNever; }
 
   void visit(state::Visitor& v) override;
 
@@ -67,7 +67,7 @@ class UdmaCamera final : public UdmaPeripheral {
   std::uint32_t converted(std::uint32_t first, std::uint32_t second) const;
   void forget();
   void lose_frame();
-  Picoseconds stored_at() const { return std::max(came_at_, ends_at_); }
+  Picoseconds stored_at() const { return std::max(arrived_at_, ends_at_); }
   void require_parameters() const;
   void require_size(std::size_t bytes) const;
   void require_rows(std::size_t bytes) const;
@@ -78,7 +78,7 @@ class UdmaCamera final : public UdmaPeripheral {
   const PictureRoll& roll_;
   std::int32_t requests_ = 0;
   // Of the transfer that runs; kNever = there is none, or not yet.
-  Picoseconds asked_at_ = kNever;
+  Picoseconds requested_at_ = kNever;
   Picoseconds frame_at_ = kNever;
   Picoseconds light_at_ = kNever;
   Picoseconds ends_at_ = kNever;
@@ -88,7 +88,7 @@ class UdmaCamera final : public UdmaPeripheral {
   InterfaceSettings interface_;
   bool waits_ = false;  // for its picture
   bool has_picture_ = false;
-  Picoseconds came_at_ = 0;
+  Picoseconds arrived_at_ = 0;
   std::vector<std::uint8_t> picture_;  // as it came
   std::vector<std::uint8_t> pixels_;   // of the frame; not kept
   std::vector<std::uint8_t> stream_;   // what goes to memory; not kept

@@ -94,7 +94,7 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
         break;
       }
       case kSpimEnd:
-        if (acts) tell_what_was_sent(now);
+        if (acts) publish_transaction(now);
         if (acts && (word & 1U) != 0) host_.signals.raise_soc_event(end_event_, now);
         break;
       case kSpimSelect:
@@ -109,7 +109,7 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
 }
 
 /// A transaction has ended.
-void UdmaSpim::tell_what_was_sent(Picoseconds now) {
+void UdmaSpim::publish_transaction(Picoseconds now) {
   if (data_.empty()) return;
   transactions_ += 1;
   data_.resize(kWords * sizeof(std::uint16_t));

@@ -46,7 +46,7 @@ class UdmaSpim final : public UdmaPeripheral {
   bool fetch(const UdmaTransfer& transfer);
   /// Obeys what was fetched; the answer is the SoC's clocks that it takes.
   double obey(Master& master, bool acts, Picoseconds now);
-  void tell_what_was_sent(Picoseconds now);
+  void publish_transaction(Picoseconds now);
 
   UdmaHost& host_;
   std::string_view name_;

@@ -80,7 +80,7 @@ void Camera::request(Picoseconds now) {
     return;
   }
   trigger_ = ++state_.requests;
-  state_.asked_at = now;
+  state_.requested_at = now;
   MEBOTS_ASSERT(!state_.waiting, "busy until the picture has come");
   state_.status |= kBusy;
   state_.waiting = true;
@@ -131,8 +131,8 @@ void Camera::finish() {
   // Bytes say nothing of rows: cut at another width, they would be garbled without a word.
   if (const auto height = static_cast<std::uint32_t>(frame_height_); height != 0 && size != width * height) {
     state_.status |= kRefused;
-    if (!state_.told_format) {
-      state_.told_format = true;
+    if (!state_.warned_of_format) {
+      state_.warned_of_format = true;
       host_.complain(
           fmt::format("picture {0} has {1} bytes, not {2} as {3}.frame_width {4} and {3}.frame_height {5} say: it and "
                       "others of another size are dropped. Set the two to camera.width and camera.height of the world; "
@@ -150,7 +150,7 @@ void Camera::finish() {
     state_.width = width;
     state_.height = size / width;
     state_.frame_id = state_.requests;
-    host_.picture_stored({state_.asked_at, state_.active_since, *state_.read_out_at, stored});
+    host_.picture_stored({state_.requested_at, state_.active_since, *state_.read_out_at, stored});
   }
   picture_.clear();
 }
@@ -212,9 +212,9 @@ void Camera::visit(state::Visitor& v) {
   v("status", state_.status);
   v("waiting", state_.waiting);
   v("interrupt", state_.interrupt);
-  v("told_format", state_.told_format);
+  v("told_format", state_.warned_of_format);
   v("frame_id", state_.frame_id);
-  v("asked_at", state_.asked_at);
+  v("asked_at", state_.requested_at);
   v("done_at", state_.done_at);
   v("read_out_at", state_.read_out_at);
   v("active_since", state_.active_since);

@@ -75,9 +75,9 @@ class Camera final : public Device {
     std::uint32_t status = 0;
     bool waiting = false;  // for the picture
     bool interrupt = false;
-    bool told_format = false;  // that a picture had another size than the parameters say
+    bool warned_of_format = false;  // that a picture had another size than the parameters say
     std::int32_t frame_id = 0;
-    Picoseconds asked_at = 0;
+    Picoseconds requested_at = 0;
     Picoseconds done_at = kNever;
     std::optional<Picoseconds> read_out_at;  // of the picture that comes, or came last
     Picoseconds active_since = 0;

@@ -218,12 +218,12 @@ class Campaign:
 
     # Flying.
 
-    def run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], tell: Callable[[Progress], None]) -> Sweep:
+    def run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], on_progress: Callable[[Progress], None]) -> Sweep:
         """Flies what the folder's journal does not have, and writes the tables. Raises InputError and Error."""
         thresholds = gc.get_threshold()
         gc.set_threshold(_OBJECTS_OF_A_COLLECTION, *thresholds[1:])
         try:
-            return self._run(folder, reuse, tell)
+            return self._run(folder, reuse, on_progress)
         except (ConnectionError, TimeoutError):  # of an executor
             raise
         except OSError as error:
@@ -233,7 +233,7 @@ class Campaign:
         finally:
             gc.set_threshold(*thresholds)
 
-    def _run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], tell: Callable[[Progress], None]) -> Sweep:
+    def _run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], on_progress: Callable[[Progress], None]) -> Sweep:
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -251,16 +251,16 @@ class Campaign:
                 (folder / name).unlink(missing_ok=True)
             self.study.write(folder)
             if self.study.splitting is not None:
-                bring = functools.partial(self._bring, journal, others, tell)
+                bring = functools.partial(self._bring, journal, others, on_progress)
                 return Sweep(folder, *splitting.fly(self.space, folder, bring), notices=self.notices)
-            return self._fly_rounds(folder, journal, others, tell)
+            return self._fly_rounds(folder, journal, others, on_progress)
         finally:
             if self._live_page is not None:
                 self._live_page.remove()
             for one in (journal, *others):
                 one.close()
 
-    def _fly_rounds(self, folder: pathlib.Path, journal: Journal, others: list[Journal], tell: Callable[[Progress], None]) -> Sweep:
+    def _fly_rounds(self, folder: pathlib.Path, journal: Journal, others: list[Journal], on_progress: Callable[[Progress], None]) -> Sweep:
         evidence = Evidence(self.study, len(self.space.designs))
         rounds = self._rounds(evidence)
         results = Results(evidence, self._measurer, self.study.replicates)
@@ -269,7 +269,7 @@ class Campaign:
         try:
             while flights := rounds.next():
                 results.begin(flights)
-                self._fly(results, rounds, journal, others, tell)
+                self._fly(results, rounds, journal, others, on_progress)
                 if results.end() or self._too_many(results.failed):
                     rounds.end(f"ended: {results.failed} missions had failed")
                     break
@@ -309,7 +309,7 @@ class Campaign:
         rounds: Rounds | Search,
         journal: Journal,
         others: list[Journal],
-        tell: Callable[[Progress], None],
+        on_progress: Callable[[Progress], None],
     ) -> None:
         """Brings the missions of a round into the journal and the results, up to the one with which too many had failed."""
         flights = results.flights
@@ -328,7 +328,7 @@ class Campaign:
                 self._note_others(results, reply, places, repeated)
             self.failed = results.failed_so_far
             progress = self._progress(left + results.open, likely_left + results.open, flying)
-            tell(progress)
+            on_progress(progress)
             if self._live_page is not None:
                 self._live_page.show(progress, rounds.status)
         self.failed = results.settle(self.study.most_failures)
@@ -391,7 +391,7 @@ class Campaign:
         self._dispatcher.flush()
 
     def _bring(
-        self, journal: Journal, others: list[Journal], tell: Callable[[Progress], None], orders: list[Order], later: int
+        self, journal: Journal, others: list[Journal], on_progress: Callable[[Progress], None], orders: list[Order], later: int
     ) -> Journal:
         """Brings these missions into the journal. ``later``: how many follow at most."""
         missing = {order["mission"]: order for order in orders if not self._is_known(order, journal, others)}
@@ -404,7 +404,7 @@ class Campaign:
             for reply, _ in self._take(journal):
                 left -= len(reply)
                 self.failed += int(reply.failed.sum())
-            tell(self._progress(left + later, left + later, len(self.space.designs)))
+            on_progress(self._progress(left + later, left + later, len(self.space.designs)))
         return journal
 
     def _take(self, journal: Journal) -> list[tuple[Reply, np.ndarray]]:

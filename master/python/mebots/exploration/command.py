@@ -132,14 +132,14 @@ def _complain(error: Error) -> None:
 def _sweep(study: Study, options: argparse.Namespace) -> int:
     out = pathlib.Path(options.out)
     with _campaign(study, None, options.jobs) as campaign:
-        teller = _Teller()
+        progress_line = _ProgressLine()
         print(_size(campaign), file=sys.stderr)
         if study.splitting is None and sys.stderr.isatty():
             print(f"{out / live_page.NAME} shows the designs while it runs", file=sys.stderr)
         if study.is_another_in(out):
             print(f"{out} has the tables of another study, which this one's replace; missions of both are not flown again", file=sys.stderr)
-        result = campaign.run(out, [pathlib.Path(one) for one in options.reuse], teller)
-        teller.end()
+        result = campaign.run(out, [pathlib.Path(one) for one in options.reuse], progress_line)
+        progress_line.end()
     for text in result.notices:
         print(f"mebots: warning: {text}", file=sys.stderr)
     written = ("missions.csv" if study.splitting is None else "levels.csv", "designs.csv", "report.html")
@@ -180,7 +180,7 @@ _EVERY_S, _TABLE_SHARE = 0.5, 20.0
 """The live table takes at most a twentieth of the time."""
 
 
-class _Teller:
+class _ProgressLine:
     """On a terminal a line and the ranking so far, written over; elsewhere a line a while."""
 
     def __init__(self) -> None:

@@ -149,7 +149,7 @@ class MissionProcess:
         words = self._last_words.read().decode(errors="replace").strip().splitlines()
         if words:  # the same on every machine and in every process
             text = f"{text}: {_ADDRESS.sub('0x...', without_paths(words[-1]))}"
-        return Lost(text, is_outcome=not outcomes.is_outside_signal(-code) and not outcomes.tells_of_system("\n".join(words)))
+        return Lost(text, is_outcome=not outcomes.is_outside_signal(-code) and not outcomes.describes_system_error("\n".join(words)))
 
 
 def _name_of(number: int) -> str:

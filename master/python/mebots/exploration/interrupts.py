@@ -12,7 +12,7 @@ import threading
 from collections.abc import Iterator
 
 _holds = 0
-_came = False
+_pending = False
 
 
 @contextlib.contextmanager
@@ -30,7 +30,7 @@ def held() -> Iterator[None]:
             yield
     finally:
         _holds = before  # an interrupt may have cut ``allowed`` short
-        _raise_what_came()
+        _raise_pending_interrupt()
 
 
 @contextlib.contextmanager
@@ -42,7 +42,7 @@ def allowed() -> Iterator[None]:
         return
     holds, _holds = _holds, 0
     try:
-        _raise_what_came()
+        _raise_pending_interrupt()
         yield
     finally:
         _holds = holds
@@ -54,9 +54,9 @@ def _can_come() -> bool:
 
 def interrupt(number: int, frame: object) -> None:
     """A handler of signals."""
-    global _came
+    global _pending
     if _holds:
-        _came = True
+        _pending = True
     else:
         raise KeyboardInterrupt
 
@@ -74,8 +74,8 @@ def _handled() -> Iterator[None]:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def _raise_what_came() -> None:
-    global _came
-    if _came and not _holds:
-        _came = False
+def _raise_pending_interrupt() -> None:
+    global _pending
+    if _pending and not _holds:
+        _pending = False
         raise KeyboardInterrupt

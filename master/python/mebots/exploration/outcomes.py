@@ -23,7 +23,7 @@ def is_outside_signal(number: int) -> bool:
     return number in _SIGNALS
 
 
-def tells_of_system(text: str) -> bool:
+def describes_system_error(text: str) -> bool:
     """True if a text has the system's words for a full disk, too little memory or the like."""
     return any(words in text for words in _TEXTS)
 
@@ -32,7 +32,7 @@ def is_outside(error: BaseException) -> bool:
     """True if an exception in a mission process is no outcome of its mission."""
     if isinstance(error, (OSError, MemoryError)):
         return True
-    return isinstance(error, Error) and (error.code in _CODES or tells_of_system(str(error)))
+    return isinstance(error, Error) and (error.code in _CODES or describes_system_error(str(error)))
 
 
 def text_of(error: BaseException) -> str:

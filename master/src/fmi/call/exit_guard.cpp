@@ -87,7 +87,7 @@ std::unique_lock<std::mutex> lock_known_guards() {
 }
 
 /// Of the C library, with the FMU still below it on the stack.
-bool ask_to_hear_of_ends() {
+bool register_exit_handler() {
   return std::atexit([] { end_busy_runs("called exit()"); }) == 0 &&
          std::at_quick_exit([] { end_busy_runs("called quick_exit()"); }) == 0;
 }
@@ -140,7 +140,7 @@ std::optional<std::string> take_kept_signal() {
 }
 
 ExitGuard::ExitGuard(const bool& busy, Fail fail) : busy_(&busy), process_(getpid()), fail_(std::move(fail)) {
-  static const bool asked = ask_to_hear_of_ends();
+  static const bool asked = register_exit_handler();
   static_cast<void>(asked);
   guarded_process = process_;
   auto& known = guards();

@@ -99,7 +99,7 @@ class OspReader {
       result_.places[pointer + "/parameters" + data::pointer_step(variable)] = file_.place(value);
     }
     const auto* description = descriptions_.find(path);
-    if (description == nullptr) tell_why(node, path);
+    if (description == nullptr) throw_reason(node, path);
     fmus_.emplace(name, OspFmu{description, path});
   }
 
@@ -138,7 +138,7 @@ class OspReader {
   }
 
   /// Throws what opening the FMU throws.
-  [[noreturn]] void tell_why(pugi::xml_node node, const std::filesystem::path& path) const {
+  [[noreturn]] void throw_reason(pugi::xml_node node, const std::filesystem::path& path) const {
     try {
       static_cast<void>(read_fmu_description(path));
     } catch (const InputError& error) {

@@ -26,7 +26,7 @@ namespace mebots::master::isolation {
 namespace {
 
 // A signal handler can reach nothing but a global.
-Control* told = nullptr;
+Control* shared_control = nullptr;
 
 /// How far from the stack pointer a fault counts as the stack's end: a large frame is entered at its far end.
 constexpr std::uintptr_t kStackReach = 1 << 20;
@@ -44,18 +44,19 @@ void on_fault(int signal, siginfo_t* info, void* context) {
   const auto address = reinterpret_cast<std::uintptr_t>(info->si_addr);
   const bool by_kernel = info->si_code > 0;
   if (by_kernel && signal != SIGABRT) {
-    told->fault_address.store(address, std::memory_order_relaxed);
+    shared_control->fault_address.store(address, std::memory_order_relaxed);
     const auto stack = stack_pointer(context);
     const auto distance = address > stack ? address - stack : stack - address;
-    told->fault_on_stack.store(signal == SIGSEGV && distance < kStackReach ? 1 : 0, std::memory_order_relaxed);
-    told->fault_seen.store(1, std::memory_order_release);
+    shared_control->fault_on_stack.store(signal == SIGSEGV && distance < kStackReach ? 1 : 0,
+                                         std::memory_order_relaxed);
+    shared_control->fault_seen.store(1, std::memory_order_release);
   }
   std::signal(signal, SIG_DFL);
   raise(signal);
 }
 
-void tell_of_faults(Control& control) {
-  told = &control;
+void install_fault_handlers(Control& control) {
+  shared_control = &control;
   // The stack may be what is broken.
   static std::array<std::byte, 1 << 16> stack;
   stack_t alternative{};
@@ -135,7 +136,7 @@ void forbid_harm(Signals signals) {
 }
 
 void guard(std::uint64_t memory_bytes, Control& control) {
-  tell_of_faults(control);
+  install_fault_handlers(control);
   limit_memory(memory_bytes);
 }
 

@@ -322,7 +322,7 @@ void store(BoardSystem& system, std::uint32_t offset, std::uint32_t value, std::
 }
 
 /// By the other I2C master, whose end the program does not hear.
-void tell_sensor(BoardSystem& system, std::uint32_t commands, std::int64_t now_ns, std::uint32_t bytes = 10) {
+void write_sensor(BoardSystem& system, std::uint32_t commands, std::int64_t now_ns, std::uint32_t bytes = 10) {
   store(system, 0x290, commands, now_ns);
   store(system, 0x294, bytes, now_ns);
   store(system, 0x298, 0x10, now_ns);
@@ -363,7 +363,7 @@ INSTANTIATE_TEST_SUITE_P(Commands, Gap8CameraTold, testing::Values(kAllRows, kRe
 TEST_P(Gap8CameraTold, StoresALateFrameAsItWasReadOutWhateverTheSensorIsToldBehindIt) {
   InItsFrame system;
   system.soc.advance(60 * kMs);
-  tell_sensor(system, GetParam(), 60 * kMs);
+  write_sensor(system, GetParam(), 60 * kMs);
   system.soc.advance(61 * kMs);
   give(system, picture_of(Himax::kWindowHeight));
   system.soc.advance(62 * kMs);
@@ -402,7 +402,7 @@ TEST_P(Gap8CameraInterface, StoresALateFrameAsItWasReadOutWhateverTheInterfaceIs
 
 TEST(Gap8Camera, ReadsAFrameOutInTheFormatWithWhichItBegan) {
   InItsFrame system;
-  tell_sensor(system, kAllRows, 24 * kMs);
+  write_sensor(system, kAllRows, 24 * kMs);
   give(system, picture_of(Himax::kWindowHeight));
   system.soc.advance(40 * kMs);
   EXPECT_EQ(system.result(2), 0x80000000U | 18U);
@@ -420,12 +420,12 @@ TEST_P(Gap8CameraStandingBy, LosesTheFrameUnderWayAndTakesTheNextOne) {
   const auto [comes, command] = GetParam();
   InItsFrame system;
   if (comes == Comes::before) give(system, night());
-  tell_sensor(system, command, 25 * kMs);
+  write_sensor(system, command, 25 * kMs);
   system.soc.advance(26 * kMs);
   if (comes == Comes::behind) give(system, night());
   system.soc.advance(90 * kMs);
   EXPECT_EQ(system.result(2), 0U);
-  tell_sensor(system, kStream, 90 * kMs);
+  write_sensor(system, kStream, 90 * kMs);
   system.soc.advance(91 * kMs);
   EXPECT_EQ(system.output("camera.trigger"), 2) << "another frame, another picture";
   *system.soc.devices().input("camera.frame_height") = 0;
@@ -438,7 +438,7 @@ TEST_P(Gap8CameraStandingBy, LosesTheFrameUnderWayAndTakesTheNextOne) {
 TEST(Gap8Camera, LosesTheFrameUnderWayAlsoWhenItIsWokenInTheSameTransfer) {
   InItsFrame system;
   give(system, night());
-  tell_sensor(system, kStandBy, 30 * kMs, 20);
+  write_sensor(system, kStandBy, 30 * kMs, 20);
   system.soc.advance(40 * kMs);
   EXPECT_EQ(system.output("camera.trigger"), 2);
   EXPECT_EQ(system.result(2), 0U);
@@ -467,7 +467,7 @@ TEST(Gap8Camera, TakesNoPictureThatWasAskedForByAClearedTransfer) {
 TEST(Gap8Camera, RefusesAPictureThatAClearedTransferLeftWithFewerRows) {
   BoardSystem system(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
   system.soc.advance(24 * kMs);
-  tell_sensor(system, kAllRows, 24 * kMs);
+  write_sensor(system, kAllRows, 24 * kMs);
   store(system, 0x488, 0x30, 24 * kMs);
   expect_row_is_missed(system);
 }
@@ -565,7 +565,7 @@ TEST_P(Gap8CameraInMode, GoesOnFromAStateInFrontOfAndBehindAClearedTransfer) {
   expect_goes_on_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
     if (ms == 25) give(system, picture);
     if (ms == 30) store(system, 0x488, 0x30, ms * kMs);
-    if (ms == 40) tell_sensor(system, kStream, ms * kMs);  // as those of mode 3 are over
+    if (ms == 40) write_sensor(system, kStream, ms * kMs);  // as those of mode 3 are over
     if (ms == 50) {
       EXPECT_EQ(system.output("camera.trigger"), 2);
     }

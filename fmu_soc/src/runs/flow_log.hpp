@@ -14,17 +14,17 @@ namespace mebots::soc {
 class ObservedRun;
 
 /// Steps between functions that translated code records in a run. The observer gets them after the run.
-class FlowNotes {
+class FlowLog {
  public:
   /// Most cycles of a run that records steps: more than any block takes.
   static constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 14;
 
-  FlowNotes(Execution& execution, const DecodedCode& decoded) : execution_(execution), decoded_(decoded) {}
+  FlowLog(Execution& execution, const DecodedCode& decoded) : execution_(execution), decoded_(decoded) {}
 
   /// Returns the limit of a run so that its steps fit.
   std::uint64_t make_room(std::uint64_t cycles);
   /// Passes the steps of the last run to the observer, if there is one.
-  void tell(const ObservedRun& observed);
+  void report(const ObservedRun& observed);
 
  private:
   void make_absolute(std::span<Flow> steps) const;

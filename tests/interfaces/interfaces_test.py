@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""One run, three doors: a table of configs through the command line, C++ and Python.
+"""Runs a table of configs through the three interfaces: command line, C++ and Python.
 
-Usage: doors_test.py MEBOTS DOOR PROBE_FMU COUPLING_FMU FMU_DIR (with PYTHONPATH set to the package).
+Usage: interfaces_test.py MEBOTS CPP_RUN PROBE_FMU COUPLING_FMU FMU_DIR (with PYTHONPATH set to the package).
 
-Of each case the results, the log and the summary (wall times left out) must be the same bytes, and outcome, state and
-error the same. So must a run in one go and one step by step.
+For each case, results, log and summary (without wall-clock times) must be equal byte by byte; outcome, state and error
+must be equal, too. The C++ program runs each case twice: at once, and step by step.
 """
 
 import json
@@ -18,7 +18,7 @@ import tempfile
 
 import mebots
 
-MEBOTS, DOOR, PROBE, COUPLING, FMU_DIR = (str(pathlib.Path(word).resolve()) for word in sys.argv[1:6])
+MEBOTS, CPP_RUN, PROBE, COUPLING, FMU_DIR = (str(pathlib.Path(word).resolve()) for word in sys.argv[1:6])
 
 
 def system(instances, connections=(), step=0.1, stop_time=1, **more):
@@ -144,7 +144,7 @@ def options_of(case, folder):
 
 
 def by_command_line(case, config, out):
-    """Outcome and state follow from exit code and summary, as a user of the program would find them."""
+    """Reads outcome and state from the exit code and summary.json, as a user of the program would."""
     result = subprocess.run([MEBOTS, "run", config, "--out", out, *options_of(case, config.parent)],
                             capture_output=True, text=True, cwd=config.parent)
     if case.resume:
@@ -159,15 +159,15 @@ def by_command_line(case, config, out):
 
 
 def by_cpp(case, config, out, *more):
-    def door(*words):
-        result = subprocess.run([DOOR, *map(str, words)], capture_output=True, text=True, cwd=config.parent)
+    def run(*words):
+        result = subprocess.run([CPP_RUN, *map(str, words)], capture_output=True, text=True, cwd=config.parent)
         lines = [line for line in result.stdout.split("\n")]
         return lines[1], lines[2], "\n".join(lines[3:]).strip()
 
-    state, outcome, error = door(config, out, *options_of(case, config.parent), *more)
+    state, outcome, error = run(config, out, *options_of(case, config.parent), *more)
     if case.resume:
         assert outcome == "interrupted", (state, outcome, error)
-        state, outcome, error = door("--resume", out, *more)
+        state, outcome, error = run("--resume", out, *more)
     return outcome, state, error
 
 
@@ -186,7 +186,7 @@ def by_python(case, config, out):
             del mission
             mission = mebots.Mission.resume(out)
             mission.run()
-    if (out / "results.csv").exists():  # what is in memory is what is in the file
+    if (out / "results.csv").exists():  # results in memory are those in the file
         results = mebots.read(out)
         assert (mission.times == results.times).all() and mission.times.shape == results.times.shape
         for variable in mission.variables:
@@ -211,7 +211,7 @@ def without_wall_time(summary):
 
 
 def kept_in(out):
-    """All that a run left, by the name of the file."""
+    """Returns the contents of all files of a run by name; checkpoint.bin is left out."""
     kept = {}
     for file in sorted(out.rglob("*")) if out.exists() else []:
         if file.is_dir() or file.name == "checkpoint.bin":
@@ -230,16 +230,16 @@ def check(case, folder):
     if case.ssp:
         subprocess.run([MEBOTS, "convert", config, folder / "case.ssp"], check=True, capture_output=True)
         config = folder / "case.ssp"
-    doors = {"command line": by_command_line, "C++": by_cpp, "Python": by_python,
+    interfaces = {"command line": by_command_line, "C++": by_cpp, "Python": by_python,
              "C++, step by step": lambda *words: by_cpp(*words, "--step-by-step")}
     found = {}
-    for name, door in doors.items():
-        out = folder / "out"  # the same path for all: some FMUs show it
+    for name, run in interfaces.items():
+        out = folder / "out"  # the same path for all: some FMUs output it
         if out.exists():
             shutil.rmtree(out)
-        if (folder / "once").exists():  # where the FMU notes that it has interrupted
+        if (folder / "once").exists():  # the FMU creates it when it interrupts the run
             (folder / "once").rmdir()
-        outcome, state, error = door(case, config, out)
+        outcome, state, error = run(case, config, out)
         found[name] = {"outcome": outcome, "state": state, "error": error, **kept_in(out)}
     first = found["command line"]
     for name, other in found.items():
@@ -258,7 +258,7 @@ def main():
             first = check(case, pathlib.Path(folder).resolve())
         files = [name for name in first if name not in ("outcome", "state", "error")]
         print(f"{case.name:<38} {first['outcome']:<12} {first['state']:<8} {', '.join(files) or '-'}")
-    print(f"ok: {len(CASES)} cases give the same through three doors")
+    print(f"ok: {len(CASES)} cases give the same results through three interfaces")
 
 
 if __name__ == "__main__":

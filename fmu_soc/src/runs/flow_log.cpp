@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runs/flow_notes.hpp"
+#include "runs/flow_log.hpp"
 
 #include "mebots/assert.hpp"
 #include "runs/observed_run.hpp"
@@ -10,13 +10,13 @@ namespace mebots::soc {
 namespace {
 
 /// An instruction takes a cycle or more and notes one step at most. With a loose limit a block goes on behind it.
-constexpr std::size_t kMostSteps = FlowNotes::kLongestRun + BlockCache::kMaxBlockLength;
-static_assert(FlowNotes::kLongestRun >= 2 * Banks::kLongestRun,
+constexpr std::size_t kMostSteps = FlowLog::kLongestRun + BlockCache::kMaxBlockLength;
+static_assert(FlowLog::kLongestRun >= 2 * Banks::kLongestRun,
               "a run of a round is at most a quantum and what it is behind");
 
 }  // namespace
 
-std::uint64_t FlowNotes::make_room(std::uint64_t cycles) {
+std::uint64_t FlowLog::make_room(std::uint64_t cycles) {
   if (decoded_.flow == nullptr) return cycles;
   if (steps_ == nullptr) {
     steps_ = std::make_unique_for_overwrite<Flow[]>(kMostSteps);
@@ -25,7 +25,7 @@ std::uint64_t FlowNotes::make_room(std::uint64_t cycles) {
   return std::min(cycles, kLongestRun);
 }
 
-void FlowNotes::tell(const ObservedRun& observed) {
+void FlowLog::report(const ObservedRun& observed) {
   auto& e = execution_;
   if (e.host.flow == steps_.get()) return;
   const std::span steps(steps_.get(), e.host.flow);
@@ -47,7 +47,7 @@ void FlowNotes::tell(const ObservedRun& observed) {
 }
 
 /// From what translated code counts in a run to what the counters were.
-void FlowNotes::make_absolute(std::span<Flow> steps) const {
+void FlowLog::make_absolute(std::span<Flow> steps) const {
   const auto& host = execution_.host;
   const auto& counters = execution_.counters;
   const auto instructions = counters.instructions - (host.instructions & 0xffffffffU);

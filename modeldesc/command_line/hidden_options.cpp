@@ -47,8 +47,8 @@ int write_manuals(const Command& program, const std::string& version, const std:
 
 }  // namespace
 
-std::optional<int> tell_of_it(const CLI::App& app, const std::string& version, int argument_count,
-                              const char* const* arguments) {
+std::optional<int> handle_hidden_options(const CLI::App& app, const std::string& version, int argument_count,
+                                         const char* const* arguments) {
   if (argument_count != 3) return std::nullopt;
   const std::string asked = arguments[1];
   if (asked == "--print-completion") return print_completion(command_of(app), arguments[2]);

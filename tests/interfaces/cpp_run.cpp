@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C++ door for doors_test.py: runs a config as a program of a user's would, and prints what came of it as JSON.
-//   door CONFIG OUT [--set NAME=NUMBER|TEXT] [--scenario FILE] [--stop-time S] [--checkpoint-every S] [--isolate]
-//                   [--statistics] [--step-by-step]
-//   door --resume OUT
+// Runs a config through the C++ interface, for interfaces_test.py. Prints four lines: error code, state, outcome,
+// error.
+//   cpp_run CONFIG OUT [--set NAME=NUMBER|TEXT] [--scenario FILE] [--stop-time S] [--checkpoint-every S] [--isolate]
+//                      [--statistics] [--step-by-step]
+//   cpp_run --resume OUT
 #include <mebots/run.hpp>
 
 #include <charconv>
@@ -13,7 +14,7 @@
 
 namespace {
 
-struct Wish {
+struct Request {
   mebots::RunOptions options;
   std::vector<std::pair<std::string, mebots::Value>> settings;
   bool step_by_step = false;
@@ -29,31 +30,31 @@ mebots::Value value_of(const std::string& text) {
   return text;
 }
 
-Wish read(const std::vector<std::string>& words) {
-  Wish wish;
+Request read(const std::vector<std::string>& words) {
+  Request request;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto& word = words[i];
-    if (word == "--isolate") wish.options.isolate = true;
-    if (word == "--statistics") wish.options.statistics = true;
-    if (word == "--step-by-step") wish.step_by_step = true;
-    if (word == "--scenario") wish.options.scenarios.emplace_back(words.at(++i));
-    if (word == "--stop-time") wish.options.stop_time_s = std::stod(words.at(++i));
-    if (word == "--checkpoint-every") wish.options.checkpoint_every_s = std::stod(words.at(++i));
+    if (word == "--isolate") request.options.isolate = true;
+    if (word == "--statistics") request.options.statistics = true;
+    if (word == "--step-by-step") request.step_by_step = true;
+    if (word == "--scenario") request.options.scenarios.emplace_back(words.at(++i));
+    if (word == "--stop-time") request.options.stop_time_s = std::stod(words.at(++i));
+    if (word == "--checkpoint-every") request.options.checkpoint_every_s = std::stod(words.at(++i));
     if (word == "--set") {
       const auto& text = words.at(++i);
       const auto equals = text.find('=');
-      wish.settings.emplace_back(text.substr(0, equals), value_of(text.substr(equals + 1)));
+      request.settings.emplace_back(text.substr(0, equals), value_of(text.substr(equals + 1)));
     }
   }
-  return wish;
+  return request;
 }
 
-mebots::Mission open(const std::vector<std::string>& words, const Wish& wish) {
+mebots::Mission open(const std::vector<std::string>& words, const Request& request) {
   if (words[0] == "--resume") return mebots::Mission::resume(words.at(1));
-  auto options = wish.options;
+  auto options = request.options;
   options.out = words.at(1);
   mebots::Mission mission(words[0], options);
-  for (const auto& [name, value] : wish.settings) mission.set(name, value);
+  for (const auto& [name, value] : request.settings) mission.set(name, value);
   return mission;
 }
 
@@ -65,13 +66,13 @@ void print(const char* code, const char* state, const std::string& outcome, cons
 
 int main(int count, char** arguments) {
   const std::vector<std::string> words(arguments + 1, arguments + count);
-  const auto wish = read(words);
+  const auto request = read(words);
   try {
-    auto mission = open(words, wish);
+    auto mission = open(words, request);
     const mebots::InterruptOnSignals guard(mission);
     const char* code = "";
     try {
-      if (wish.step_by_step) {
+      if (request.step_by_step) {
         while (mission.step()) {
         }
       } else {
