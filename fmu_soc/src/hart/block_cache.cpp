@@ -14,7 +14,7 @@ Current current_of(const Decoded& decoded) {
   return {decoded.op, decoded.rd, decoded.rs1, decoded.rs2, decoded.rs3, decoded.imm};
 }
 
-/// Bit r: a load of register r just before the instruction costs it a cycle.
+/// Returns a mask: bit r is set if the instruction stalls for a cycle directly after a load of register r.
 std::uint64_t loads_that_stall(const Timing& timing, const Current& current) {
   std::uint64_t registers = 0;
   const auto alone = static_cycles(timing, {}, {}, current);
@@ -63,7 +63,7 @@ bool BlockCache::fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& wo
   return true;
 }
 
-/// As it stands in a block, but for the sums before it.
+/// Makes the slot of an instruction, except for the sums over the instructions before it.
 Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc) const {
   Instruction instruction;
   instruction.run = handler_of(decoded.op, decoded.operand);
@@ -83,7 +83,7 @@ Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc)
   return instruction;
 }
 
-/// Whether one of the first two instructions at `pc` ends a block, or cannot be fetched.
+/// True if one of the first two instructions at `pc` ends a block or cannot be fetched.
 bool BlockCache::leaves_soon(std::uint32_t pc) const {
   for (unsigned i = 0; i < 2; ++i) {
     std::uint32_t word = 0;
@@ -96,24 +96,26 @@ bool BlockCache::leaves_soon(std::uint32_t pc) const {
   return false;
 }
 
-/// A block as far as it is decoded; its `end` is where the next instruction is.
+/// A block while it is being decoded. `block.end` is the address of the next instruction.
 struct BlockCache::Decoding {
   Block block;
   Instruction sums;  // over its instructions
   Previous two_before;
   Previous before;
-  std::uint32_t next_start_bound = 0;  // the most cycles from its start to the start of the next instruction
-  std::uint32_t target = 0;            // the nearest one ahead of a branch of this block
-  bool branched_back = false;          // its last instruction may lead to what lies before
-  bool ends_loop = false;              // its last instruction may be that of a hardware loop
+  std::uint32_t next_start_bound = 0;  // most cycles from the start of the block to the start of the next instruction
+  std::uint32_t target = 0;            // nearest target of a forward branch of this block
+  bool branched_back = false;          // its last instruction is a branch back to itself or to code before it
+  bool ends_loop = false;              // its last instruction may be the last one of a hardware loop
 };
 
-/// Whether a block that has come so far should end. Another one begins there, or a branch of this one leads there: what
-/// runs straight into a block costs more than what goes on in one. Where code is translated, also behind a loop. What
-/// comes there would count in the time that each turn can take, and in the lines that it needs. Not before code that is
-/// left at once, where what came before would still matter to the pipeline.
+/// True if the block should end before the next instruction. It ends where another block begins and at a target of one
+/// of its own branches, because two blocks that overlap cost more than a step from one block into the next.
+/// Where code is translated, it also ends after a backward branch. The code after a loop would otherwise count in the
+/// time bound and in the lines of each iteration.
+/// It does not end before code that jumps within two instructions: the cycles of such a jump depend on the instructions
+/// before it.
 bool BlockCache::ends_here(const Decoding& decoding) const {
-  // A block of one instruction knows too little of what came before.
+  // The cycles of the next block's first two instructions depend on two instructions of this one.
   if (!end_at_targets_ || decoding.sums.index < 2) return false;
   const auto pc = decoding.block.end;
   if (const auto number = known(pc); number != 0) return !blocks_[number].early_jump;
@@ -156,13 +158,15 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   instruction.energy_before_fj = sums.energy_before_fj;
   if (sums.index == 0) block.stalled_by = loads_that_stall(timing_, current_of(decoded));
   if (is_jump(decoded.op)) {
-    instruction.rs2 = timing_.hides_unaligned_target(decoding.before.op) ? 1 : 0;  // what its handler cannot see
+    instruction.rs2 = timing_.hides_unaligned_target(decoding.before.op)
+                          ? 1
+                          : 0;  // RI5CY: the instruction before hides an unaligned target
     if (sums.index < 2) block.early_jump = true;
   }
   const auto cycles = static_cycles(timing_, decoding.two_before, decoding.before, current_of(decoded));
   MEBOTS_ASSERT(sums.cycles_before + cycles <= 0xffff);
   block.last_start_bound = decoding.next_start_bound;
-  // A misaligned access goes twice.
+  // A misaligned access is two bus accesses.
   decoding.next_start_bound += cycles + most_extra_cycles(decoded.op) + 2 * longest_wait_ * accesses_of(decoded.op);
   sums.cycles_before = static_cast<std::uint16_t>(sums.cycles_before + cycles);
   sums.index = static_cast<std::uint8_t>(sums.index + 1);
@@ -179,7 +183,7 @@ void BlockCache::append(Decoding& decoding, const Decoded& decoded) {
   block.end = at + decoded.length;
 }
 
-/// Behind its last instruction: the slot that ends it, and what is known of it as a whole.
+/// Completes a block: adds the slot that ends it, and sets the fields that need the whole block.
 void BlockCache::end_block(Decoding& decoding) {
   auto& block = decoding.block;
   const auto& sums = decoding.sums;
@@ -189,7 +193,7 @@ void BlockCache::end_block(Decoding& decoding) {
   end.run = handler_of(end.op);
   MEBOTS_ASSERT(sums.index > 0 && end.run != nullptr);
   end.pc = block.end;
-  arena_[block.first + sums.index + 1] = Instruction{};  // holds the link of a loop's next iteration
+  arena_[block.first + sums.index + 1] = Instruction{};  // its `link` is the one of a loop's next iteration
   arena_used_ += sums.index + 2U;
   decoded_ += sums.index;
   if (cached_lines_ != nullptr) {
@@ -201,7 +205,7 @@ void BlockCache::end_block(Decoding& decoding) {
   memory_.mark(block.pc, block.end - block.pc, mark_);
 }
 
-/// Gives it a number, by which it is found from now on.
+/// Assigns a number to a block, and adds the block to the tables by pc and by page.
 std::uint32_t BlockCache::add(const Block& block) {
   MEBOTS_ASSERT(block.end - block.pc <= 1U << kPageBits, "it is in two pages at most");
   std::uint32_t number = 0;
@@ -220,7 +224,7 @@ std::uint32_t BlockCache::add(const Block& block) {
   return number;
 }
 
-/// For one more block: in the segment in work, or in the next one, whose blocks are evicted.
+/// Makes space for one more block. If the present segment is full, evicts the blocks of the next one.
 void BlockCache::make_room() {
   const auto end = (segment_ + 1) * kSegmentSize;
   const bool has_numbers = !free_.empty() || blocks_.size() < kMaxBlocks;
@@ -239,7 +243,7 @@ void BlockCache::evict(std::uint32_t segment) {
   }
 }
 
-/// Its instructions stay where they are until their segment is decoded over: a hart may be in the middle of them.
+/// The slots stay unchanged until their segment is filled again, because a hart may be executing them.
 void BlockCache::invalidate(std::uint32_t number) {
   MEBOTS_ASSERT(number != 0 && blocks_[number].valid());
   auto& block = blocks_[number];
@@ -255,8 +259,8 @@ void BlockCache::invalidate(std::uint32_t number) {
   if (listener_ != nullptr) listener_->invalidated(number);
 }
 
-/// Every block with a part of one of the words, as marks are by word: none has a mark behind that. A block begins in
-/// the page of its last byte or in the one before.
+/// Invalidates every block that overlaps one of the words. Marks are by word, so afterwards none of them is marked. A
+/// block begins in the page of its last byte or in the page before.
 void BlockCache::invalidate_overlapping(std::uint32_t address, std::uint32_t count) {
   MEBOTS_ASSERT(count > 0);
   const auto last = (address + (count - 1)) | 3U;

@@ -41,9 +41,9 @@ struct HartSettings {
   std::uint32_t id = 0;  // mhartid
   /// Traps enter the address written to mtvec, also if the core clears some of its low bits.
   bool keeps_written_mtvec = false;
-  /// Interrupts are those of GAP8's cores: 32 lines of an event unit, one of which is up, without mie; vectors at
-  /// mtvec, whose low eight bits are 0; exceptions behind them. Source: RI5CY's user manual of 2018, chapters on
-  /// exceptions and CSRs.
+  /// With these, the core has GAP8's 32 interrupt lines of an event unit. At most one line is up, and mie is not used.
+  /// The vectors are at mtvec, whose low eight bits are 0; those of exceptions follow. Source: RI5CY's user manual of
+  /// 2018, chapters on exceptions and CSRs.
   bool has_gap8_interrupts = false;
 };
 
@@ -58,18 +58,18 @@ struct Block {
   bool begins_across = false;           // its first instruction is in two lines
   bool unaligned = false;               // starts with a 32-bit instruction at 2 mod 4
   bool early_jump = false;              // a jump is among the first two: see BlockCache::delays_jump
-  std::uint64_t stalled_by = 0;         // bit r: its first instruction stalls after a load of register r
-  mutable std::uint16_t heat = 0;       // interpreted runs in its epoch
-  mutable std::uint16_t absences = 0;   // of these, runs with a line absent at its start
-  mutable std::uint32_t epoch = 0;      // of the core's cycles
-  std::uint32_t next_of_pc = 0;         // block in the same bucket of the table by pc
-  std::uint32_t next_of_page = 0;       // likewise by page
+  std::uint64_t stalled_by = 0;  // stall mask: bit r is set if its first instruction stalls after a load of register r
+  mutable std::uint16_t heat = 0;      // interpreted runs in its epoch
+  mutable std::uint16_t absences = 0;  // of these, runs with a line absent at its start
+  mutable std::uint32_t epoch = 0;     // of the core's cycles
+  std::uint32_t next_of_pc = 0;        // block in the same bucket of the table by pc
+  std::uint32_t next_of_page = 0;      // next block in the same bucket of the table by page
 
   /// Marks an invalidated block. No pc is odd.
   static constexpr std::uint32_t kInvalid = 1;
   bool valid() const { return pc != kInvalid; }
-  /// True if translated code should expect to fetch its lines. Each line is absent at its first use, so a few absences
-  /// do not count.
+  /// True if translated code should expect to fetch lines at its start. Each line is absent at its first use, so a few
+  /// absences do not count.
   bool is_often_absent() const { return 2 * absences > heat + kFewAbsences; }
   static constexpr int kFewAbsences = 8;  // of the 64 turns after which a block is hot
   /// Returns the stall of its first instruction after a load.
@@ -111,9 +111,9 @@ class BlockCache {
     while (number != 0 && blocks_[number].pc != pc) number = blocks_[number].next_of_pc;
     return number;
   }
-  /// Returns the block of a number that was valid once: the present one, or an invalid one.
+  /// Returns the block of a number that was valid once. The block may be invalid now.
   const Block& block(std::uint32_t number) const {
-    MEBOTS_ASSERT(number < blocks_.size(), "numbers are never taken back");
+    MEBOTS_ASSERT(number < blocks_.size(), "the vector of blocks never shrinks");
     return blocks_[number];
   }
   const Instruction* instructions(const Block& block) const {
@@ -125,8 +125,8 @@ class BlockCache {
     if (block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
   }
-  /// True if the two instructions before the block change the cycles of its early jump, which the block counts without
-  /// them. Then `single` has the right cycles. For a jump at the second place, always assumed.
+  /// True if the two instructions before the block change the cycles of its early jump. Then the block's own cycles are
+  /// wrong, and `single` has the right ones. If the jump is the second instruction, always returns true.
   bool delays_jump(const Block& block, const Previous& two_before, const Previous& before) const {
     return block.early_jump && before.op != Op::end_of_block && delays_first_jump(block, two_before, before);
   }
@@ -136,12 +136,12 @@ class BlockCache {
     return std::exchange(arena_[index_of(at)].run, handler);
   }
 
-  /// Decodes one instruction, followed by the end of a block, for this pipeline. Null if it cannot be fetched. Kept
-  /// until code changes, because loops need the same ones often.
+  /// Decodes one instruction and the end of a block for this pipeline. If it cannot be fetched, returns null. The
+  /// result is kept until code changes, because loops need the same instructions often.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
-  /// Ends blocks at `pc`, the last instruction of a hardware loop. Returns true if that is new: blocks that continue
-  /// after it become invalid at the next check.
+  /// Ends blocks after the instruction at `pc`, the last one of a hardware loop. Returns true if blocks did not end
+  /// there before. Blocks that continue after it become invalid at the next check.
   bool end_block_at(std::uint32_t pc);
 
   /// True if blocks end at `pc`, because it may be the last instruction of a hardware loop.
@@ -206,7 +206,7 @@ class BlockCache {
 
   static constexpr std::size_t kArenaSize = std::size_t{kSegmentSize} * kSegments;
 
-  /// An instruction alone, its end, and the place of its link, as of one generation of the memory's code.
+  /// One instruction, its end, and the slot of its link. Valid for one generation of the memory's code.
   struct Single {
     std::uint64_t generation = 0;  // 0 = empty; the memory never has this one
     Previous two_before;
@@ -214,7 +214,8 @@ class BlockCache {
     std::array<Instruction, 3> slots{};
   };
 
-  /// Frees an arena that is not initialised: 16 MB would delay each start, and most programs use a part.
+  /// Frees the arena. It is allocated without initialisation: to clear 16 MB would delay each start, and most programs
+  /// use only a part.
   struct FreeArena {
     void operator()(Instruction* arena) const { std::allocator<Instruction>().deallocate(arena, kArenaSize); }
   };
@@ -245,17 +246,17 @@ class BlockCache {
   std::uint8_t mark_;  // on words with decoded instructions
   Timing timing_;
   std::array<std::uint32_t, kOpCount> energy_fj_;
-  /// True if a block also ends at known targets of jumps and branches, so that few blocks overlap. Not for harts with a
-  /// loose limit: their blocks must depend on memory and pc only.
+  /// True if a block also ends at known targets of jumps and branches, so that few blocks overlap. False for harts with
+  /// a loose limit, whose blocks must depend on memory and pc only.
   bool end_at_targets_;
-  bool end_after_loops_;  // the same after backward branches
+  bool end_after_loops_;  // true if a block also ends after a backward branch
   const InstructionCache* cached_lines_;
   std::vector<Block> blocks_;         // number 0 is not a block; never moves
   std::vector<std::uint32_t> free_;   // numbers of invalid blocks
   std::vector<std::uint32_t> by_pc_;  // first block of each bucket, 0 = none
   std::vector<std::uint32_t> by_page_;
   std::unique_ptr<Instruction[], FreeArena> arena_;
-  std::uint32_t segment_ = 0;     // that is being filled
+  std::uint32_t segment_ = 0;     // segment being filled
   std::uint32_t arena_used_ = 0;  // index of the next free slot in it
   std::uint64_t generation_ = 0;
   std::uint64_t code_generation_ = 0;  // of the memory, at the last check

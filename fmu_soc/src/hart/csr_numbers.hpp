@@ -17,9 +17,9 @@ namespace mebots::soc::csr {
 /// Which cores have the registers of a row.
 enum class Core : std::uint8_t { every, ri5cy, gap8 };
 
-/// Where the registers of a row stand among all, one behind the other in the order of the table.
+/// The numbers of one row's registers. All registers of the table have consecutive slots.
 struct Place {
-  unsigned number;  // of its first one
+  unsigned number;  // of the first register
   unsigned count;
 };
 inline constexpr auto kPlaces = std::to_array<Place>({
@@ -27,14 +27,14 @@ inline constexpr auto kPlaces = std::to_array<Place>({
 #include "hart/csrs.inc"
 });
 
-/// How many stand before row `row`; before the end: all of them.
+/// Returns the number of slots before row `row`. For the end of the table, that is the number of all slots.
 constexpr unsigned slots_before(std::size_t row) {
   unsigned slots = 0;
   for (std::size_t i = 0; i < row; ++i) slots += kPlaces[i].count;
   return slots;
 }
 
-/// The place of the first register with this number; behind all when there is none.
+/// Returns the slot of the first register with this number; the number of all slots if no row has it.
 constexpr unsigned slot_of(unsigned number) {
   unsigned slots = 0;
   for (const auto& place : kPlaces) {
@@ -49,9 +49,9 @@ struct Named {
   std::string_view name;
 };
 
-/// The registers that every core has and that stand alone, by number.
+/// Returns the registers that every core has and that are the only one of their row, by number.
 std::span<const Named> named();
-/// "mepc", "mhpmcounter7"; "csr0x7c0" for one without a name here.
+/// Returns the name of a register, such as "mepc" or "mhpmcounter7"; "csr0x7c0" if it has none.
 std::string name(unsigned number);
 
 }  // namespace mebots::soc::csr

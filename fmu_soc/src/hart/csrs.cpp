@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What an access to a control or status register does: the table's column of meanings, and the functions that it names.
+// The effects of accesses to control and status registers: the column `meaning` of csrs.inc, and its functions.
 #include "hart/csrs.hpp"
 
 #include "mebots/assert.hpp"
@@ -22,7 +22,7 @@ constexpr std::uint32_t kInhibitCycle = 1U << 0;
 constexpr std::uint32_t kInhibitInstret = 1U << 2;
 /// Software, timer and external interrupt of machine mode, and 16 fast lines.
 constexpr std::uint32_t kInterruptLines = 0xffff0000U | (1U << 11) | (1U << 7) | (1U << 3);
-/// JEDEC number of the OpenHW Group and architecture number of CV32E40P; GAP8's RI5CY says the same kind of thing.
+/// JEDEC number of the OpenHW Group and architecture number of CV32E40P. GAP8's RI5CY has numbers of the same form.
 constexpr std::uint32_t kVendor = 0x602;
 constexpr std::uint32_t kArchitecture = 4;
 constexpr std::uint32_t kCountersOn = 1U << 0;      // PCMR
@@ -40,7 +40,7 @@ bool is_event_counter(unsigned number) {
 
 }  // namespace
 
-/// The rows, and which of them a core has at a number.
+/// The rows of the table, and the row of each number for each kind of core.
 struct Csrs::Rows {
   using Core = csr::Core;
   static constexpr std::size_t kCores = 3;
@@ -49,8 +49,8 @@ struct Csrs::Rows {
   struct Row;
   struct Meaning {
     std::uint32_t (*read)(const Csrs&, const Row&, unsigned index);
-    void (*write)(Csrs&, const Row&, unsigned index, std::uint32_t value);  // null: a store changes nothing
-    bool keeps;                                                             // a word, which is `reset` at first
+    void (*write)(Csrs&, const Row&, unsigned index, std::uint32_t value);  // null: a write has no effect
+    bool keeps;  // true if the register has a value of its own, which is `reset` at first
     std::uint32_t reset;
   };
   struct Row {
@@ -111,7 +111,7 @@ struct Csrs::Rows {
   }
 
   static const std::array<Row, csr::kPlaces.size()> kAll;
-  /// By core and number: which row, counted from 1; 0 = none.
+  /// Index of the row + 1 by core and number; 0 if there is none.
   static const std::array<std::array<std::uint8_t, kNumbers>, kCores> kRowOf;
   static const Row* find(const Csrs& csrs, unsigned number);
 };
@@ -126,7 +126,7 @@ constexpr std::array<Csrs::Rows::Row, csr::kPlaces.size()> Csrs::Rows::kAll = []
   return rows;
 }();
 
-/// Where two rows have a number, RI5CY's own is what RI5CY has.
+/// If two rows have a number, RI5CY's own row is used on RI5CY.
 constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows::kCores> Csrs::Rows::kRowOf = [] {
   std::array<std::array<std::uint8_t, kNumbers>, kCores> row_of{};
   for (std::size_t core = 0; core < kCores; ++core) {
@@ -141,7 +141,7 @@ constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows:
   return row_of;
 }();
 
-/// Null: this core has none.
+/// Returns null if this core has no such register.
 const Csrs::Rows::Row* Csrs::Rows::find(const Csrs& csrs, unsigned number) {
   if (number >= kNumbers) return nullptr;
   const auto core = !csrs.timing_.has_xpulp() ? Core::every : csrs.has_gap8_interrupts_ ? Core::gap8 : Core::ri5cy;
@@ -202,8 +202,8 @@ void Csrs::enter_handler(std::uint32_t cause, std::uint32_t value) {
 std::uint32_t Csrs::leave_handler() {
   state_.interrupts_on = state_.interrupts_were_on;
   state_.interrupts_were_on = true;
-  // GAP8's FreeRTOS asks bit 31 of mcause whether it is in a handler, also behind the handler. Returning clears the
-  // register (GVSoC's models of GAP8 do the same; the privileged specification leaves it as it is).
+  // GAP8's FreeRTOS reads bit 31 of mcause to find out whether it is in a handler, also after the handler. Therefore
+  // mret clears mcause, as GVSoC's models of GAP8 do. The privileged specification leaves it unchanged.
   if (has_gap8_interrupts_) word<csr::kMcause>() = 0;
   update_interrupts();
   return word<csr::kMepc>();
@@ -217,11 +217,11 @@ const Instruction* Csrs::access(const Instruction* at) {
   const auto operand = immediate ? at->rs1 : e.x[at->rs1];
   const bool replace = at->op == Op::csrrw || at->op == Op::csrrwi;
   const bool set = at->op == Op::csrrs || at->op == Op::csrrsi;
-  // Set and clear with x0 (or 0) only read; replace into x0 only writes.
-  // RI5CY's event counters are written back even then, in the place of what this instruction would have counted.
+  // Set and clear with x0 (or 0) only read; replace into x0 only writes. RI5CY writes its event counters back even
+  // then. That write replaces the count of this instruction.
   const bool writes = replace || at->rs1 != 0 || (timing_.has_xpulp() && is_event_counter(number));
 
-  // Counters count what retired before this instruction.
+  // The instruction reads counters of the instructions before it.
   const auto saved = e.counters;
   e.counters.instructions += at->index;
   e.counters.cycles = e.start_of(at);
@@ -232,10 +232,11 @@ const Instruction* Csrs::access(const Instruction* at) {
   e.counters = saved;
   if (!good) return e.raise(at, cause::kIllegalInstruction, blocks_.word_at(at->pc).value_or(0));
   e.x[at->rd] = old;
-  return blocks_.is_stale() ? e.leave_after(at, Leave::normal) : at + 1;  // it has set where a hardware loop ends
+  return blocks_.is_stale() ? e.leave_after(at, Leave::normal)
+                            : at + 1;  // stale: it has moved the end of a hardware loop
 }
 
-/// The first instruction that reads a counter that has not run since reset.
+/// Records that the program read a counter that has not run since reset.
 void Csrs::record_stopped_counter(unsigned number) {
   const bool cycles = number == csr::kMcycle || number == csr::kCycle;
   const bool instructions = number == csr::kMinstret || number == csr::kInstret;
@@ -297,7 +298,7 @@ bool Csrs::counts_event(unsigned counter) const {
   return (word<csr::kPcmr>() & kCountersOn) != 0 && (word<csr::kPcer>() >> counter & 1U) != 0;
 }
 
-/// As of the standard counters: while one counts, its base is the distance; otherwise it is the value.
+/// Uses the same base as the standard counters: see read_counter().
 std::uint32_t Csrs::event_counter(unsigned counter) const {
   if (counter >= state_.pccr_base.size()) return 0;  // other events are not counted
   const auto base = state_.pccr_base[counter];
@@ -332,7 +333,7 @@ void Csrs::set_event_enable(std::uint32_t pcer, std::uint32_t pcmr) {
   for (unsigned counter = 0; counter < values.size(); ++counter) set_event_counter(counter, values[counter]);
 }
 
-/// While a counter is inhibited its base holds its value; otherwise the value is the distance from the base.
+/// While a counter is inhibited, its base is its value. Otherwise its value is the core's count minus the base.
 std::uint64_t Csrs::read_counter(bool instret) const {
   const auto base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
@@ -345,7 +346,7 @@ void Csrs::write_counter(bool instret, std::uint32_t value, bool high) {
   wanted = high ? (wanted & 0xffffffffULL) | (std::uint64_t{value} << 32) : (wanted & ~0xffffffffULL) | value;
   auto& base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;
-  // A write takes the place of its own instruction's increment: the next instruction reads back what was written.
+  // A write replaces the increment of its own instruction: the next instruction reads the written value.
   const auto count = instret ? execution_.counters.instructions + 1 : execution_.counters.cycles;
   base = is_inhibited(inhibit) ? wanted : count - wanted;
 }

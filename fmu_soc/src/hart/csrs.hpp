@@ -14,17 +14,18 @@
 
 namespace mebots::soc {
 
-/// Accesses of a program that have another effect on most other cores; for messages.
+/// Accesses of a program that have another effect on most other cores. They are reported in messages.
 struct CsrRemarks {
-  std::optional<std::uint32_t> moved_mtvec = {};      // the value written, of which the core cleared low bits
-  std::optional<unsigned> read_stopped_counter = {};  // its number: it has not run since reset
+  std::optional<std::uint32_t> moved_mtvec = {};  // the value written, of which the core cleared low bits
+  std::optional<unsigned> read_stopped_counter =
+      {};  // number of a counter that was read although it has not run since reset
 };
 
-/// The control and status registers of a core, from the table csrs.inc: those of CV32E40P's machine mode, with Xpulp
-/// also RI5CY's, with an event unit GAP8's. They decide whether an interrupt is taken.
+/// The control and status registers of a core, from the table csrs.inc: machine mode of CV32E40P; with Xpulp also
+/// RI5CY's; with an event unit also GAP8's. They determine whether an interrupt is taken.
 class Csrs {
  public:
-  /// A core with GAP8's interrupts has the CSRs of the stack check, too; they keep their values, and no check is made.
+  /// A core with GAP8's interrupts has the CSRs of the stack check, too. They only keep their values; no check is made.
   Csrs(Execution& execution, BlockCache& blocks, const HartSettings& settings);
 
   /// Resets all registers. The counters start from here.
@@ -58,9 +59,9 @@ class Csrs {
   void visit(state::Visitor& v);
 
  private:
-  struct Rows;  // their table (csrs.inc) by number
+  struct Rows;  // the table csrs.inc, by number
   struct State {
-    std::array<std::uint32_t, csr::slots_before(csr::kPlaces.size())> words{};  // of those that keep one
+    std::array<std::uint32_t, csr::slots_before(csr::kPlaces.size())> words{};  // values of the registers that have one
     bool interrupts_on = false;                                                 // mstatus.MIE
     bool interrupts_were_on = false;                                            // mstatus.MPIE
     std::uint64_t cycle_base = 0;  // mcycle = counter - base; while inhibited, mcycle = base

@@ -22,12 +22,12 @@ std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
   return value;
 }
 
-/// For how many cycles there are banks to be taken. Behind that the interpreter finds all free and takes none, and
-/// translated code, which does not look where it is, must not come there.
+/// Returns the cycles from `cycle` on for which the table of banks has rows. After them, the interpreter treats all
+/// banks as free and claims none. Translated code does not check its position, so it must not get there.
 std::uint64_t bank_cycles_left(const Execution& e, std::uint64_t cycle) {
   if (const auto* shared = e.ram[0].banks; shared != nullptr) return shared->cycles_left(cycle);
   MEBOTS_ASSERT(cycle >= e.counters.cycles);
-  const auto passed = cycle - e.counters.cycles;  // of the run, which began at the first row
+  const auto passed = cycle - e.counters.cycles;  // since the start of the run, which was the first row
   return Banks::kReach - std::min(passed, Banks::kReach);
 }
 
@@ -40,7 +40,7 @@ bool DataPath::connect(std::span<const MemoryPort> ports) {
     const bool is_fast = i < ports.size() && ports[i].moved == 0;
     const auto ram = is_fast ? fast_region(memory_, ports[i]) : FastRegion{};
     const auto& before = execution_.ram[i];
-    // Who accesses a second memory that is shared asks for its wait (far_access.hpp).
+    // Accesses to a shared second memory compute their wait at run time (far_access.hpp).
     const bool asks = i == 1 && ram.is_shared();
     const bool asked = i == 1 && before.is_shared();
     others = others || ram.data != before.data || asks != asked || (!asks && ram.wait_cycles != before.wait_cycles);
@@ -70,7 +70,7 @@ const MemoryPort* DataPath::port_of(std::uint32_t address, unsigned size) const 
   return nullptr;
 }
 
-/// What ram_access does on the fast path.
+/// Adds the waits of an access, as ram_access() does on the fast path.
 void DataPath::wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size) {
   MEBOTS_ASSERT(size == 1 || size == 2 || size == 4);
   MEBOTS_ASSERT(memory_.regions()[port.region].holds(address, size));
@@ -153,7 +153,7 @@ const Instruction* DataPath::stored_over_mark(const Instruction* at, std::uint32
   memory_.changed(address, size);
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address))
     return execution_.leave_after(at, Leave::stop);
-  // With a loose limit the block runs on: where a core stops must not depend on what has been decoded.
+  // With a loose limit the block runs to its end: where a core stops must not depend on decoded code.
   return finishes_block_ ? at + 1 : execution_.leave_after(at, Leave::normal);
 }
 
@@ -163,7 +163,7 @@ std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint3
   const auto address = far.base + offset;
   const std::uint64_t wait = far.wait_cycles + far.banks->wait(cycle + far.wait_cycles, address);
   if (wait + Banks::kLongestBlock > bank_cycles_left(execution, cycle))
-    return kOutsideBanks;  // with the rest of the block
+    return kOutsideBanks;  // the rest of the block must fit, too
   far.banks->claim(cycle + wait, address);
   ++execution.counters.far_accesses;
   return wait;

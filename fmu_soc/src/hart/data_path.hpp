@@ -12,35 +12,35 @@
 
 namespace mebots::soc {
 
-/// A memory as one core reaches it.
+/// A memory in one core's address map.
 struct MemoryPort {
   std::size_t region = 0;         // index in Memory::regions()
   std::uint32_t wait_cycles = 0;  // added to every load and store
-  BankSchedule* banks = nullptr;  // who else uses it; null = nobody
-  std::uint32_t moved = 0;        // where the core sees it, less its own address; if not 0, never fast
+  BankSchedule* banks = nullptr;  // banks shared with other users; null = no other user
+  std::uint32_t moved =
+      0;  // address in this core's map minus the memory's own address; if not 0, accesses never use the fast path
 };
 
-/// Loads and stores that do not go the fast way: to memories behind others, across their ends, to devices, over code
-/// and watched words.
+/// Loads and stores that are not on the fast path: to other memories, across the end of a memory, to devices, and over
+/// code or watched words.
 class DataPath {
  public:
-  /// `finishes_block`: behind a store into code the block runs to its end as it was at its start, and is forgotten
-  /// then.
+  /// If `finishes_block` is set, a block that stores into code runs to its end unchanged. It is invalidated afterwards.
   DataPath(Execution& execution, Memory& memory, Bus& bus, bool finishes_block)
       : execution_(execution), memory_(memory), bus_(bus), finishes_block_(finishes_block) {}
 
-  /// True: the fast memories are others, or have other waits that translated code holds.
+  /// Sets the memories of the core. Returns true if the fast memories changed, or a wait that translated code contains.
   bool connect(std::span<const MemoryPort> ports);
-  /// The first memory, wherever the core sees it.
+  /// Sets the banks of the first memory, at all its addresses; null: no other user.
   void share_first(BankSchedule* banks);
   std::uint32_t longest_wait() const;
 
-  // Of an instruction; what comes back is what its handler gives.
+  // Execute an instruction. They return what its handler returns.
   const Instruction* load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
   const Instruction* store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
   /// p.elw
   const Instruction* event_load(const Instruction* at);
-  /// Behind a store over code or a watched word.
+  /// Continues after a store over code or over a watched word.
   const Instruction* stored_over_mark(const Instruction* at, std::uint32_t address, unsigned size);
 
  private:
@@ -55,14 +55,13 @@ class DataPath {
   std::vector<MemoryPort> ports_;
 };
 
-/// The answer of `wait_for_far` when it has done nothing.
+/// Returned by wait_for_far() if it has not made the access.
 inline constexpr std::uint64_t kOutsideBanks = std::numeric_limits<std::uint64_t>::max();
 
-/// For translated code, of an access within a word of the second memory, which others use, too: takes its bank for the
-/// instruction that starts in active cycle `cycle`, and counts the access. `offset`: from the memory's start. The
-/// answer is how many cycles it waits, for the way and for the bank. kOutsideBanks: the rest of the block could lead
-/// further than the banks of the first memory reach, where translated code does not look; the interpreter makes the
-/// access.
+/// Makes an access of translated code within a word of the shared second memory: claims its bank for the instruction
+/// that starts in active cycle `cycle`, and counts the access. `offset` is relative to the start of the memory. Returns
+/// the cycles that the access waits for the port and the bank. If the rest of the block might run past the table of the
+/// first memory's banks, has no effect and returns kOutsideBanks; then the interpreter makes the access.
 std::uint64_t wait_for_far(Execution& execution, std::uint64_t cycle, std::uint32_t offset) noexcept;
 
 }  // namespace mebots::soc

@@ -18,19 +18,19 @@ class DataPath;
 class Fetch;
 class Traps;
 
-/// A piece of RAM as the inner loop sees it.
+/// A range of RAM for the fast path of loads and stores.
 struct FastRegion {
   std::uint32_t base = 0;
   std::uint32_t span = 0;  // size - 3; 0 = no region
   std::uint8_t* data = nullptr;
   std::uint8_t* marks = nullptr;
-  std::uint32_t wait_cycles = 0;  // added to every access: the way there and back
-  BankSchedule* banks = nullptr;  // who else uses it; null = nobody
+  std::uint32_t wait_cycles = 0;  // added to every access: latency in both directions
+  BankSchedule* banks = nullptr;  // banks shared with other users; null = no other user
 
   bool is_shared() const { return banks != nullptr; }
 };
 
-/// Why a block was left other than by a branch or at its end.
+/// The reason why a block was left other than by a branch or at its end.
 enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn };
 
 /// Registers of a hardware loop. The body runs once more after its last instruction while the count is above 1.
@@ -46,15 +46,15 @@ struct HardwareLoop {
   }
 };
 
-/// Counters since reset that nothing in the core can write.
+/// Counters since reset. The program cannot write them.
 struct Counters {
   std::uint64_t instructions = 0;     // retired
   std::uint64_t cycles = 0;           // active, sleep not counted
   std::uint64_t instruction_fj = 0;   // energy of instructions at the reference voltage
-  std::uint64_t accesses = 0;         // loads and stores, all together
-  std::uint64_t device_accesses = 0;  // of these: to devices
-  std::uint64_t far_accesses = 0;     // of these: to memories other than the first
-  std::uint64_t fetch_cycles = 0;     // of the cycles: waiting for the instruction cache
+  std::uint64_t accesses = 0;         // loads and stores
+  std::uint64_t device_accesses = 0;  // of these, to devices
+  std::uint64_t far_accesses = 0;     // of these, to memories other than the first
+  std::uint64_t fetch_cycles = 0;     // of the cycles, waits for the instruction cache
 
   /// Loads and stores to the first memory.
   std::uint64_t near_accesses() const { return accesses - device_accesses - far_accesses; }
@@ -97,28 +97,30 @@ inline constexpr const std::uint8_t* kNoResumePoint = nullptr;
 
 /// Data exchanged with translated code.
 struct HostState {
-  /// Where its count of cycles starts and ends. From those that may start down to 0, or where banks are shared, from
-  /// one row of their table to another.
+  /// First and last value of its cycle count. It counts down the cycles that may start, to 0; where banks are shared,
+  /// it is an address that moves from one row of their table to another.
   std::uint64_t begin = 0;
   std::uint64_t end = 0;
-  /// Where to go on when it was left only for the end of its budget, and nothing has happened since; else null.
+  /// Address at which translated code resumes after it was left at its limit. Null if that is not possible, or if
+  /// anything has changed since.
   const std::uint8_t* resume_point = nullptr;
-  /// Of the next hart of the round, which goes on then without leaving translated code; null = none. And where its
-  /// resume point stands, or a null one: what the host needs first, for a jump that it cannot foresee.
+  /// The next hart of the round; null = none. Translated code continues with that hart without a return to the caller.
+  /// `resume_point_of_next` points to that hart's resume point, or to a null one. The host needs this first, for an
+  /// indirect jump that it cannot predict.
   Execution* next = nullptr;
   const std::uint8_t* const* resume_point_of_next = &kNoResumePoint;
   std::uint64_t instructions = 0;  // of the last run; upper half: loads and stores
-  /// What the pipeline holds for a region's block that was reached straight from the end of another one, as bits of a
-  /// Pipeline; 0 = nothing came straight.
+  /// Pipeline state, as bits of a Pipeline, if the present block of a region was entered by falling through from
+  /// another one; else 0.
   std::uint64_t straight_pipeline = 0;
   const Instruction* slow_load = nullptr;  // the last load across two words
-  std::uint64_t slow_load_when = 0;        // what `instructions` was then: of its block if they still are
-  std::uint64_t tick_offset = 0;           // active cycle c is tick c + offset of what the hart shares
-  bool alone = false;                      // nobody else uses the banks: what is taken in the table means nothing
-  // Where steps between functions are noted:
-  Flow* flow = nullptr;              // the next one
-  std::uint64_t position = 0;        // where the count of cycles stood at the end of the last run
-  std::uint64_t instruction_fj = 0;  // of it
+  std::uint64_t slow_load_when = 0;  // `instructions` at that time; if equal now, the load is in the present block
+  std::uint64_t tick_offset = 0;     // active cycle c of the hart is tick c + offset of shared units
+  bool alone = false;                // true if no other core uses the banks: then the table need not be read
+  // Record of steps between functions:
+  Flow* flow = nullptr;              // next entry to write
+  std::uint64_t position = 0;        // the cycle count at the end of the last run
+  std::uint64_t instruction_fj = 0;  // energy of the last run
 };
 
 /// Marks the absence of a pc, which is never odd.
@@ -143,7 +145,7 @@ struct Execution {
   Counters counters;
   Pipeline pipeline;
 
-  // Of the block in progress.
+  // State of the block in progress.
   std::uint32_t extra_cycles = 0;          // beyond the static ones
   std::uint32_t first_stall = 0;           // of them: stall of the first instruction after a load
   const Instruction* exit = nullptr;       // everything before it has retired
@@ -161,31 +163,31 @@ struct Execution {
   Hart* hart = nullptr;              // its hart
   HostState host;
 
-  /// The next hart of the round, or null.
+  /// Sets the next hart of the round; null = none.
   void set_next(Execution* next) {
     host.next = next;
     host.resume_point_of_next = next == nullptr ? &kNoResumePoint : &next->host.resume_point;
   }
-  /// The next instruction of a run must begin in the interpreter.
+  /// Drops the resume point, so that the next run starts in the interpreter.
   void drop_resume_point() { host.resume_point = nullptr; }
 
-  // The block in progress. Functions that leave it return null, which the handler returns, too.
+  // Functions on the block in progress. Those that leave the block return null, and the handler returns that.
 
-  /// `stall`: of its first instruction after a load.
+  /// Begins a block. `stall`: stall cycles of its first instruction after a load.
   void begin_block(std::uint32_t cycles, std::uint32_t stall, const Instruction* slow_load_before) {
     extra_cycles = cycles + stall;
     first_stall = stall;
     redirected = false;
     slow_load = slow_load_before;
   }
-  /// Resumes a block after its first instruction. The instructions before are already counted, so the counters are set
-  /// back to the block's start. The time must not be read until the block is finished.
+  /// Resumes a block at an instruction that is not its first. The counters already contain the instructions before it,
+  /// so they are set back to the start of the block. They are wrong until the block is finished.
   void begin_block_inside(const Instruction* at);
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
   /// Returns the active cycle in which an instruction starts.
   std::uint64_t cycle_of(const Instruction* at) const { return counters.cycles + at->cycles_before + extra_cycles; }
-  /// The same for devices and counters. A stall after a load counts from the instruction's start on. An instruction
-  /// that is left before it has any effect has not stalled yet.
+  /// Returns the cycle in which an instruction starts, for devices and counters. A stall after a load belongs to the
+  /// instruction. If an instruction is left before it has any effect, its stall has not happened yet.
   std::uint64_t start_of(const Instruction* at) const { return cycle_of(at) - stalled_before(at); }
   const Instruction* leave_after(const Instruction* at, Leave why);
   const Instruction* leave_before(const Instruction* at, Leave why);
@@ -200,7 +202,7 @@ struct Execution {
   }
   /// Counts all instructions of the block, and updates the pipeline.
   void finish_block();
-  /// Stores the last two instructions before `last` of a block that continues straight on.
+  /// Stores the last two instructions before `last` in the pipeline, when the block continues.
   void remember(const Instruction* last);
 };
 

@@ -38,7 +38,7 @@ constexpr std::uint32_t kImmediate = 0x13;
 constexpr std::uint32_t kRegister = 0x33;
 constexpr std::uint32_t kSystem = 0x73;
 
-/// The first row that matches says what a word is.
+/// The first row that matches gives the instruction.
 constexpr auto kRows = std::to_array<Row>({
     // Atomic memory operations
     {kFunct5, amo(0x00), {"amoadd.w", "A"}},
@@ -193,7 +193,7 @@ std::string register_advice(unsigned number) {
   return fmt::format("{}; it belongs to {}", text, group->extension);
 }
 
-/// How to compile for what the core has.
+/// Returns the compiler options for the core's instructions.
 std::string_view option_for(Extension has) {
   return has == Extension::xpulp ? "-march=rv32imcxpulpv2 (PULP's compiler), or -march=rv32imc_zicsr"
                                  : "-march=rv32imc_zicsr";

@@ -47,7 +47,7 @@ bool Fetch::is_present(const Instruction* at) const {
 
 namespace {
 
-/// A compiler puts the two halves of a 64-bit store closer together.
+/// Compilers put the two halves of a 64-bit store closer together than this many instructions.
 constexpr int kFarthest = 32;
 
 std::optional<std::uint32_t> computed(const Decoded& at, std::uint32_t a, std::uint32_t b) {
@@ -84,7 +84,7 @@ std::optional<std::uint32_t> upcoming_store(const Memory& memory, std::uint32_t 
     if (is_store(at.op)) {
       const auto target = a + offset;
       if (target == address && traits_of(at.op).size == 4) return b;
-      if ((target ^ address) / 8 == 0) return std::nullopt;  // another command begins
+      if ((target ^ address) / 8 == 0) return std::nullopt;  // the program stores another command
     } else if (is_load(at.op)) {
       result = loaded(memory, at, a + offset);
     } else if (at.op == Op::jal || at.op == Op::jalr) {

@@ -13,7 +13,7 @@
 namespace mebots::soc {
 
 /// Fetches a core's instructions through the instruction cache, if there is one. An instruction waits for its lines
-/// when the core reaches it, never before. Therefore a stopped core has made the same refills in the same cycles.
+/// when the core reaches it, never before. Therefore the refills and their cycles do not depend on where a run stops.
 class Fetch {
  public:
   /// `cache` may be null.
@@ -24,7 +24,7 @@ class Fetch {
   void flush();
   /// Fetches the lines of an instruction that the core reaches in active cycle `cycle`. Returns the wait cycles.
   std::uint32_t fetch_lines(const Instruction* at, std::uint64_t cycle);
-  /// True if an instruction is in the line in which the one before it ends.
+  /// True if `at` lies in the line in which the instruction before it ends.
   bool shares_line(const Instruction* before, const Instruction* at) const {
     MEBOTS_ASSERT(is_cached());
     return cache_->line_of(before[1].pc - 1) == cache_->line_of(at[1].pc - 1);

@@ -12,8 +12,8 @@ inline constexpr bool kChain = true;
 inline constexpr bool kChain = false;
 #endif
 
-/// How a handler ends: it calls the next one of its block, which the optimiser makes a jump. Where it does not (no
-/// optimisation, sanitizers), it gives the next one back.
+/// Ends a handler: calls the handler of the next instruction, which the optimiser turns into a jump (threaded code).
+/// Without optimisation and with sanitizers, returns the next instruction instead.
 [[gnu::always_inline]] inline const Instruction* next(Execution& e, const Instruction* at) {
   if constexpr (kChain) {
     return at[1].run(e, at + 1);
@@ -22,7 +22,7 @@ inline constexpr bool kChain = false;
   }
 }
 
-/// How a conditional branch ends that is taken.
+/// Ends the handler of a taken conditional branch.
 [[gnu::always_inline]] inline const Instruction* take_branch(Execution& e, const Instruction* at) {
   e.pc = static_cast<std::uint32_t>(at->imm);
   e.extra_cycles += kTakenBranchExtra;

@@ -7,14 +7,14 @@
 namespace mebots::soc {
 namespace {
 
-/// In place of an instruction that must wait.
+/// Replaces the handler of an instruction that must wait.
 const Instruction* stop_here(Execution& e, const Instruction* at) {
   e.exit = at;
   e.waits_at = at;
   return nullptr;
 }
 
-/// A jump hides some of its cycles behind a load across two words, which has given them back already.
+/// Returns the cycles of a jump that overlap with a misaligned load before it. The load has already subtracted them.
 std::uint32_t overlapped_cycles(const Execution& e, const Instruction* jump) {
   const bool hides = jump->index != 0 && e.slow_load == jump - 1 &&
                      overlaps_slow(executed(jump[-1], true), {jump->op, jump->rd, jump->rs1});
@@ -59,8 +59,9 @@ bool Interpreter::resume_to_limit() {
   return true;
 }
 
-/// From an instruction of a block on, whose lines are here. What is static in a block is what each instruction takes
-/// alone, but for a jump that gives back cycles to the load before it: the limit may lie between the two.
+/// Runs a block one instruction at a time from `at`, whose lines are present. An instruction alone takes its static
+/// cycles in the block, except for a jump after a misaligned load: the load subtracts cycles of the jump, and the limit
+/// may lie between the two.
 void Interpreter::run_one_by_one(const Instruction* at) {
   MEBOTS_ASSERT(at != nullptr && walk_ == nullptr);
   auto& e = execution_;
@@ -82,7 +83,7 @@ void Interpreter::run_one_by_one(const Instruction* at) {
   if (cut_.at != nullptr) cut_.pipeline = e.pipeline;
 }
 
-/// The core stops in front of an instruction of a block.
+/// Stops the core before an instruction of a block.
 void Interpreter::cut_at(const Instruction* at) {
   MEBOTS_ASSERT(at->index > 0 && !is_block_end(at->op));
   auto& e = execution_;
@@ -90,7 +91,7 @@ void Interpreter::cut_at(const Instruction* at) {
   e.exit = at;
   e.link = nullptr;
   e.cut_pc = at->pc;
-  if (e.slow_load == at - 1) return;  // a jump takes less then, which the block does not say
+  if (e.slow_load == at - 1) return;  // a jump takes fewer cycles there than its block says
   cut_ = {at, blocks_.generation(), {}};
 }
 
@@ -107,7 +108,7 @@ void Interpreter::resume(const Instruction* at, std::uint32_t wait_cycles, std::
 }
 
 const Instruction* Interpreter::run_until(const Instruction* at, const Instruction* stop) {
-  MEBOTS_ASSERT(at != nullptr && stop > at, "one is behind the other in a block");
+  MEBOTS_ASSERT(at != nullptr && stop > at, "`stop` follows `at` in the block");
   auto& e = execution_;
   e.waits_at = nullptr;
   const bool to_end = is_block_end(stop->op);
@@ -117,24 +118,24 @@ const Instruction* Interpreter::run_until(const Instruction* at, const Instructi
   return e.waits_at;
 }
 
-/// A block of which lines are absent, or may not have arrived yet.
+/// Runs a block of which lines are absent or have not arrived yet.
 bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   MEBOTS_ASSERT(fetch_.is_cached());
-  std::uint32_t missing = 0;  // at most: what is brought can drive out what comes behind it
+  std::uint32_t missing = 0;  // upper bound: a refill may evict lines that the block needs later
   for (std::uint32_t i = 0; i < block.line_count; ++i) {
     if (missing != 0 || block.lines[i] == 0) ++missing;
   }
   const auto wait = std::uint64_t{missing} * fetch_.cache()->refill_cycles();
   if (!limit_.admits(execution_.counters.cycles, block.last_start_bound + stall + wait)) return false;
   const auto* first = blocks_.instructions(block);
-  // The first instruction is fetched before it stalls for a load, as all others are.
+  // The first instruction, like all others, is fetched before it stalls for a load.
   execution_.begin_block(fetch_.fetch_lines(first, execution_.counters.cycles), stall, nullptr);
   execute_fetching(first);
   return true;
 }
 
-/// As `execute` of an instruction that is fetched, but lines come one by one. It goes on to the next instruction that
-/// needs one, and waits there.
+/// Runs an instruction whose line is present, and the rest of its block. Lines are fetched one by one: it runs to the
+/// next instruction that needs a line, and waits there.
 void Interpreter::execute_fetching(const Instruction* at) {
   while (at != nullptr) {
     const auto* stop = fetch_.next_to_wait(at);

@@ -29,7 +29,7 @@ class RunLimit {
   static constexpr std::uint64_t kLongest = std::uint64_t{1} << 62;  // beyond any run
 
   std::uint64_t end_ = 0;
-  std::uint64_t counted_;  // the bits of a bound that count
+  std::uint64_t counted_;  // mask of the bits of a bound that count
 };
 
 /// Replaces the interpreter's loop over a block, to observe each instruction.
@@ -61,13 +61,13 @@ class Interpreter {
   /// Runs a block to the limit, or to its end. Its first instruction stalls for `stall` cycles after a load. Ignores
   /// the BlockWalk.
   void run_to_limit(const Block& block, std::uint32_t stall);
-  /// The same, from the instruction at which the last limit cut a block. Returns false, without effect, if the core is
-  /// elsewhere.
+  /// Continues at the instruction at which the last limit cut a block, up to the new limit. If the core is elsewhere
+  /// now, returns false without effect.
   bool resume_to_limit();
-  /// Runs a block whose first instruction stalls for `stall` cycles. Returns false, without effect, if it might reach
-  /// the limit.
+  /// Runs a block whose first instruction stalls for `stall` cycles. If the block might reach the limit, returns false
+  /// without effect.
   bool run(const Block& block, std::uint32_t stall);
-  /// The same, and then the linked blocks, as long as no decision is necessary. Ignores the BlockWalk.
+  /// Runs a block, and then the linked blocks, as long as nothing else must be decided. Ignores the BlockWalk.
   bool run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs);
   /// Resumes a block that translated code has left after `wait_cycles` of waiting. `fetches`: lines may be absent.
   void resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall, const Instruction* slow_load,
@@ -119,9 +119,9 @@ inline bool Interpreter::run(const Block& block, std::uint32_t stall) {
 }
 
 inline bool Interpreter::run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs) {
-  MEBOTS_ASSERT(walk_ == nullptr, "an observer walks instead");
+  MEBOTS_ASSERT(walk_ == nullptr, "with an observer, run() is used");
   if (!run(block, stall)) return false;
-  // Only the limit and the lines are to be checked.
+  // Between linked blocks, only the limit, interrupts, code changes and the lines need a check.
   auto& e = execution_;
   const auto& blocks = blocks_;
   const auto& limit = limit_;

@@ -51,24 +51,26 @@ class Observer {
   Observer& operator=(const Observer&) = delete;
   virtual ~Observer() = default;
 
-  /// The instruction at the hart's pc comes next, or a trap if it cannot run. False: the run ends before it; with a
-  /// loose limit, before the next block for whose first instruction the answer is false.
+  /// Called before the instruction at the hart's pc, which may also trap. If it returns false, the run ends before the
+  /// instruction. With a loose limit, it ends before the next block for whose first instruction it returns false.
   virtual bool before(const Hart& /*hart*/) { return true; }
   virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
-  /// Instructions that begin here and go on here need not be told, nor asked about, but for calls, jumps by a register
-  /// and returns from traps. The answer holds until the next call of a function that is not const.
+  /// Returns code in which the observer needs no call. For instructions that start there and continue there, the hart
+  /// does not call retired() and before(), except for calls, indirect jumps and mret. The result is used until the next
+  /// call of a function that is not const.
   virtual QuietCode quiet() const { return {}; }
-  /// Not null: it only wants to hear where control may go to another function, and may hear of it late, but before
-  /// anything else happens. Hot code is translated then, and notes these steps; before() is not asked. The answer must
-  /// not change while it watches.
+  /// If not null, the observer only needs the steps that may enter another function. It may get them late, but before
+  /// any other event. Then hot code is translated and records these steps; before() is not called. The result must not
+  /// change while the observer is set.
   virtual const FlowMap* flow() const { return nullptr; }
-  /// Steps that translated code has taken, in their order. The hart's counters are those behind the last one.
+  /// Called with steps that translated code has taken, in their order. The hart's counters are those after the last
+  /// step.
   virtual void flowed(const Hart& /*hart*/, std::span<const Flow> /*steps*/) {}
   virtual void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) {}
-  /// The hart waits for an interrupt from now on, or goes on after one.
+  /// Called when the hart starts to wait for an interrupt, and when it continues.
   virtual void slept(const Hart& /*hart*/) {}
   virtual void woke(const Hart& /*hart*/) {}
-  /// The hart was switched off, or on: then it begins anew at its pc.
+  /// Called when the hart is switched off or on. After it is switched on, it starts at its pc.
   virtual void switched(const Hart& /*hart*/, bool /*on*/) {}
 };
 

@@ -9,7 +9,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Registers that an operation does not read are 0 in its decoded form, but for fields that hold something else.
+/// True if the operation reads rs1. A register that an operation does not read is 0 in its decoded form, unless the
+/// field holds something else.
 bool reads_rs1(Op op) {
   return traits_of(op).kind != OpKind::csr_immediate;
 }
@@ -20,14 +21,14 @@ unsigned own_cycles(const Timing& timing, const Current& current) {
   return traits_of(current.op).cycles;
 }
 
-/// A register is needed from, or written after, a load that is one cycle away.
+/// True if an instruction directly after a load reads or writes the register that is loaded.
 bool load_stall(const Timing& timing, const Previous& load, const Current& current) {
   if (!is_load(load.op) || load.rd == 0 || load.rd > 31) return false;
   if (reads_rs1(current.op) && current.rs1 == load.rd) return true;
   if (traits_of(current.op).reads_rs2 && current.rs2 == load.rd) return true;
   if (current.rs3 == load.rd) return true;
   if (is_store(current.op)) {
-    const bool has_offset = traits_of(current.op).mode == AddressMode::offset;  // where others have rd
+    const bool has_offset = traits_of(current.op).mode == AddressMode::offset;  // the field of rd in other instructions
     return has_offset && timing.store_offset_looks_like_rd() && (static_cast<unsigned>(current.imm) & 31U) == load.rd;
   }
   if (is_branch(current.op) || current.rd != load.rd) return false;
@@ -41,13 +42,13 @@ unsigned jump_cycles(const Previous& two_before, const Previous& before, const C
   const bool needs_before = jump.op == Op::jalr && before.rd != 0 && before.rd < 32 && jump.rs1 == before.rd;
   if (needs_pointer && !needs_before) return 3;
   if (needs_before) return is_load(before.op) ? 4 : 3;
-  if (before.slow) return 1;  // fetched while that one was busy
+  if (before.slow) return 1;  // the jump was fetched while that instruction was busy
   const bool needs_two_before = jump.op == Op::jalr && is_load(two_before.op) && two_before.rd != 0 &&
                                 two_before.rd < 32 && jump.rs1 == two_before.rd;
   return needs_two_before ? 3 : 2;
 }
 
-/// The column of paces of hart/csrs.inc.
+/// The column `pace` of hart/csrs.inc.
 enum class Pace : std::uint8_t { quick, slow, slow_always };
 struct CsrPace {
   unsigned number;

@@ -31,7 +31,7 @@ struct Timing {
 
   bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }      // same destination register
   bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }  // imm[4:0] compared with the load's rd
-  /// After such an instruction, an unaligned target of a jump costs nothing: it is fetched while the core is busy.
+  /// True if an unaligned jump target costs nothing after this operation: it is fetched while the core is busy.
   bool hides_unaligned_target(Op before) const { return kind == CoreKind::ri5cy && is_multi_cycle(before); }
   /// Xpulp v2 in the encodings of RI5CY. (CV32E40P has its own.)
   bool has_xpulp() const { return kind == CoreKind::ri5cy; }
@@ -47,7 +47,7 @@ struct Timing {
 inline constexpr unsigned kTakenBranchExtra = 2;
 inline constexpr unsigned kUnalignedTargetExtra = 1;
 inline constexpr unsigned kMisalignedExtra = 1;
-/// Measured together with mret as 9; the split is ours.
+/// Measured together with mret: 9 cycles. The split is our choice.
 inline constexpr unsigned kTrapEntryCycles = 4;
 
 /// The state of an earlier instruction in the pipeline.
@@ -66,7 +66,7 @@ struct Previous {
   }
 };
 
-/// Returns that state for an executed instruction: decoded, or in a block.
+/// Returns that state for an executed instruction (Decoded or Instruction).
 template <typename Executed>
 Previous executed(const Executed& instruction, bool across_words) {
   return {instruction.op, instruction.rd, is_multi_cycle(instruction.op) || across_words,
@@ -94,7 +94,8 @@ struct Current {
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
                        const Current& current);
 
-/// True if the instruction is a jump after a slow instruction, during which it was fetched. It then takes one cycle.
+/// True if the instruction is a jump directly after a slow instruction. The jump is fetched meanwhile, and takes one
+/// cycle.
 bool overlaps_slow(const Previous& slow, const Current& current);
 
 /// The most cycles that execution can add to `static_cycles`, apart from an unaligned target.
@@ -109,7 +110,7 @@ constexpr unsigned divide_extra_signed(std::uint32_t divisor) {
                                                 : divide_extra_unsigned(divisor);
 }
 
-/// True when an access touches two words, which costs a second bus access.
+/// True if an access touches two words, which costs a second bus access.
 constexpr bool crosses_word(std::uint32_t address, unsigned size) {
   return (address & 3U) + size > 4;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Exceptions, interrupts, and the end of a core that cannot get past one.
+// Exceptions, interrupts, and the end of a core that cannot continue.
 #include "hart/traps.hpp"
 
 #include "hart/csr_numbers.hpp"
@@ -12,16 +12,16 @@
 namespace mebots::soc {
 namespace {
 
-/// This many exceptions in a row, each with the hart in the same state, are an endless loop.
+/// A core ends after this many exceptions in a row with the hart in the same state.
 constexpr std::uint32_t kEndlessRepeats = 16;
-/// This many of the same exception with the same registers are an endless loop, too. Fewer are not: a handler may count
-/// in memory and leave without mret.
+/// A core also ends after this many equal exceptions with the same registers. The number is large because a handler may
+/// count in memory and leave without mret.
 constexpr std::uint32_t kEndlessReturns = 1'000'000;
 
 constexpr unsigned kReturnAddress = 1;
 constexpr unsigned kStackPointer = 2;
 
-/// GAP8's vectors of exceptions, behind those of 32 interrupts and the reset.
+/// Offsets of GAP8's exception vectors. They follow the vectors of 32 interrupts and the reset.
 constexpr std::uint32_t kIllegalVector = 0x84;
 constexpr std::uint32_t kCallVector = 0x88;
 constexpr std::uint32_t kAccessVector = 0x8C;
@@ -63,16 +63,16 @@ void Traps::fail(std::uint32_t cause, std::uint32_t value, bool double_trap) {
   fault_.double_trap = double_trap;
 }
 
-/// Compares the state of the hart at the last exception with that at this one.
+/// Compares the state of the hart at this exception with that at the last one.
 Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
   const auto& e = execution_;
   const auto& last = last_exception_;
   if (repeats_ == 0) return Progress::some;
   if (last.instructions == e.counters.instructions) return Progress::none;
-  // A handler may call another one at the same place again and again.
+  // A handler of calls may call the same place repeatedly.
   const bool is_call = cause == cause::kMachineEcall || cause == cause::kBreakpoint;
   if (is_call || last.pc != e.pc || last.cause != cause) return Progress::some;
-  // The exception is in its own handler, which pushes a frame each time.
+  // The exception occurred in its own handler, which pushes a frame each time.
   if (e.x[kStackPointer] < last.registers[kStackPointer]) return Progress::none;
   const auto same = std::equal(last.registers.begin() + 1, last.registers.end(), e.x.begin() + 1);
   if (!same) return Progress::some;
@@ -98,8 +98,8 @@ bool Traps::take_exception() {
 }
 
 unsigned Traps::next_interrupt() const {
-  // Fast interrupts 31 to 16 come first, the highest number before the others; then external (11), software (3),
-  // timer (7). Source: CV32E40P user manual, chapter "Exceptions and interrupts".
+  // Fast interrupts 31 to 16 come first, the highest number first; then external (11), software (3), timer (7). Source:
+  // CV32E40P user manual, chapter "Exceptions and interrupts".
   const auto ready = csrs_.pending();
   MEBOTS_ASSERT(ready != 0 && csrs_.interrupt_ready(), "an interrupt is taken when one is ready");
   if ((ready >> 16) != 0) return 31U - static_cast<unsigned>(std::countl_zero(ready));

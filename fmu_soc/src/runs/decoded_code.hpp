@@ -12,9 +12,9 @@
 
 namespace mebots::soc {
 
-/// Decoded code, shared by harts of one kind with the same memories in one thread.
+/// Decoded code of harts that have the same settings and memories and run in one thread.
 struct DecodedCode {
-  /// The memory outlives it, and has all its regions.
+  /// The memory must outlive it, and must have all its regions.
   DecodedCode(Memory& memory, const CodeSettings& settings)
       : translates(settings.translate && translate::can_translate()),
         blocks(memory, settings, translates),
@@ -51,7 +51,7 @@ struct DecodedCode {
     drop_translations();
     flow = map;
   }
-  /// Increases whenever code at which a hart would resume may be gone.
+  /// Increases whenever code at which a hart would resume may have been dropped.
   std::uint64_t version() const {
     return blocks.generation() + times_dropped + (translator == nullptr ? 0 : translator->times_dropped());
   }

@@ -9,10 +9,11 @@
 namespace mebots::soc {
 namespace {
 
-/// An instruction takes a cycle or more and notes one step at most. With a loose limit a block goes on behind it.
+/// An instruction takes at least a cycle and records at most one step. With a loose limit, a block may end after the
+/// run's limit.
 constexpr std::size_t kMostSteps = FlowLog::kLongestRun + BlockCache::kMaxBlockLength;
 static_assert(FlowLog::kLongestRun >= 2 * Banks::kLongestRun,
-              "a run of a round is at most a quantum and what it is behind");
+              "a run of a round is at most a quantum and the ticks that the core is late");
 
 }  // namespace
 
@@ -34,7 +35,7 @@ void FlowLog::report(const ObservedRun& observed) {
   e.host.flow = steps_.get();
   if (observed.observer() == nullptr) return;
   make_absolute(steps);
-  // For as long as it looks, the hart stands behind the last step.
+  // During the call, the hart's counters are those after the last step.
   const auto at_end = e.counters;
   const auto& last = steps.back();
   e.counters.instructions = last.instructions;
@@ -46,7 +47,7 @@ void FlowLog::report(const ObservedRun& observed) {
   e.counters = at_end;
 }
 
-/// From what translated code counts in a run to what the counters were.
+/// Converts the counts of translated code in a run to the hart's counters.
 void FlowLog::make_absolute(std::span<Flow> steps) const {
   const auto& host = execution_.host;
   const auto& counters = execution_.counters;
@@ -55,8 +56,8 @@ void FlowLog::make_absolute(std::span<Flow> steps) const {
   const auto instruction_fj = counters.instruction_fj - host.instruction_fj;
   const auto* banks = decoded_.banks;
   for (auto& step : steps) {
-    // Cycles from there to the end: the count goes down to 0, or up by a row of banks each. Less than 0 when a block
-    // was left in its middle, whose cycles are not counted yet.
+    // Cycles from the step to the end of the run. The count goes down to 0, or where banks are shared, up by a row per
+    // cycle. The difference is negative if a block was left in its middle, because its cycles are not counted yet.
     auto left = static_cast<std::int64_t>(step.cycles - host.position);
     if (banks != nullptr) left = -left / static_cast<std::int64_t>(banks->count());
     step.cycles = counters.cycles - static_cast<std::uint64_t>(left);

@@ -30,7 +30,7 @@ Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& s
 }
 
 void Hart::connect(std::span<const MemoryPort> ports) {
-  // Translated code holds all of the fast memories, but who else is there, and what it waits where others are.
+  // Translated code contains all properties of the fast memories except their other users and, if shared, their waits.
   if (data_path_.connect(ports)) decoded_.drop_translations();
   blocks_.set_longest_wait(data_path_.longest_wait());
 }
@@ -67,7 +67,7 @@ Stop Hart::run(std::uint64_t limit) {
   return continue_run(limit, false);
 }
 
-/// To the limit, or whatever else stops it. `left_translated`: translated code has just been left.
+/// Runs to the limit, or to another reason to stop. `left_translated`: translated code has just been left.
 Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
   auto& e = execution_;
   limit_.set_end(limit);
@@ -108,7 +108,7 @@ Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
   }
 }
 
-/// At the start of a run: false while nothing ends the sleep.
+/// Checks the sleep at the start of a run. Returns false if the hart stays asleep.
 bool Hart::stays_awake() {
   if (sleeping_) {
     if (!wakes()) return false;
@@ -118,10 +118,10 @@ bool Hart::stays_awake() {
   return true;
 }
 
-/// The block at the pc, by the link of what led here if it knows. 0: nothing can be fetched there, or only a limit or a
-/// return from a trap has led there, and no block begins there otherwise. Limits cut anywhere: blocks from all of these
-/// places would fill the cache and, one after the other, get hot. With a loose limit blocks say where a core stops, so
-/// they must not depend on what is decoded. A core restored from a state has decoded nothing.
+/// Returns the block at the pc, by the link of the last instruction if possible. Returns 0 if the pc cannot be fetched.
+/// Also returns 0 if a limit or a return from a trap led there and no block begins there yet: limits may cut at any
+/// instruction, and blocks from all these places would fill the cache. With a loose limit, a block is always decoded.
+/// There, blocks determine where a core stops, and that must not depend on the blocks decoded so far.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
   if (link == nullptr) {
@@ -133,7 +133,7 @@ inline std::uint32_t Hart::following() {
   return following_block(execution_.link);
 }
 
-/// The target of a jump or taken branch, which costs a cycle when it is unaligned.
+/// Returns the block at the target of a jump or taken branch. Spends a cycle if the target is unaligned.
 inline std::uint32_t Hart::land() {
   execution_.jumped = false;
   const auto* link = execution_.link;
@@ -143,13 +143,13 @@ inline std::uint32_t Hart::land() {
   return number;
 }
 
-/// Runs a block, as far as the limit lets it, or only its first instruction. True: translated code did, and begins no
-/// other block only because no patch point leads there yet.
+/// Runs a block as far as the limit allows, or only its first instruction. Returns true if translated code ran and
+/// stopped only because its patch point is not chained yet.
 inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   const auto& before = execution_.pipeline.before;
   const auto& block = blocks_.block(number);
   MEBOTS_ASSERT(block.valid() && block.pc == execution_.pc);
-  // What ran before can delay the first instruction if it was a load, and a jump soon behind it in more ways.
+  // A load before the block may delay its first instruction; the last two instructions may delay an early jump.
   const bool delays_jump = blocks_.delays_jump(block, execution_.pipeline.two_before, before);
   const auto stall = block.stall_after(before);
   const bool at_access = std::exchange(at_access_, false);
@@ -169,7 +169,7 @@ inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   return false;
 }
 
-/// Where no block begins.
+/// Runs one instruction at a pc where no block begins.
 void Hart::step() {
   if (observed_.observer() != nullptr) {
     observed_.step();
@@ -178,7 +178,7 @@ void Hart::step() {
   }
 }
 
-/// What a block was left for other than the next one. Stop::limit: the core goes on.
+/// Handles the reason why a block was left. Returns Stop::limit if the core continues.
 Stop Hart::leave() {
   auto& e = execution_;
   const auto why = std::exchange(e.leave, Leave::normal);
@@ -224,7 +224,7 @@ bool Hart::spins() const {
          (here.op == Op::beq || here.op == Op::bge || here.op == Op::bgeu);
 }
 
-/// The block at the pc, noted in the link of the instruction that led here when there is one.
+/// Returns the block at the pc, and stores it in the link of the last instruction, if there is one.
 std::uint32_t Hart::following_block(std::uint32_t* link) {
   const auto generation = blocks_.generation();
   const auto number = blocks_.find(execution_.pc);
@@ -233,7 +233,7 @@ std::uint32_t Hart::following_block(std::uint32_t* link) {
   return number;
 }
 
-/// A debugger moves the pc: what the pipeline held is gone.
+/// Clears the pipeline, because a debugger moves the pc.
 void Hart::set_pc(std::uint32_t pc) {
   execution_.pc = pc & ~1U;
   execution_.link = nullptr;
@@ -242,7 +242,7 @@ void Hart::set_pc(std::uint32_t pc) {
   drop_resume_point();
 }
 
-/// Behind Traps::enter_handler: the pc is at the handler.
+/// Completes Traps::enter_handler(): the pc is at the handler.
 void Hart::entered_handler() {
   observed_.trapped(csrs_.last_trap());
   execution_.counters.cycles += kTrapEntryCycles;
@@ -257,7 +257,7 @@ void Hart::take_interrupt() {
 void Hart::visit(state::Visitor& v) {
   MEBOTS_ASSERT(execution_.x[0] == 0, "writes to x0 go to the last one");
   auto registers = execution_.x;
-  registers.back() = 0;  // what was written to x0 is nothing
+  registers.back() = 0;  // x[32] has no meaning
   v("x", std::span(registers).first<32>());
   v("pc", execution_.pc);
   v("loops", execution_.loops);
@@ -273,7 +273,8 @@ void Hart::visit(state::Visitor& v) {
   observed_.restored(sleeping_);
   drop_resume_point();
   blocks_.clear();
-  for (const auto& loop : execution_.loops) blocks_.end_block_at(loop.end);  // for a hart restored without its memory
+  for (const auto& loop : execution_.loops)
+    blocks_.end_block_at(loop.end);  // the hart may be restored without its memory
 }
 
 Hart::RoundEnd Hart::run_round_robin(Hart& first, std::uint64_t limit_tick) {

@@ -134,7 +134,7 @@ class Hart {
 
   Bus& bus_;
   DecodedCode& decoded_;
-  BlockCache& blocks_;  // of it
+  BlockCache& blocks_;  // of the decoded code
   Execution execution_;
   RunLimit limit_;
   Csrs csrs_;

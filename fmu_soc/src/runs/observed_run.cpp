@@ -6,7 +6,7 @@
 namespace mebots::soc {
 namespace {
 
-/// The memory access that an instruction is about to make, from the registers before it runs.
+/// Returns the memory access of an instruction, from the registers before it runs.
 Access access_of(const Decoded& decoded, const Hart& hart) {
   const bool store = is_store(decoded.op);
   if (!is_load(decoded.op) && !store) return {};
@@ -28,7 +28,7 @@ void ObservedRun::observe(Observer* observer, bool sleeping) {
   interpreter_.set_walk(observer == nullptr ? nullptr : this);
 }
 
-/// Whether an observer for whom this code is quiet must be told of the instruction.
+/// True if an observer with this quiet code needs a call for the instruction.
 bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
   if (!quiet.holds(at->pc) || !quiet.holds(at[1].pc) || at[1].op == Op::loop_end) return true;
   if (is_branch(at->op)) return !quiet.holds(static_cast<std::uint32_t>(at->imm));
@@ -36,15 +36,15 @@ bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
   return at->op == Op::jalr || at->op == Op::mret;
 }
 
-/// The first instruction from `at` on, before `stop` and in the block, of which the observer must be told; else where
-/// that ends.
+/// Returns the first instruction from `at` that the observer needs a call for; `stop` or the end of the block if there
+/// is none before.
 const Instruction* ObservedRun::next_reported(const Instruction* at, const Instruction* stop) const {
   const auto quiet = observer_->quiet();
   while (at != stop && !is_block_end(at->op) && !is_reported(at, quiet)) ++at;
   return at;
 }
 
-/// What the instruction at `pc` is about to do.
+/// Returns a description of the instruction at `pc` before it runs.
 Retired ObservedRun::preview(std::uint32_t pc) const {
   Retired retired;
   retired.pc = pc;
@@ -62,8 +62,8 @@ void ObservedRun::step() {
   if (execution_.counters.instructions != instructions) observer_->retired(hart_, retired);
 }
 
-/// With a strict limit the observer may want the run to end behind any instruction of which it is told, so those run
-/// alone. It has been asked before the first instruction.
+/// With a strict limit, the observer may end the run after any instruction that is reported, so such an instruction
+/// runs alone. before() has been called for the first instruction.
 void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone) {
   const auto* first = decoded_.blocks.instructions(block);
   alone = alone || (wants_all() && !limit_.is_loose() && is_reported(first, observer_->quiet()));
@@ -71,8 +71,8 @@ void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone)
   if (wants_all()) execution_.link = nullptr;
 }
 
-/// As Interpreter::run_until, but for what need not be told. While the observer looks, counters and pc are those behind
-/// the instruction; for the block they are those of its start.
+/// Does what Interpreter::run_until() does, and calls the observer for the instructions that it needs. During a call,
+/// counters and pc are those after the instruction; otherwise the counters are those of the block's start.
 const Instruction* ObservedRun::walk(const Instruction* at, const Instruction* stop) {
   auto& e = execution_;
   while (at != nullptr && at != stop) {

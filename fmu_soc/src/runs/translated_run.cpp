@@ -9,14 +9,15 @@
 namespace mebots::soc {
 namespace {
 
-/// A block is translated when it was interpreted this often in one epoch: what runs now and then, for however long, is
-/// not worth it.
+/// A block is translated after this many interpreted runs within an epoch. Code that runs less often is not worth a
+/// translation.
 constexpr std::uint16_t kHot = 64;
-constexpr unsigned kEpochBits = 26;  // of cycles: a program of a megabyte, all of it hot, runs 64 times in one
-/// Most cycles of one stay in translated code: its counts have 32 bits.
+constexpr unsigned kEpochBits =
+    26;  // in cycles; in one epoch, a program of a megabyte that is hot everywhere runs 64 times
+/// Maximum cycles of a run in translated code, whose counts have 32 bits.
 constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
-/// Behind the translation, which asks how often its lines were absent.
+/// Resets the counts that decided about the translation. Must be called after it, because it uses `absences`.
 void cool(const Block& block) {
   block.heat = 0;
   block.absences = 0;
@@ -34,7 +35,7 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
   if (!blocks.is_present(block)) ++block.absences;
   if (++block.heat < kHot) return nullptr;
   const auto first = blocks.instructions(block)->op;
-  if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) {  // nothing to gain
+  if (ends_block(first) && !is_jump(first) && !is_hardware_loop(first)) {  // its translation would only leave
     cool(block);
     return nullptr;
   }
@@ -50,7 +51,7 @@ const translate::Entry* TranslatedRun::translate_when_hot(std::uint32_t number, 
   return &entry;
 }
 
-/// Tells translated code how far it may go.
+/// Sets the limit of translated code.
 void TranslatedRun::set_budget() {
   auto& host = execution_.host;
   const auto cycles = flow_log_.make_room(limit_.cycles_from(execution_.counters.cycles));
@@ -68,7 +69,7 @@ void TranslatedRun::set_budget() {
 bool TranslatedRun::finish(const translate::Exit& exit) {
   auto& e = execution_;
   auto& host = e.host;
-  // What came before the block that was left, or that begins: nothing when another block led there by a jump.
+  // The pipeline before the next instruction. It is empty if another block led there by a jump.
   if ((host.instructions & 0xffffffffU) != 0) {
     e.pipeline = {};
   }
@@ -93,13 +94,13 @@ bool TranslatedRun::finish(const translate::Exit& exit) {
   return true;
 }
 
-/// In the middle of a block.
+/// Continues in the middle of a block.
 void TranslatedRun::resume_interpreter(const translate::Exit& exit) {
   MEBOTS_ASSERT(exit.at != nullptr && !is_block_end(exit.at->op));
   auto& e = execution_;
   const auto* at = exit.at;
   std::uint32_t stall = 0;
-  if (at->index == 0) {  // counted already, but it has not begun
+  if (at->index == 0) {  // its stall is counted, but has not happened yet
     stall = decoded_.blocks.block(decoded_.blocks.known(at->pc)).stall_after(e.pipeline.before);
     e.counters.cycles -= stall;
   }

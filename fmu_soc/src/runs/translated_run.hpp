@@ -80,18 +80,19 @@ class TranslatedRun {
   const ObservedRun& observed_;
   const RunLimit& limit_;
   FlowLog flow_log_;
-  std::uint64_t next_generation_ = 0;  // of blocks, for Execution::next_block
+  std::uint64_t next_generation_ = 0;  // generation of blocks for which Execution::next_block is valid
 };
 
-/// True if all instructions of the block start before the limit, with any fetches. Translated code fetches the lines
-/// when it reaches them, except those of the first instruction if the cache is shared, or if a stall follows them.
+/// True if all instructions of the block start before the limit, also if lines must be fetched. Translated code fetches
+/// lines when it reaches them. The first instruction's lines must be present if the cache is shared, or if a stall
+/// follows.
 inline bool TranslatedRun::may_begin(const Block& block, std::uint32_t stall) const {
   if (!is_on() || !observed_.allows_translation()) return false;
   const auto bound = std::uint64_t{decoded_.blocks.fetch_bound(block)} + stall;
   if (decoded_.flow != nullptr && bound >= FlowLog::kLongestRun) return false;
   if (block.line_count != 0 && (limit_.is_loose() || stall != 0) && !decoded_.blocks.begins_present(block))
     return false;
-  // With a loose limit, a stall may reach it; translated code would not begin then.
+  // With a loose limit, the stall may reach the limit. Then translated code would not begin.
   const auto cycles = execution_.counters.cycles;
   return limit_.admits(cycles, bound) && !limit_.reached_at(cycles + stall);
 }
