@@ -14,10 +14,10 @@ namespace {
 
 constexpr std::size_t kAlignment = 16;
 
-/// The compiler must not take offsets for those of another type.
+/// offsetof() is only defined for standard-layout types.
 static_assert(std::is_standard_layout_v<Execution>);
 
-/// False: the block is left here.
+/// Writes host code for an instruction. Returns false if the block is left at it.
 bool emit_instruction(Assembler& a, const Instruction* at) {
   const auto lowering = lowering_of(at->op);
   if (lowering == nullptr || !lowering(a, at)) {
@@ -33,7 +33,7 @@ void emit_node(Assembler& a, const Node& node) {
     while (emit_instruction(a, at)) a.cycles.record_flow_inside(at++);
     return;
   }
-  // With a cache that others use, too, who begins the block has asked for its first line.
+  // If other cores use the cache, the caller has checked the block's first line.
   if (a.fetches.are_inline()) a.fetches.emit(*node.block, at, nullptr);
   while (emit_instruction(a, at)) {
     a.cycles.record_flow_inside(at++);

@@ -30,7 +30,8 @@ namespace mebots::soc::translate {
 using Xbyak::Label;
 using Xbyak::Reg32;
 
-/// The features of the host's processor. Read when the library is loaded: in a virtual machine each query is slow.
+/// Features of the host's processor. They are read when the library is loaded, because each query is slow in a virtual
+/// machine.
 const Xbyak::util::Cpu& host_processor();
 
 /// A jump with a distance of 32 bits.
@@ -51,23 +52,24 @@ constexpr int offset_of_loop(unsigned loop) {
 
 /// Pieces of code that all regions share.
 struct Stubs {
-  const std::uint8_t* prologue = nullptr;  // to be executed
-  const std::uint8_t* leave = nullptr;     // as written; eax = number of the exit
-  /// As written, for a block that may not begin; rdx = where it does, rcx as load_next_point() leaves it.
+  const std::uint8_t* prologue = nullptr;  // at its executable address
+  const std::uint8_t* leave = nullptr;     // at its writable address; eax = number of the exit
+  /// Parks a core before a block that may not begin (writable address). rdx = address of the block's entry; rcx as
+  /// load_next_point() leaves it.
   const std::uint8_t* park = nullptr;
-  /// As written, to be called: brings line edx of the code, whose presence is noted in byte [rcx], into the set that
-  /// begins at byte rax of the entries. Null without an instruction cache, and where others use it.
+  /// Subroutine (writable address). Fetches line edx into the set whose entries begin at byte offset rax; [rcx] is the
+  /// line's presence byte. Null if there is no instruction cache, or if other cores use it.
   const std::uint8_t* fetch = nullptr;
-  /// As written, to be called: counts an access at offset ecx of the second memory, and spends what it waits; edx
-  /// cycles of the block come before. eax below 0: nothing done, the interpreter must make it. rdx is lost. Null
-  /// if no other core uses that memory.
+  /// Subroutine (writable address). Counts an access at offset ecx of the second memory and spends its wait; edx =
+  /// cycles of the block before the access. Sets eax below 0 if it has no effect and the interpreter must make the
+  /// access. Changes rdx. Null if no other core uses that memory.
   const std::uint8_t* far = nullptr;
 };
 
-/// In place of the number of an exit: not in translated code.
+/// Number of an exit that stands for no exit: no translated code was left.
 inline constexpr std::uint64_t kNoExit = 0xffffffff;
 
-/// What the code of all regions of a translator depends on.
+/// Inputs of all regions of a translator: memories, blocks and options.
 struct TranslationContext {
   const CodeMemory& code_memory;
   const BlockCache& blocks;
@@ -76,35 +78,36 @@ struct TranslationContext {
   ExitTable& exits;
 };
 
-/// The assembler that lowerings write to: host code, where guest registers are, counts, edges. Needs a processor with
-/// BMI1, BMI2 and LZCNT.
+/// The assembler that lowerings write to. Its parts write host code for guest registers, counts, line fetches and
+/// edges. Needs a processor with BMI1, BMI2 and LZCNT.
 ///
 ///   rbx    Execution
 ///   r14    bytes of the first fast memory
-///   r15    count of cycles at the start of the block, with those that only execution tells: cycles that may still
-///          start; if banks are shared, the row of their table, which is the next one for each cycle
+///   r15    cycles that may still start, at the start of the block; costs that are known at run time are subtracted at
+///          once. If banks are shared: the address of the present row of their table, which moves by a row per cycle
 ///   xmm15  counts: instructions and accesses (32 bits each), energy of instructions [fJ]
-///   xmm3 to xmm14  guest registers that dot products work on, in the low word; the bits above have no meaning
+///   xmm3 to xmm14  guest registers that dot products use, in the low word; the upper bits have no meaning
 ///   rax, rcx, rdx, xmm0 to xmm2  scratch; the other registers hold guest registers, zero-extended
 class Assembler : public Xbyak::CodeGenerator {
  public:
-  /// Writes behind the first `used` bytes of the code memory.
+  /// Writes at offset `used` of the code memory.
   Assembler(const TranslationContext& context, std::size_t used, const Stubs& stubs);
 
-  /// Defers a warm path: code that runs as well, but not each time, behind the region's hot code.
+  /// Defers a warm path: code that is needed often but not in each run. It is placed after the region's hot code.
   void defer_warm(std::function<void()> emit) { warm_.push_back(std::move(emit)); }
-  /// Defers a cold path: code that hardly ever runs, behind all that, so that no line of the host's caches holds both.
+  /// Defers a cold path: code that is hardly ever needed. It is placed last, so that no line of the host's caches
+  /// contains both hot and cold code.
   void defer_cold(std::function<void()> emit) { cold_.push_back(std::move(emit)); }
   void emit_deferred();
 
-  /// A constant of 16 bytes, and the place where all are written.
+  /// Returns the label of a constant of 16 bytes. emit_constants() writes all constants.
   const Label& constant(std::uint64_t low, std::uint64_t high) { return constants_[{low, high}]; }
   void emit_constants();
 
   /// True if a table is within reach of r14.
   bool is_near(const void* table, std::size_t size) const;
   int from_first_memory(const void* table) const;
-  /// The marks of one or two words of the first memory from that with number ecx; rdx may be lost.
+  /// Returns the operand for the marks of one or two words of the first memory, from word ecx. May change rdx.
   Xbyak::Address marks_of_word(unsigned words);
 
   const CodeMemory& code_memory;
@@ -137,7 +140,7 @@ void EdgeWriter::branch(const Instruction* at, Jump jump_to) {
 
 /// Writes the stubs, at the start of the code memory.
 Stubs emit_stubs(Assembler& a);
-/// Writes the code of a region, which can be entered at each of its nodes.
+/// Writes the code of a region. Each of its nodes has an entry.
 std::vector<Entry> emit_region(Assembler& a, const Region& region);
 
 }  // namespace mebots::soc::translate

@@ -7,10 +7,10 @@
 
 namespace mebots::soc::translate {
 
-/// Memory for host code, seen twice: writable here, executable there, never both at one address.
+/// Memory for host code, mapped twice: writable at one address and executable at another, never both at one address.
 class CodeMemory {
  public:
-  /// Null when the host gives no such memory.
+  /// Returns null if the host does not provide such memory.
   static std::unique_ptr<CodeMemory> create(std::size_t size);
   ~CodeMemory();
   CodeMemory(const CodeMemory&) = delete;
@@ -18,12 +18,12 @@ class CodeMemory {
 
   std::uint8_t* writable() const { return writable_; }
   std::size_t size() const { return size_; }
-  /// Where the bytes written at `at` are executed.
+  /// Returns the executable address of the bytes at writable address `at`.
   const std::uint8_t* executable(const std::uint8_t* at) const { return executable_ + (at - writable_); }
 
-  /// To be called after writing over code that may have been executed: the processor may still hold it. Writing goes
-  /// by another address than fetching, so a serialising instruction is needed (Intel SDM volume 3, 8.1.3). It is slow
-  /// in virtual machines.
+  /// Must be called after code that may have been executed was overwritten, because the processor may still hold the
+  /// old code. The writable address differs from the executable one, so a serialising instruction is needed (Intel SDM
+  /// volume 3, 8.1.3). It is slow in virtual machines.
   static void serialise();
 
  private:

@@ -14,7 +14,7 @@ std::uint32_t CycleAccounting::waits_before(const Instruction* at) const {
   return a_.ram[0].wait_cycles * at->accesses_before;
 }
 
-/// Adds up what a block has done when it is left behind `at`.
+/// Adds the sums of the block up to and including `at`.
 void CycleAccounting::count(const Instruction* at, std::uint32_t extra_cycles) {
   MEBOTS_ASSERT(at[1].index == at->index + 1 && at[1].cycles_before >= at->cycles_before);
   const auto& sums = at[1];
@@ -55,8 +55,9 @@ void CycleAccounting::spend(const Xbyak::Reg64& cycles) {
   }
 }
 
-/// Jumps when fewer cycles may still start than the block asks for, of which the first stall. With a loose limit a
-/// block asks for one cycle, and for the lines of its first instruction: others use the cache, too.
+/// Jumps to `leave` if the block needs more cycles than may still start; `stall` of them are a stall of its first
+/// instruction. With a loose limit, a block needs one cycle, and the lines of its first instruction, because other
+/// cores use the cache.
 void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
   if (!a_.options.loose_limit) {
     a_.cmp(r15, a_.blocks.fetch_bound(block) + stall);
@@ -80,7 +81,8 @@ bool CycleAccounting::is_noted(const Instruction* at, std::uint32_t next) const 
   return (at->op == Op::jal && at->rd != 32) || a_.options.flow->may_leave_function(at->pc, next);
 }
 
-/// Notes a step behind `at`, up to which all is counted, to where `set_next` stores. rcx and rdx are lost.
+/// Records a step after `at`, whose target `set_next` stores. All instructions up to `at` are counted. Changes rcx and
+/// rdx.
 template <typename SetNext>
 void CycleAccounting::record_flow(const Instruction* at, SetNext set_next) {
   MEBOTS_ASSERT(a_.options.flow != nullptr);
@@ -103,12 +105,12 @@ void CycleAccounting::record_flow_to(const Instruction* at, std::uint32_t next) 
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// Notes a step to the address in `next`.
+/// Records a step to the address in `next`.
 void CycleAccounting::record_flow_to(const Instruction* at, const Xbyak::Reg32& next) {
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// A step within the block, whose counts are not added before it is left.
+/// Records a step within the block. Its sums are added for the record, and subtracted again.
 void CycleAccounting::record_flow_inside(const Instruction* at) {
   if (is_block_end(at[1].op) || !is_noted(at, at[1].pc)) return;
   count(at, 0);
@@ -116,8 +118,8 @@ void CycleAccounting::record_flow_inside(const Instruction* at) {
   take_back(at);
 }
 
-/// Takes a cycle of a bank of the first memory for the access at offset eax, when others use it too. ecx, which may
-/// hold the number of the word already, and edx are lost.
+/// If other cores use the first memory, claims its bank in this cycle for the access at offset eax. If `word_in_ecx` is
+/// set, ecx holds the number of the word. Changes ecx and edx.
 void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   if (a_.options.banks == nullptr) return;
   const auto count = static_cast<int>(a_.options.banks->count());
@@ -147,7 +149,7 @@ void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   });
 }
 
-/// Adds what a run has counted to the counters. Guest registers are stored; rsi and rdx are lost.
+/// Adds the counts of a run to the counters. Guest registers are stored. Changes rsi and rdx.
 void CycleAccounting::add_to_counters() {
   if (a_.options.flow != nullptr) a_.mov(ptr[rbx + offset_of_host(offsetof(HostState, position))], r15);
   a_.mov(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);

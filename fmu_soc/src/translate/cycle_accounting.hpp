@@ -12,32 +12,32 @@ namespace mebots::soc::translate {
 
 class Assembler;
 
-/// The code that counts: cycles in r15, instructions, accesses and energy in xmm15 (assembler.hpp); banks of the first
-/// memory that cores share; steps between functions, with the counts up to them.
+/// Writes the code that counts: cycles in r15; instructions, accesses and energy in xmm15 (assembler.hpp); banks of the
+/// first memory that cores share; steps between functions with the counts up to them.
 class CycleAccounting {
  public:
   explicit CycleAccounting(Assembler& assembler) : a_(assembler) {}
 
   /// Spends cycles.
   void spend(std::uint32_t cycles);
-  /// The register is lost.
+  /// Spends the cycles in a register, and changes it.
   void spend(const Xbyak::Reg64& cycles);
-  /// Adds up what a block has done when it is left behind `at`.
+  /// Adds the sums of the block up to and including `at`.
   void count(const Instruction* at, std::uint32_t extra_cycles);
   /// Undoes count().
   void take_back(const Instruction* at);
-  /// Cycles that the block has waited for the first memory before `at`, by rule.
+  /// Returns the cycles that the block has waited for memories before `at`, as far as they are constant.
   std::uint32_t waits_before(const Instruction* at) const;
   /// Jumps if the limit does not allow the block to begin.
   void jump_at_limit(const Block& block, std::uint32_t stall, Xbyak::Label& leave);
-  /// Takes a cycle of a bank for an access.
+  /// Claims a bank for an access.
   void claim_bank(const Instruction* at, bool word_in_ecx);
-  /// Adds what a run has counted to the counters of Execution.
+  /// Adds the counts of a run to the counters of Execution.
   void add_to_counters();
 
   // Steps between functions, for observers.
 
-  /// True if a step must be noted.
+  /// True if a step must be recorded.
   bool is_noted(const Instruction* at, std::uint32_t next) const;
   void record_flow_to(const Instruction* at, std::uint32_t next);
   void record_flow_to(const Instruction* at, const Xbyak::Reg32& next);

@@ -56,19 +56,19 @@ void EdgeWriter::resume(const Instruction* at) {
   leave_by(exit);
 }
 
-/// The node of the region to which a link has led, at `pc`. If there is no such node, returns null.
+/// Returns the node of the region that a link has led to, if it is at `pc`; else null.
 const Node* EdgeWriter::node_at(std::uint32_t link, std::uint32_t pc) const {
   const auto number = linked(a_.blocks, link, pc);
   return number == 0 ? nullptr : region_->find(number);
 }
 
-/// A block may only begin when none of its instructions can start too late.
+/// Leaves before a block if one of its instructions might start too late.
 void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit) {
   Label leave;
   a_.cycles.jump_at_limit(*node.block, stall, leave);
   a_.defer_cold([this, &node, stall, at_limit, leave]() mutable {
     a_.L(leave);
-    // With a strict limit, a stall asks for a cycle more, so that the next run may have to begin otherwise.
+    // With a strict limit, a stall needs one more cycle. Then the next run may have to begin with the interpreter.
     if (stall == 0 || a_.options.loose_limit) {
       park(node, at_limit, stall);
     } else {
@@ -77,7 +77,7 @@ void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& 
   });
 }
 
-/// Behind a jump.
+/// Checks the limit after a jump.
 void EdgeWriter::check_limit(const Node& node) {
   Exit exit;
   exit.pc = node.block->pc;
@@ -86,21 +86,21 @@ void EdgeWriter::check_limit(const Node& node) {
   clear_pipeline_state();
 }
 
-/// Stores the place at which the interpreter would begin.
+/// Stores the pc and the block, for a run that begins in the interpreter.
 void EdgeWriter::store_next_block(const Node& node) {
   a_.mov(dword[rbx + static_cast<int>(offsetof(Execution, pc))], node.block->pc);
   a_.mov(dword[rbx + static_cast<int>(offsetof(Execution, next_block))], node.number);
 }
 
-/// rcx = the resume point of the next core of the round, or 0. The host cannot predict that jump, and corrects the
-/// prediction only after this load. So the load comes first.
+/// Loads rcx with the resume point of the next core of the round, or 0. The host cannot predict the jump to it, and
+/// detects a wrong prediction only after this load. Therefore the load comes first.
 void EdgeWriter::load_next_point() {
   if (a_.options.banks == nullptr) return;  // there are no rounds
   a_.mov(rcx, ptr[rbx + static_cast<int>(offsetof(Execution, host.resume_point_of_next))]);
   a_.mov(rcx, ptr[rcx]);
 }
 
-/// Leaves in front of a block so that the next run can begin with it by its resume point. A stall comes with that run.
+/// Leaves before a block, with a resume point: the next run begins with the block. A stall is spent by that run.
 void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
   static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
   load_next_point();
@@ -116,8 +116,8 @@ void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
   a_.jmp(park_all_, kNear);
 }
 
-/// Leaves at an entry, where no registers are loaded yet. Code that came straight has stored what the pipeline holds;
-/// after a jump it is empty; at the begin of a run it is unchanged.
+/// Leaves at an entry, before any register is loaded. After a fall-through, the pipeline's state is in
+/// HostState::straight_pipeline. After a jump, the pipeline is empty. At the start of a run, it is unchanged.
 void EdgeWriter::park_at_entry(const Node& node, const Exit& exit, std::uint32_t stall) {
   const auto pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))];
   load_next_point();
@@ -164,7 +164,7 @@ Entry EdgeWriter::emit_entry(const Node& node, bool runs_into_node) {
   a_.L(stalled_entries_[index_of(node)]);
   check(true, 1);
   if (a_.blocks.fetched() != nullptr && a_.fetches.are_inline())
-    a_.fetches.emit(*node.block, node.first, nullptr);  // before it stalls
+    a_.fetches.emit(*node.block, node.first, nullptr);  // fetched before the stall
   a_.cycles.spend(1);
   a_.jmp(inside);
   entry.straight = a_.code_memory.executable(a_.getCurr());
@@ -182,7 +182,7 @@ Entry EdgeWriter::emit_entry(const Node& node, bool runs_into_node) {
   return entry;
 }
 
-/// Leaves the block behind `at`, which is counted already but for an unaligned target.
+/// Leaves the block after `at`. All is counted except the cycle of an unaligned target.
 void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
   MEBOTS_ASSERT(is_branch(at->op) || is_jump(at->op));
   const auto extra = is_branch(at->op) ? kTakenBranchExtra : 0U;
@@ -212,7 +212,7 @@ void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
 void EdgeWriter::leave_chained(Exit exit) {
   MEBOTS_ASSERT(exit.patch_point == 0 && !exit.indirect);
   a_.registers.store_all();
-  // To the next instruction until it is patched. The target stands in data: code is never changed.
+  // Until it is patched, it leads to the next instruction. The target is data, so code is never changed.
   exit.patch_point = a_.exits.add_patch_point();
   constexpr auto kJumpBytes = 6;
   a_.jmp(ptr[rip + static_cast<int>(a_.exits.place_of(exit.patch_point) - (a_.getCurr() + kJumpBytes))]);
@@ -223,7 +223,7 @@ void EdgeWriter::leave_chained(Exit exit) {
 
 void EdgeWriter::jump_indirect(const Instruction* at) {
   MEBOTS_ASSERT(at->op == Op::jalr);
-  // The last target is the best guess.
+  // The last target is the most likely one.
   if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
     Label guessed;
     a_.cmp(eax, node->block->pc);

@@ -15,10 +15,9 @@ namespace mebots::soc::translate {
 
 class Assembler;
 
-/// The edges of a region's blocks: the ways in from other code, from one block to the next, and out.
-///
-/// A block that is left by a jump leaves nothing in the pipeline. One that is left straight on may delay the next one:
-/// that is added on the edge, and HostState::straight_pipeline holds what the pipeline does, for code that leaves the
+/// The edges of a region's blocks: from other code into the region, from block to block, and out of the region.
+/// After a jump, the pipeline is empty. After a fall-through, the last instructions of a block may delay the next
+/// block. The edge adds that delay. HostState::straight_pipeline keeps the pipeline's state, for code that leaves the
 /// next block early.
 class EdgeWriter {
  public:
@@ -27,7 +26,7 @@ class EdgeWriter {
   void begin(const Region& region);
   /// The code of this node comes next.
   void begin_node(std::size_t index);
-  /// The ways into a node from outside. Code continues with the node if it comes next, or jumps to it.
+  /// Writes the entries of a node. Code continues with the node if it comes next, or jumps to it.
   Entry emit_entry(const Node& node, bool runs_into_node);
   /// Writes the code that all exits of the region share.
   void emit_exits();
@@ -38,18 +37,18 @@ class EdgeWriter {
   template <typename Jump>
   void branch(const Instruction* at, Jump jump_to);
   void jump(const Instruction* at, std::uint32_t pc, bool jumped);
-  /// After a jump to the address in eax.
+  /// Jumps to the address in eax.
   void jump_indirect(const Instruction* at);
-  /// From the end of a block to the block at `pc`. `is_last`: no other code of its node follows.
+  /// Continues from the end of a block with the block at `pc`. `is_last`: no other code of its node follows.
   void fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last);
-  /// To the start of a hardware loop.
+  /// Jumps to the start of a hardware loop.
   void iterate(const Instruction* at, unsigned loop);
-  /// The interpreter continues with `at` and finishes the block.
+  /// Leaves before `at`; the interpreter finishes the block.
   void resume(const Instruction* at);
   void leave_by(const Exit& exit);
 
  private:
-  /// The bits of what the pipeline holds, as HostState::straight_pipeline has them.
+  /// Returns a pipeline state as bits, in the form of HostState::straight_pipeline.
   static std::uint64_t bits_of(const Pipeline& pipeline) { return std::bit_cast<std::uint64_t>(pipeline); }
   const Node* straight_successor(const Instruction* at, std::uint32_t link) const;
   void fall_through_to(const Instruction* at, const Node& node, bool is_last);
@@ -74,10 +73,10 @@ class EdgeWriter {
   const Region* region_ = nullptr;
   std::vector<Xbyak::Label> labels_;
   const Node* following_ = nullptr;            // emitted after it
-  std::vector<Xbyak::Label> entries_;          // plain ones
-  std::vector<Xbyak::Label> stalled_entries_;  // of those that ask for a stall
+  std::vector<Xbyak::Label> entries_;          // plain entries
+  std::vector<Xbyak::Label> stalled_entries_;  // entries with a stall
   Xbyak::Label leave_all_;                     // stores the registers and leaves by exit eax
-  Xbyak::Label park_all_;                      // the same, to continue at rdx; rcx as in Stubs::park
+  Xbyak::Label park_all_;  // stores the registers and parks with resume point rdx; rcx as in Stubs::park
 };
 
 }  // namespace mebots::soc::translate

@@ -14,8 +14,8 @@
 
 namespace mebots::soc::translate {
 
-/// How the code memory is divided: the stubs, then segments that are filled one after the other, round and round. A
-/// segment begins with its patch points: they are data that the code before them jumps by, in pages without code.
+/// The layout of the code memory: the stubs, then a ring of segments that are filled one after the other. A segment
+/// begins with its patch points. They are data, in pages without code.
 struct Segments {
   static constexpr std::uint32_t kCount = 8;
   static constexpr std::size_t kStubBytes = 4096;
@@ -27,13 +27,13 @@ struct Segments {
   static constexpr std::size_t all_bytes() { return begin_of(kCount); }
 };
 
-/// What translated code refers to by number and what outlives its emission: exits, patch points, targets of indirect
-/// jumps. Exits and patch points belong to the segment in which their code is.
+/// Data that translated code refers to by number and that outlives the assembler: exits, patch points, targets of
+/// indirect jumps. Exits and patch points belong to the segment of their code.
 class ExitTable {
  public:
   explicit ExitTable(const CodeMemory& memory) : memory_(memory) {}
 
-  /// Code is made in this segment from now on; what it had before is gone.
+  /// Starts to fill a segment. Drops what it contained.
   void begin_segment(std::uint32_t segment) {
     MEBOTS_ASSERT(segment < Segments::kCount);
     segment_ = segment;
@@ -48,27 +48,27 @@ class ExitTable {
     return number_of(exits_[segment_].size() - 1);
   }
   const Exit& exit(std::uint32_t number) const { return exits_[number >> kIndexBits][number & kIndexMask]; }
-  /// Of the segment in work.
+  /// Returns the number of exits of the present segment.
   std::size_t count() const { return exits_[segment_].size(); }
   const Exit& exit_in_work(std::size_t index) const {
     MEBOTS_ASSERT(index < count());
     return exits_[segment_][index];
   }
 
-  /// A new patch point, which stands at writable address `place` and does not lead anywhere yet.
+  /// Adds a patch point to the present segment. It has no target yet. Returns its number, which is never 0.
   std::uint32_t add_patch_point() {
     MEBOTS_ASSERT(free_patch_points() > 0);
     unpatched_[segment_].push_back(nullptr);
-    return number_of(unpatched_[segment_].size());  // not 0
+    return number_of(unpatched_[segment_].size());
   }
-  /// Where it stands, as written.
+  /// Returns its writable address.
   std::uint8_t* place_of(std::uint32_t patch_point) const {
     MEBOTS_ASSERT((patch_point & kIndexMask) != 0 && (patch_point & kIndexMask) <= Segments::kPatchPoints);
     return memory_.writable() + Segments::begin_of(patch_point >> kIndexBits) +
            ((patch_point & kIndexMask) - 1) * sizeof(const std::uint8_t*);
   }
   std::size_t free_patch_points() const { return Segments::kPatchPoints - unpatched_[segment_].size(); }
-  /// Where it leads.
+  /// Returns its target.
   const std::uint8_t* target_of(std::uint32_t patch_point) const {
     const std::uint8_t* target = nullptr;
     std::memcpy(&target, place_of(patch_point), sizeof target);
@@ -77,12 +77,12 @@ class ExitTable {
   void patch(std::uint32_t patch_point, const std::uint8_t* target) {
     std::memcpy(place_of(patch_point), &target, sizeof target);
   }
-  /// Where it leads while nothing better is known: out of translated code.
+  /// Sets its target outside translated code, which it has while it is not chained.
   void set_unpatched(std::uint32_t patch_point, const std::uint8_t* target) {
     unpatched_[patch_point >> kIndexBits][(patch_point & kIndexMask) - 1] = target;
     patch(patch_point, target);
   }
-  /// One whose segment has been emptied meanwhile stays as it is.
+  /// Restores that target. Has no effect if the segment has been emptied since.
   void unpatch(std::uint32_t patch_point) {
     const auto& targets_out = unpatched_[patch_point >> kIndexBits];
     const auto index = patch_point & kIndexMask;
@@ -103,7 +103,7 @@ class ExitTable {
   const CodeMemory& memory_;
   std::uint32_t segment_ = 0;
   std::array<std::vector<Exit>, Segments::kCount> exits_;
-  std::array<std::vector<const std::uint8_t*>, Segments::kCount> unpatched_;  // of each patch point
+  std::array<std::vector<const std::uint8_t*>, Segments::kCount> unpatched_;  // by patch point
 };
 
 }  // namespace mebots::soc::translate

@@ -14,7 +14,7 @@ bool FetchWriter::are_inline() const {
   return !a_.options.loose_limit;
 }
 
-/// Sets the zero flag when the line of this code has not arrived in the instruction cache; rdx may be lost.
+/// Sets the zero flag if the line of this code has not arrived in the instruction cache. May change rdx.
 void FetchWriter::compare_presence(std::uint32_t address) {
   const auto* present = a_.blocks.fetched()->presence(address);
   if (a_.is_near(present, 1)) {
@@ -25,14 +25,14 @@ void FetchWriter::compare_presence(std::uint32_t address) {
   }
 }
 
-/// Jumps when it is not; likewise.
+/// Jumps if the line has not arrived. May change rdx.
 void FetchWriter::jump_when_absent(std::uint32_t address, Label& absent) {
   compare_presence(address);
   a_.je(absent, kNear);
 }
 
-/// In front of an instruction: brings those of its lines that are absent, but for the last one of the instruction
-/// before. Where others use the cache, leaves that to the interpreter. eax, rcx and rdx may be lost.
+/// Before an instruction: fetches those of its lines that are absent, except the last line of the instruction before.
+/// If other cores use the cache, the interpreter does that. May change eax, rcx and rdx.
 void FetchWriter::emit(const Block& block, const Instruction* at, const Instruction* before) {
   MEBOTS_ASSERT(a_.blocks.fetched() != nullptr && !is_block_end(at->op));
   const auto& cache = *a_.blocks.fetched();
@@ -58,8 +58,8 @@ void FetchWriter::emit(const Block& block, const Instruction* at, const Instruct
   }
 }
 
-/// Brings the line of this code when it is absent. What is seldom so stands aside: a jump fewer where it is present,
-/// and two more, to code elsewhere and back, where it is not.
+/// Fetches the line of this code if it is absent. Code for a line that is seldom absent is placed aside. This saves a
+/// jump if the line is present, and costs two jumps if it is absent.
 void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool often_absent) {
   Label present;
   if (often_absent) {
@@ -79,7 +79,7 @@ void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool ofte
   });
 }
 
-/// Brings an absent line; eax, rcx and rdx are lost.
+/// Fetches an absent line. Changes eax, rcx and rdx.
 void FetchWriter::emit_refill(std::uint32_t line, std::uint32_t address) {
   MEBOTS_ASSERT(a_.stubs.fetch != nullptr);
   const auto* present = a_.blocks.fetched()->presence(address);

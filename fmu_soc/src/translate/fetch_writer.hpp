@@ -11,16 +11,16 @@ namespace mebots::soc::translate {
 
 class Assembler;
 
-/// The code that fetches lines of the instruction cache.
+/// Writes the code that fetches lines of the instruction cache.
 class FetchWriter {
  public:
   explicit FetchWriter(Assembler& assembler) : a_(assembler) {}
 
-  /// True if translated code refills the cache. If others use it too, the interpreter does.
+  /// True if translated code refills the cache. If other cores use it, the interpreter does.
   bool are_inline() const;
-  /// Before an instruction: fetches those of its lines that are absent, except the last one of the instruction before.
+  /// Before an instruction: fetches those of its lines that are absent, except the last line of the instruction before.
   void emit(const Block& block, const Instruction* at, const Instruction* before);
-  /// Jumps if the line of this code is absent from the cache; rdx may be lost.
+  /// Jumps if the line of this code is absent. May change rdx.
   void jump_when_absent(std::uint32_t address, Xbyak::Label& absent);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// In place of the translator where the build leaves it out.
+// Replaces the translator in builds without it.
 #include "translate/translator.hpp"
 
 namespace mebots::soc::translate {

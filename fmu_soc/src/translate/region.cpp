@@ -14,7 +14,7 @@ constexpr std::size_t kMostInstructions = 600;
 constexpr std::uint32_t kLoopWeight = 8;
 constexpr std::uint32_t kMostWeight = kLoopWeight * kLoopWeight * kLoopWeight * kLoopWeight;
 
-/// Calls `visit` with the number of every block that this one has led to.
+/// Calls `visit` with the number of every block that has followed this one.
 template <typename Visit>
 void for_successors(const Node& node, Visit visit) {
   const auto* at = node.first;
@@ -25,7 +25,8 @@ void for_successors(const Node& node, Visit visit) {
   if (at->link != 0) visit(at->link);
 }
 
-/// Weighs the nodes by the loops they lie in: a loop is an edge back to a node that leads there.
+/// Sets the weights of the nodes from the loops that contain them. A loop is an edge back to a node that leads to the
+/// edge.
 class LoopFinder {
  public:
   explicit LoopFinder(Region& region) : region_(region), states_(region.nodes.size(), State::unseen) {
@@ -56,7 +57,7 @@ class LoopFinder {
     states_[i] = State::done;
   }
 
-  /// The body of the loop: everything that reaches `last` without passing `head`.
+  /// Multiplies the weight of the loop's body: all nodes that reach `last` without passing `head`.
   void weigh(std::size_t head, std::size_t last) {
     std::vector<bool> inside(region_.nodes.size());
     std::vector<std::size_t> waiting{last};
@@ -79,13 +80,14 @@ class LoopFinder {
   std::vector<std::vector<std::size_t>> from_;
 };
 
-/// The block to which the end of a node has led last, past its last instruction or by it; 0 = none.
+/// Returns the block that followed the end of a node last time; 0 = none.
 std::uint32_t next_of(const Node& node) {
   const auto* at = node.end();
   return at->link != 0 || at->index == 0 || !is_jump(at[-1].op) ? at->link : at[-1].link;
 }
 
-/// Puts behind each node the one to which it leads, if that has no other place yet: code goes on there without a jump.
+/// Orders the nodes: after each node comes its successor, if that is not placed yet. Then no jump is needed between
+/// them.
 void put_in_order(Region& region) {
   std::vector<Node> ordered;
   ordered.reserve(region.nodes.size());

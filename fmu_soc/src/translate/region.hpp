@@ -15,9 +15,9 @@ struct Node {
   std::uint32_t number = 0;  // of the block
   const Block* block = nullptr;
   const Instruction* first = nullptr;
-  std::uint32_t weight = 1;  // how often it runs, guessed: 8 to the power of the loops it lies in
+  std::uint32_t weight = 1;  // estimate of how often it runs: 8 to the power of its loop depth
 
-  /// What stands behind its last instruction; its index says how many there are.
+  /// Returns the slot after its last instruction. The slot's index is the number of instructions.
   const Instruction* end() const {
     const auto* at = first;
     while (!is_block_end(at->op)) ++at;
@@ -25,9 +25,9 @@ struct Node {
   }
 };
 
-/// Blocks that are translated together, so that registers stay in host registers from one to the next.
+/// Blocks that are translated together, so that guest registers stay in host registers between them.
 struct Region {
-  std::vector<Node> nodes;  // the first is where the region is entered; in the order of their code
+  std::vector<Node> nodes;  // in the order of their code; the first is the one that was asked for
 
   const Node* find(std::uint32_t number) const {
     for (const auto& node : nodes) {
@@ -37,22 +37,23 @@ struct Region {
   }
 };
 
-/// The block `head` and what follows it by links that have been taken, without what has code already.
+/// Returns the block `head` and the blocks that have followed it, without those that have code already.
 Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code);
 
-/// The block to which an instruction's link has led, at `pc`; 0 when it is not known, or invalid now.
+/// Returns the block that an instruction's link has led to, if it is at `pc`; 0 if it is unknown or invalid.
 inline std::uint32_t linked(const BlockCache& blocks, std::uint32_t link, std::uint32_t pc) {
   return link != 0 && blocks.block(link).pc == pc ? link : 0;
 }
 
-/// Whether the block's first instruction waits for a load that ends the block before, which `end` stands behind.
+/// True if the block's first instruction stalls for a load at the end of the block before. `end` is the slot after that
+/// load.
 inline bool stalls(const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
   return end->index != 0 && is_load(end[-1].op) && (block.stalled_by >> end[-1].rd & 1U) != 0;
 }
 
-/// Whether an early jump of the block waits for what ends the block before, which `end` stands behind; also where only
-/// a run can tell. (A load across two words that ends a block is left to the interpreter.)
+/// True if an early jump of the block depends on the last instructions of the block before, or if that is only known at
+/// run time. `end` is the slot after them. A misaligned load at the end of a block is left to the interpreter.
 inline bool delays_jump(const BlockCache& blocks, const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
   if (!block.early_jump) return false;

@@ -10,12 +10,12 @@
 namespace mebots::soc::translate {
 namespace {
 
-/// The registers of the host that hold guest registers, in the order of `Registers`. The first ones make the
-/// shortest code.
+/// The host registers that hold guest registers, in the order of `Registers`. The first ones have the shortest
+/// encodings.
 constexpr std::array<int, kHostRegisters> kHosts{Xbyak::Operand::RSI, Xbyak::Operand::RDI, Xbyak::Operand::RBP,
                                                  Xbyak::Operand::R8,  Xbyak::Operand::R9,  Xbyak::Operand::R10,
                                                  Xbyak::Operand::R11, Xbyak::Operand::R12, Xbyak::Operand::R13};
-/// What a register costs by weight, in moves to where an instruction wants it and back.
+/// Weighted number of uses of each guest register.
 struct Uses {
   std::array<std::uint64_t, 33> all{};
   std::array<std::uint64_t, 33> in_dot_products{};
@@ -47,8 +47,8 @@ Registers allocate(const Region& region) {
     }
   }
   auto& uses = counted.all;
-  uses[0] = 0;   // a constant
-  uses[32] = 0;  // nobody reads it
+  uses[0] = 0;   // x0 is a constant
+  uses[32] = 0;  // never read
   std::array<std::uint8_t, 33> order{};
   std::iota(order.begin(), order.end(), std::uint8_t{0});
   const auto& dots = counted.in_dot_products;
@@ -149,7 +149,7 @@ void RegisterMap::finish(unsigned rd, const Reg32& result) {
 void RegisterMap::set(unsigned rd, std::uint32_t constant) {
   MEBOTS_ASSERT(rd != 0);
   if (in_vector(rd)) {
-    a_.mov(ecx, constant);  // eax holds where a jump leads
+    a_.mov(ecx, constant);  // eax holds the target of a jump
     a_.movd(vector(rd), ecx);
   } else if (!in_host(rd)) {
     a_.mov(memory(rd), constant);
@@ -163,7 +163,7 @@ void RegisterMap::set(unsigned rd, std::uint32_t constant) {
 void RegisterMap::copy(const Reg32& to, unsigned reg) {
   MEBOTS_ASSERT(reg < kGuestRegisters);
   if (reg == 0) {
-    a_.mov(to, 0);  // not xor: flags stay
+    a_.mov(to, 0);  // mov keeps the flags; xor would not
   } else if (in_vector(reg)) {
     a_.movd(to, vector(reg));
   } else if (!in_host(reg) || host(reg).getIdx() != to.getIdx()) {

@@ -15,31 +15,31 @@ class Assembler;
 
 /// Number of host registers that hold guest registers.
 inline constexpr unsigned kHostRegisters = 9;
-/// Number of vector registers that do: what dot products work on.
+/// Number of vector registers that hold operands of dot products.
 inline constexpr unsigned kVectorRegisters = 12;
-/// The host's number of the first of them.
+/// Number of the first of these vector registers.
 inline constexpr int kFirstVector = 3;
-/// Number of guest registers: x0 to x31, and the one that takes what is written to x0.
+/// Number of guest registers: x0 to x31, and the one that replaces x0 as a destination.
 inline constexpr unsigned kGuestRegisters = 33;
 
-/// Which guest registers are in host registers all through a region; the others stay in memory.
+/// The guest registers that are in host registers in the whole region. The others are in memory.
 struct Registers {
   static constexpr std::int8_t kInMemory = -1;
 
   std::array<std::int8_t, 33> host;  // number of the host register, or kInMemory
   std::array<std::uint8_t, kHostRegisters> guest{};
   unsigned count = 0;                  // of host registers in use
-  std::array<std::int8_t, 33> vector;  // number of the vector register whose low word it is, or kInMemory
+  std::array<std::int8_t, 33> vector;  // number of the vector register that holds it in the low word, or kInMemory
   std::array<std::uint8_t, kVectorRegisters> vector_guest{};
   unsigned vector_count = 0;
-  std::array<bool, 33> written{};  // somewhere in the region
+  std::array<bool, 33> written{};  // true if the region writes it
 };
 
-/// Gives the vector registers to those that dot products use most and that are used by little else, and the host
-/// registers to those of the others that are used most.
+/// Allocates the vector registers to the guest registers that mostly dot products use, and the host registers to the
+/// most used of the others.
 Registers allocate(const Region& region);
 
-/// Where the guest registers of a region are, and the code that reads and writes them.
+/// The locations of a region's guest registers, and the code that reads and writes them.
 class RegisterMap {
  public:
   using Reg32 = Xbyak::Reg32;
@@ -47,7 +47,7 @@ class RegisterMap {
   explicit RegisterMap(Assembler& assembler);
 
   void set_allocation(const Registers& allocation) { allocation_ = allocation; }
-  /// Loads and stores all that are in host registers; stores only what the region writes.
+  /// Load or store all that are in host registers; store_all() only those that the region writes.
   void load_all();
   void store_all();
 
@@ -64,15 +64,16 @@ class RegisterMap {
   Reg32 value(unsigned reg, const Reg32& scratch);
   /// A register's value in a vector register, which must not be changed unless it is `scratch`.
   Xbyak::Xmm in_vector_for(unsigned reg, const Xbyak::Xmm& scratch);
-  /// Where to compute a result: the register's own place, or `scratch` if it has none or is needed until the end.
+  /// Returns the register for a result: the guest register's own, or `scratch` if it has none or its old value is still
+  /// needed.
   Reg32 place(unsigned rd, const Reg32& scratch, bool needed_later = false) const;
   /// Writes a result to its register.
   void finish(unsigned rd, const Reg32& result);
   /// Writes a result in the low word of a vector register.
   void finish_vector(unsigned rd, const Xbyak::Xmm& result);
-  /// ecx may be lost.
+  /// Sets a register to a constant. May change ecx.
   void set(unsigned rd, std::uint32_t constant);
-  /// Flags stay.
+  /// Copies a register. Keeps the flags.
   void copy(const Reg32& to, unsigned reg);
 
  private:

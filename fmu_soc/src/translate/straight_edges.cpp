@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Edges from the end of a block straight to the next one, or to another iteration of a hardware loop.
+// Edges from the end of a block to the next one without a jump, and to the next iteration of a hardware loop.
 #include "translate/assembler.hpp"
 
 #include "mebots/assert.hpp"
@@ -17,15 +17,15 @@ static_assert(offsetof(Pipeline, before) == 0 && offsetof(Pipeline, two_before) 
 
 }  // namespace
 
-/// The node to which the end of a block leads by a link; null if it is not in the region, or if more than a stall
-/// depends on the instructions before it.
+/// Returns the node that a link from the end of a block leads to. Returns null if it is not in the region, or if more
+/// than a stall depends on the instructions before it.
 const Node* EdgeWriter::straight_successor(const Instruction* at, std::uint32_t link) const {
   if (link == 0) return nullptr;
   const auto* node = a_.blocks.block(link).valid() ? region_->find(link) : nullptr;
   return node != nullptr && !delays_jump(a_.blocks, *node->block, at) ? node : nullptr;
 }
 
-/// Straight on to the block at `pc`, to which a link has led. `is_last`: nothing else of its node comes behind it.
+/// Continues with the block at `pc`. `is_last`: no other code of its node follows.
 void EdgeWriter::fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last) {
   MEBOTS_ASSERT(is_block_end(at->op) && at->index > 0);
   const auto* node = straight_successor(at, link);
@@ -56,13 +56,13 @@ void EdgeWriter::fall_through_to(const Instruction* at, const Node& node, bool i
   check_limit(node, stalls ? 1U : 0U, at_limit);
   if (stalls) {
     if (a_.blocks.fetched() != nullptr && a_.fetches.are_inline())
-      a_.fetches.emit(*node.block, node.first, nullptr);  // before it stalls
+      a_.fetches.emit(*node.block, node.first, nullptr);  // fetched before the stall
     a_.cycles.spend(1);
   }
   if (!is_last || &node != following_) a_.jmp(label_of(node), kNear);
 }
 
-/// To the start of a loop, which is where it was last time or not.
+/// Jumps to the start of a loop, which may have changed since the last iteration.
 void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
   MEBOTS_ASSERT(at->op == Op::loop_end && loop < 2);
   const auto start = dword[rbx + offset_of_loop(loop) + static_cast<int>(offsetof(HardwareLoop, start))];
@@ -86,8 +86,8 @@ void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
   leave_by(exit);
 }
 
-/// Notes what the pipeline holds for the next block, which is reached straight behind `end`, up to which all is
-/// counted. rcx and rdx are lost.
+/// Stores the pipeline's state for the next block, which is entered by fall-through after `end`. All before `end` is
+/// counted. Changes rcx and rdx.
 void EdgeWriter::save_pipeline_state(const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op) && end->index > 0);
   const auto straight_pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))];
@@ -96,7 +96,8 @@ void EdgeWriter::save_pipeline_state(const Instruction* end) {
     a_.mov(straight_pipeline, rdx);
     return;
   }
-  // A block of one instruction: also the instruction before it. For the first block of a run, the run has found it.
+  // A block of one instruction also needs the instruction before it. In the first block of a run, that one is in
+  // Execution::pipeline.
   Label straight;
   a_.mov(rdx, straight_pipeline);
   a_.test(rdx, rdx);
@@ -113,7 +114,7 @@ void EdgeWriter::save_pipeline_state(const Instruction* end) {
   a_.mov(straight_pipeline, rdx);
 }
 
-/// Before a jump to a node: nothing came straight.
+/// Clears the stored state before a jump to a node.
 void EdgeWriter::clear_pipeline_state() {
   a_.mov(qword[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))], 0);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The stubs that all regions share: the prologue and the epilogue of translated code, from one core to the next one of
-// the round; refills of the instruction cache, and accesses to a memory that cores share.
+// The stubs that all regions share: prologue and epilogue of translated code, the change to the next core of a round,
+// refills of the instruction cache, and accesses to a memory that cores share.
 #include "hart/data_path.hpp"
 #include "mebots/assert.hpp"
 #include "translate/assembler.hpp"
@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::size_t kStubAlignment = 16;
 
-/// Behind a core that came to its limit in translated code: it leaves a resume point, and the next one of the round
-/// continues at its own, rcx. Guest registers are stored.
+/// Ends the run of a core that reached its limit in translated code. Stores its resume point (rdx), and continues with
+/// the next core of the round at its resume point (rcx). Guest registers are stored.
 void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
   const auto begin = ptr[rbx + offset_of_host(offsetof(HostState, begin))];
   const auto end = ptr[rbx + offset_of_host(offsetof(HostState, end))];
@@ -39,7 +39,8 @@ void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
   a.jmp(done);
 }
 
-/// InstructionCache::refill for the core that uses it alone; spends what that waits. rax, rcx and rdx are lost.
+/// Does what InstructionCache::refill() does for the only user of a cache, and spends the wait. Changes rax, rcx and
+/// rdx.
 void emit_fetch_stub(Assembler& a) {
   using Cache = InstructionCache;
   static_assert(std::is_standard_layout_v<Cache::State> && std::is_standard_layout_v<Cache::Entry>);
@@ -51,7 +52,7 @@ void emit_fetch_stub(Assembler& a) {
   a.push(rsi);
   a.push(rdi);
   a.mov(rsi, reinterpret_cast<std::uint64_t>(&cache.state()));
-  // rax = the entry that the line takes: the shift register moves on, and says which of its set.
+  // rax = the entry for the line. The shift register advances and selects the way within the set.
   a.movzx(edi, byte[state(offsetof(Cache::State, shift_register))]);
   a.movzx(edi, byte[state(offsetof(Cache::State, next_shift)) + rdi]);
   a.mov(byte[state(offsetof(Cache::State, shift_register))], dil);
@@ -59,7 +60,7 @@ void emit_fetch_stub(Assembler& a) {
   a.add(rax, ptr[state(offsetof(Cache::State, entries))]);
   a.lea(rax, ptr[rax + rdi * 8]);
   a.inc(qword[state(offsetof(Cache::State, refills))]);
-  // Marks the line that was there as absent.
+  // Marks the evicted line as absent.
   a.mov(rdi, ptr[rax + static_cast<int>(offsetof(Cache::Entry, present))]);
   a.mov(byte[rdi], 0);
   a.mov(ptr[rax + static_cast<int>(offsetof(Cache::Entry, present))], rcx);
@@ -72,12 +73,13 @@ void emit_fetch_stub(Assembler& a) {
   a.ret();
 }
 
-/// Calls wait_for_far, and spends what it says.
+/// Calls wait_for_far() and spends the cycles that it returns.
 void emit_far_stub(Assembler& a) {
   MEBOTS_ASSERT(a.options.banks != nullptr, "a core whose second memory is shared shares the first one");
-  static_assert(kOutsideBanks >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31, "the sign tells which it is");
+  static_assert(kOutsideBanks >> 63 == 1 && Banks::kReach < std::uint64_t{1} << 31,
+                "the sign distinguishes kOutsideBanks from a wait");
   const auto bits = std::countr_zero(a.options.banks->count());
-  // What a called function may change (System V ABI), and where an even number of words leaves the stack aligned.
+  // Saves the registers that a called function may change (System V ABI). Their number keeps the stack aligned.
   const std::array saved{rsi, rdi, r8, r9, r10, r11, rcx};
   constexpr int kVectors = kVectorRegisters;
   constexpr int kRoom = 16 + 8 * kVectors + 8;
@@ -119,7 +121,7 @@ Stubs emit_stubs(Assembler& a) {
   Label done;
 
   stubs.prologue = a.code_memory.executable(a.getCurr());
-  // (Execution* rdi, code rsi) -> number of the exit, Execution*. Saves what the caller owns (System V ABI).
+  // (Execution* rdi, code rsi) -> (number of the exit, Execution*). Saves the registers of the caller (System V ABI).
   const std::array saved{rbx, rbp, r12, r13, r14, r15};
   for (const auto& reg : saved) a.push(reg);
   a.mov(rbx, rdi);

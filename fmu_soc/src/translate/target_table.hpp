@@ -10,8 +10,8 @@
 
 namespace mebots::soc::translate {
 
-/// Code of the last known targets of indirect jumps, looked up by translated code. As large as the code of a real
-/// program, so that what is hot does not push each other out.
+/// Code of known targets of indirect jumps, for a look-up by translated code. It is as large as the code of a real
+/// program, so that hot targets do not evict each other.
 class TargetTable {
  public:
   static constexpr std::uint32_t kStep = 2;  // bytes of a pc per entry
@@ -23,7 +23,8 @@ class TargetTable {
     const std::uint8_t* code;
   };
 
-  /// All zero: no pc but 0 has an entry then, and that one is taken away. Memory that is never touched costs nothing.
+  /// All entries are zero at first, so only pc 0 would match; its entry is removed. calloc() keeps untouched pages free
+  /// of cost.
   TargetTable() : targets_(static_cast<Target*>(std::calloc(kMask / kStep + 1, sizeof(Target)))) {
     if (targets_ == nullptr) throw std::bad_alloc();
     forget(0);

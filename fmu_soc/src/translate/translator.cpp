@@ -14,7 +14,7 @@
 namespace mebots::soc::translate {
 namespace {
 
-/// More than any region takes: room that must be left before one is begun.
+/// Upper bounds for a region. This much space must be free before a region is begun.
 constexpr std::size_t kMostRegionBytes = std::size_t{256} << 10;
 constexpr std::size_t kMostRegionPatchPoints = 4096;
 
@@ -58,7 +58,7 @@ class HostTranslator : public Translator {
       made.blocks.push_back({node.number, node.block->pc});
       translated_ += node.end()->index;
     }
-    // What it leads to may have code already.
+    // Successors of the region may have code already.
     for (auto exit = first_exit; exit < exits_.count(); ++exit) chain_where_known(exits_.exit_in_work(exit));
     return entries_[block];
   }
@@ -108,13 +108,14 @@ class HostTranslator : public Translator {
       std::uint32_t pc;
     };
     std::uint32_t segment = 0;
-    const std::uint8_t* begin = nullptr;  // of its code; null = dropped
+    const std::uint8_t* begin = nullptr;  // start of its code; null = dropped
     const std::uint8_t* end = nullptr;
     std::vector<RegionBlock> blocks;
     std::vector<std::uint32_t> patched_to;  // patch points that lead to its code, or once did
   };
 
-  /// Block chaining: a region's patch point leads to the code of another one, past the interpreter.
+  /// Block chaining: makes a patch point of a region jump to the code of another region, without a return to the
+  /// caller.
   void chain(const Exit& exit, const Entry& entry, bool stalled) {
     MEBOTS_ASSERT(exit.patch_point != 0 && entry.plain != nullptr);
     MEBOTS_ASSERT(!stalled || exit.straight, "a jump leaves no load before it");
@@ -147,8 +148,8 @@ class HostTranslator : public Translator {
     return number;
   }
 
-  /// Nothing leads to its code any more. The code stays where it is until its segment is written over: its exits are
-  /// still good for a run that has just been left by one.
+  /// Drops a region: no jump leads to its code any more. The code stays until its segment is filled again, because the
+  /// last run may have left by one of its exits.
   void drop(std::uint32_t number) {
     MEBOTS_ASSERT(number != 0 && number < regions_.size());
     auto& region = regions_[number];
@@ -175,7 +176,7 @@ class HostTranslator : public Translator {
     exits_.begin_segment(segment);
   }
 
-  /// For one more region: in the segment in work, or in the next one, whose regions are dropped.
+  /// Makes space for one more region. If the present segment is full, drops the regions of the next one.
   void make_room() {
     if (used_ + kMostRegionBytes <= Segments::begin_of(segment_ + 1) &&
         exits_.free_patch_points() >= kMostRegionPatchPoints)
@@ -191,15 +192,15 @@ class HostTranslator : public Translator {
   }
 
   const BlockCache& blocks_;
-  Execution memories_;  // only these of it
+  Execution memories_;  // only its memories are used
   Options options_;
   std::unique_ptr<CodeMemory> memory_;
   Stubs stubs_;
-  std::uint32_t segment_ = 0;  // in which code is made now
-  std::size_t used_ = 0;       // where the next region begins
+  std::uint32_t segment_ = 0;  // the segment that is being filled
+  std::size_t used_ = 0;       // offset of the next region
   ExitTable exits_;
   const TranslationContext context_{*memory_, blocks_, memories_.ram, options_, exits_};
-  std::vector<TranslatedRegion> regions_{1};  // number 0 is none
+  std::vector<TranslatedRegion> regions_{1};  // number 0 is not used
   std::vector<std::uint32_t> free_regions_;
   std::uint32_t last_exit_ = kNone;
   std::uint64_t times_dropped_ = 0;
@@ -225,12 +226,13 @@ std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Exec
   for (const auto& ram : execution.ram) {
     if (ram.base % 4 != 0) return nullptr;
   }
-  if (options.banks != nullptr) {  // whose ticks and banks the code computes
+  if (options.banks != nullptr) {  // translated code keeps their ticks and claims
     if (!options.loose_limit) return nullptr;
     if (execution.ram[0].wait_cycles != 0 || execution.ram[0].base / 4 % options.banks->count() != 0) return nullptr;
-    // No block goes on in the table farther than there is room: a division is the longest, an access can go twice.
+    // A block must not run past the table of banks. The longest instruction is a division; an access can be two.
     const auto& far = execution.ram[1];
-    const std::uint64_t far_wait = far.is_shared() ? 0U : far.wait_cycles;  // shared, an access asks for room
+    const std::uint64_t far_wait =
+        far.is_shared() ? 0U : far.wait_cycles;  // if shared, wait_for_far() checks the table itself
     const std::uint64_t longest = kDivideBaseCycles + 32 + 2 * (far_wait + 1);
     if (BlockCache::kMaxBlockLength * longest > Banks::kLongestBlock) return nullptr;
   }

@@ -8,90 +8,91 @@
 #include <memory>
 #include <vector>
 
-/// Hot blocks as code of the host. Counts are those of the interpreter to the last unit. What is static in a block is
-/// added where it is left; what only execution tells is added when it happens. Everything that is rare goes back
-/// to the interpreter in front of the instruction that needs it.
+/// Translation of hot blocks to host code. All counts are equal to those of the interpreter. Static costs are added
+/// where a block is left; others are added when they occur. For anything rare, the code leaves before the instruction,
+/// and the interpreter executes it.
 namespace mebots::soc::translate {
 
 class Assembler;
 
-/// How translated code was left.
+/// Describes where and how translated code was left.
 struct Exit {
-  bool resumes = false;              // at `at`, inside its block, which the interpreter finishes; else a block begins
-  bool fetches = false;              // resumes: lines of `at` may not have arrived
-  bool indirect = false;             // the code has put the pc into Execution::pc
-  bool jumped = false;               // an unaligned target costs its cycle yet
-  bool straight = false;             // behind the last instruction of a block, which `at` stands behind
-  bool is_reached_straight = false;  // its block may be: HostState::straight_pipeline says from where
+  bool resumes = false;   // left at `at` inside its block, which the interpreter finishes; else left before a block
+  bool fetches = false;   // if resumes: lines of `at` may be absent
+  bool indirect = false;  // the code has stored the pc in Execution::pc
+  bool jumped = false;    // the cycle of an unaligned target is not yet spent
+  bool straight = false;  // left at the end of a block by fall-through; `at` is the slot after its last instruction
+  bool is_reached_straight =
+      false;  // the block may have been entered by fall-through; see HostState::straight_pipeline
   std::uint32_t pc = 0;
-  std::uint32_t block = 0;          // that begins at `pc`; 0 = not known
-  const Instruction* at = nullptr;  // resumes: comes next; else: what led here, null when its link is of no interest
-  std::uint32_t wait_cycles = 0;    // resumes: what its block has waited for memories by rule
-  std::uint32_t patch_point = 0;    // by which it is left, which can lead to translated code at `pc`; 0 = none
+  std::uint32_t block = 0;  // the block at `pc`; 0 = not known
+  const Instruction* at =
+      nullptr;  // if resumes: the next instruction; else the one that led here, or null if its link is not used
+  std::uint32_t wait_cycles = 0;  // if resumes: constant waits for memories in its block so far
+  std::uint32_t patch_point = 0;  // the patch point that was left by, which can be chained to code at `pc`; 0 = none
 };
 
-/// Where code of a block can be entered.
+/// The entries of a block's code.
 struct Entry {
   const std::uint8_t* plain = nullptr;
-  const std::uint8_t* jumped = nullptr;    // pays for an unaligned target first
-  const std::uint8_t* straight = nullptr;  // from the end of a block, which HostState::straight_pipeline says
-  const std::uint8_t* stalled = nullptr;   // likewise, from a load that the first instruction waits for a cycle
+  const std::uint8_t* jumped = nullptr;    // spends the cycle of an unaligned target first
+  const std::uint8_t* straight = nullptr;  // after fall-through from another block; see HostState::straight_pipeline
+  const std::uint8_t* stalled = nullptr;   // after fall-through from a load for which the first instruction stalls
   std::uint32_t region = 0;                // number of the region that has the code
 };
 
-/// How a run ended.
+/// Describes how a run ended.
 struct RunEnd {
-  const Exit* exit = nullptr;      // the last one; null = the next hart of the round has no resume point
-  Execution* execution = nullptr;  // whose it was; null = all have come to the end of their budgets
+  const Exit* exit = nullptr;      // the last exit; null = the next hart of the round has no resume point
+  Execution* execution = nullptr;  // hart of that exit; null = all harts have reached their limits
 };
 
-/// Translation options: what the harts have in common that the code runs on.
+/// Options of a translator: properties that all harts with this code share.
 struct Options {
   bool loose_limit = false;  // a block that starts before the limit runs to its end
-  Banks* banks = nullptr;    // of the first memory, when others use it at the same time, now and then
-  /// Not null: steps between functions are noted at HostState::flow, one an instruction at most.
+  Banks* banks = nullptr;    // of the first memory, if other cores use it at times
+  /// If not null, steps between functions are recorded at HostState::flow, at most one per instruction.
   const FlowMap* flow = nullptr;
 };
 
-/// Translations of a block cache, for harts that reach the same memories at the same place. Each block is translated
-/// once, as part of one region. A region is dropped when a block of it becomes invalid, or to make room.
+/// Translations of the blocks of a cache, for harts that have the same memories at the same addresses. Each block is
+/// translated once, as part of one region. A region is dropped if one of its blocks becomes invalid, or to make space.
 class Translator : public BlockListener {
  public:
-  /// Code of a block, or null.
+  /// Returns the entries of a block; null if it has no code.
   const Entry* find(std::uint32_t block) const {
     return block < entries_.size() && entries_[block].plain != nullptr ? &entries_[block] : nullptr;
   }
-  /// Makes code for a block that has none.
+  /// Translates a block that has no code.
   virtual const Entry& translate(std::uint32_t block) = 0;
-  /// Goes on at `code` of an entry with its budget, and when it was left only for the end of that, with the
-  /// next ones of the round. The answer holds until the next translation.
+  /// Runs `code` of an entry up to the hart's limit. If the hart has reached its limit, continues with the next harts
+  /// of the round. The result is valid until the next translation.
   virtual RunEnd run(Execution& execution, const std::uint8_t* code) = 0;
-  /// Block chaining: the last run was left to go on at this block; the patch point by which it was left leads to its
-  /// code from now on.
-  /// `stalled`: its first instruction waits for a load before.
+  /// Block chaining: the last run ended before this block. Makes the patch point of that exit lead to the block's code.
+  /// `stalled`: the block's first instruction stalls for a load.
   virtual void chain_last_exit(const Block& block, const Entry& entry, bool stalled) = 0;
-  /// How often regions were dropped: where a run goes on may be gone then.
+  /// Returns how often regions were dropped. A resume point from before may be invalid.
   virtual std::uint64_t times_dropped() const = 0;
-  /// Instructions translated so far, those translated again counted again.
+  /// Returns the number of translated instructions; repeated translations count.
   virtual std::uint64_t translated() const = 0;
 
  protected:
-  std::vector<Entry> entries_;  // by number of block
+  std::vector<Entry> entries_;  // by number of the block
 };
 
-/// Whether this build translates, and this host has the instructions for it.
+/// True if this build contains the translator and the host's processor has the required instructions.
 bool can_translate();
 
-/// Whether some form of this operation can be translated; all others are left to the interpreter.
+/// True if some form of this operation can be translated. The interpreter executes the others.
 bool has_translation(Op op);
 
-/// Writes host code for an instruction. False: nothing was written, this form of it is left to the interpreter.
+/// Writes host code for an instruction. Returns false, without effect, if this form is left to the interpreter.
 using Lowering = bool (*)(Assembler&, const Instruction*);
 
-/// The lowering of an operation; null if all forms are left to the interpreter.
+/// Returns the lowering of an operation; null if all forms are left to the interpreter.
 Lowering lowering_of(Op op);
 
-/// Null where that is not so, or code cannot be made for such memories. `execution` says where the memories are.
+/// Returns null if translation is not possible on this host or for these memories. `execution` contains the memories.
 std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Execution& execution,
                                             const Options& options);
 
