@@ -35,7 +35,7 @@ void Cluster::power_on(Picoseconds now, std::uint32_t boot) {
   peripherals_->reset(boot);
   scheduler_.set_alarm(peripherals_->next_tick());
   dma_.reset();
-  banks_.free_all();  // nothing of what cores had claimed ahead of time when they were switched off
+  banks_.free_all();  // cores may have claimed banks ahead before they were switched off
   soc_port_.free_all();
   if (instruction_cache_) instruction_cache_->flush();
   for (auto& core : cores_) core->halt();
@@ -92,7 +92,7 @@ void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_l
   const auto stop = std::min(end, clock_.first_after(last));
   has_news_ = false;
   auto start = next_tick();
-  // Awake, a core counts a cycle a tick: the limit is not near before so many ticks have passed.
+  // An awake core counts one cycle per tick. So no core can reach the limit before this many ticks have passed.
   const auto begin = start;
   const auto far_from_limit = cycle_limit - std::min(longest_cycles() + ClusterScheduler::kFarthestAhead, cycle_limit);
   bool undisturbed = false;
@@ -118,8 +118,8 @@ bool Cluster::core_stopped(ClusterCore& core, Stop stop) {
   if (stop == Stop::sleeping) note_asleep(core.tick());
   if (stop != Stop::fault && stop != Stop::watch && stop != Stop::observer) return true;
   has_news_ = true;
-  // The others go on to the end of the quantum, and may stop in it, too: before this one in time, if not in turn. An
-  // observer that has ended the run at one core lets no other go on, wherever that stands.
+  // The other cores run to the end of the quantum and may stop, too. One that runs later may stop at an earlier tick.
+  // After an observer has ended the run at one core, no other core continues.
   const auto time = clock_.time_of(core.tick());
   if (core_stopped_by_observer_ >= 0 || ((faulted_core_ >= 0 || stopped_) && stop_time_ <= time)) return false;
   const auto id = static_cast<std::int32_t>(core.id());
@@ -130,7 +130,7 @@ bool Cluster::core_stopped(ClusterCore& core, Stop stop) {
   return false;
 }
 
-/// What happened in `tick` wakes who waited for it, and starts who was to begin.
+/// Handles the effects of events in `tick`: wakes cores whose loads can be answered, and starts cores.
 void Cluster::spread_events(std::uint64_t tick) {
   scheduler_.set_alarm(peripherals_->next_tick());
   const auto woken = peripherals_->take_woken();
@@ -153,14 +153,14 @@ void Cluster::spread_events(std::uint64_t tick) {
   if (fabric_woken || raised) fabric_event_time_ = clock_.time_of(tick);
 }
 
-/// A core is awake from `tick` on.
+/// Records that a core is awake from `tick` on.
 void Cluster::note_awake(std::uint64_t tick) {
   if (busy_.runs()) return;
   busy_.begin(clock_.time_of(tick));
   last_asleep_ = 0;
 }
 
-/// A core fell asleep in `tick`, or a transfer ended in it.
+/// Records that a core fell asleep in `tick`, or that a transfer ended in it.
 void Cluster::note_asleep(std::uint64_t tick) {
   last_asleep_ = std::max(last_asleep_, tick);
   if (busy_.runs() && scheduler_.awake() == 0 && !dma_.busy()) busy_.end(clock_.time_of(last_asleep_));
@@ -174,7 +174,7 @@ bool Cluster::take_fabric_wake() {
 
 BusReply Cluster::access(const ClusterAccess& access) {
   MEBOTS_ASSERT(access.who < cores() || access.who == kFabricController);
-  MEBOTS_ASSERT(powered(), "devices of a cluster that is off belong to nobody");
+  MEBOTS_ASSERT(powered(), "devices of a cluster that is off serve no access");
   if (access.who == kFabricController || peripherals_->owns_of_core(access.address)) {
     return access.size == 4 ? peripherals_->access(access) : BusReply{};
   }

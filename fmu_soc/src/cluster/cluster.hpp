@@ -20,15 +20,15 @@
 
 namespace mebots::soc {
 
-/// Up to eight cores with their shared L1, event unit and DMA, in a clock domain of their own, as the rest of the chip
-/// sees them: power, clock, the ways to the SoC, accesses and events. Time is counted in ticks of the cluster's clock,
-/// which never stops; a core that sleeps does not count cycles. The rest of the chip has picoseconds; only here is one
-/// turned into the other.
+/// Up to eight cores with a shared L1, event unit and DMA, in their own clock domain. For the rest of the chip, a
+/// cluster has power, a clock, latencies to the SoC's memories, accesses and events. It counts time in ticks of its
+/// clock, which never stops; a core that sleeps counts no cycles. The rest of the chip uses picoseconds. Only this
+/// class converts between the two.
 ///
-/// In which order cores, event unit and DMA act is the scheduler's: a quantum of ticks for one core after the other.
-/// Those that touch the event unit or the DMA do so in the order of their ticks (within a tick: of the cores). What a
-/// core stores in RAM another one may see up to a quantum late or early. Cores that synchronise through the event unit
-/// see all of it.
+/// The scheduler determines the order of cores, event unit and DMA: each core runs a quantum of ticks in turn. Accesses
+/// to the event unit or the DMA are in the order of their ticks; within a tick, in the order of the cores. Another core
+/// may see a store to RAM up to a quantum late or early. Cores that synchronise through the event unit see all stores
+/// in order.
 class Cluster final : private ClusterBus, private ClusterEvents {
  public:
   Cluster(Memory& memory, const ClusterSettings& settings, const InstructionEnergy& energy);
@@ -36,7 +36,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Cluster(const Cluster&) = delete;
   Cluster& operator=(const Cluster&) = delete;
 
-  /// Called after a core has stored into a watched word. True ends the run.
+  /// Sets the function called after a core has stored into a watched word. If it returns true, the run ends.
   void set_watcher(std::function<bool(std::uint32_t address)> watcher) { watcher_ = std::move(watcher); }
 
   /// Serves a core's access outside memory and the cluster's registers. Called with the time of the access; may change
@@ -47,30 +47,29 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   unsigned cores() const { return static_cast<unsigned>(cores_.size()); }
   bool powered() const { return powered_.runs(); }
 
-  /// Off: what the cores and devices knew is lost. On: cores start as its registers have it, our own at once at `boot`,
-  /// in the first tick at or after `now`.
+  /// power_off() clears all state of cores and devices. power_on() starts the cluster in the first tick at or after
+  /// `now`. Its registers decide which cores start where; those of MEbots' own devices start all cores at `boot`.
   void power_off(Picoseconds now);
   void power_on(Picoseconds now, std::uint32_t boot);
   /// Sets the frequency from the first tick at or after `now` on.
   void set_clock(Picoseconds now, std::uint32_t hz);
   std::uint32_t clock_hz() const { return clock_.hz(); }
-  /// Of a core: L1 first.
+  /// Returns the memories of a core, L1 first.
   const std::vector<MemoryPort>& ports() const { return settings_.ports; }
-  /// From now on; between quanta.
+  /// Sets the latencies. Must be called between quanta.
   void set_latencies(const ClusterLatencies& latencies);
 
   /// Returns the time of the cluster's next activity; kNever while all cores sleep and no transfer runs.
   Picoseconds next() const;
-  /// `ticks` after a time.
+  /// Returns the time `ticks` after a time.
   Picoseconds later(Picoseconds time, std::uint64_t ticks) const {
     return clock_.time_of(clock_.first_at(time) + ticks);
   }
-  /// Runs quantum after quantum, none of which goes on behind `until`, which lies after next(). It ends when the next
-  /// one would start after `last`, when something happened that the rest of the chip must know of, or when a core's
-  /// active cycles have reached `cycle_limit`.
+  /// Runs quanta that end at `until`, which must be after next(). Returns if the next quantum would start after `last`,
+  /// if an event for the rest of the chip has occurred, or if a core has reached `cycle_limit` active cycles.
   void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
-  /// Access of the fabric controller at `now`, up to which the cluster must have been advanced.
+  /// Access of the fabric controller. The cluster must have been advanced to `now`.
   bool owns(std::uint32_t address) const;
   BusReply load(std::uint32_t address, Picoseconds now);
   BusReply load_event(std::uint32_t address, Picoseconds now);
@@ -78,7 +77,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
 
   /// Returns true once when the fabric controller's event load can be answered.
   bool take_fabric_wake();
-  /// Returns the time of the last rise of its interrupt line, answer to its event load, or access of a core outside.
+  /// Returns the time of the last event for the rest of the chip: a rise of the interrupt line, an answer to the fabric
+  /// controller's event load, or an access of a core outside the cluster.
   Picoseconds fabric_event_time() const { return fabric_event_time_; }
   bool interrupt() const { return powered() && peripherals_->interrupt(); }
 
@@ -95,23 +95,23 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Picoseconds stop_time() const { return stop_time_; }
   /// Sets the observer of this core; null removes it. Not part of a state.
   void observe(unsigned core, Observer* observer);
-  /// Sum over the cores since reset of the chip.
+  /// Returns the sum over the cores since reset of the chip.
   Counters counters() const;
   /// Returns the active cycles of the core with most of them.
   std::uint64_t longest_cycles() const;
-  /// Time it was on, up to `now`, which may lie in the middle of the instruction that switches it on.
+  /// Returns the time for which it was on, up to `now`. `now` may lie within the instruction that switches it on.
   Picoseconds powered_time(Picoseconds now) const { return powered_.up_to(now); }
-  /// Time in which a core was awake or all of them waited for the DMA, up to `now`. A cluster that is behind `now`
-  /// counts as going on as it is.
+  /// Returns the time, up to `now`, in which a core was awake or all cores waited for the DMA. If the cluster has not
+  /// reached `now`, its present state is assumed to continue.
   Picoseconds busy_time(Picoseconds now) const { return busy_.up_to(now); }
-  /// The core that cannot continue; -1 = none.
+  /// Returns the core that cannot continue; -1 = none.
   int faulted_core() const { return faulted_core_; }
   /// True if a store into a watched word ended the run.
   bool stopped() const { return stopped_; }
-  /// The core whose observer ended the run; -1 = none.
+  /// Returns the core whose observer ended the run; -1 = none.
   int core_stopped_by_observer() const { return core_stopped_by_observer_; }
   const ClusterDma& dma() const { return dma_; }
-  /// The instruction cache of all cores; null without one.
+  /// Returns the instruction cache of all cores; null without one.
   const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
 
   void visit(state::Visitor& v);
@@ -120,12 +120,12 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// Ticks from an event to the first instruction of the core that it wakes. Source: GVSoC, event unit of pulp_open.
   static constexpr std::uint64_t kWakeLatency = 2;
 
-  // Of the cores.
+  // Calls from cores.
   BusReply access(const ClusterAccess& access) override;
   std::uint32_t interrupt_taken(unsigned core, unsigned line) override;
   bool watched(std::uint32_t address) override { return watcher_ && watcher_(address); }
   BusReply access_outside(const ClusterAccess& access);
-  // Of the scheduler.
+  // Calls from the scheduler.
   void alarm_rings(std::uint64_t tick) override;
   void transfers_end(std::uint64_t tick) override;
   bool core_stopped(ClusterCore& core, Stop stop) override;
@@ -141,8 +141,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   ClusterSettings settings_;
   std::unique_ptr<InstructionCache> instruction_cache_;
   Banks banks_;
-  Banks soc_port_{1};    // to the SoC: one access a cycle, whose it may be
-  DecodedCode decoded_;  // one for all cores: they run the same code
+  Banks soc_port_{1};    // port to the SoC: one access of a core per cycle
+  DecodedCode decoded_;  // of all cores: they run the same code
   ClusterDma dma_;
   std::unique_ptr<ClusterPeripherals> peripherals_;
   ClusterScheduler scheduler_;
@@ -151,16 +151,16 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Outside outside_;
   Clock clock_;
   Stopwatch powered_;
-  bool interrupt_ = false;  // what the line was
+  bool interrupt_ = false;  // last level of the line
   bool fabric_woken_ = false;
   bool stopped_ = false;
   Picoseconds stop_time_ = 0;  // not part of a state
-  bool has_news_ = false;      // for the rest of the chip, in this quantum
+  bool has_news_ = false;      // an event for the rest of the chip occurred in this quantum
   std::int32_t faulted_core_ = -1;
   std::int32_t core_stopped_by_observer_ = -1;  // not part of a state
   Picoseconds fabric_event_time_ = 0;
   Stopwatch busy_;
-  std::uint64_t last_asleep_ = 0;  // the tick in which the last core fell asleep, since it is busy
+  std::uint64_t last_asleep_ = 0;  // tick in which the last core fell asleep since the cluster became busy
 };
 
 }  // namespace mebots::soc

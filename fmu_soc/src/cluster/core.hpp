@@ -15,22 +15,22 @@
 
 namespace mebots::soc {
 
-/// The bus of a cluster's cores: as Bus, for several cores, in the cluster's ticks.
+/// The bus of a cluster's cores. Like Bus, but for several cores, and with times in the cluster's ticks.
 class ClusterBus {
  public:
   virtual ~ClusterBus() = default;
   virtual BusReply access(const ClusterAccess& access) = 0;
   /// Called when the core takes the interrupt of this line. Returns the lines that are pending afterwards.
   virtual std::uint32_t interrupt_taken(unsigned core, unsigned line) = 0;
-  /// Called after a store into a watched word. True: the run ends with this store.
+  /// Called after a store into a watched word. If it returns true, the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
 };
 
-/// One core of a cluster: its hart, the tick of its cycles, and its turn at shared devices.
+/// A core of a cluster: its hart, the tick of its cycles, and its turn at shared devices.
 class ClusterCore final : private Bus {
  public:
-  /// `code` is that of all cores, which share its banks: those of L1. `way`: to the SoC, likewise, if the settings say
-  /// so. All of it outlives the core.
+  /// `code` is that of all cores; its banks are those of L1. `way` is the port to the SoC, which cores share if the
+  /// settings say so. All references must outlive the core.
   ClusterCore(ClusterBus& bus, const ClusterSettings& settings, unsigned id, Memory& memory, DecodedCode& code,
               Banks& way)
       : bus_(bus),
@@ -103,7 +103,7 @@ class ClusterCore final : private Bus {
   void stopped(Stop stop) { asleep_ = stop == Stop::sleeping; }
   /// True if its next run can resume in translated code.
   bool can_resume() const { return !waits_for_turn_ && hart_.has_resume_point(); }
-  /// Sets whether others use the banks of L1 at the same time.
+  /// Sets whether other cores or the DMA use the banks of L1 at the same time.
   void share_banks(bool several) {
     shares_banks_ = several;
     hart_.share_first(several ? &l1_ : nullptr);
@@ -167,7 +167,7 @@ class ClusterCore final : private Bus {
     return turn(address, cycle, &value, false, size);
   }
   void interrupt_taken(unsigned line) override {
-    granted_ = false;  // the handler runs before the access that had its turn, and has accesses of its own
+    granted_ = false;  // the handler runs before the access that was granted, and makes accesses of its own
     hart_.set_interrupts(bus_.interrupt_taken(id_, line));
   }
   bool watched(std::uint32_t address) override { return bus_.watched(address); }
@@ -177,7 +177,7 @@ class ClusterCore final : private Bus {
   unsigned id_;
   Hart hart_;
   BankSchedule l1_;
-  BankSchedule soc_port_;  // to the SoC
+  BankSchedule soc_port_;  // port to the SoC
   bool shares_banks_ = false;
   Observer* observer_ = nullptr;
   std::uint64_t offset_ = 0;

@@ -146,7 +146,7 @@ void ClusterDma::find_next() {
   for (const auto& transfer : transfers_) next_ = std::min(next_, transfer.end);
 }
 
-/// Of the transfers with beats to come, the one whose turn it is.
+/// Returns the transfer that moves next; null if all have moved their data.
 ClusterDma::Transfer* ClusterDma::first_unmoved() {
   Transfer* first = nullptr;
   for (auto& transfer : transfers_) {
@@ -165,7 +165,7 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
       waited += occupy_burst(banks, *transfer, until);
     }
     if (waited == 0) continue;
-    // Those behind it wait with it.
+    // Transfers queued after it wait, too.
     for (auto& other : transfers_) {
       if (other.end == kNoTick || other.end < transfer->end || &other == transfer) continue;
       other.next_beat += waited;
@@ -178,8 +178,7 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
   }
 }
 
-/// The next beats up to the end of a burst, as far as they start before `until`, take their words. The answer is how
-/// many ticks they wait.
+/// Claims banks for the next beats of a burst that start before `until`. Returns the ticks that they wait.
 std::uint64_t ClusterDma::occupy_burst(Banks& banks, Transfer& transfer, std::uint64_t until) const {
   const auto& what = transfer.what;
   const auto row = what.row == 0 ? what.size : what.row;

@@ -11,14 +11,14 @@
 
 namespace mebots::soc {
 
-/// Times of the cluster DMA, in cluster cycles.
+/// Timing of the cluster's DMA, in cluster cycles.
 struct DmaTiming {
   std::uint32_t bytes_per_cycle = 8;
   std::uint32_t most_burst_bytes = 256;
   std::uint32_t latency = 16;            // from the start to the first data
-  std::uint32_t outstanding = 8;         // bursts that can be on their way at once
+  std::uint32_t outstanding = 8;         // most bursts in flight
   std::uint32_t least_burst_cycles = 2;  // least_burst_of(latency)
-  /// Ticks of the cluster that the SoC takes for a beat, in 1/kBeatUnit; as many when the SoC is not slower.
+  /// Ticks of the cluster per beat, in 1/kBeatUnit. If the SoC's clock is slower, a beat takes more than one tick.
   std::uint32_t beat_ticks = kBeatUnit;
 
   std::uint32_t least_burst_of(std::uint32_t its_latency) const {
@@ -26,40 +26,42 @@ struct DmaTiming {
   }
 
   static constexpr std::uint32_t kBeatUnit = 1U << 16;
-  /// Ticks of the first so many beats of a burst.
+  /// Returns the ticks of the first `beats` beats of a burst.
   std::uint32_t ticks_of(std::uint32_t beats) const {
     return static_cast<std::uint32_t>(std::uint64_t{beats} * beat_ticks / kBeatUnit);
   }
 };
 
 /// Moves bytes between L2 and the cluster's L1 in parallel to the cores. Each requester has its own draft registers;
-/// START queues their transfer. Transfers run one after the other in the order of their starts, in bursts: a row of a
-/// 2D transfer takes at least one. The latency of a queued transfer hides behind the one before it. Its words take
-/// cycles of L1's banks like those of the cores; a beat waits at most a cycle, and the others behind it. Bytes are
-/// where they belong, all at once, when the transfer ends; then its requester gets the event.
+/// START queues their transfer. Transfers run one after the other in the order of their starts, in bursts. A row of a
+/// 2D transfer is at least one burst. The latency of a queued transfer overlaps with the transfer before it.
+///
+/// Its words claim L1's banks like those of the cores. A beat waits at most a cycle, and delays the beats after it. All
+/// bytes are copied when the transfer ends. Then its requester gets the event.
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
-  /// START with addresses outside L1 and L2, no bytes, rows that do not divide the size, or all transfers in use.
+  /// Set by a START with addresses outside L1 and L2, without bytes, with rows that do not divide the size, or while
+  /// all transfers are in use.
   static constexpr std::uint32_t kRefused = 1U << 31;
 
   ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)
       : memory_(memory), l1_region_(l1_region), timing_(timing) {}
 
-  /// Sets the times of transfers queued from now on.
+  /// Sets the timing of transfers that are queued later.
   void set_timing(const DmaTiming& timing) { timing_ = timing; }
 
   BusReply load(unsigned who, std::uint32_t offset) const;
   bool store(unsigned who, std::uint32_t offset, std::uint32_t value, std::uint64_t tick);
 
-  /// The bytes of a transfer. The last row may be incomplete.
+  /// Describes the bytes of a transfer. The last row may be incomplete.
   struct Draft {
     std::uint32_t l2 = 0;
     std::uint32_t l1 = 0;
     std::uint32_t size = 0;
     std::uint32_t row = 0;     // bytes; 0 = one row
     std::uint32_t stride = 0;  // bytes in L2 from row to row
-    std::uint32_t id = 0;      // of the last start; the tag of the transfer
+    std::uint32_t id = 0;      // tag of the last transfer that was started
 
     void visit(state::Visitor& v) {
       v("l2", l2);
@@ -71,8 +73,8 @@ class ClusterDma {
     }
   };
 
-  /// For registers of another kind: queues a transfer of their requester. Returns false, without effect, if memories or
-  /// the number of transfers do not allow it.
+  /// Queues a transfer of a requester, for registers of another kind. If memories or the number of transfers do not
+  /// allow it, returns false without effect.
   bool enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick);
   /// True if its bytes are in L1 and in another memory.
   bool fits(const Draft& draft) const;
@@ -93,7 +95,7 @@ class ClusterDma {
 
   struct Counts {
     std::uint64_t bytes = 0;
-    std::uint64_t busy_cycles = 0;  // moving data, and waiting for banks with it
+    std::uint64_t busy_cycles = 0;  // in which it moves data or waits for banks
     std::uint64_t transfers = 0;
 
     void visit(state::Visitor& v) {
@@ -111,9 +113,9 @@ class ClusterDma {
     Draft what;
     std::uint32_t out = 0;  // L1 to L2
     std::uint32_t who = 0;
-    std::uint64_t end = kNoTick;  // kNoTick = free
+    std::uint64_t end = kNoTick;  // kNoTick = unused
     std::uint64_t next_beat = 0;
-    std::uint32_t moved = 0;  // bytes of the beats before
+    std::uint32_t moved = 0;  // bytes moved so far
 
     void visit(state::Visitor& v) {
       v("what", what);
@@ -137,7 +139,7 @@ class ClusterDma {
   DmaTiming timing_;
   std::array<Draft, kRequesters> drafts_{};
   std::array<Transfer, kTransfers> transfers_{};
-  std::uint64_t next_ = kNoTick;  // the least end of all
+  std::uint64_t next_ = kNoTick;  // earliest end of all transfers
   std::uint64_t free_from_ = 0;   // the tick in which the last queued transfer ends
   std::uint32_t status_ = 0;
   Counts counts_;

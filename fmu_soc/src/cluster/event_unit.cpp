@@ -11,7 +11,7 @@ namespace {
 
 namespace event_reg = board::event_unit;
 
-/// Cycles of an event load beyond the first, when its answer is there: 4 in all. Source: CV32E40P user manual.
+/// Cycles of an event load beyond the first, if its answer is available: 4 in all. Source: CV32E40P user manual.
 constexpr std::uint32_t kEventLoadExtra = 3;
 constexpr unsigned kSoftwareEventShift = 16;
 
@@ -157,7 +157,7 @@ void EventUnit::job_done(unsigned who) {
 }
 
 void EventUnit::arrive(unsigned who) {
-  MEBOTS_ASSERT(who < cores_, "the fabric controller meets nobody at the barrier");
+  MEBOTS_ASSERT(who < cores_, "the fabric controller has no barrier");
   arrived_ |= 1U << who;
   if ((arrived_ & barrier_cores_) != barrier_cores_) return;
   for (unsigned core = 0; core < cores_; ++core) {

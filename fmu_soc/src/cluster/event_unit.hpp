@@ -11,7 +11,7 @@
 
 namespace mebots::soc {
 
-/// Numbers of events: bits of EVENT_MASK and EVENT_BUFFER. 0 to 7 are the firmware's own.
+/// Numbers of events: bits of EVENT_MASK and EVENT_BUFFER. 0 to 7 are for the firmware.
 namespace event {
 inline constexpr unsigned kSoftwareEvents = 8;
 inline constexpr unsigned kDmaDone = 8;
@@ -25,7 +25,7 @@ inline constexpr unsigned kJobDone = 17;
 /// then returns the core, which repeats the load.
 class EventUnit {
  public:
-  /// FORK_CORES named a core that does not exist or is at work, or a cluster core wrote it.
+  /// Set if FORK_CORES names a core that does not exist or is running, or if a cluster core writes it.
   static constexpr std::uint32_t kRefused = 1;
 
   explicit EventUnit(unsigned cores) : cores_(cores) {}
@@ -45,7 +45,7 @@ class EventUnit {
   }
   /// Returns the level of the interrupt line to the fabric controller: one of its events is pending and enabled.
   bool interrupt() const { return (of_[kFabricController].buffer & of_[kFabricController].mask) != 0; }
-  /// Returns the cores that run a fork's entry.
+  /// Returns the cores that run the entry of a fork.
   std::uint32_t at_work() const { return at_work_; }
 
   void visit(state::Visitor& v);
@@ -56,8 +56,8 @@ class EventUnit {
     std::uint32_t mask = 0;
     std::uint32_t buffer = 0;
     Wait waits_for = Wait::nothing;
-    std::uint32_t barrier_open = 0;  // its barrier is complete
-    std::uint32_t dispatched = 0;    // selected by a fork, entry not read yet
+    std::uint32_t barrier_open = 0;  // cores whose barrier is complete
+    std::uint32_t dispatched = 0;    // cores selected by a fork that have not read their entry yet
     std::uint32_t argument = 0;
 
     void visit(state::Visitor& v) {

@@ -9,7 +9,7 @@
 
 namespace mebots::soc {
 
-/// MEbots' own event unit and DMA registers. All cores begin when the cluster is switched on.
+/// MEbots' own event unit and DMA registers. All cores start when the cluster is switched on.
 class OwnPeripherals final : public ClusterPeripherals {
  public:
   OwnPeripherals(unsigned cores, std::uint32_t event_unit_base, std::uint32_t dma_base, ClusterDma& dma)
@@ -39,7 +39,7 @@ class OwnPeripherals final : public ClusterPeripherals {
   EventUnit event_unit_;
   ClusterDma& dma_;
   std::uint32_t boot_ = 0;     // consumed by the call that sets it
-  std::uint32_t started_ = 0;  // the same
+  std::uint32_t started_ = 0;  // consumed by the call that sets it
 };
 
 }  // namespace mebots::soc

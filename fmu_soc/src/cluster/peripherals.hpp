@@ -20,7 +20,7 @@ inline constexpr unsigned kRequesters = kMostClusterCores + 1;
 // n. mhartid reads another value on GAP8.
 
 inline constexpr unsigned kFabricControllerHart = 0;
-/// Among the numbers of the cluster's cores.
+/// Number of the fabric controller where cluster cores have numbers from 0.
 inline constexpr int kFabricControllerCore = -1;
 
 inline constexpr std::size_t kMostHarts = 1 + kMostClusterCores;
@@ -29,12 +29,12 @@ constexpr unsigned hart_of_core(int core) {
   return static_cast<unsigned>(core - kFabricControllerCore);
 }
 
-/// Of a hart that is not the fabric controller.
+/// Returns the core of a hart other than the fabric controller.
 constexpr unsigned core_of_hart(unsigned hart) {
   return hart - hart_of_core(0);
 }
 
-/// A tick that never comes.
+/// A tick that never occurs.
 inline constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
 
 /// Listener for the end of a DMA transfer; `tag` is that of its start.
@@ -50,12 +50,12 @@ struct ClusterAccess {
   std::uint32_t address = 0;
   std::uint64_t tick = 0;
   const std::uint32_t* stored = nullptr;  // null = a load
-  bool event = false;                     // a p.elw, which may wait
-  unsigned size = 4;                      // bytes; less only of a store
+  bool event = false;                     // p.elw, which may wait
+  unsigned size = 4;                      // bytes; less than 4 only for a store
 };
 
-/// The cluster's registers, by which its cores start and wait for each other and for the DMA. Calls are in the order of
-/// ticks. The caller queries the effects of an access after it.
+/// The cluster's registers. Cores use them to start each other, and to wait for each other and for the DMA. Calls are
+/// in the order of ticks. After an access, the caller queries its effects.
 class ClusterPeripherals : public TransferListener {
  public:
   ClusterPeripherals() = default;
@@ -63,11 +63,11 @@ class ClusterPeripherals : public TransferListener {
   ClusterPeripherals& operator=(const ClusterPeripherals&) = delete;
   ~ClusterPeripherals() override = default;
 
-  /// True if an access of a core, or of the fabric controller, to this address belongs to them.
+  /// True if these registers serve an access of a core, or of the fabric controller, to this address.
   virtual bool owns_of_core(std::uint32_t address) const = 0;
   virtual bool owns_of_fabric_controller(std::uint32_t address) const = 0;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// The tick of their next event, and the event itself. Only accesses change the tick.
+  /// Returns the tick of their next event. Only accesses change it. advance() runs the event.
   virtual std::uint64_t next_tick() const { return kNoTick; }
   virtual void advance(std::uint64_t /*tick*/) {}
 

@@ -37,10 +37,10 @@ std::uint64_t ClusterScheduler::next_tick() const {
   return std::min({dma_.next_tick(), alarm_, first_ready()});
 }
 
-/// When the core that is farthest behind goes on; kNoTick while all sleep.
+/// Returns the tick at which the earliest core continues; kNoTick while all sleep.
 std::uint64_t ClusterScheduler::first_ready() const {
   auto first = kNoTick;
-  // No branch: which one it is cannot be predicted.
+  // Branch-free, because the branch would be unpredictable.
   for (const auto* core : cores_) first = std::min(first, core->ready());
   return first;
 }
@@ -61,7 +61,7 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   while (alarm_ <= start) ring();
   share_banks();
   if (sharing_banks_ && start > banks_.start()) {
-    dma_.occupy(banks_, start);  // what it moved while all slept
+    dma_.occupy(banks_, start);  // claims of beats while all cores slept
     move_banks(start);
   }
   auto end = std::min(start + (sharing_banks_ ? settings_.quantum : kLongQuantum), until);
@@ -74,8 +74,8 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   return finish_quantum(end);
 }
 
-/// As run_quantum, right behind one in which all cores that are awake have stayed in translated code, with nothing else
-/// to happen. Only their ticks have changed, and the table of banks goes on.
+/// Does what run_quantum() does, directly after a quantum that all awake cores ended in translated code, if no other
+/// event is due. Since then only ticks have changed.
 std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);
@@ -89,7 +89,7 @@ std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::ui
   return finish_quantum(end);
 }
 
-/// What no core does without asking, in the order of its ticks. The answer is when the next quantum starts.
+/// Runs everything that needs an order by ticks. Returns the start of the next quantum.
 std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
   while (goes_on_) {
     if (!sharing_banks_) {
@@ -114,7 +114,7 @@ std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
     if (first >= end) return std::min({transfer, alarm_, first});
     in_step_ = false;
     auto& core = core_at(first);
-    // A core may have set the alarm in this very quantum.
+    // A core may have set the alarm in this quantum.
     const auto stop = std::min(end, alarm_);
     MEBOTS_ASSERT(core.tick() < stop);
     core.grant_turn();
@@ -123,14 +123,14 @@ std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
   return kNoTick;
 }
 
-/// Something happens in the registers by itself.
+/// Runs the event of the registers that is due.
 void ClusterScheduler::ring() {
   const auto tick = alarm_;
   events_.alarm_rings(tick);
-  MEBOTS_ASSERT(alarm_ > tick, "it happens once in a tick");
+  MEBOTS_ASSERT(alarm_ > tick, "an alarm rings once per tick");
 }
 
-/// Whether somebody can find a bank of L1 taken: alone, a core finds all of them free.
+/// Determines whether conflicts at banks of L1 are possible. A single core finds all banks free.
 void ClusterScheduler::share_banks() {
   const bool several = awake_ > 1 || dma_.busy();
   if (several == sharing_banks_) return;
@@ -146,7 +146,7 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
     if (settings_.shares_soc_port) soc_port_.move_to(tick);
     return;
   }
-  // The DMA takes nothing behind the last quantum's end, and no core anything behind where it stands.
+  // The DMA claims nothing after the end of the last quantum, and no core claims anything after its own tick.
   auto last = tick + settings_.quantum;
   for (const auto* core : cores_) last = std::max(last, core->tick());
   const auto moved = banks_.start_over(tick, last);
@@ -154,15 +154,16 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
   if (settings_.shares_soc_port) soc_port_.start_over(tick, last + ClusterLatencies::kMostAccessTicks);
 }
 
-/// Behind the quantum just begun the next core and the other of DMA and cores come first. With the tree the DMA's side
-/// stays once where an even count of cores begins anew, so that each core that is first meets the DMA on either side.
+/// Selects the first core, and the DMA's side, of the next quantum: the next core, and the DMA changes between before
+/// and after the cores. With the tree and an even number of cores, the DMA's side is kept once when the count starts
+/// again. So each first core meets the DMA on both sides.
 void ClusterScheduler::next_in_front() {
   if (++first_core_ == cores()) first_core_ = 0;
   const bool stays = settings_.arbitration_tree && first_core_ == 0 && cores() % 2 == 0;
   dma_first_ = dma_first_ != !stays;
 }
 
-/// The queue of a quantum up to `end`, made of that of the one before if it holds the same cores.
+/// Builds the queue of a quantum up to `end`, from the last queue if it contains the same cores.
 void ClusterScheduler::line_up(std::uint64_t end) {
   const bool same = in_step_ && queue_.size() == awake_ && last_ready_ < end;
   if (same && !settings_.arbitration_tree) {
@@ -174,7 +175,7 @@ void ClusterScheduler::line_up(std::uint64_t end) {
   }
 }
 
-/// The cores that run without asking, from the first one of this quantum on, each linked to the next one.
+/// Queues the cores that run without permission, from the first core of this quantum on. Each is linked to the next.
 void ClusterScheduler::queue_cores(std::uint64_t end) {
   queue_.clear();
   const bool tree = settings_.arbitration_tree;
@@ -182,7 +183,7 @@ void ClusterScheduler::queue_cores(std::uint64_t end) {
   for (std::uint32_t place = 0; place < places; ++place) {
     auto id = tree ? place ^ first_core_ : place + first_core_;
     if (id >= cores()) {
-      if (tree) continue;  // a leaf without a core
+      if (tree) continue;  // a leaf of the tree without a core
       id -= cores();
     }
     auto& core = *cores_[id];
@@ -193,16 +194,16 @@ void ClusterScheduler::queue_cores(std::uint64_t end) {
   if (!queue_.empty()) queue_.back()->hart().set_next(nullptr);
 }
 
-/// The same cores as in the quantum before, each one place further to the front if the first one goes to the end.
+/// Rotates the queue of the last quantum: if its first core is now the last one, moves that core to the end.
 void ClusterScheduler::rotate_queue() {
   const auto before = (first_core_ == 0 ? cores() : first_core_) - 1;
-  if (queue_.front()->id() != before) return;  // who sleeps has no place
+  if (queue_.front()->id() != before) return;  // a sleeping core is not in the queue
   queue_.back()->hart().set_next(&queue_.front()->hart());
   std::rotate(queue_.begin(), queue_.begin() + 1, queue_.end());
   queue_.back()->hart().set_next(nullptr);
 }
 
-/// All cores, of which each leaf of the tree has one, in the order of this quantum.
+/// Orders the queue by the tree for this quantum. All cores are awake.
 void ClusterScheduler::reorder_queue() {
   Hart* behind = nullptr;
   for (auto place = cores(); place-- > 0;) {
@@ -213,7 +214,7 @@ void ClusterScheduler::reorder_queue() {
   }
 }
 
-/// The queue from a place on, up to `end`.
+/// Runs the queue from `place` on, up to `end`.
 void ClusterScheduler::run_queue(std::size_t place, std::uint64_t end) {
   while (place < queue_.size()) {
     auto& core = *queue_[place];
@@ -231,7 +232,7 @@ void ClusterScheduler::run_queue(std::size_t place, std::uint64_t end) {
   }
 }
 
-/// Whether the core, and who comes behind it, may run a round.
+/// True if a round in translated code can begin with this core.
 bool ClusterScheduler::can_resume(const ClusterCore& core) {
   if (!sharing_banks_ || !core.hart().has_resume_point()) return false;
   code_.blocks.forget_if_stale();
@@ -241,7 +242,7 @@ bool ClusterScheduler::can_resume(const ClusterCore& core) {
   return false;
 }
 
-/// What a round from a place on has done; the answer is the place behind.
+/// Handles the end of a round that began at `place`. Returns the next place.
 std::size_t ClusterScheduler::note_round(std::size_t place, const Hart::RoundEnd& round) {
   while (place < queue_.size() && &queue_[place]->hart() != round.broke_off) ++place;
   if (round.ran) note_stop(*queue_[place++], round.stop);
@@ -259,8 +260,8 @@ void ClusterScheduler::note_stop(ClusterCore& core, Stop stop) {
   if (!events_.core_stopped(core, stop)) goes_on_ = false;
 }
 
-/// All cores of the queue have come to the end of the quantum in translated code: nothing but their ticks has changed.
-/// The answer is when the first core goes on.
+/// Called if all cores of the queue ended the quantum in translated code, so that only their ticks have changed.
+/// Returns the tick at which the first core continues.
 std::uint64_t ClusterScheduler::keep_in_step() {
   last_ready_ = 0;
   auto first = kNoTick;
@@ -271,7 +272,7 @@ std::uint64_t ClusterScheduler::keep_in_step() {
   }
   in_step_ = true;
   if (queue_.size() == awake_) return first;
-  // The others had come beyond this quantum in the one before, or wait for something.
+  // The other cores were already past this quantum, or they wait.
   for (const auto* core : cores_) {
     if (core->sleeps()) continue;
     in_step_ = in_step_ && core->can_resume();

@@ -41,7 +41,7 @@ class ClusterScheduler {
   /// More ticks than a core can be ahead of the start of the quantum that follows.
   static constexpr std::uint64_t kFarthestAhead = kLongQuantum + Banks::kLongestBlock;
 
-  /// `way`: to the SoC, whose cycles the cores take in turns if the settings say so. All of it outlives the scheduler.
+  /// `way` is the port to the SoC, which cores share if the settings say so. All references must outlive the scheduler.
   ClusterScheduler(const ClusterSettings& settings, DecodedCode& code, Banks& way, ClusterDma& dma,
                    ClusterEvents& events);
   ClusterScheduler(const ClusterScheduler&) = delete;
@@ -71,7 +71,7 @@ class ClusterScheduler {
   void share_banks();
   void move_banks(std::uint64_t tick);
   void next_in_front();
-  // The cores whose runs need no permission, one after the other.
+  // Queue of the cores that run without permission.
   void line_up(std::uint64_t end);
   void queue_cores(std::uint64_t end);
   void rotate_queue();
@@ -81,10 +81,10 @@ class ClusterScheduler {
   std::size_t note_round(std::size_t place, const Hart::RoundEnd& round);
   void run_core(ClusterCore& core, std::uint64_t end);
   void note_stop(ClusterCore& core, Stop stop);
-  // The cores in step.
+  // Cores in step.
   std::uint64_t run_quantum_in_step(std::uint64_t start, std::uint64_t until);
   std::uint64_t keep_in_step();
-  // All events that have an order of their own.
+  // Events in the order of their ticks.
   std::uint64_t finish_quantum(std::uint64_t end);
   void ring();
   std::uint64_t first_ready() const;
@@ -99,17 +99,16 @@ class ClusterScheduler {
   ClusterDma& dma_;
   ClusterEvents& events_;
   std::vector<ClusterCore*> cores_;
-  unsigned awake_ = 0;             // of them
-  std::uint64_t alarm_ = kNoTick;  // of the registers
-  std::uint32_t first_core_ = 0;   // of the next quantum, when all are awake
-  bool dma_first_ = false;         // in it, before the cores; else after them
-  bool sharing_banks_ = false;     // conflicts at the banks are possible
-  bool goes_on_ = true;            // cores are given their turns
-  std::vector<ClusterCore*>
-      queue_;             // of this quantum: cores whose runs need no permission, the first one at a bank in front
-  bool in_step_ = false;  // all awake cores ended their last quantum in translated code
-  std::uint64_t last_ready_ = 0;  // then: the tick of the core that is farthest ahead
-  /// DecodedCode::version() when resume points were last dropped for it: they are good in this one only.
+  unsigned awake_ = 0;               // number of awake cores
+  std::uint64_t alarm_ = kNoTick;    // next event of the registers
+  std::uint32_t first_core_ = 0;     // first core of the next quantum if all are awake
+  bool dma_first_ = false;           // true if the DMA claims banks before the cores in that quantum
+  bool sharing_banks_ = false;       // conflicts at the banks are possible
+  bool goes_on_ = true;              // false after the run was ended
+  std::vector<ClusterCore*> queue_;  // cores of this quantum that run without permission, in their order
+  bool in_step_ = false;             // all awake cores ended their last quantum in translated code
+  std::uint64_t last_ready_ = 0;     // if in step: tick of the core that is farthest ahead
+  /// DecodedCode::version() for which the resume points are valid.
   std::uint64_t version_ = 0;
 };
 

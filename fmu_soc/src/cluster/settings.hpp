@@ -14,16 +14,16 @@
 
 namespace mebots::soc {
 
-/// How far cores and DMA of a cluster are from the memories of the SoC, in the cluster's ticks. It changes with the
-/// clocks: the SoC has its own.
+/// Latencies of cores and DMA to the SoC's memories, in ticks of the cluster. They change with the clocks of cluster
+/// and SoC.
 struct ClusterLatencies {
-  /// The way to the SoC is taken no longer by one access, however slow the SoC's clock is.
+  /// Upper bound of access_ticks, for a slow clock of the SoC.
   static constexpr std::uint32_t kMostAccessTicks = 512;
 
   std::vector<std::uint32_t> waits;  // of each port
   std::uint32_t refill_cycles = 0;   // of the instruction cache
   DmaTiming dma;
-  std::uint32_t access_ticks = 1;  // for which an access of a core occupies the shared port
+  std::uint32_t access_ticks = 1;  // ticks for which an access of a core occupies the shared port
 };
 
 /// The settings of a cluster, from the board and its chip.
@@ -31,20 +31,21 @@ struct ClusterSettings {
   unsigned cores = 0;
   std::size_t l1_region = 0;  // index in Memory::regions()
   unsigned l1_banks = 16;
-  /// The order at L1 is that of the tree of its interconnect: of the number XOR a count of quanta. Else it rotates.
+  /// If set, the order at L1's banks is that of an arbitration tree: by core number XOR a count of quanta. Otherwise it
+  /// rotates.
   bool arbitration_tree = false;
-  /// Ticks of a quantum when several cores are awake or the DMA moves data.
+  /// Ticks of a quantum if several cores are awake or the DMA moves data.
   std::uint32_t quantum = 0;
-  std::vector<MemoryPort> ports;  // of a core, L1 first; its banks are filled in by the core
-  bool shares_soc_port = false;   // to the SoC: a core's access waits for those of other cores
+  std::vector<MemoryPort> ports;  // memories of a core, L1 first; the core adds the banks
+  bool shares_soc_port = false;   // port to the SoC: an access of a core waits for those of other cores
   InstructionCacheSettings instruction_cache;
   std::uint32_t clock_hz = 0;
-  /// Its registers; the DMA engine is the cluster's.
+  /// Creates the registers. The cluster owns the DMA engine.
   std::function<std::unique_ptr<ClusterPeripherals>(ClusterDma& dma)> make_peripherals;
-  bool has_gap8_interrupts = false;  // cores have the interrupts and CSRs of GAP8's
+  bool has_gap8_interrupts = false;  // cores have the interrupts and CSRs of GAP8's cores
   DmaTiming dma;
   Timing timing;
-  bool translate = true;  // hot code to host code; counts are the same without
+  bool translate = true;  // translate hot code; the counts are the same without
 };
 
 }  // namespace mebots::soc
