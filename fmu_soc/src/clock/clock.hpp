@@ -13,9 +13,8 @@
 
 namespace mebots::soc {
 
-/// Turns the core's active cycles into time. Ticks are counted from the last change of frequency and
-/// multiplied by the period as one fraction, so that nothing drifts; a change of frequency rounds once,
-/// down to a picosecond.
+/// Converts active cycles to time. Ticks are counted from the last change of frequency and multiplied by the period as
+/// one fraction, so there is no drift. A change of frequency rounds once, down to a picosecond.
 class Clock {
  public:
   void reset(std::uint32_t hz) {
@@ -27,7 +26,7 @@ class Clock {
 
   std::uint32_t hz() const { return static_cast<std::uint32_t>(hz_); }
 
-  /// From the cycle with this number on, the clock has another frequency.
+  /// Changes the frequency from this cycle on.
   void change(std::uint32_t hz, std::uint64_t cycle) {
     MEBOTS_ASSERT(hz > 0);
     epoch_ps_ = time_of(cycle);
@@ -35,23 +34,23 @@ class Clock {
     set(hz);
   }
 
-  /// The first cycle of this frequency, where none was slept since.
+  /// Returns the first cycle of this frequency, if the core has not slept since.
   std::uint64_t begin() const { return std::uint64_t{0} - skipped_; }
-  /// When a cycle starts, which is not one before the last change of frequency.
+  /// Returns the start time of a cycle, which must not be before the last change of frequency.
   Picoseconds time_of(std::uint64_t cycle) const {
     return epoch_ps_ + static_cast<Picoseconds>(scaled(cycle + skipped_, period_, 0, ticks_));
   }
-  /// The first cycle that starts at or after a time.
+  /// Returns the first cycle that starts at or after a time.
   std::uint64_t first_at(Picoseconds time) const {
     if (time <= epoch_ps_) return std::uint64_t{0} - skipped_;
     return scaled(static_cast<std::uint64_t>(time - epoch_ps_), ticks_, period_ - 1, period_) - skipped_;
   }
-  /// The first cycle that starts after a time.
+  /// Returns the first cycle that starts after a time.
   std::uint64_t first_after(Picoseconds time) const {
     if (time < epoch_ps_) return std::uint64_t{0} - skipped_;
     return scaled(static_cast<std::uint64_t>(time - epoch_ps_), ticks_, 0, period_) + 1 - skipped_;
   }
-  /// The core slept: active cycle `cycle` starts at the first tick at or after `time`.
+  /// Continues after a sleep: active cycle `cycle` starts at the first tick at or after `time`.
   void wake(std::uint64_t cycle, Picoseconds time) {
     const auto planned = first_at(time);
     if (planned > cycle) skipped_ += planned - cycle;
@@ -77,8 +76,8 @@ class Clock {
     period_ = kPsPerSecond / common;
     ticks_ = hz_ / common;
   }
-  /// (value * factor + rest) / divisor. The product fits in 64 bits for hours where the clock has whole
-  /// MHz, for minutes where it is one of GAP8's loops.
+  /// Returns (value * factor + rest) / divisor. The product fits in 64 bits for hours at a clock of whole MHz, and for
+  /// minutes at a clock of one of GAP8's loops.
   static std::uint64_t scaled(std::uint64_t value, std::uint64_t factor, std::uint64_t rest, std::uint64_t divisor) {
     __extension__ using Wide = unsigned __int128;
     std::uint64_t product = 0;
@@ -89,15 +88,15 @@ class Clock {
   }
 
   std::uint64_t hz_ = 1;
-  // A fraction in its lowest terms: so many ticks take so many picoseconds. Follows from hz.
+  // Fraction in lowest terms: `ticks_` ticks take `period_` picoseconds. Follows from hz.
   std::uint64_t ticks_ = 1;
   std::uint64_t period_ = kPsPerSecond;
   Picoseconds epoch_ps_ = 0;
-  std::uint64_t skipped_ = 0;  // ticks slept since the epoch, less the active cycles before it (modulo 2^64)
+  std::uint64_t skipped_ = 0;  // ticks slept since the epoch minus the active cycles before it (modulo 2^64)
 };
 
-/// How long something has gone on, all in all. Who asks may be behind its last begin, or ahead of its end: the parts of
-/// a chip are not all at the same time.
+/// Total duration of a state. `now` may be earlier than the last begin or end, because the parts of a chip have
+/// different times.
 class Stopwatch {
  public:
   bool runs() const { return runs_; }
@@ -110,7 +109,7 @@ class Stopwatch {
     runs_ = false;
     changed_at_ = time;
   }
-  /// When it began or ended last.
+  /// Returns the time of its last begin or end.
   Picoseconds changed_at() const { return changed_at_; }
   Picoseconds up_to(Picoseconds now) const {
     return runs_ ? total_ + std::max<Picoseconds>(now - changed_at_, 0) : total_;
@@ -125,7 +124,7 @@ class Stopwatch {
  private:
   bool runs_ = false;
   Picoseconds changed_at_ = 0;
-  Picoseconds total_ = 0;  // up to its last begin
+  Picoseconds total_ = 0;  // up to the last begin
 };
 
 }  // namespace mebots::soc

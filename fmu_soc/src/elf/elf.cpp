@@ -16,7 +16,7 @@
 namespace mebots::soc {
 namespace {
 
-/// A number of an attribute: seven bits a byte, the lowest first. Null at the end of the bytes.
+/// Reads a LEB128 number of an attribute. Returns nullopt at the end of the bytes.
 std::optional<std::uint32_t> take_number(std::span<const std::uint8_t>& bytes) {
   std::uint32_t value = 0;
   for (unsigned shift = 0; !bytes.empty() && shift < 32; shift += 7) {
@@ -129,7 +129,7 @@ void require_room(const ElfBytes& file, unsigned number, std::string_view which,
                         number, size, which, address));
 }
 
-/// Two segments may share a run address (overlays), but no byte of memory is loaded twice.
+/// Segments may share run addresses (overlays), but each byte of memory is loaded only once.
 void require_apart(const ElfBytes& file, std::vector<ElfSegment> segments) {
   std::erase_if(segments, [](const ElfSegment& segment) { return segment.bytes.empty(); });
   std::ranges::sort(segments, {}, &ElfSegment::load_address);
@@ -164,7 +164,8 @@ std::vector<ElfSegment> read_segments(const ElfBytes& file, const FileHeader& he
   return segments;
 }
 
-/// Code that starts at its run address before anything could copy it there starts where it is loaded, as in QEMU.
+/// If the entry point is a run address to which nothing has been copied yet, the program starts at its load address, as
+/// in QEMU.
 std::uint32_t loaded_entry(const ElfBytes& file, std::uint32_t entry, const std::vector<ElfSegment>& segments) {
   if (entry % 2 != 0) file.fail(fmt::format("entry point 0x{:08x} is odd", entry));
   const auto holds = [&](std::uint32_t address, const ElfSegment& segment) {
@@ -179,7 +180,7 @@ std::uint32_t loaded_entry(const ElfBytes& file, std::uint32_t entry, const std:
   file.fail(fmt::format("entry point 0x{:08x} lies in none of its segments", entry));
 }
 
-/// psABI mapping symbols tell code from data; .L labels are the compiler's own. Neither names anything.
+/// True for psABI mapping symbols, which separate code and data, and for the compiler's .L labels.
 bool is_unnamed(std::string_view name) {
   return name.starts_with("$x") || name.starts_with("$d") || name.starts_with(".L");
 }
@@ -198,7 +199,7 @@ std::vector<SectionHeader> read_sections(const ElfBytes& file, const FileHeader&
   return sections;
 }
 
-/// The symbols of the first symbol table; a file has one at most. `names` gets the text that they point into.
+/// Reads the symbols of the first symbol table; a file has at most one. `names` gets the text that they refer to.
 std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const SectionHeader> sections,
                                     std::shared_ptr<const std::string>& names) {
   std::vector<ElfSymbol> symbols;
@@ -211,7 +212,8 @@ std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const Sectio
   const auto table = file.part(section->offset, section->size, "the symbol table");
   names = std::make_shared<const std::string>(strings.begin(), strings.end());
   const std::string_view text = *names;
-  std::vector<std::size_t> ends;  // of the names; searching each from its start would take a hostile file for ever
+  std::vector<std::size_t>
+      ends;  // ends of names; a search from the start of each would take too long in a hostile file
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '\0') ends.push_back(i);
   }
@@ -220,7 +222,8 @@ std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const Sectio
     SymbolEntry entry;
     std::memcpy(&entry, table.data() + at, sizeof entry);
     const auto type = entry.info & 0xfU;
-    if (entry.name == 0 || entry.section == kUndefined || type > kFunction) continue;  // section and file names too
+    if (entry.name == 0 || entry.section == kUndefined || type > kFunction)
+      continue;  // names of sections and files are skipped, too
     if (entry.name >= text.size())
       file.fail(fmt::format("symbol {} has its name outside the names", at / sizeof entry));
     const auto end = *std::lower_bound(ends.begin(), ends.end(), entry.name);
@@ -252,7 +255,7 @@ std::shared_ptr<const LineSections> read_lines(const ElfBytes& file, const FileH
   const auto& names_header = sections[header.name_index];
   if (!file.has(names_header.offset, names_header.size)) return lines;
   const auto names = file.part(names_header.offset, names_header.size, "the section names");
-  const auto is = [&](const SectionHeader& section, std::string_view name) {  // the final zero belongs to it
+  const auto is = [&](const SectionHeader& section, std::string_view name) {  // includes the final zero
     return section.name < names.size() && names.size() - section.name > name.size() &&
            std::ranges::equal(names.subspan(section.name, name.size() + 1), std::string(name) + '\0', {},
                               [](std::uint8_t c) { return static_cast<char>(c); });
@@ -322,7 +325,7 @@ std::optional<std::uint32_t> Elf::symbol(std::string_view name) const {
 const ElfSymbol* Elf::covering(std::uint32_t address) const {
   const auto after = std::upper_bound(symbols_.begin(), symbols_.end(), address,
                                       [](std::uint32_t value, const auto& symbol) { return value < symbol.address; });
-  // Hand-written code has labels without size: they reach to the next symbol with a size, or to the next function.
+  // Labels in assembly code have no size. They extend to the next symbol with a size, or to the next function.
   const ElfSymbol* label = nullptr;
   bool labels_end = false;
   for (auto at = after; at != symbols_.begin();) {

@@ -30,34 +30,36 @@ struct ElfSymbol {
   std::uint32_t size = 0;
   bool function = false;
 
-  /// The name as it is written in C++: "Gauge::read() const" for _ZNK5Gauge4readEv.
+  /// Returns the name as written in C++, such as "Gauge::read() const" for _ZNK5Gauge4readEv.
   std::string shown() const;
 };
 
-/// A program, checked and taken out of its file.
+/// A program, read from its file and checked.
 class Elf {
  public:
-  /// Throws Error when the bytes are not a complete ELF32 little-endian executable for RISC-V (RV32, no
-  /// floating-point registers). `origin` names the file in the text.
+  /// Throws Error if the bytes are not a complete ELF32 little-endian executable for RISC-V (RV32, without
+  /// floating-point registers). `origin` is the name of the file for messages.
   static Elf parse(std::span<const std::uint8_t> file, const std::string& origin);
   static Elf read(const std::filesystem::path& path);
 
   const std::string& origin() const { return origin_; }
-  /// First instruction. If the entry point is a run address, this is the load address of the same instruction.
+  /// Returns the first instruction. If the entry point is a run address, this is the load address of the same
+  /// instruction.
   std::uint32_t entry() const { return entry_; }
-  /// The extensions that the file's attributes name (Tag_RISCV_arch): "rv32i2p1_m2p0_c2p0"; empty without them.
+  /// Returns the extensions in the file's attributes (Tag_RISCV_arch), such as "rv32i2p1_m2p0_c2p0"; empty without
+  /// them.
   const std::string& architecture() const { return architecture_; }
   const std::vector<ElfSegment>& segments() const { return segments_; }
   std::optional<std::uint32_t> symbol(std::string_view name) const;
-  /// All symbols that stand for an address, sorted by it. The marks that tell code from data ($x, $d, $xrv32imc...)
-  /// and the compiler's local labels (.L...) are not among them.
+  /// Returns all symbols with an address, sorted by it. Excludes mapping symbols ($x, $d, $xrv32imc...) and the
+  /// compiler's local labels (.L...).
   const std::vector<ElfSymbol>& symbols() const { return symbols_; }
-  /// The function, or else the label, that covers an address; null when there is none.
+  /// Returns the function, or else the label, that contains an address; null if there is none.
   const ElfSymbol* covering(std::uint32_t address) const;
-  /// "camera_handler+0x12 (camera.c:41)", without the line where the program was compiled without -g; "" when no symbol
-  /// covers the address.
+  /// Returns a text such as "camera_handler+0x12 (camera.c:41)", without the line if the program was compiled without
+  /// -g; "" if no symbol contains the address.
   std::string where(std::uint32_t address) const;
-  /// The same for an address that a call returns to, with the line of the call.
+  /// Returns the same for a return address, with the line of the call.
   std::string where_called(std::uint32_t return_address) const;
 
  private:
@@ -72,8 +74,8 @@ class Elf {
   std::shared_ptr<const LineSections> lines_;
 };
 
-/// Tag_RISCV_arch in a section .riscv.attributes, such as "rv32i2p1_m2p0_c2p0"; empty if the section is damaged or has
-/// none. Source: RISC-V ELF psABI 1.0, chapter "Attributes".
+/// Returns Tag_RISCV_arch of a section .riscv.attributes, such as "rv32i2p1_m2p0_c2p0"; empty if the section is damaged
+/// or has no such tag. Source: RISC-V ELF psABI 1.0, chapter "Attributes".
 std::string architecture_in(std::span<const std::uint8_t> attributes);
 
 }  // namespace mebots::soc

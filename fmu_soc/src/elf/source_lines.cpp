@@ -13,7 +13,7 @@ namespace {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Reads a section that may end anywhere, or say nonsense: behind its end all is 0, and `good` is false.
+/// Reads a section that may be truncated or damaged. After its end, all values are 0 and `good` is false.
 class Cursor {
  public:
   explicit Cursor(Bytes bytes) : bytes_(bytes) {}
@@ -28,7 +28,7 @@ class Cursor {
     return value;
   }
 
-  /// LEB128, of which 32 bits are kept.
+  /// LEB128, truncated to 32 bits.
   std::uint32_t unsigned_number() { return leb128().first; }
   std::int32_t signed_number() {
     const auto [value, bits] = leb128();
@@ -44,7 +44,7 @@ class Cursor {
   }
 
   Bytes rest() { return take(bytes_.size() - at_); }
-  /// The next `size` bytes; none when there are fewer.
+  /// Returns the next `size` bytes; empty if there are fewer.
   Bytes take(std::size_t size) {
     if (size > bytes_.size() - at_) good_ = false;
     if (!good_) return {};
@@ -54,7 +54,7 @@ class Cursor {
   }
 
  private:
-  /// The low bits, and how many were given.
+  /// Returns the low bits and their number.
   std::pair<std::uint32_t, unsigned> leb128() {
     std::uint32_t value = 0;
     for (unsigned bits = 0;; bits += 7) {
@@ -89,7 +89,7 @@ enum class Form : std::uint32_t {
 
 constexpr std::uint32_t kPath = 1;  // DW_LNCT_path
 
-/// What a form holds when it is a text; anything else is passed over. An unknown form spoils the cursor.
+/// Returns the text of a form; skips a form that is not a text. After an unknown form, the cursor is not good any more.
 std::string_view read_form(Cursor& cursor, std::uint32_t form, const LineSections& sections) {
   switch (static_cast<Form>(form)) {
     case Form::string:
@@ -124,7 +124,7 @@ std::string_view read_form(Cursor& cursor, std::uint32_t form, const LineSection
   return {};
 }
 
-/// Version 5: entries described by a list of what they hold and how.
+/// Version 5: reads entries whose fields are described by a list.
 std::vector<std::string_view> described_entries(Cursor& cursor, const LineSections& sections) {
   struct Field {
     std::uint32_t content, form;
@@ -148,7 +148,7 @@ std::vector<std::string_view> described_entries(Cursor& cursor, const LineSectio
   return paths;
 }
 
-/// The files of a unit by the numbers that its program uses.
+/// Returns the files of a unit, by the numbers in its line number program.
 std::vector<std::string_view> read_files(Cursor& cursor, unsigned version, const LineSections& sections) {
   if (version >= 5) {
     described_entries(cursor, sections);  // folders
@@ -156,7 +156,7 @@ std::vector<std::string_view> read_files(Cursor& cursor, unsigned version, const
   }
   while (cursor.good() && !cursor.text().empty()) {
   }                                         // folders
-  std::vector<std::string_view> files{""};  // numbers begin with 1
+  std::vector<std::string_view> files{""};  // numbers start at 1
   for (auto name = cursor.text(); cursor.good() && !name.empty(); name = cursor.text()) {
     files.push_back(name);
     for (int field = 0; field < 3; ++field) cursor.unsigned_number();  // folder, time, size
@@ -170,17 +170,17 @@ struct Row {
   std::uint32_t line = 1;
 };
 
-/// A unit's line number program, a machine of its own that writes rows of (address, file, line).
+/// A unit's line number program: a state machine that produces rows of (address, file, line).
 class LineProgram {
  public:
   LineProgram(Bytes unit, unsigned version, const LineSections& sections) : cursor_(unit) {
     const auto header = cursor_.number(4);
     Cursor fields(cursor_.take(header));
     least_length_ = fields.number(1);
-    if (version >= 4) fields.number(1);  // operations of an instruction: more than one for VLIW only
-    fields.number(1);                    // whether a row is a statement to begin with
+    if (version >= 4) fields.number(1);  // operations per instruction: more than one only for VLIW
+    fields.number(1);                    // initial value of is_stmt
     line_base_ = static_cast<std::int32_t>(fields.number(1));
-    if (line_base_ > 127) line_base_ -= 256;  // a byte with a sign
+    if (line_base_ > 127) line_base_ -= 256;  // signed byte
     line_range_ = fields.number(1);
     opcode_base_ = fields.number(1);
     for (unsigned op = 1; op < opcode_base_; ++op) operands_.push_back(static_cast<std::uint8_t>(fields.number(1)));
@@ -188,7 +188,7 @@ class LineProgram {
     good_ = fields.good() && line_range_ != 0 && opcode_base_ != 0;
   }
 
-  /// The row that covers an address: from its own to the next one's of the same sequence.
+  /// Returns the row that contains an address: each row extends to the next one of its sequence.
   std::optional<Row> find(std::uint32_t address) {
     if (!good_) return std::nullopt;
     std::optional<Row> last;
@@ -209,7 +209,7 @@ class LineProgram {
 
  private:
   enum class Event { none, row, end };
-  static constexpr unsigned kNamedOpcodes = 12;  // those that this reader knows
+  static constexpr unsigned kNamedOpcodes = 12;  // opcodes with a meaning in this reader
 
   Event next() {
     const auto opcode = cursor_.number(1);
@@ -250,7 +250,7 @@ class LineProgram {
       case 9:  // fixed_advance_pc
         row_.address += cursor_.number(2);
         break;
-      default:  // marks without operands
+      default:  // flags without operands
         break;
     }
     return Event::none;
@@ -269,7 +269,7 @@ class LineProgram {
   std::int32_t line_base_ = 0;
   std::uint32_t line_range_ = 0;
   std::uint32_t opcode_base_ = 0;
-  std::vector<std::uint8_t> operands_;  // of the standard opcodes, from 1 on
+  std::vector<std::uint8_t> operands_;  // number of operands of the standard opcodes, from 1
   std::vector<std::string_view> files_;
   Row row_;
   bool good_ = false;
@@ -284,10 +284,10 @@ std::string SourceLine::text() const {
 std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t address) {
   Cursor units(sections.line);
   while (units.more()) {
-    Cursor unit(units.take(units.number(4)));  // 0xffffffff, for 64 bits, is longer than any section
+    Cursor unit(units.take(units.number(4)));  // 0xffffffff, the mark of the 64-bit format, is longer than any section
     const auto version = unit.number(2);
     if (version < 2 || version > 5) continue;
-    if (version == 5) unit.take(2);  // sizes of an address and of a segment selector
+    if (version == 5) unit.take(2);  // sizes of address and segment selector
     LineProgram program(unit.rest(), version, sections);
     const auto row = program.find(address);
     if (!row || row->line == 0) continue;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Loads and stores as host code, in the two fast memories. What is misaligned in the second one, elsewhere, or stored
-// where somebody must hear of it is left to the interpreter.
+// Lowering of loads and stores in the two fast memories. The interpreter makes all other accesses: misaligned ones in
+// the second memory, those outside both, and stores over marks.
 #include "instructions/load_store.hpp"
 
 #include "mebots/assert.hpp"
@@ -16,19 +16,20 @@ namespace {
 
 using namespace lowering;
 
-/// The register with the offset or the increment.
+/// Returns the register with the offset or the increment.
 unsigned step_register(const Instruction* at) {
   return is_store(at->op) ? static_cast<unsigned>(at->imm) : at->rs2;
 }
 
-/// Leaves the number of the word that an aligned access touches in `scratch` for words, else nothing of use.
+/// Jumps to `other` if the offset is outside the memory or misaligned. For words, `scratch` is then the number of the
+/// word.
 void check_address(Assembler& c, const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size,
                    Label& other) {
   const auto bytes = ram.span + 3;
   if (size == 1) {
     c.cmp(offset, bytes);
   } else {
-    // Rotated, a misaligned offset is far too large.
+    // After a rotation, a misaligned offset is out of range.
     const auto shift = static_cast<unsigned>(std::countr_zero(size));
     c.rorx(scratch, offset, static_cast<std::uint8_t>(shift));
     c.cmp(scratch, bytes >> shift);
@@ -57,7 +58,7 @@ Label emit_address(Assembler& c, const Instruction* at, unsigned size, Label& ot
   return inside;
 }
 
-/// In place of an address check that failed: half a word in the middle of a word is one access like any other.
+/// Continues with a halfword in the middle of a word after a failed address check: it is a single access.
 void emit_middle_of_word(Assembler& c, unsigned size, Label& inside) {
   if (size != 2) return;
   Label other;
@@ -70,8 +71,8 @@ void emit_middle_of_word(Assembler& c, unsigned size, Label& inside) {
   c.L(other);
 }
 
-/// Makes two accesses if the bytes are in two words. A store goes to `marked` if a word is marked. A load near the end
-/// of its block is left to the interpreter, since the next block may depend on its wait.
+/// Makes two accesses if the bytes are in two words. If a word is marked, a store jumps to `marked`. A load near the
+/// end of its block is left to the interpreter, because the next block may depend on its wait.
 void emit_across_words(Assembler& c, const Instruction* at, unsigned size, Label& marked, Label& claimed) {
   if (size == 1 || (is_load(at->op) && (is_block_end(at[1].op) || is_block_end(at[2].op)))) return;
   Label other;
@@ -98,10 +99,10 @@ void emit_across_words(Assembler& c, const Instruction* at, unsigned size, Label
   c.L(other);
 }
 
-/// Adds to the address register of a post-increment; ecx and edx are lost.
+/// Adds to the address register of a post-increment. Changes ecx and edx.
 void emit_increment(Assembler& c, const Instruction* at) {
   const auto mode = traits_of(at->op).mode;
-  if (at->rs1 == 0 || (is_load(at->op) && at->rd == at->rs1)) return;  // what is loaded wins
+  if (at->rs1 == 0 || (is_load(at->op) && at->rd == at->rs1)) return;  // the loaded value wins
   const auto add_to = [&c, at, mode](const Xbyak::Operand& to) {
     if (mode == AddressMode::post_immediate) {
       c.add(to, static_cast<std::uint32_t>(at->imm));
@@ -128,8 +129,8 @@ void emit_read(Assembler& c, const Reg32& to, const Xbyak::RegExp& from, unsigne
   }
 }
 
-/// Counts an access to the second memory at offset ecx, and spends what it waits; eax and edx are lost. Goes to `left`,
-/// with nothing done, where the interpreter must make it.
+/// Counts an access to the second memory at offset ecx, and spends its wait. Changes eax and edx. If the interpreter
+/// must make the access, jumps to `left` without effect.
 void emit_far_wait(Assembler& c, const Instruction* at, Label& left) {
   const auto& ram = c.ram[1];
   if (ram.is_shared()) {
@@ -156,7 +157,7 @@ bool emit_load(Assembler& c, const Instruction* at) {
   auto inside = emit_address(c, at, size, other);
   c.cycles.claim_bank(at, size == 4);
   c.L(claimed);
-  // An increment by the register that is loaded reads it first.
+  // If the increment is the register that is loaded, its old value is needed.
   const bool is_own_step = traits_of(at->op).mode == AddressMode::post_register && step_register(at) == at->rd;
   const auto to = c.registers.place(at->rd, eax, is_own_step);
   const bool into_vector = size == 4 && c.registers.in_vector(at->rd) && !is_own_step;

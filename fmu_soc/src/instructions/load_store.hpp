@@ -9,7 +9,7 @@
 #include <cstring>
 #include <type_traits>
 
-/// Loads and stores: those of RV32I, and those of Xpulp v2 with other ways to an address.
+/// Loads and stores of RV32I, and those of Xpulp v2 with other address modes.
 namespace mebots::soc {
 
 namespace translate {
@@ -24,7 +24,7 @@ constexpr bool is_post(Mode mode) {
   return mode == Mode::post_immediate || mode == Mode::post_register;
 }
 
-/// A load across two words: a cycle more, behind which a jump that follows hides all but one of its own.
+/// Adds the cycle of a misaligned load. A jump directly after it then takes only one cycle.
 [[gnu::always_inline]] inline void misaligned_load(Execution& e, const Instruction* at) {
   e.extra_cycles += kMisalignedExtra;
   e.slow_load = at;
@@ -33,7 +33,7 @@ constexpr bool is_post(Mode mode) {
   }
 }
 
-/// After an access by the slow path: true if the access took place, false if it is a trap or comes later.
+/// Called after an access on the slow path. True if the access took place; false if it trapped or was deferred.
 inline bool retired(const Execution& e, const Instruction* at) {
   return e.exit == at + 1;
 }
@@ -44,13 +44,13 @@ inline bool retired(const Execution& e, const Instruction* at) {
   e.x[0] = 0;
 }
 
-/// Address of an access, and what its address register becomes by an increment.
+/// Address of an access, and the new value of its address register.
 struct Addresses {
   std::uint32_t access;
   std::uint32_t moved;
 };
 
-/// The register of an offset or increment stands in rs2, for stores in imm.
+/// A register with an offset or increment is in rs2; for stores, in imm.
 template <Mode kMode>
 [[gnu::always_inline]] inline Addresses addresses_of(const Execution& e, const Instruction* at, std::uint32_t in) {
   const auto base = e.x[at->rs1];
@@ -58,7 +58,7 @@ template <Mode kMode>
   return {is_post(kMode) ? base : moved, moved};
 }
 
-/// The load wins when it writes its own address register.
+/// Finishes a load. If the load writes its own address register, the loaded value wins over the increment.
 template <typename T, Mode kMode>
 [[gnu::always_inline]] inline void finish_load(Execution& e, const Instruction* at, const std::uint8_t* data,
                                                std::uint32_t moved) {
@@ -130,7 +130,7 @@ template <typename T, Mode kMode>
   return next(e, at);
 }
 
-/// What a load or store of `size` bytes moves.
+/// Type of the value that a load or store of `size` bytes moves.
 template <std::uint8_t kSize, bool kSign>
 using Moved = std::conditional_t<kSize == 4, std::int32_t,
                                  std::conditional_t<kSize == 2, std::conditional_t<kSign, std::int16_t, std::uint16_t>,
@@ -149,7 +149,7 @@ const Instruction* execute_store(Execution& e, const Instruction* at) {
   return load_store::store<std::make_unsigned_t<load_store::Moved<kTraits.size, false>>, kTraits.mode>(e, at);
 }
 
-/// False: there is no fast memory.
+/// Writes host code for a load or store. Returns false if there is no fast memory.
 bool emit_load(translate::Assembler& c, const Instruction* at);
 bool emit_store(translate::Assembler& c, const Instruction* at);
 

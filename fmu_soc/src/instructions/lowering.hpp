@@ -5,8 +5,7 @@
 
 #include <utility>
 
-/// Lowerings that several operations share. What differs between them is a function that writes one instruction of the
-/// host.
+/// Lowerings that several operations share. Each takes a function that writes the host instruction that differs.
 namespace mebots::soc::lowering {
 
 using namespace Xbyak::util;
@@ -74,7 +73,7 @@ inline void emit_compare(Assembler& c, unsigned rs1, unsigned rs2) {
   }
 }
 
-/// rd = 1 if the flags say so, else 0; `set_al()` sets al by them.
+/// Sets rd to 1 or 0 from the flags; `set_al()` writes the setcc of al.
 template <typename Set>
 void finish_set(Assembler& c, unsigned rd, Set set_al) {
   set_al();

@@ -17,11 +17,11 @@ constexpr std::int32_t as_signed(Word word) {
   return static_cast<std::int32_t>(word);
 }
 
-/// An operation: what the interpreter runs for it, and how it becomes host code. The tables of each family
-/// (isa/*.decode) name the pair of functions from which operation() below makes it.
+/// An operation: its handlers for the interpreter, and its lowering to host code. The tables of each family
+/// (isa/*.decode) name the two functions from which operation() makes it.
 struct Operation {
   std::array<Handler, 3> handlers{};  // by Operand
-  Lowering emit = nullptr;            // null: all forms are left to the interpreter
+  Lowering emit = nullptr;            // null: the interpreter executes all forms
   Compute compute = nullptr;          // not null: rd = compute(rs1, second operand)
   Compare compare = nullptr;          // not null: a branch, taken if it holds
 };
@@ -38,7 +38,8 @@ struct Signature<R (*)(Arguments...)> {
   static constexpr std::size_t kCount = sizeof...(Arguments);
 };
 
-/// The second operand. A scalar is copied into all parts. Five bits with their sign may take the place of rs2.
+/// Returns the second operand. A scalar is copied into all parts. Some operations have a signed 5-bit value instead of
+/// rs2.
 template <Op kOp, Operand kFrom>
 [[gnu::always_inline]] inline Word second(const Execution& e, const Instruction* at) {
   if constexpr (kFrom == Operand::immediate) {
@@ -53,8 +54,9 @@ template <Op kOp, Operand kFrom>
   }
 }
 
-/// Runs a function of words. Its arguments, by their number: rs1; rs1 and the second operand; and then the immediate.
-/// An operation that reads rd has it as the first one. (rd = x0 is register 32 here, but so is what it writes.)
+/// Runs a function of words. Its arguments, depending on their number, are rs1; rs1 and the second operand; these and
+/// the immediate. An operation that reads rd gets it as the first argument. (rd = x0 is register 32 here, for reads and
+/// writes.)
 template <Op kOp, Operand kFrom, auto kExecute>
 const Instruction* run(Execution& e, const Instruction* at) {
   constexpr auto kCount = Signature<decltype(kExecute)>::kCount;

@@ -9,7 +9,7 @@
 namespace mebots::soc {
 namespace {
 
-/// By number: families stand one behind the other.
+/// All operations by number, in the order of their families.
 constexpr auto kAll = [] {
   std::array<const Operation*, kOpCount> all{};
   std::size_t next = 0;

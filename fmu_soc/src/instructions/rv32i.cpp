@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// RV32I: what each operation of isa/rv32i.decode computes, and how it becomes host code.
+// RV32I: execution and lowering of each operation of isa/rv32i.decode.
 #include "instructions/load_store.hpp"
 
 #include "instructions/operation.hpp"
@@ -44,7 +44,7 @@ const Instruction* leave_to(Execution& e, const Instruction* at, Word target) {
   e.jumped = at->rs2 == 0;
   e.redirected = true;
   e.exit = at + 1;
-  e.link = &at->link;  // of jalr: where it went last
+  e.link = &at->link;  // jalr keeps its last target there
   return nullptr;
 }
 const Instruction* execute_jal(Execution& e, const Instruction* at) {
@@ -83,7 +83,7 @@ void emit_jal(Assembler& c, const Instruction* at) {
   if (at->rd != 32) c.registers.set(at->rd, at[1].pc);
   c.edges.jump(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
 }
-/// False: a slow instruction before it hides the cost of an unaligned target (rs2), which is rare.
+/// Returns false, which is rare, if a slow instruction before it hides the cost of an unaligned target (rs2).
 bool emit_jalr(Assembler& c, const Instruction* at) {
   if (at->rs2 != 0) return false;
   const auto base = c.registers.value(at->rs1, eax);
@@ -93,7 +93,7 @@ bool emit_jalr(Assembler& c, const Instruction* at) {
   c.edges.jump_indirect(at);
   return true;
 }
-/// `jump(label)` jumps if the flags of rs1 - rs2 say that the branch is taken.
+/// `jump(label)` jumps if the flags of rs1 - rs2 are those of a taken branch.
 template <typename Jump>
 void emit_branch(Assembler& c, const Instruction* at, Jump jump) {
   emit_compare(c, at->rs1, at->rs2);
@@ -122,7 +122,7 @@ void emit_end_of_block(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Computing with an immediate
+// Operations with an immediate
 
 constexpr Word execute_addi(Word a, Word b) {
   return a + b;
@@ -169,7 +169,7 @@ void emit_addi(Assembler& c, const Instruction* at) {
     c.registers.finish(at->rd, to);
   }
 }
-/// Flags of rs1 - immediate.
+/// Sets the flags of rs1 - immediate.
 void emit_compare_immediate(Assembler& c, const Instruction* at) {
   if (at->rs1 == 0) {
     c.mov(eax, 0);
@@ -206,7 +206,7 @@ void emit_srai(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Computing with two registers
+// Operations with two registers
 
 constexpr Word execute_add(Word a, Word b) {
   return a + b;
@@ -287,7 +287,7 @@ void emit_and(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Stores are visible at once, also to the decoder: a fence only takes time.
+// Stores are visible at once, also to the decoder. Therefore a fence only takes time.
 
 const Instruction* execute_fence(Execution& e, const Instruction* at) {
   return next(e, at);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The M extension: what each operation of isa/rv32m.decode computes, and how it becomes host code.
+// The M extension: execution and lowering of each operation of isa/rv32m.decode.
 #include "instructions/operation.hpp"
 
 #include "mebots/assert.hpp"
@@ -59,8 +59,8 @@ void emit_mulhu(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Division by zero gives all ones; the one overflow, -2^31 / -1, gives -2^31. The remainder by zero is the dividend; of
-// the overflow, 0.
+// Division by zero returns all ones; the overflow -2^31 / -1 returns -2^31. The remainder is the dividend for a
+// division by zero, and 0 for the overflow.
 
 constexpr Word execute_div(Word a, Word b) {
   if (b == 0) return ~Word{0};
@@ -80,8 +80,8 @@ constexpr Word execute_remu(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Cycles depend on the divisor's leading zeros, or ones less one if it is negative: see divide_extra_signed. The
-/// number of steps is in edx; ecx holds the divisor and eax is lost.
+/// Spends the cycles of a division, which depend on the divisor's leading zeros, or on its leading ones - 1 if it is
+/// negative: see divide_extra_signed(). Expects the divisor in ecx; edx becomes the number of steps. Changes eax.
 void emit_divide_cycles(Assembler& c, bool is_signed) {
   if (is_signed) {
     c.mov(edx, ecx);
@@ -89,7 +89,7 @@ void emit_divide_cycles(Assembler& c, bool is_signed) {
     c.mov(eax, edx);
     c.xor_(edx, ecx);
     c.lzcnt(edx, edx);
-    c.add(edx, eax);  // -1 when negative
+    c.add(edx, eax);  // -1 if negative
   } else {
     c.lzcnt(edx, ecx);
   }
@@ -106,7 +106,7 @@ void emit_divide(Assembler& c, const Instruction* at, bool remainder) {
   c.test(ecx, ecx);
   c.jz(by_zero, kNear);
   if (is_signed) {
-    // In 64 bits, -2^31 / -1 is a number like any other.
+    // In 64 bits, -2^31 / -1 does not overflow.
     c.movsxd(rax, eax);
     c.movsxd(rcx, ecx);
     c.cqo();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Traps, Zifencei, Zicsr and machine mode: what each operation of isa/system.decode does. All are left to the
-// interpreter.
+// Traps, Zifencei, Zicsr and machine mode: execution of each operation of isa/system.decode. None has a lowering.
 #include "hart/csr_numbers.hpp"
 #include "hart/csrs.hpp"
 #include "hart/execution.hpp"

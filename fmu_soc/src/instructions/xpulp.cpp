@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Xpulp v2 on whole words: what each operation of isa/xpulp.decode computes, and how it becomes host code. Where the
-// manual leaves open what happens (sums that wrap, bit fields that pass the end, negative bounds of a clip), results
-// are those of the ALU and multiplier of RI5CY's RTL (pulp-platform/riscv, February 2018).
+// Xpulp v2 on whole words: execution and lowering of each operation of isa/xpulp.decode. The manual does not define
+// some results: sums that wrap, bit fields that exceed the word, negative bounds of a clip. These are as in the ALU and
+// multiplier of RI5CY's RTL (pulp-platform/riscv, February 2018).
 #include "hart/block_cache.hpp"
 
 #include "instructions/load_store.hpp"
@@ -27,7 +27,7 @@ constexpr Word shift_right_signed(Word a, Word places) {
   return static_cast<Word>(as_signed(a) >> (places & 31U));
 }
 
-// Branches on an immediate, of five bits with their sign
+// Branches that compare with a signed 5-bit immediate
 
 constexpr bool execute_p_beqimm(Word a, Word b) {
   return a == b;
@@ -64,7 +64,8 @@ const Instruction* execute_lp_starti(Execution& e, const Instruction* at) {
   e.loops[at->rs2].start = at->pc + static_cast<Word>(at->imm);
   return next(e, at);
 }
-/// Leaves a block in progress that would continue behind the new end, because its code has another end now.
+/// Sets the end of a loop. If the present block continues past the new end, leaves it, because it must be decoded
+/// again.
 const Instruction* set_loop_end(Execution& e, const Instruction* at, Word pc) {
   MEBOTS_ASSERT(at->rs2 < e.loops.size());
   e.loops[at->rs2].end = pc;
@@ -87,15 +88,16 @@ const Instruction* execute_lp_setup(Execution& e, const Instruction* at) {
   e.loops[at->rs2].count = e.x[at->rs1];
   return set_loop_end(e, at, at->pc + static_cast<Word>(at->imm));
 }
-/// The count is in the lower half of the immediate, the distance of the end in the upper half.
+/// The immediate contains the count in its lower half, and the distance of the end in its upper half.
 const Instruction* execute_lp_setupi(Execution& e, const Instruction* at) {
   const auto fields = static_cast<Word>(at->imm);
   e.loops[at->rs2].start = at->pc + 4;
   e.loops[at->rs2].count = fields & 0xffffU;
   return set_loop_end(e, at, at->pc + (fields >> 16));
 }
-/// The end of a block whose last instruction may end a loop. The inner loop (0) comes first; a loop with no iteration
-/// left keeps its count, and the other loop or the next instruction follows. An iteration takes no cycle.
+/// Ends a block whose last instruction may end a loop. The inner loop (0) is checked first. A loop with no iteration
+/// left keeps its count; then the other loop is checked, and then the next instruction follows. An iteration takes no
+/// cycle.
 const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
   MEBOTS_ASSERT(at->index > 0 && is_block_end(at->op));
   const auto last = at[-1].pc;
@@ -113,12 +115,12 @@ const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// A register of the loop that the instruction names.
+/// Returns the operand for a register of the instruction's loop.
 Xbyak::Address loop_register(const Instruction* at, std::size_t offset) {
   MEBOTS_ASSERT(is_hardware_loop(at->op) && at->rs2 < 2);
   return dword[rbx + translate::offset_of_loop(at->rs2) + static_cast<int>(offset)];
 }
-/// False: a block must end there first, which only the interpreter brings about.
+/// Returns false if blocks do not end at `pc` yet; only the interpreter can change that.
 bool emit_set_loop_end(Assembler& c, const Instruction* at, std::uint32_t pc) {
   if (!c.blocks.may_end_loop(pc)) return false;
   c.mov(loop_register(at, offsetof(HardwareLoop, end)), pc);
@@ -200,12 +202,12 @@ constexpr Word execute_p_extbs(Word a) {
 constexpr Word execute_p_extbz(Word a) {
   return a & 0xffU;
 }
-/// Into [-bound - 1, bound].
+/// Limits a value to [-bound - 1, bound].
 constexpr Word execute_p_clip(Word a, Word bound) {
   if (as_signed(a) > as_signed(bound)) return bound;
   return std::int64_t{as_signed(a)} + as_signed(bound) + 1 < 0 ? ~bound : a;
 }
-/// Into [0, bound].
+/// Limits a value to [0, bound].
 constexpr Word execute_p_clipu(Word a, Word bound) {
   if (as_signed(a) > as_signed(bound)) return bound;
   return as_signed(a) < 0 ? 0U : a;
@@ -225,7 +227,7 @@ void emit_p_slet(Assembler& c, const Instruction* at) {
 void emit_p_sletu(Assembler& c, const Instruction* at) {
   emit_set(c, at, [&] { c.setbe(al); });
 }
-/// The second operand if the flags of first - second say so: `move()` moves it from ecx to eax by them.
+/// Selects the second operand if the flags of first - second say so: `move()` writes the cmov from ecx to eax.
 template <typename Move>
 void emit_select(Assembler& c, const Instruction* at, Move move) {
   c.registers.copy(eax, at->rs1);
@@ -258,7 +260,7 @@ void emit_p_extbs(Assembler& c, const Instruction* at) {
 void emit_p_extbz(Assembler& c, const Instruction* at) {
   emit_unary(c, at, [&](const Reg32& to) { c.movzx(to, al); });
 }
-/// Between 0, or the bound's complement where signed, and the bound.
+/// Limits a value to the range from 0, or the bound's complement if signed, to the bound.
 void emit_clip(Assembler& c, const Instruction* at, bool is_signed) {
   c.registers.copy(eax, at->rs1);
   if (operand_of(*at) == Operand::immediate) {
@@ -276,7 +278,7 @@ void emit_clip(Assembler& c, const Instruction* at, bool is_signed) {
     c.test(eax, eax);
     c.cmovns(edx, eax);
   }
-  c.cmp(eax, ecx);  // comes first where the two bounds cross
+  c.cmp(eax, ecx);  // the upper bound has priority if the bounds cross
   c.cmovg(edx, ecx);
   c.registers.finish(at->rd, edx);
 }
@@ -288,9 +290,9 @@ void emit_p_clipu(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Sums that are shifted right: the traits say whether they subtract, round and keep the sign
+// Sums that are shifted right. The traits say whether the operation subtracts, rounds, and keeps the sign.
 
-/// Half of the last place that a shift drops.
+/// Returns half of the last place that remains after the shift.
 constexpr Word rounding(Word shift) {
   return (Word{1} << shift) >> 1;
 }
@@ -349,7 +351,7 @@ constexpr Word field_mask(Word bits) {
 constexpr Word execute_p_extractu(Word a, Word bits) {
   return (a >> (bits & 31U)) & field_mask(bits);
 }
-/// What passes the end of the word is filled with its sign.
+/// Bits beyond the end of the word are copies of its sign.
 constexpr Word execute_p_extract(Word a, Word bits) {
   const auto shifted = shift_right_signed(a, bits);
   const auto mask = field_mask(bits);
@@ -366,15 +368,15 @@ constexpr Word execute_p_bclr(Word a, Word bits) {
 constexpr Word execute_p_bset(Word a, Word bits) {
   return a | (field_mask(bits) << (bits & 31U));
 }
-/// Position of the lowest one; 32 if there is none.
+/// Position of the lowest set bit; 32 if there is none.
 constexpr Word execute_p_ff1(Word a) {
   return static_cast<Word>(std::countr_zero(a));
 }
-/// Position of the highest one; 32 if there is none.
+/// Position of the highest set bit; 32 if there is none.
 constexpr Word execute_p_fl1(Word a) {
   return a == 0 ? 32U : 31U - static_cast<Word>(std::countl_zero(a));
 }
-/// Copies of the sign behind it; 0 for 0.
+/// Number of copies of the sign after the sign bit; 0 for 0.
 constexpr Word execute_p_clb(Word a) {
   if (a == 0) return 0;
   return static_cast<Word>(as_signed(a) < 0 ? std::countl_one(a) : std::countl_zero(a)) - 1U;
@@ -390,11 +392,11 @@ constexpr Word execute_p_ror(Word a, Word b) {
 struct Field {
   unsigned position = 0;
   unsigned width = 0;
-  std::uint32_t low = 0;   // as many bits, at the lower end of the word
-  std::uint32_t mask = 0;  // in their place
+  std::uint32_t low = 0;   // ones at the lower end of the word, one for each bit of the field
+  std::uint32_t mask = 0;  // ones at the field's position
 };
-/// The field of a word that an immediate gives; nothing if registers do, which is rare. What passes the end of the word
-/// is not part of it.
+/// Returns the bit field of an immediate, without bits beyond the end of the word; nullopt if the field is in a
+/// register, which is rare.
 std::optional<Field> field_of(const Instruction* at) {
   if (operand_of(*at) != Operand::immediate) return std::nullopt;
   const auto imm = static_cast<unsigned>(at->imm);
@@ -458,7 +460,7 @@ void emit_p_ff1(Assembler& c, const Instruction* at) {
 }
 void emit_p_fl1(Assembler& c, const Instruction* at) {
   c.registers.copy(eax, at->rs1);
-  c.lzcnt(eax, eax);  // 32 for 0: stays
+  c.lzcnt(eax, eax);  // 32 for 0 is the result
   c.mov(ecx, 31);
   c.sub(ecx, eax);
   c.cmovns(eax, ecx);
@@ -483,13 +485,13 @@ constexpr Word execute_p_mac(Word sum, Word a, Word b) {
 constexpr Word execute_p_msu(Word sum, Word a, Word b) {
   return sum - a * b;
 }
-/// The half of a word that the operation takes, as a word.
+/// Returns the half that the operation uses, as a word.
 template <Op kOp>
 constexpr Word half(Word a) {
   if (traits_of(kOp).high) return shift_right<kOp>(a, 16);
   return traits_of(kOp).sign ? static_cast<Word>(static_cast<std::int16_t>(a)) : a & 0xffffU;
 }
-/// sum + product of halves, shifted right; rounded first if the traits say so.
+/// Returns sum + product of halves, shifted right. If the traits say so, it is rounded before the shift.
 template <Op kOp>
 constexpr Word execute_accumulate_halves(Word sum, Word a, Word b, Word shift) {
   sum += half<kOp>(a) * half<kOp>(b);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Xpulp v2 on two halves or four bytes of a word: what each operation of isa/xpulp_simd.decode computes, and how it
-// becomes host code, in the low 32 bits of SSE registers. Part 0 is the lowest. One pair of functions is for halves and
-// bytes: the traits of the operation say on which it works.
+// Xpulp v2 on two halves or four bytes of a word: execution and lowering of each operation of isa/xpulp_simd.decode.
+// Lowerings use the low 32 bits of SSE registers. Part 0 is the lowest. Halves and bytes have the same functions; the
+// traits of an operation select the size.
 #include "instructions/operation.hpp"
 
 #include "mebots/assert.hpp"
@@ -43,7 +43,7 @@ constexpr Word at_part(T value, unsigned index) {
   return Word{static_cast<std::make_unsigned_t<T>>(value)} << (index * kPartBits<T>);
 }
 
-/// `compute` on each pair of parts.
+/// Applies `compute` to each pair of parts.
 template <typename T, typename Compute>
 constexpr Word on_parts(Word a, Word b, Compute compute) {
   Word result = 0;
@@ -57,7 +57,7 @@ constexpr Word on_parts(Word a, Word b, Compute compute) {
 bool on_bytes(Op op) {
   return traits_of(op).parts == 4;
 }
-/// The second operand, from where the instruction has it, in ecx.
+/// Loads the second operand into ecx.
 void load_second(Assembler& c, const Instruction* at) {
   MEBOTS_ASSERT(is_simd(at->op));
   const auto from = operand_of(*at);
@@ -75,7 +75,7 @@ void load_second(Assembler& c, const Instruction* at) {
     c.imul(ecx, ecx, 0x00010001);
   }
 }
-/// One instruction of the host on bytes or halves: `apply(to, from)`, to = to op from
+/// Writes one host instruction on bytes or halves: `apply(to, from)` is to = to op from.
 template <typename Apply>
 void emit_packed(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);
@@ -88,7 +88,7 @@ void emit_packed(Assembler& c, const Instruction* at, Apply apply) {
 }
 #endif
 
-// Sums, least and greatest parts
+// Sums, minimum and maximum of parts
 
 template <Op kOp>
 constexpr Word execute_pv_add(Word a, Word b) {
@@ -114,7 +114,7 @@ template <Op kOp>
 constexpr Word execute_pv_maxu(Word a, Word b) {
   return on_parts<Unsigned<kOp>>(a, b, [](auto x, auto y) { return x > y ? x : y; });
 }
-/// Half of the sum, which wraps before it is halved.
+/// Returns half of the sum. The sum wraps before it is halved.
 template <Op kOp>
 constexpr Word execute_pv_avg(Word a, Word b) {
   return on_parts<Signed<kOp>>(a, b, [](auto x, auto y) { return static_cast<decltype(x)>(x + y) >> 1; });
@@ -151,7 +151,7 @@ void emit_pv_maxu(Assembler& c, const Instruction* at) {
   emit_packed(c, at,
               [&](const Xmm& to, const Xmm& from) { on_bytes(at->op) ? c.pmaxub(to, from) : c.pmaxuw(to, from); });
 }
-/// Half of the sum in each part, which wraps.
+/// Computes half of the sum in each part. The sum wraps.
 void emit_average(Assembler& c, const Instruction* at, bool sign) {
   c.registers.copy(eax, at->rs1);
   load_second(c, at);
@@ -203,7 +203,7 @@ constexpr Word execute_pv_sll(Word a, Word b) {
 
 #ifdef MEBOTS_TRANSLATES
 enum class PartShift : std::uint8_t { left, right, right_signed };
-/// By the same number of places in all parts; other shifts are rare.
+/// Shifts all parts by the same number of places. Other shifts are rare.
 bool emit_shift_parts(Assembler& c, const Instruction* at, PartShift shift) {
   const bool bytes = on_bytes(at->op);
   const auto from = operand_of(*at);
@@ -311,7 +311,7 @@ constexpr Word execute_compare_parts(Word a, Word b) {
 constexpr std::uint32_t kSignOfBytes = 0x80808080U;
 constexpr std::uint32_t kSignOfHalves = 0x80008000U;
 
-/// a == b, !=; a > b, >=, <, <= signed; the same unsigned: with turned signs.
+/// Compares parts: ==, != and signed >, >=, <, <=. Unsigned comparisons invert the signs first.
 void emit_compare_parts(Assembler& c, const Instruction* at) {
   MEBOTS_ASSERT(traits_of(at->op).kind == OpKind::simd_compare);
   const bool bytes = on_bytes(at->op);
@@ -341,7 +341,7 @@ void emit_compare_parts(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Dot products: the sum of the products of all pairs of parts, and that added to rd
+// Dot products: the sum of the products of all pairs of parts; some add it to rd
 
 template <Op kOp>
 constexpr Word execute_accumulate_dot_product(Word sum, Word a, Word b) {
@@ -358,7 +358,7 @@ constexpr Word execute_dot_product(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// How the host does a dot product of unsigned by signed bytes in one instruction, if it can.
+/// Returns the encoding of the host instruction for a dot product of unsigned by signed bytes, if the host has one.
 std::optional<Xbyak::PreferredEncoding> host_dot_product() {
   using Xbyak::util::Cpu;
   const Cpu& cpu = translate::host_processor();
@@ -378,8 +378,8 @@ void finish_sum(Assembler& c, unsigned rd, bool accumulates, const Xbyak::Xmm& s
     c.add(c.registers.operand(rd), eax);
   }
 }
-/// Products of halves by pmaddwd where both are signed, else one by one. Bytes are widened to halves first, since
-/// pmaddubsw would saturate, but for unsigned by signed ones, for which newer hosts have an instruction.
+/// Multiplies signed halves by pmaddwd, and other halves one by one. Bytes are widened to halves first, because
+/// pmaddubsw saturates. Newer hosts have an instruction for unsigned by signed bytes.
 void emit_dot_product(Assembler& c, const Instruction* at) {
   MEBOTS_ASSERT(is_dot_product(at->op));
   const bool accumulates = reads_rd(at->op);
@@ -445,7 +445,7 @@ void emit_accumulate_dot_product(Assembler& c, const Instruction* at) {
 
 // Moving parts
 
-/// One part, extended by its sign or by zeros.
+/// Returns one part with sign or zero extension.
 template <Op kOp>
 constexpr Word execute_pv_extract(Word a, Word index) {
   return static_cast<Word>(std::int32_t{part<Signed<kOp>>(a, index % kParts<Signed<kOp>>)});
@@ -454,14 +454,14 @@ template <Op kOp>
 constexpr Word execute_pv_extractu(Word a, Word index) {
   return part<Unsigned<kOp>>(a, index % kParts<Unsigned<kOp>>);
 }
-/// `into` with the low part of `a` in place of one of its own.
+/// Returns `into` with one part replaced by the low part of `a`.
 template <Op kOp>
 constexpr Word execute_pv_insert(Word into, Word a, Word index) {
   using T = Unsigned<kOp>;
   const auto place = index % kParts<T>;
   return (into & ~at_part<T>(static_cast<T>(-1), place)) | at_part<T>(static_cast<T>(a), place);
 }
-/// Each part of `selectors` says which part of `a` is in its place.
+/// Each part of `selectors` selects a part of `a` for its position.
 template <Op kOp>
 constexpr Word execute_pv_shuffle(Word a, Word selectors) {
   return on_parts<Unsigned<kOp>>(selectors, 0, [a](auto selector, auto) {
@@ -476,15 +476,15 @@ constexpr Word execute_pv_shuffle2(Word low, Word high, Word selectors) {
     return part<T>((selector & kParts<T>) != 0 ? high : low, selector % kParts<T>);
   });
 }
-/// The low halves of two words: of `a` above, of `b` below.
+/// Returns the low halves of two words: that of `a` in the upper half, that of `b` in the lower half.
 constexpr Word execute_pv_pack_h(Word a, Word b) {
   return a << 16 | (b & 0xffffU);
 }
-/// The high halves of two words: of `a` above, of `b` below.
+/// Returns the high halves of two words: that of `a` in the upper half, that of `b` in the lower half.
 constexpr Word execute_pv_pack_h_h(Word a, Word b) {
   return (a & 0xffff0000U) | b >> 16;
 }
-/// The low bytes of two words in the upper (lower) half of `into`.
+/// Returns `into` with its upper (lower) half replaced by the low bytes of two words.
 constexpr Word execute_pv_packhi_b(Word into, Word a, Word b) {
   return (into & 0x0000ffffU) | (a & 0xffU) << 24 | (b & 0xffU) << 16;
 }
@@ -495,9 +495,9 @@ constexpr Word execute_pv_packlo_b(Word into, Word a, Word b) {
 #ifdef MEBOTS_TRANSLATES
 struct Part {
   int position;
-  std::uint32_t low;  // its bits, at the lower end of the word
+  std::uint32_t low;  // mask of the part at position 0
 };
-/// The part that the immediate names.
+/// Returns the part that the immediate selects.
 Part part_of(const Instruction* at) {
   const auto bits = on_bytes(at->op) ? 8U : 16U;
   return {static_cast<int>((static_cast<unsigned>(at->imm) % (32 / bits)) * bits), (1U << bits) - 1U};
@@ -522,7 +522,7 @@ void emit_pv_insert(Assembler& c, const Instruction* at) {
   c.or_(eax, ecx);
   c.registers.finish(at->rd, eax);
 }
-/// Of the parts of one register, or of two.
+/// Shuffles the parts of one register or of two.
 void emit_pv_shuffle(Assembler& c, const Instruction* at) {
   const bool bytes = on_bytes(at->op);
   const bool two = reads_rd(at->op);
@@ -571,7 +571,7 @@ void emit_pv_pack_h(Assembler& c, const Instruction* at) {
 void emit_pv_pack_h_h(Assembler& c, const Instruction* at) {
   emit_pack_halves(c, at, true);
 }
-/// Two bytes into the upper or the lower half of rd.
+/// Packs two bytes into the upper or lower half of rd.
 void emit_pack_bytes(Assembler& c, const Instruction* at, bool into_high) {
   c.registers.copy(eax, at->rs1);
   c.movzx(eax, al);

@@ -25,7 +25,7 @@ class Mistake(Exception):
 
 
 def attributes(words):
-    """`size=2 sign` as a dictionary."""
+    """Returns attributes such as `size=2 sign` as a dictionary."""
     pairs = (word.partition("=") for word in words)
     return {name: value if equals else "true" for name, equals, value in pairs}
 
@@ -132,7 +132,7 @@ class Tables:
             self.families.append(family)
 
     def refuse_overlap(self, mnemonic, format_name, bits, mask, match):
-        """Two rows may match one word only if operands of one of them are reserved."""
+        """Checks that two rows match one word only if operands of one of them are reserved."""
         for other in self.encodings:
             common = mask & other["mask"]
             if bits != other["bits"] or match & common != other["match"] & common:
@@ -162,7 +162,7 @@ class Tables:
                 f'0x{row["mask"]:08x}, 0x{row["match"]:08x}, Extension::{row["extension"]}}},')
 
     def pair(self, name):
-        """An operation with its two functions. A function for several operations is a template over them."""
+        """Writes an operation with its two functions. A function for several operations is a template over them."""
         row = self.operations[name]
         functions = row.get("by", name.removesuffix("_"))
         execute = f"execute_{functions}" + (f"<Op::{name}>" if "by" in row else "")

@@ -12,7 +12,7 @@ constexpr std::array<std::string_view, 32> kNames{"zero", "ra", "sp", "gp", "tp"
                                                   "a1",   "a2", "a3", "a4", "a5",  "a6",  "a7", "s2", "s3", "s4", "s5",
                                                   "s6",   "s7", "s8", "s9", "s10", "s11", "t3", "t4", "t5", "t6"};
 
-/// The text of a format with its names filled in (formats.decode).
+/// Returns the text of a format with its names replaced (formats.decode).
 std::string operands(const Decoded& d, std::uint32_t pc) {
   const auto imm = static_cast<std::uint32_t>(d.imm);
   return fmt::format(fmt::runtime(row_of(d.encoding->format).text),           //

@@ -12,13 +12,14 @@ constexpr auto kEncodings = std::to_array<Encoding>({
 #include "fmu_soc_isa/encodings.inc"
 });
 
-/// An accumulation reads what it writes; a store may have its offset there.
+/// An accumulation reads the register that it writes; a store may have its offset there.
 std::uint8_t third_register(const Encoding& encoding, std::uint32_t w) {
   const auto& format = row_of(encoding.format);
   return (reads_rd(encoding.op) ? format.rd : format.rs3).of(w);
 }
 
-/// Rows that can match a word, by its low bits: opcode (32 bits long) or quadrant and funct3 (16 bits long).
+/// Candidate rows for a word, by its low bits: opcode (32-bit instructions) or quadrant and funct3 (16-bit
+/// instructions).
 class Index {
  public:
   Index() {
@@ -97,7 +98,7 @@ Decoded decode(std::uint32_t word, Extension most) {
 std::int32_t operand_value(const Decoded& decoded) {
   if (decoded.operand != Operand::immediate) return decoded.imm;
   const auto value = static_cast<std::uint32_t>(decoded.imm);
-  // Selectors of a shuffle: each part's bits stand at the foot of the part.
+  // Selectors of a shuffle: the bits of each part are at the part's lower end.
   switch (row_of(decoded.encoding->format).value) {
     case Value::as_it_is:
       return decoded.imm;

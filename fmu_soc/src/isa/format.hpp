@@ -9,27 +9,27 @@
 
 namespace mebots::soc {
 
-/// Where an encoding keeps its operands. Formats that start with `c` are 16 bits long.
+/// Layout of an encoding's operands. Formats that start with `c` are 16 bits long.
 enum class Format : std::uint8_t {
 #include "fmu_soc_isa/format_enum.inc"
 };
 
-/// Where the second operand of an operation comes from.
+/// The source of an operation's second operand.
 enum class Operand : std::uint8_t {
   reg,        // register rs2
   scalar,     // the low half or byte of register rs2, for all parts
   immediate,  // the immediate
 };
 
-/// Bits [high:low] of a word, moved to bit `to`.
+/// Returns bits [high:low] of a word, moved to bit `to`.
 constexpr std::uint32_t field(std::uint32_t word, unsigned high, unsigned low, unsigned to = 0) {
   return ((word >> low) & ((1U << (high - low + 1)) - 1U)) << to;
 }
 
-/// Where the number of a register stands.
+/// The field that contains the number of a register.
 struct RegisterField {
   std::uint8_t low = 0;   // its lowest bit
-  std::uint8_t bits = 0;  // 0: it is always `add`
+  std::uint8_t bits = 0;  // 0: the number is always `add`
   std::uint8_t add = 0;
 
   constexpr std::uint8_t of(std::uint32_t word) const {
@@ -37,12 +37,12 @@ struct RegisterField {
   }
 };
 
-/// How the bits of an immediate lie in the word.
+/// The bits of an immediate in the word.
 struct Immediate {
   struct Piece {
     std::uint8_t high;
     std::uint8_t low;
-    std::uint8_t to = 0;  // the lowest bit's place in the immediate
+    std::uint8_t to = 0;  // lowest bit of the piece in the immediate
   };
   static constexpr std::uint8_t kUnsigned = 31;
   static constexpr std::size_t kMostPieces = 8;
@@ -54,7 +54,7 @@ struct Immediate {
 
   std::array<Piece, kMostPieces> pieces{};
   std::size_t count = 0;
-  std::uint8_t sign = kUnsigned;  // bit that all bits above it are copies of
+  std::uint8_t sign = kUnsigned;  // the bit that is copied to all bits above it
 
   constexpr std::int32_t of(std::uint32_t word) const {
     std::uint32_t value = 0;
@@ -63,21 +63,21 @@ struct Immediate {
   }
 };
 
-/// What an immediate stands for as a second operand.
+/// The meaning of an immediate as a second operand.
 enum class Value : std::uint8_t {
   as_it_is,
-  bound,           // of a clip: the number of its bits
+  bound,           // of a clip: the immediate is the number of its bits
   in_all_parts,    // of a SIMD operation
-  selects_halves,  // of a shuffle, from the highest part down
+  selects_halves,  // of a shuffle, from the highest part to the lowest
   selects_bytes,
 };
 
-/// Which operands make an encoding reserved, or another instruction.
+/// Conditions under which an encoding is reserved, or is another instruction.
 enum class Reserved : std::uint8_t {
   never,
   zero_immediate,
   zero_immediate_or_sp,  // rd = x2
-  long_shift,            // 32 places and more
+  long_shift,            // 32 places or more
   zero_at_7,             // x0 in bits 11:7
   zero_at_2,             // x0 in bits 6:2
 };
@@ -90,10 +90,10 @@ struct FormatRow {
   RegisterField rs2{};
   RegisterField rs3{};
   Immediate immediate{};
-  Operand operand = Operand::reg;  // where the second one comes from
+  Operand operand = Operand::reg;  // source of the second operand
   Value value = Value::as_it_is;
   Reserved reserved = Reserved::never;
-  std::string_view text{};  // of the operands; in braces what disassembly.cpp names
+  std::string_view text{};  // text of the operands; disassembly.cpp replaces names in braces
 };
 
 namespace format_rows {

@@ -8,13 +8,13 @@
 
 namespace mebots::soc {
 
-/// What an instruction does, whatever its encoding: `c.addi` and `addi` are both `addi`.
+/// An operation, independent of its encoding: `c.addi` and `addi` are both `addi`.
 enum class Op : std::uint8_t {
 #include "fmu_soc_isa/op_enum.inc"
 };
 
-/// The kind of an operation, by which timing, decoding and translation treat it. `other` is plain computing, and what
-/// has a handler of its own.
+/// The kind of an operation, for timing, decoding and translation. `other` is plain arithmetic, and operations with
+/// handlers of their own.
 enum class OpKind : std::uint8_t {
   other,
   branch,
@@ -32,45 +32,45 @@ enum class OpKind : std::uint8_t {
   simd,                 // Xpulp, on halves or bytes; those of the next four are SIMD as well
   simd_compare,
   simd_shift,
-  simd_parts,  // moves halves or bytes about
+  simd_parts,  // moves halves or bytes
   dot_product,
-  block_end,  // not an instruction: stands behind the last one of a decoded block
+  block_end,  // not an instruction: the slot after the last one of a decoded block
 };
 
-/// How a load or store finds its address, and what it does with the address register.
+/// How a load or store computes its address and changes the address register.
 enum class AddressMode : std::uint8_t { offset, offset_register, post_immediate, post_register };
 
-/// Whether the offset or the increment stands in a register.
+/// True if the offset or increment is in a register.
 constexpr bool has_step_register(AddressMode mode) {
   return mode == AddressMode::offset_register || mode == AddressMode::post_register;
 }
 
-/// What a SIMD comparison asks of each pair of parts.
+/// Condition that a SIMD comparison tests for each pair of parts.
 enum class Relation : std::uint8_t { eq, ne, gt, ge, lt, le };
 
-// Cycles of instructions that take more than one, as measured on the RTL (hart/timing.hpp).
+// Cycles of multi-cycle instructions, measured on the RTL (hart/timing.hpp).
 inline constexpr unsigned kMultiplyHighCycles = 5;
 inline constexpr unsigned kDivideBaseCycles = 3;
 inline constexpr unsigned kFenceCycles = 4;
-/// Measured together with the entry of a trap as 9; the split is ours.
+/// Measured together with the entry of a trap: 9 cycles. The split is our choice.
 inline constexpr unsigned kMretCycles = 5;
 
-/// What is the same for all encodings of an operation. What means nothing for a kind is as it stands here.
+/// Properties that all encodings of an operation share. Properties that a kind does not have keep their default values.
 struct OpTraits {
   OpKind kind = OpKind::other;
   std::uint8_t size = 0;   // of a load or store [byte]
   std::uint8_t parts = 0;  // SIMD: 2 halves or 4 bytes
-  bool sign = false;       // its operands are signed, of a dot product the first; a load extends by the sign
+  bool sign = false;       // operands are signed; for a dot product, the first; a load extends the sign
   AddressMode mode = AddressMode::offset;
   Relation relation = Relation::eq;
   bool second_sign = false;  // of a dot product
-  bool reads_rd = false;     // also reads the register that it writes; a shifted sum then shifts by a register
+  bool reads_rd = false;     // also reads the register that it writes; a shifted sum is then shifted by a register
   bool rounds = false;       // before it shifts
   bool subtracts = false;
   bool high = false;        // takes the upper halves
-  bool ends_block = false;  // the next instruction is not known, or what it does may depend on this one
-  unsigned cycles = 1;      // of its own, without what only execution tells; of a CSR access see Timing::csr_cycles
-  bool reads_rs2 = true;    // false: in its place stands a value or the number of a loop
+  bool ends_block = false;  // the next instruction is unknown, or may depend on this one
+  unsigned cycles = 1;      // without cycles that depend on data; for CSR accesses see Timing::csr_cycles
+  bool reads_rs2 = true;    // false: the field contains a value or the number of a loop
 };
 
 namespace op_rows {
@@ -96,8 +96,8 @@ inline constexpr auto kNameInStates = name_in_states();
 
 }  // namespace op_rows
 
-/// What an operation is called where a state shows it. A state holds an operation by its number; a build with other
-/// rows has another name here, and so another layout of states: it refuses those of this one.
+/// Name of an operation in a state. A state stores the number of an operation. A build with other rows has another name
+/// here, so it refuses this build's states.
 inline constexpr std::string_view kOpInStates(op_rows::kNameInStates.data(), op_rows::kNameInStates.size());
 
 inline constexpr int kOpCount = static_cast<int>(op_rows::kTraits.size());
@@ -111,7 +111,7 @@ constexpr bool is_load(Op op) {
 constexpr bool is_store(Op op) {
   return traits_of(op).kind == OpKind::store;
 }
-/// Adds to its address register after the access.
+/// True if the address register is incremented after the access.
 constexpr bool is_post_increment(Op op) {
   const auto mode = traits_of(op).mode;
   return mode == AddressMode::post_immediate || mode == AddressMode::post_register;
@@ -128,7 +128,7 @@ constexpr bool is_multiply_high(Op op) {
 constexpr bool is_divide(Op op) {
   return traits_of(op).kind == OpKind::divide;
 }
-/// Takes several cycles, whatever comes before it.
+/// True if the operation takes several cycles, independent of the instructions before it.
 constexpr bool is_multi_cycle(Op op) {
   return is_multiply_high(op) || is_divide(op);
 }
@@ -141,7 +141,7 @@ constexpr bool reads_rd(Op op) {
 constexpr bool is_hardware_loop(Op op) {
   return traits_of(op).kind == OpKind::hardware_loop;
 }
-/// Works on halves or bytes of its operands.
+/// True if the operation works on halves or bytes.
 constexpr bool is_simd(Op op) {
   return traits_of(op).parts != 0;
 }

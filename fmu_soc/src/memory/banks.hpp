@@ -14,8 +14,8 @@
 
 namespace mebots::soc {
 
-/// Which cycles of the banks of a shared memory are taken: a table with a row per tick and a byte per bank, from some
-/// tick on. A bank serves one word per cycle; consecutive words lie in consecutive banks.
+/// The claimed cycles of the banks of a shared memory: a table with a row per tick and a byte per bank. A bank serves
+/// one word per cycle; consecutive words lie in consecutive banks.
 ///
 /// Translated code keeps pointers into the table and advances in it without checks. Therefore the table has reserve
 /// rows after the last tick that a core can wait for, and only the scheduler restarts it.
@@ -55,9 +55,9 @@ class Banks {
   /// Returns the ticks from `tick` on in which conflicts are possible.
   std::uint64_t ticks_left(std::uint64_t tick) const { return start_ + kReach - std::min(tick, start_ + kReach); }
 
-  /// For who has its turn at the latest after one other, and takes all words from `address` on before `end` at once: of
-  /// each one the bank's cycle in `tick`, or when that is taken the next one in any case. The answer is 1 when one of
-  /// them was, else 0.
+  /// Claims the banks of all words from `address` to before `end` in `tick`. If a bank is claimed already, claims the
+  /// next tick instead, whether that is claimed or not. So the claims of at most one other user can be in the way.
+  /// Returns 1 if any bank was claimed, else 0.
   std::uint32_t claim_or_next(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
     if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
     auto* row = &byte_of(tick, 0);
@@ -99,7 +99,8 @@ class Banks {
     return moved;
   }
 
-  /// For translated code: the byte of the first bank in a tick. The next tick's are count() on.
+  /// Returns the byte of the first bank in a tick, for translated code. The row of the next tick follows count() bytes
+  /// later.
   std::uint8_t* row(std::uint64_t tick) { return &byte_of(std::max(tick, start_), 0); }
   /// Returns the row after the last one that a core can wait for.
   const std::uint8_t* const* horizon() const { return &horizon_; }
@@ -122,7 +123,7 @@ class Banks {
  private:
   static constexpr std::uint64_t kRows = kTurn + kReach + kLongestBlock;
 
-  /// What is taken from the start on, without the free end: nearly all is free.
+  /// Returns the claims from the start of the table on, without its free end. Nearly all of the table is free.
   std::vector<std::uint8_t> taken_from_start() const {
     const auto begin = std::min<std::uint64_t>((start_ - base_) * count_, taken_.size());
     MEBOTS_ASSERT(start_ >= base_, "the table begins before what it shows");
@@ -174,7 +175,7 @@ class BankSchedule {
   /// Returns the cycles from there on in which conflicts are possible.
   std::uint64_t cycles_left(std::uint64_t cycle) const { return banks_->ticks_left(cycle + offset_); }
 
-  /// Extra cycles of an access in active cycle `cycle`.
+  /// Claims a bank for an access in active cycle `cycle`. Returns the cycles to wait.
   std::uint32_t claim(std::uint64_t cycle, std::uint32_t address) {
     const auto wait = banks_->claim(cycle + offset_, address);
     for (std::uint32_t i = 1; i < ticks_; ++i) banks_->claim(cycle + offset_ + wait + i, address);

@@ -8,14 +8,14 @@ namespace mebots::soc {
 /// The result of an access outside the RAM.
 struct BusReply {
   enum class Kind : std::uint8_t {
-    none,     // nothing answers there, or not to this kind of access: the instruction traps
+    none,     // no device answers this access: the instruction traps
     done,     // carried out
-    blocked,  // an event load whose event has not come: the core sleeps before the instruction until it is woken
-    later,    // others must go first: nothing happened, the core stops before the instruction
+    blocked,  // an event load whose event is not pending: the core sleeps before the instruction until it is woken
+    later,    // another core must run first: no effect; the core stops before the instruction
   };
   Kind kind = Kind::none;
   std::uint32_t value = 0;        // of a load
-  std::uint32_t wait_cycles = 0;  // latency there and back
+  std::uint32_t wait_cycles = 0;  // latency in both directions
 
   static BusReply done(std::uint32_t value = 0, std::uint32_t wait_cycles = 0) {
     return {Kind::done, value, wait_cycles};
@@ -39,10 +39,10 @@ class Bus {
   }
   /// Called when the core takes the interrupt of this line: an event unit clears the event.
   virtual void interrupt_taken(unsigned /*line*/) {}
-  /// Called after a store into a watched word. True: the run ends with this store.
+  /// Called after a store into a watched word. If it returns true, the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
-  /// Called for an ebreak at the core's pc. Returns true if it was a call of the host, which is answered: the program
-  /// continues after it.
+  /// Called for an ebreak at the core's pc. Returns true if it was a call of the host, which has been served. Then the
+  /// program continues after it.
   virtual bool called_host() { return false; }
 };
 

@@ -13,11 +13,11 @@
 namespace mebots::soc {
 namespace {
 
-/// So large that the allocator maps it: it lies near the bytes of a large memory then, where translated code reaches it
-/// by a short address. Elsewhere it costs an instruction more.
+/// Large enough that the allocator maps it. Then it lies near the bytes of a large memory, and translated code reaches
+/// it with a short address. Elsewhere, an access takes one more instruction.
 constexpr std::size_t kLeastPresenceBytes = std::size_t{256} << 10;
 
-/// To the left, and bit 0 is set while an even number of bits 7, 3, 2 and 1 is.
+/// Shifts to the left; bit 0 becomes 1 if an even number of bits 7, 3, 2 and 1 is set.
 constexpr auto kNextShift = [] {
   constexpr unsigned kTaps = 0x8e;
   std::array<std::uint8_t, 256> next{};
@@ -111,13 +111,15 @@ void InstructionCache::note_arrivals(std::uint64_t tick) {
 void InstructionCache::set_alone(bool alone) {
   MEBOTS_ASSERT(is_shared());
   is_alone_ = alone;
-  for (const auto place : pending_refills_) *entries_[place].present = 0;  // who joins has not waited
+  for (const auto place : pending_refills_)
+    *entries_[place].present = 0;  // a core that wakes up has not waited for them
 }
 
 std::uint32_t InstructionCache::fetch(std::uint32_t line, std::uint64_t tick) {
   if (const auto* entry = find(line); entry != nullptr) {
     if (!is_shared()) return 0;
-    // On its way for another core. One that is behind in time would have asked for it itself.
+    // Another core has started its refill. The wait is limited: a core that is earlier would have started a refill
+    // itself.
     const auto arrival = arrivals_[static_cast<std::size_t>(entry - entries_.data())];
     const auto wait = arrival > tick ? arrival - tick : 0;
     return static_cast<std::uint32_t>(std::min<std::uint64_t>(wait, refill_cycles_));
@@ -140,7 +142,7 @@ void InstructionCache::visit(state::Visitor& v) {
   v("shift_register", state_.shift_register);
   v("refills", state_.refills);
   if (!v.restores() || !is_shared()) return;
-  pending_refills_.resize(entries_.size());  // for who goes on first, which is not known here
+  pending_refills_.resize(entries_.size());  // conservative: which lines have arrived is not known here
   std::iota(pending_refills_.begin(), pending_refills_.end(), std::size_t{0});
   set_alone(is_alone_);
 }

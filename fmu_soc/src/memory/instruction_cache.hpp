@@ -15,28 +15,27 @@ namespace mebots::soc {
 
 class Memory;
 
-/// Shape and cost of an instruction cache; from the board. Bytes and ways are powers of two.
+/// Shape and cost of an instruction cache, from the board. Sizes and number of ways are powers of two.
 struct InstructionCacheSettings {
-  std::uint32_t size = 0;  // bytes; 0 = there is none
+  std::uint32_t size = 0;  // bytes; 0 = no cache
   std::uint32_t line = 16;
   std::uint32_t ways = 4;
   std::uint32_t refill_cycles = 0;      // from the miss until the core has its instruction
-  std::uint32_t refill_soc_cycles = 0;  // of a cluster's, beside them: those in the clock of the SoC
-  bool invalid_ways_first = false;      // of a cluster's: a refill takes the first way that holds nothing
+  std::uint32_t refill_soc_cycles = 0;  // of a cluster: additional cycles in the clock of the SoC
+  bool invalid_ways_first = false;      // of a cluster: a refill prefers an invalid way
 };
 
-/// Which lines of code a cache holds. Only presence matters: the instructions themselves are always those of the
-/// memory.
+/// Models which lines of code a cache holds. Only presence matters: instructions are always read from memory.
 ///
-/// A hit changes nothing, as in the chip: the way that a refill takes comes from an 8-bit shift register that moves
-/// with every refill. (Source: GVSoC, models/cache, which names it as that of GAP's fabric controller.) Therefore
-/// lines that are present need no further check until one of them is evicted. A cluster's may take ways
-/// that hold nothing first, as pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv) does; its register then moves
-/// only when all ways of a set are in use.
+/// A hit has no effect, as in the chip. The way for a refill comes from an 8-bit shift register that advances with
+/// every refill (source: GVSoC, models/cache, which assigns it to GAP's fabric controller). Therefore present lines
+/// need no check until one of them is evicted. A cluster's cache may prefer invalid ways, as in
+/// pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv). Then its register only advances if all ways of a set are
+/// valid.
 ///
-/// A core that has the cache for itself has waited for each line that is here. Where several cores share it, one may
-/// want a line that is still on its way for another. Such a line is told from those that have arrived for all: who
-/// knows when the earliest core goes on says so (`settle`). Until then who wants it asks (`fetch`).
+/// The only user of a cache has waited for each line that is present. If several cores share the cache, a core may need
+/// a line whose refill another core has started. Such a line is not marked as present for translated code until
+/// settle() reports that all cores are past its arrival. Until then, cores call fetch().
 class InstructionCache {
  public:
   enum class Users : std::uint8_t { one, several };
@@ -45,14 +44,14 @@ class InstructionCache {
   InstructionCache(const InstructionCache&) = delete;
   InstructionCache& operator=(const InstructionCache&) = delete;
 
-  /// Code comes from this memory, which must outlive the cache.
+  /// Adds a memory that contains code. It must outlive the cache.
   void cover(const Memory& memory);
 
   std::uint32_t line_of(std::uint32_t address) const { return address >> line_bits_; }
   std::uint32_t address_of(std::uint32_t line) const { return line << line_bits_; }
   std::uint32_t words_per_line() const { return 1U << (line_bits_ - 2); }
   std::uint32_t refill_cycles() const { return refill_cycles_; }
-  /// For refills from now on, where several cores share it: where one does, translated code holds the cycles.
+  /// Sets the cycles of later refills. Only for a shared cache: otherwise translated code contains the cycles.
   void set_refill_cycles(std::uint32_t cycles) {
     MEBOTS_ASSERT(is_shared());
     refill_cycles_ = cycles;
@@ -68,12 +67,13 @@ class InstructionCache {
     const auto* entry = find(line);
     return entry != nullptr && *entry->present != 0;
   }
-  /// A byte that tells whether the line of this address has arrived, and behind it those of the lines that follow in
-  /// the same memory. Translated code asks it with one instruction. Null when the address is not in the memory covered.
+  /// Returns the presence byte of the line of this address; those of the following lines in the same memory follow. The
+  /// byte is 1 if the line has arrived. Translated code tests it with one instruction. Null if no covered memory
+  /// contains the address.
   const std::uint8_t* presence(std::uint32_t address) const;
   /// Returns the wait cycles of a fetch from this line in cycle `tick`. Fetches the line if it is absent.
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
-  /// Fetches an absent line. Returns the cycles.
+  /// Fetches an absent line. Returns the wait cycles.
   std::uint32_t refill(std::uint32_t line, std::uint64_t tick) {
     const auto place = (line & set_mask_) * ways_ + way_for(line);
     auto& entry = entries_[place];
@@ -88,7 +88,7 @@ class InstructionCache {
     }
     return refill_cycles_;
   }
-  /// For a shared cache: no core accesses it before this tick any more.
+  /// For a shared cache: reports that no core accesses it before this tick any more.
   void settle(std::uint64_t tick) {
     if (!pending_refills_.empty()) [[unlikely]]
       note_arrivals(tick);
@@ -102,26 +102,26 @@ class InstructionCache {
 
   void visit(state::Visitor& v);
 
-  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // the number of no line: the last one holds no code
+  static constexpr std::uint32_t kNoLine = ~std::uint32_t{0};  // marks an empty entry; the last line contains no code
 
   struct Entry {
-    std::uint8_t* present = nullptr;  // where presence of its line is noted; follows from that
+    std::uint8_t* present = nullptr;  // presence byte of its line; derived from the line
     std::uint32_t line = kNoLine;
 
     void visit(state::Visitor& v) { v("line", line); }
   };
 
-  /// What a refill changes, for translated code, which does what `refill` does where one core uses the cache.
+  /// State that a refill changes, for translated code of the only user of the cache.
   struct State {
     Entry* entries = nullptr;  // by set, then way
     std::uint64_t refills = 0;
     std::uint8_t shift_register = 0;
-    std::array<std::uint8_t, 256> next_shift{};  // what follows each value of the shift register
+    std::array<std::uint8_t, 256> next_shift{};  // successor of each value of the shift register
   };
-  /// Bit of the shift register from which on the way of a refill stands, once it has moved.
+  /// Lowest bit of the way of a refill in the advanced shift register.
   static constexpr unsigned kWayBit = 1;
   const State& state() const { return state_; }
-  /// The first entry of a line's set, in bytes from the first of all.
+  /// Returns the first entry of a line's set, as an offset in bytes.
   std::uint32_t first_of_set(std::uint32_t line) const {
     return (line & set_mask_) * ways_ * static_cast<std::uint32_t>(sizeof(Entry));
   }
@@ -134,7 +134,7 @@ class InstructionCache {
     }
     return nullptr;
   }
-  /// Presence of the lines of one memory.
+  /// Presence bytes of the lines of one memory.
   struct Presence {
     std::uint32_t base = 0;
     std::uint32_t size = 0;
@@ -155,7 +155,7 @@ class InstructionCache {
     state_.shift_register = state_.next_shift[state_.shift_register];
     return (state_.shift_register >> kWayBit) & (ways_ - 1);
   }
-  /// Where presence of a line is noted; a byte that means nothing for a line outside the memory.
+  /// Returns the presence byte of a line; a dummy byte if no covered memory contains the line.
   std::uint8_t* byte_of(std::uint32_t line) {
     if (line - covered_first_ >= covered_count_) cover_line(line);
     return line - covered_first_ < covered_count_ ? &covered_[line - covered_first_] : &nowhere_;
@@ -171,21 +171,21 @@ class InstructionCache {
   std::uint32_t refill_cycles_;
   bool invalid_ways_first_;
   std::vector<Entry> entries_;
-  std::vector<std::uint64_t> arrivals_;  // the tick in which each line has arrived; none where one core uses it
+  std::vector<std::uint64_t> arrivals_;  // tick in which each line arrives; empty if one core uses the cache
   State state_;
-  // Not part of a state, since it follows from the entries. These are the presence of each memory's lines, and the
-  // memory in which a line was looked for last.
+  // Not part of a state, because they follow from the entries: presence bytes of each memory, and the memory of the
+  // last look-up.
   std::vector<Presence> presence_;
   std::uint8_t* covered_ = nullptr;
   std::uint32_t covered_first_ = 0;
   std::uint32_t covered_count_ = 0;
   std::uint8_t nowhere_ = 0;
-  // Likewise, of a shared cache. More lines than needed may count as on their way, never fewer.
-  std::vector<std::size_t> pending_refills_;  // places of entries
+  // Not part of a state. For a shared cache: lines that may not have arrived for all cores, possibly too many.
+  std::vector<std::size_t> pending_refills_;  // indices of entries
   bool is_alone_;                             // set_alone()
 };
 
-/// Null when the settings say that there is none.
+/// Returns null if the settings describe no cache.
 std::unique_ptr<InstructionCache> make_instruction_cache(const InstructionCacheSettings& settings,
                                                          InstructionCache::Users users);
 

@@ -12,7 +12,8 @@
 namespace mebots::soc {
 namespace {
 
-/// Calls `visit` with every word of the region that has one of the marks. Few have: eight words are looked at together.
+/// Calls `visit` with every word of the region that has one of the marks. Marks are rare, so eight words are tested
+/// together.
 template <typename Visit>
 void for_marked(const Region& region, std::uint8_t marks, Visit visit) {
   const auto pattern = 0x0101'0101'0101'0101ULL * marks;
@@ -28,7 +29,7 @@ void for_marked(const Region& region, std::uint8_t marks, Visit visit) {
   }
 }
 
-/// calloc takes large pieces from the kernel, whose pages exist once they are written.
+/// Allocates zeroed bytes. calloc() maps large blocks; their pages are allocated at the first write.
 ZeroedBytes zeroed(std::size_t size) {
   auto* bytes = static_cast<std::uint8_t*>(std::calloc(size, 1));
   if (bytes == nullptr) throw std::bad_alloc();
@@ -166,7 +167,7 @@ void Memory::visit(state::Visitor& v) {
       region.marks[word] |= Region::kLoop;
     }
   }
-  if (v.restores()) forget_code();  // blocks ended elsewhere
+  if (v.restores()) forget_code();  // blocks end elsewhere in the restored state
 }
 
 }  // namespace mebots::soc

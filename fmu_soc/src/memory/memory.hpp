@@ -14,19 +14,19 @@
 
 namespace mebots::soc {
 
-/// Bytes that are 0 at first. Pages that no access touches take no memory of the host.
+/// Frees zero-initialised bytes. Pages that are never accessed take no memory of the host.
 struct FreeBytes {
   void operator()(std::uint8_t* bytes) const { std::free(bytes); }
 };
 using ZeroedBytes = std::unique_ptr<std::uint8_t[], FreeBytes>;
 
-/// A region of RAM. Every word has a byte of marks, which shows stores that a listener needs them.
+/// A region of RAM. Each word has a byte of marks, which show a store that a listener needs it.
 struct Region {
   static constexpr std::uint8_t kCode = 1;   // instructions decoded by the first decode cache
   static constexpr std::uint8_t kWatch = 2;  // watched by the host
-  static constexpr std::uint8_t kLoop = 4;   // the last instruction of a hardware loop begins here
+  static constexpr std::uint8_t kLoop = 4;   // the last instruction of a hardware loop starts here
   static constexpr std::uint8_t kAnyCode =
-      0xf9;  // kCode, and what Memory::add_code_mark gives to further decode caches
+      0xf9;  // kCode, and the marks that Memory::add_code_mark() gives to other decode caches
 
   std::string name;
   std::uint32_t base = 0;
@@ -43,13 +43,14 @@ struct Region {
 /// The RAM of the chip. Regions do not overlap and stay where they are.
 class Memory {
  public:
-  /// Throws Error when the region overlaps another one, is empty, not a multiple of 4 bytes, or passes the end.
+  /// Throws Error if the region overlaps another one, is empty, is not a multiple of 4 bytes, or exceeds the address
+  /// space.
   Region& add(const std::string& name, std::uint32_t base, std::uint32_t size);
 
   std::deque<Region>& regions() { return regions_; }
   const std::deque<Region>& regions() const { return regions_; }
 
-  /// The region that holds all `count` bytes, or null.
+  /// Returns the region that contains all `count` bytes; null if there is none.
   Region* find(std::uint32_t address, std::uint32_t count);
   const Region* find(std::uint32_t address, std::uint32_t count) const;
 
@@ -62,36 +63,37 @@ class Memory {
 
   /// Sets marks on every word that the bytes touch.
   void mark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
-  /// True when any word that the bytes touch has one of the marks.
+  /// True if any word that the bytes touch has one of the marks.
   bool marked(std::uint32_t address, std::uint32_t count, std::uint8_t marks) const;
   /// Clears marks of every word that the bytes touch.
   void unmark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
 
-  /// The mark of one more decode cache on what it has decoded: each has its own, so that it can take it away alone.
-  /// Throws Error when there are too many.
+  /// Returns a mark for one more decode cache. Each has its own, so that it can clear it independently. Throws Error if
+  /// there are no more marks.
   std::uint8_t add_code_mark();
-  /// To be called after bytes in RAM changed other than by loading a program: cores must invalidate what they decoded
-  /// there. True when code stood there.
+  /// Must be called after bytes in RAM were changed other than by loading a program. Then cores invalidate the code
+  /// decoded from them. Returns true if code was decoded from them.
   bool changed(std::uint32_t address, std::uint32_t count);
-  /// Likewise, whether or not code stood there: what begins or ends there is another instruction now.
+  /// Does the same, also if no code was decoded there: an instruction that begins or ends there has changed.
   void invalidate_code(std::uint32_t address, std::uint32_t count);
-  /// Makes all decoded instructions void.
+  /// Invalidates all decoded code.
   void forget_code();
 
-  /// Bytes whose decoded instructions have become void.
+  /// Bytes whose decoded instructions have become invalid.
   struct Change {
     std::uint32_t address = 0;
     std::uint32_t count = 0;
   };
-  /// Number of changes so far. Cores compare it before they go on.
+  /// Returns the number of changes so far. A core compares it before it continues.
   std::uint64_t code_generation() const { return code_generation_; }
-  /// Change number `generation`, below code_generation(); null when it is too long ago, or was a change of everything.
+  /// Returns change number `generation`, which must be below code_generation(). Null if it is too old, or if it
+  /// concerned all code.
   const Change* change(std::uint64_t generation) const {
     return generation < oldest_change_ ? nullptr : &changes_[generation % kKeptChanges];
   }
 
-  /// Contents of all regions, and where hardware loops end: blocks end there, and with them the steps in which the
-  /// cores of a cluster take turns. The other marks are not part of it.
+  /// Visits the contents of all regions and the ends of hardware loops. Blocks end at those, so turns of cluster cores
+  /// depend on them. Other marks are not part of a state.
   void visit(state::Visitor& v);
 
  private:
@@ -101,7 +103,7 @@ class Memory {
   std::uint64_t code_generation_ = 1;
   std::uint64_t oldest_change_ = 1;
   std::array<Change, kKeptChanges> changes_{};
-  unsigned code_marks_ = 0;  // given away
+  unsigned code_marks_ = 0;  // number of marks in use
 };
 
 }  // namespace mebots::soc
