@@ -10,24 +10,25 @@
 #include <string_view>
 #include <vector>
 
-/// An entry under "devices" of a board description, as its reader hands it to the device that it describes.
+/// Entries under "devices" of a board description. The reader passes each to the device that it describes.
 namespace mebots::soc {
 
 struct BoardRegister {
   std::string name;
   std::uint32_t offset = 0;
   std::string access;       // r, w or rw
-  std::uint32_t reset = 0;  // of a described device: what it holds after reset
+  std::uint32_t reset = 0;  // of a described device: value after reset
   std::string text;
-  std::string shows;        // of a described device: "status", a variable, a parameter of the chip; empty: its own
-  std::string sends;        // of a described device: the variable that what is stored goes out as; empty = none
-  double units_per_si = 1;  // of the variable that it shows or sends
-  bool commits = false;     // a store sends what all other registers of the device hold, together
-  std::optional<std::int32_t> least;  // that is sent, as a number with sign
+  std::string
+      shows;  // of a described device: "status", a variable, or a parameter of the chip; empty: the register's own word
+  std::string sends;                  // of a described device: the variable that a store sets; empty = none
+  double units_per_si = 1;            // scale of the variable that it shows or sends
+  bool commits = false;               // a store sets all outputs that the device's registers send, at the same time
+  std::optional<std::int32_t> least;  // least value that can be sent, as a signed number
   std::optional<std::int32_t> most;
 };
 
-/// A value that means something when it is stored into a register: the device goes into a state.
+/// A named value whose store into a register puts the device into a state.
 struct BoardOpcode {
   std::string name;
   std::string register_name;
@@ -36,7 +37,7 @@ struct BoardOpcode {
   std::string text;
 };
 
-/// A variable of the FMU that the device has to do with.
+/// A variable of the FMU that the device uses.
 struct BoardVariable {
   enum class Causality : std::uint8_t { parameter, input, output };
 
@@ -56,7 +57,7 @@ struct BoardState {
   double current_a = 0;
   double delay_s = 0;
   std::string text;
-  std::string then;  // the state behind the delay; empty = it stays
+  std::string then;  // next state after the delay; empty = none
 };
 
 struct BoardValue {
@@ -64,34 +65,34 @@ struct BoardValue {
   std::int32_t value = 0;
 };
 
-/// Names of values that a register takes.
+/// Names of the values of a register.
 struct BoardEnumeration {
   std::string name;
   std::vector<BoardValue> items;  // by value
 };
 
-/// What the board has beside the chip and without an address: a memory behind a bus, a camera, pads.
+/// A part of the board outside the chip and without an address: a memory behind a bus, a camera, pads.
 struct BoardPart {
-  std::string attached_to;     // DEVICE.PLACE, where its traffic goes through; empty = it has none
-  double charge_per_byte = 0;  // [C], beside the current of its state
+  std::string attached_to;     // DEVICE.PLACE through which its traffic passes; empty = none
+  double charge_per_byte = 0;  // [C], in addition to the current of its state
 };
 
-/// What parts and the chip hang on, seen from its own input.
+/// A voltage regulator, with the parts or the chip that it supplies.
 struct BoardRegulator {
   std::vector<std::string> loads;  // parts, other regulators, or kChipLoad
-  double efficiency = 1;           // what comes out over what goes in
+  double efficiency = 1;           // output power over input power
 };
-/// How a regulator names the chip.
+/// Name of the chip as a load of a regulator.
 inline constexpr std::string_view kChipLoad = "chip";
 
 struct BoardDevice {
   std::string name;
-  std::string kind = "described";  // which model: mebots/soc/device_kind.hpp
+  std::string kind = "described";  // model of the device: mebots/soc/device_kind.hpp
   std::string text;
   std::uint32_t base = 0;
-  std::vector<std::uint32_t> also_at;  // further addresses of the same registers
-  std::uint32_t span = 0;              // bytes of address space, where that is more than the registers take
-  int interrupt = -1;                  // bit of mip, -1 = none
+  std::vector<std::uint32_t> also_at;  // further base addresses of the same registers
+  std::uint32_t span = 0;              // bytes of address space, if more than the registers take
+  int interrupt = -1;                  // bit of mip; -1 = none
   double supply_voltage_v = 0;
   std::vector<BoardRegister> registers;  // by offset
   std::vector<BoardState> states;
@@ -99,27 +100,27 @@ struct BoardDevice {
   std::string initial_state;
   std::vector<BoardOpcode> opcodes;
   std::vector<BoardVariable> variables;     // in the order of the file
-  std::optional<BoardPart> part;            // a part of the board: it has no address
-  std::optional<BoardRegulator> regulator;  // likewise
+  std::optional<BoardPart> part;            // set for a part of the board, which has no address
+  std::optional<BoardRegulator> regulator;  // set for a regulator, which has no address
 
   bool is_on_bus() const { return !part && !regulator; }
 
   std::string power_variable() const { return name + ".power"; }
   std::string energy_variable() const { return name + ".energy"; }
 
-  /// Bytes of the address space that are its own.
+  /// Returns the size of its address range in bytes.
   std::uint32_t size() const {
     const auto registers_end = registers.empty() ? 0 : registers.back().offset + 4;
     return std::max(span, registers_end);
   }
-  /// Throws Error when the device has no such state.
+  /// Throws Error if the device has no such state.
   const BoardState& state(std::string_view state_name) const {
     for (const auto& candidate : states) {
       if (candidate.name == state_name) return candidate;
     }
     throw Error("board: device " + name + " needs a state \"" + std::string(state_name) + "\" with its current");
   }
-  /// Null when it has no such variable.
+  /// Returns null if the device has no such variable.
   const BoardVariable* variable(std::string_view variable_name) const {
     const auto found = std::find_if(variables.begin(), variables.end(),
                                     [&](const BoardVariable& candidate) { return candidate.name == variable_name; });

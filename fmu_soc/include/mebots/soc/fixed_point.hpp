@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <limits>
 
-/// Registers carry physical values as whole numbers of a small unit: um/s, urad, mV, ppm.
+/// Conversion of physical values to registers, which contain integers of a small unit: um/s, urad, mV, ppm.
 namespace mebots::soc {
 
 inline constexpr double kMicro = 1e6;
 inline constexpr double kMilli = 1e3;
 
-/// The register word of a value; what does not fit in 32 bits with sign becomes the nearest that does, as a
-/// sensor saturates. Not a number reads as 0.
+/// Returns the register word of a value in SI units. A value that does not fit in 32 signed bits is limited to the
+/// range, as a sensor saturates. NaN becomes 0.
 inline std::uint32_t to_register(double value, double units_per_si) {
   const double scaled = std::round(value * units_per_si);
   if (std::isnan(scaled)) return 0;

@@ -20,7 +20,7 @@ AttachedPart::AttachedPart(const BoardDevice& entry) : entry_(entry), spent_(ent
 }
 
 std::size_t AttachedPart::state(std::string_view name) const {
-  const auto& found = entry_.state(name);  // or an error
+  const auto& found = entry_.state(name);  // throws Error for an unknown name
   return static_cast<std::size_t>(&found - entry_.states.data());
 }
 

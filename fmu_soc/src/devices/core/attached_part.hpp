@@ -10,17 +10,18 @@
 
 namespace mebots::soc {
 
-/// A part of the board without an address: it consumes by its state and by the bytes that pass it,
+/// A part of the board without an address. Its energy depends on its states and on the bytes that pass it:
 ///
-///   energy = supply_voltage (sum over states of current x time + charge_per_byte x bytes)
+/// energy = supply_voltage (sum over states of current x time + charge_per_byte x bytes)
 ///
-/// States change, and bytes pass, where the part is attached: see PartPort. One that is attached nowhere stays in its
-/// initial state. Energy is computed from whole picoseconds and bytes, so it does not depend on who looks when.
+/// The device to which it is attached changes its state and counts its bytes: see PartPort. A part without attachment
+/// stays in its initial state. Energy is computed from integer picoseconds and bytes, so it does not depend on when it
+/// is read.
 class AttachedPart final : public Device {
  public:
   explicit AttachedPart(const BoardDevice& entry);
 
-  /// Throws Error when the entry has no such state.
+  /// Throws Error if the entry has no such state.
   std::size_t state(std::string_view name) const;
   bool has_states() const { return !spent_.empty(); }
   void enter(std::size_t state, Picoseconds now);
@@ -40,12 +41,12 @@ class AttachedPart final : public Device {
   std::uint64_t bytes_ = 0;
 };
 
-/// The place of a device where a part of the board may be attached: it is active while the device uses it, and idle
-/// otherwise. Nothing happens at a place that the board leaves empty.
+/// A place of a device to which a part of the board can be attached. The part is active while the device uses it, and
+/// idle otherwise. If nothing is attached, all calls have no effect.
 class PartPort {
  public:
   PartPort() = default;
-  /// Null = nothing is attached. Throws Error for a part with states that lacks `idle` or `active`.
+  /// `part` may be null: nothing is attached. Throws Error if a part with states has no state `idle` or `active`.
   explicit PartPort(AttachedPart* part);
 
   void begin(Picoseconds now) {

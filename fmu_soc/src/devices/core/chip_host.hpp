@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-/// The capabilities of the chip that its own kinds of devices use beyond those of DeviceHost.
+/// Services of the chip for its own kinds of devices, in addition to those of DeviceHost.
 namespace mebots::soc {
 
 namespace gap8_devices {
@@ -26,7 +26,7 @@ struct PowerSettings {
   std::uint32_t voltage_mv = 0;
   std::uint32_t cluster_boot = 0;
   std::uint32_t cluster_on = 0;
-  std::uint32_t retention = 0;  // the next sleep is retention sleep
+  std::uint32_t retention = 0;  // if not 0, the next sleep is retention sleep
 
   void visit(state::Visitor& v) {
     v("clock_hz", clock_hz);
@@ -45,7 +45,7 @@ class PowerSource {
   virtual const Chip& chip() const = 0;
   virtual PowerSettings power_at_start() const = 0;
   virtual bool has_cluster() const = 0;
-  /// Current clock of the fabric controller.
+  /// Returns the present clock of the fabric controller.
   virtual double clock_hz() const = 0;
 };
 
@@ -53,11 +53,11 @@ class PowerSource {
 class PartSource {
  public:
   virtual ~PartSource() = default;
-  /// Returns the part that is attached to this place of the device, or an empty port.
+  /// Returns the part attached to this place of the device, or an empty port.
   virtual PartPort part_at(const BoardDevice& entry, std::string_view place) = 0;
-  /// The places that devices offer to parts, as DEVICE.PLACE.
+  /// Returns the places for parts that devices have, as DEVICE.PLACE.
   virtual std::span<const std::string> places() const = 0;
-  /// Energy of the chip or of a device, by its name, up to a time [J].
+  /// Returns the energy of the chip or of a device, by its name, up to a time [J].
   virtual double load_energy_j(std::string_view load, Picoseconds now) const = 0;
 };
 
@@ -67,7 +67,7 @@ class PictureRoll {
   virtual ~PictureRoll() = default;
   /// True if there are pictures; the camera then ignores the world.
   virtual bool exists() const = 0;
-  /// Returns a picture: grey pixels in rows of Himax::kWidth. Empty after the last one.
+  /// Returns a picture: grey pixels in rows of Himax::kWidth. Returns an empty span after the last picture.
   virtual std::span<const std::uint8_t> picture(std::size_t number) const = 0;
 };
 
@@ -75,16 +75,16 @@ class PictureRoll {
 class ImageSource {
  public:
   virtual ~ImageSource() = default;
-  /// Initial content of the board's flash.
+  /// Returns the initial content of the board's flash.
   virtual std::span<const std::uint8_t> flash() const = 0;
   virtual const PictureRoll& pictures() const = 0;
 };
 
-/// The devices that were made before.
+/// The devices that were created before.
 class DeviceSource {
  public:
   virtual ~DeviceSource() = default;
-  /// Returns the first device of this class, or null.
+  /// Returns the first device of this class; null if there is none.
   template <typename T>
   T* find() const {
     for (auto* device : made_devices()) {
@@ -99,7 +99,7 @@ class DeviceSource {
   virtual std::vector<Device*> made_devices() const = 0;
 };
 
-/// All capabilities of the chip. A kind hands its device only those that the device needs.
+/// All services of the chip. A kind passes to its device only those that the device needs.
 class ChipHost : public DeviceHost, public PowerSource, public PartSource, public ImageSource, public DeviceSource {};
 
 }  // namespace mebots::soc

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kStatus = "status";
 
-/// The place of a variable among those that go in, or out.
+/// Returns the index of a variable among the inputs, or among the outputs.
 std::size_t place_of(const BoardDevice& entry, std::string_view name, bool is_input) {
   std::size_t place = 0;
   for (const auto& variable : entry.variables) {
@@ -119,7 +119,8 @@ bool DescribedDevice::store(std::uint32_t offset, Picoseconds now, std::uint32_t
   return true;
 }
 
-/// An access where the entry has no register: it goes on as on the chip where the device has room for more.
+/// Handles an access where the entry has no register. If the device's address range is larger than its registers, it
+/// has no effect.
 bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   if (entry_.span == 0) return false;
   if (std::ranges::find(warned_, offset) != warned_.end()) return true;
@@ -132,7 +133,7 @@ bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   return true;
 }
 
-/// Those of these registers that send do so, all of them or none.
+/// Sends the values of those of these registers that send: all of them, or none if one is invalid.
 void DescribedDevice::send(std::size_t first, std::size_t last, Picoseconds now) {
   for (auto i = first; i < last; ++i) {
     if (const auto fault = fault_of(i); !fault.empty()) {
@@ -165,7 +166,7 @@ std::string DescribedDevice::fault_of(std::size_t reg) const {
   for (const auto& item : items->items) {
     known += fmt::format("{}{} {}", known.empty() ? "" : ", ", item.name, item.value);
   }
-  return fmt::format("{} {} is none of {} ({})", described.name, value, items->name, known);
+  return fmt::format("{} {} is not a value of {} ({})", described.name, value, items->name, known);
 }
 
 void DescribedDevice::obey(std::size_t reg, std::uint32_t value, Picoseconds now) {

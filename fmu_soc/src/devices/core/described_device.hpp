@@ -11,22 +11,23 @@
 
 namespace mebots::soc {
 
-/// A device without code of its own. The board file says what its registers show and send, and which stored values
-/// are opcodes; which states there are, what each draws, how long it lasts and what follows.
+/// A device without C++ code. The board file describes what its registers show and send, the values that are opcodes,
+/// and the states: current, delay and next state of each.
 ///
-///   opcode stored    the device goes into the opcode's state. Refused: a value that is not an opcode, and a state with
-///   a
-///                    delay while another one runs.
-///   + delay          registers that show an input take its value of now; ready is set, the interrupt line goes up; the
-///                    state that follows begins.
+///   opcode stored    The device enters the opcode's state. A value that is not an opcode is refused; so is a state
+///   with
+///                    a delay while a delay runs.
+///   after the delay  Registers that show an input take its present value. Ready is set, the interrupt line goes up,
+///   and
+///                    the next state begins.
 ///
 /// A register that shows "status" has bit 0 busy (a delay runs), bit 1 ready (write 1 to clear, which also clears the
-/// interrupt) and bit 2 refused (write 1 to clear). Parameters, and inputs of a device without delays, are shown as
-/// they are. Registers that show nothing keep what is stored into them, and hold
-/// their `reset` before. In a device with a `span`, an access where no register stands is told once and passes: it
-/// reads 0. What is stored into one that sends goes out, at once or, where another register commits, with the next
-/// store into that. A value outside the limits of its register or of its variable's enumeration is told, and nothing
-/// goes out.
+/// interrupt) and bit 2 refused (write 1 to clear). Parameters, and inputs of a device without delays, are shown
+/// directly. Registers that show nothing keep their last stored value, at first their `reset`. If the device has a
+/// `span`, an access without a register is reported once; a load returns 0.
+///
+/// The value of a register that sends becomes an output at once, or at the next store into a register that commits. If
+/// a value is outside the limits of its register or of its variable's enumeration, it is reported and nothing is sent.
 class DescribedDevice final : public Device {
  public:
   static constexpr std::uint32_t kBusy = 1;
@@ -36,7 +37,7 @@ class DescribedDevice final : public Device {
   DescribedDevice(const BoardDevice& entry, DeviceHost& host);
 
   double* input(std::string_view variable) override;
-  /// As a register sends it, 0 before anything was stored.
+  /// Returns the value that a register has sent; 0 before the first store.
   const double* output(std::string_view variable) const override;
   double energy_j(Picoseconds now) const override;
 
@@ -53,13 +54,13 @@ class DescribedDevice final : public Device {
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-  /// What the entry says of a register, as indices.
+  /// Properties of a register from the entry, as indices.
   struct Register {
-    std::size_t input = kNone;   // that it shows
-    std::size_t output = kNone;  // that it sends
-    bool is_live = false;        // shows what is, not what was measured
+    std::size_t input = kNone;   // variable that it shows
+    std::size_t output = kNone;  // variable that it sends
+    bool is_live = false;        // shows the present value, not the one measured at the end of a delay
     bool takes_opcodes = false;
-    const BoardEnumeration* items = nullptr;  // of the variable that it sends
+    const BoardEnumeration* items = nullptr;  // items of the enumeration that it sends
   };
 
   std::size_t register_at(std::uint32_t offset) const;
@@ -67,19 +68,19 @@ class DescribedDevice final : public Device {
   void enter(std::size_t state, Picoseconds now);
   void obey(std::size_t reg, std::uint32_t value, Picoseconds now);
   void measure();
-  /// What is wrong with what the register holds; empty = nothing.
+  /// Returns a text if the register's value cannot be sent; otherwise empty.
   std::string fault_of(std::size_t reg) const;
   bool pass_over(std::uint32_t offset, std::string_view access);
   void send(std::size_t first, std::size_t last, Picoseconds now);
 
   const BoardDevice& entry_;
   DeviceHost& host_;
-  std::vector<std::uint32_t> warned_;    // offsets without register; not part of a state
-  std::vector<Register> registers_;      // as the entry's
-  bool commits_ = false;                 // some register does
-  std::vector<double> inputs_;           // as the entry's variables, those that go in only
-  std::vector<double> outputs_;          // likewise, those that go out
-  std::vector<std::uint32_t> values_;    // as its registers
+  std::vector<std::uint32_t> warned_;    // offsets without a register that were reported; not part of a state
+  std::vector<Register> registers_;      // in the order of the entry
+  bool commits_ = false;                 // true if a register commits
+  std::vector<double> inputs_;           // inputs and parameters, in the order of the entry
+  std::vector<double> outputs_;          // outputs, in the order of the entry
+  std::vector<std::uint32_t> values_;    // in the order of registers_
   std::vector<std::uint32_t> was_read_;  // likewise, 0 or 1
   std::vector<Picoseconds> spent_;       // in each state, up to the last change
   std::uint64_t state_ = 0;

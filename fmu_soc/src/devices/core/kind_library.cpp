@@ -12,7 +12,7 @@
 namespace mebots::soc {
 
 KindLibrary::KindLibrary(const std::filesystem::path& path) : path_(path) {
-  // With the folder in front: a name alone would be looked for where the system keeps its libraries.
+  // With a folder: dlopen() would search the system's folders for a bare name.
   const auto file = std::filesystem::absolute(path);
   handle_.reset(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* handle) {
     if (handle != nullptr) dlclose(handle);

@@ -11,10 +11,10 @@
 
 namespace mebots::soc {
 
-/// A shared library with kinds of devices, open as long as this lives.
+/// A shared library with kinds of devices. It stays open as long as this object exists.
 class KindLibrary {
  public:
-  /// Throws Error for a file that cannot be opened, is not such a library, or was made for another MEbots.
+  /// Throws Error if the file cannot be opened, is not such a library, or was built for another version of MEbots.
   explicit KindLibrary(const std::filesystem::path& path);
 
   const std::filesystem::path& path() const { return path_; }
@@ -26,7 +26,8 @@ class KindLibrary {
   const DeviceLibrary* library_ = nullptr;
 };
 
-/// One that a board names: beside the board's file, else in the first of the folders that has it. Throws Error.
+/// Opens a library that a board names. It is next to the board's file, or in the first of the folders that contains it.
+/// Throws Error.
 KindLibrary find_kind_library(const BoardDescription& board, const std::string& name,
                               std::span<const std::filesystem::path> folders);
 

@@ -20,7 +20,7 @@ std::unique_ptr<Device> make_no_device(const BoardDevice& /*entry*/, ChipHost& /
 }  // namespace
 }  // namespace mebots::soc
 
-// The cluster makes these itself.
+// The cluster creates these devices itself.
 MEBOTS_CHIP_KIND(event_unit, board::event_unit::kRegisters, make_no_device)
 MEBOTS_CHIP_KIND(cluster_dma, board::cluster_dma::kRegisters, make_no_device)
 MEBOTS_CHIP_KIND(gap8_cluster, {}, make_no_device)

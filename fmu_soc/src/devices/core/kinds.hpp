@@ -19,7 +19,7 @@ namespace mebots::soc {
 /// A kind that comes with MEbots. MEBOTS_CHIP_KIND defines one next to its device.
 struct ChipKind {
   std::string_view name;
-  std::span<const board::RegisterName> registers;  // that an entry must have; empty = those of the entry
+  std::span<const board::RegisterName> registers;  // required in an entry; empty = those of the entry
   /// Returns null for a kind that is part of the cluster.
   std::unique_ptr<Device> (*make)(const BoardDevice& entry, ChipHost& host);
 };
@@ -30,22 +30,22 @@ std::unique_ptr<Device> make_of_entry(const BoardDevice& entry, ChipHost& host) 
   return std::make_unique<T>(entry, host);
 }
 
-/// GAP8's, of the fabric controller: with it that has GAP8's interrupts.
+/// GAP8's event unit of the fabric controller. With it, the controller has GAP8's interrupts.
 inline constexpr std::string_view kGap8EventUnitKind = "gap8_event_unit";
-/// Those that the cluster itself is made of: the board says where they are.
+/// Devices that the cluster creates itself; the board gives their addresses.
 inline constexpr std::string_view kEventUnitKind = "event_unit";
 inline constexpr std::string_view kClusterDmaKind = "cluster_dma";
 inline constexpr std::string_view kGap8ClusterKind = "gap8_cluster";
 
-/// The kinds that a board may name: those that come with MEbots, and those of its libraries.
+/// The kinds that a board can name: built-in kinds, and those of its libraries.
 class Kinds {
  public:
-  /// Opens the board's libraries, which lie beside its file or in one of `folders`. Throws Error for one that is not
-  /// there or not made for this MEbots, and for two kinds of one name.
+  /// Opens the board's libraries, which are next to its file or in one of `folders`. Throws Error if one is missing or
+  /// was built for another version of MEbots, and if two kinds have the same name.
   Kinds(const BoardDescription& board, std::span<const std::filesystem::path> folders);
 
-  /// The device of an entry; null for one that is part of the cluster. Throws Error for a kind that there is not, and
-  /// for registers that are not the kind's.
+  /// Creates the device of an entry. Returns null for a device that is part of the cluster. Throws Error if the kind is
+  /// unknown, or if the registers are not those of the kind.
   std::unique_ptr<Device> make(const BoardDevice& entry, ChipHost& host) const;
 
  private:

@@ -17,7 +17,7 @@ constexpr std::uint32_t kPwmCommand = 0x00;
 constexpr std::uint32_t kPwmConfig = 0x04;
 constexpr std::uint32_t kPwmLimits = 0x08;
 constexpr std::uint32_t kPwmChannels = 0x0C;
-constexpr std::uint32_t kPwmTables = 0x1C;  // look-up tables of the channels: of no effect without input pads
+constexpr std::uint32_t kPwmTables = 0x1C;  // look-up tables of the channels: no effect without input pads
 constexpr std::uint32_t kPwmCounterValue = 0x2C;
 constexpr std::uint32_t kPwmEventConfig = 0x100;
 constexpr std::uint32_t kPwmEnable = 0x104;
@@ -37,7 +37,8 @@ constexpr unsigned kPwmFirstEvent = 38;
 constexpr unsigned kPwmEventEnableShift = 16;
 constexpr unsigned kPwmEvents = 4;
 
-/// What a channel does at its threshold, then, of two, at the end of the period or at the threshold on the way back.
+/// The operations of a channel: at its threshold; and, for combined ones, at the end of the period or at the threshold
+/// when counting down.
 enum PwmOperation : std::uint32_t {
   kPwmSet,
   kPwmToggleClear,
@@ -51,7 +52,7 @@ enum PwmOperation : std::uint32_t {
 std::uint64_t low_limit(std::uint32_t limits) {
   return limits & 0xffffU;
 }
-/// Ticks from the low limit to the high one.
+/// Returns the ticks from the low limit to the high limit.
 std::uint64_t ticks_up_of(std::uint32_t limits) {
   const std::uint64_t high = limits >> 16;
   return high > low_limit(limits) ? high - low_limit(limits) : 0;
@@ -94,7 +95,7 @@ std::optional<AdvancedTimer::RisingEdges> AdvancedTimer::rising_edges(const Sett
     case kPwmToggleClear:
     case kPwmSetClear:
       return RisingEdges{there, whole};
-    case kPwmToggle:  // back down on the next meeting
+    case kPwmToggle:  // falls at the next threshold
       return RisingEdges{there, is_saw ? 2 * whole : whole};
     case kPwmToggleSet:
     case kPwmClearSet:
@@ -119,18 +120,19 @@ std::uint64_t AdvancedTimer::ticks_at(std::size_t timer, Picoseconds now) const 
   if (!counts(timer)) return counter.ticks;
   const auto passed = static_cast<double>(now - counter.since) * tick_hz(counter) / kPsPerS;
   const auto ticks = counter.ticks + static_cast<std::uint64_t>(counter.fraction + passed);
-  // Both round: a tick has passed when time_of() says so.
+  // Both functions round. A tick has elapsed at the time of time_of().
   return ticks > counter.ticks && time_of(counter, ticks) > now ? ticks - 1 : ticks;
 }
 
-/// At or behind which ticks_at() says `ticks`; of ticks that had passed at its last change, the time of that.
+/// Returns a time at which ticks_at() has reached `ticks`. For ticks before the last change, returns the time of that
+/// change.
 Picoseconds AdvancedTimer::time_of(const Counter& counter, std::uint64_t ticks) const {
   if (ticks <= counter.ticks) return counter.since;
   const auto missing = static_cast<double>(ticks - counter.ticks) - counter.fraction;
   return counter.since + static_cast<Picoseconds>(std::ceil(missing * kPsPerS / tick_hz(counter)));
 }
 
-/// It goes on from `now`, where its rate or its run changes. The part of a tick that has passed stays.
+/// Continues the count from `now` after a change of rate or start. The elapsed part of a tick is kept.
 void AdvancedTimer::settle(std::size_t timer, Picoseconds now) {
   auto& counter = counters_[timer];
   if (counts(timer)) {
@@ -168,7 +170,7 @@ bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t v
   }
   if (offset == kPwmEventConfig) {
     events_ = value;
-    // A channel that nobody listened to may have risen up to now.
+    // A channel without an event may have risen up to now.
     for (std::size_t i = 0; i < kTimers; ++i) counters_[i].raised = std::max(counters_[i].raised, ticks_at(i, now));
     return true;
   }
@@ -216,7 +218,7 @@ std::optional<std::size_t> AdvancedTimer::chosen(unsigned event) const {
   return events_ >> 4 * event & 0xfU;
 }
 
-/// In ticks of its counter: the first one that has not been told.
+/// Returns the first rising edge without an event yet, in ticks of its counter.
 std::optional<std::uint64_t> AdvancedTimer::next_rising_edge(unsigned event) const {
   const auto channel = chosen(event);
   if (!channel || !counts(*channel / kChannelsOfTimer)) return std::nullopt;

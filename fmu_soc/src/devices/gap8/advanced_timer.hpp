@@ -11,15 +11,15 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's advanced timer (PWM): four counters of 16 bits, each with four channels that set, clear or toggle an output
-/// when the counter meets their threshold. No pad is connected, so what one sees is the counters, and up to four SoC
-/// events at rising outputs. A counter goes from its low to its high limit, and begins again there or turns round.
+/// GAP8's advanced timer (PWM): four 16-bit counters, each with four channels that set, clear or toggle an output when
+/// the counter reaches their threshold. A counter counts from its low to its high limit, and then starts again or
+/// reverses. No pad is connected, so only the counters and up to four SoC events at rising outputs are visible.
 ///
 /// Sources: archi/pwm/pwm_v1.h of GreenWaves' gap_sdk; bits of commands, configuration and events: pulp-platform's
-/// apb_adv_timer. Counting at edges of input pads is not modelled, and told.
+/// apb_adv_timer. Counting at edges of input pads is not modelled; its use is reported.
 class AdvancedTimer final : public Device {
  public:
-  /// `clock_hz`: of the SoC, now. `complain`: what the program asks that is not modelled.
+  /// `clock_hz` returns the present clock of the SoC. `complain` receives reports about features that are not modelled.
   AdvancedTimer(Signals& signals, std::function<double()> clock_hz, std::function<void(const char*)> complain);
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
@@ -49,9 +49,9 @@ class AdvancedTimer final : public Device {
     bool runs = false;
     Picoseconds since = 0;
     std::uint64_t ticks = 0;   // at `since`
-    double fraction = 0;       // of the next tick, which had passed then
-    std::uint64_t raised = 0;  // up to which events have been raised
-    bool is_fresh = true;      // never updated: takes what is stored when it starts
+    double fraction = 0;       // elapsed part of the next tick at that time
+    std::uint64_t raised = 0;  // ticks up to which events have been raised
+    bool is_fresh = true;      // never updated: uses the stored settings when it starts
 
     void visit(state::Visitor& v) {
       v("stored", stored);
@@ -64,7 +64,7 @@ class AdvancedTimer final : public Device {
       v("is_fresh", is_fresh);
     }
   };
-  /// Ticks at which a channel's output rises: the first, and how far apart; nothing when it does not.
+  /// Ticks at which a channel's output rises: the first one and the period; nullopt if it does not rise.
   struct RisingEdges {
     std::uint64_t first;
     std::uint64_t step;  // 0: once
@@ -80,7 +80,7 @@ class AdvancedTimer final : public Device {
   void settle(std::size_t timer, Picoseconds now);
   void enable(std::uint32_t value, Picoseconds now);
   void command(std::size_t timer, std::uint32_t value, Picoseconds now);
-  /// The channel of event `event`; nothing when it is off.
+  /// Returns the channel of event `event`; nullopt if the event is off.
   std::optional<std::size_t> chosen(unsigned event) const;
   std::optional<std::uint64_t> next_rising_edge(unsigned event) const;
 
@@ -90,7 +90,7 @@ class AdvancedTimer final : public Device {
   std::array<Counter, kTimers> counters_;
   std::uint32_t events_ = 0;
   std::uint32_t enabled_ = 0;
-  std::array<bool, kTimers> warned_pads_{};  // not part of a state: a restored run tells it again
+  std::array<bool, kTimers> warned_pads_{};  // not part of a state: a restored run reports again
 };
 
 }  // namespace mebots::soc::gap8_devices

@@ -12,17 +12,17 @@ namespace {
 
 namespace reg = event_unit_reg;
 
-/// Who asks by the long way.
+/// Stands for an access on the peripheral bus.
 constexpr unsigned kNoCore = kMostClusterCores;
 
-/// Cycles of an event load beyond the first, when its answer is there: 4 in all. Source: CV32E40P user manual.
+/// Cycles of an event load beyond the first, if its answer is available: 4 in all. Source: CV32E40P user manual.
 constexpr std::uint32_t kEventLoadExtra = 3;
 
 BusReply load_only(std::uint32_t value, const std::uint32_t* stored) {
   return stored == nullptr ? BusReply::done(value) : BusReply{};
 }
 
-/// A register of its own, or one that takes bits away or adds some to it.
+/// Accesses a mask, directly or through a register that clears or sets some of its bits.
 BusReply mask_register(std::uint32_t& mask, std::uint32_t which, const std::uint32_t* stored) {
   if (stored == nullptr) return which == 0 ? BusReply::done(mask) : BusReply{};
   mask = which == 0 ? *stored : which == 4 ? mask & ~*stored : mask | *stored;
@@ -104,7 +104,7 @@ BusReply ClusterEventUnit::core_register(Core& core, std::uint32_t offset, const
   }
 }
 
-/// The events that ended the wait; a load other than p.elw answers with what is there.
+/// Returns the events that ended the wait. A load other than p.elw returns the present events.
 BusReply ClusterEventUnit::wait(Core& core, Wait what, bool clear, bool event) {
   const auto events = core.buffer & core.event_mask;
   if (events == 0 && event) {
@@ -116,7 +116,7 @@ BusReply ClusterEventUnit::wait(Core& core, Wait what, bool clear, bool event) {
   return BusReply::done(events, event ? kEventLoadExtra : 0);
 }
 
-/// Three blocks of a word for each event: raise it; raise it and wait; raise it, wait and clear.
+/// Three blocks with a word for each event: raise; raise and wait; raise, wait and clear.
 BusReply ClusterEventUnit::software_event(unsigned core, std::uint32_t offset, const std::uint32_t* stored,
                                           bool event) {
   const auto number = offset % reg::kTriggerBytes / 4;
@@ -182,7 +182,8 @@ void ClusterEventUnit::open_if_complete(Barrier& barrier) {
   raise(barrier.targets, kBarrierEvent);
 }
 
-/// A load takes it, a store gives it back with a message for the next one. Of those who wait, the lowest is next.
+/// A load locks the mutex. A store unlocks it, with a message for the next owner: the waiting core with the lowest
+/// number.
 BusReply ClusterEventUnit::mutex(unsigned core, const std::uint32_t* stored, bool event) {
   if (stored != nullptr) {
     mutex_message_ = *stored;
@@ -247,7 +248,7 @@ void ClusterEventUnit::raise(std::uint32_t cores, unsigned event) {
   }
 }
 
-/// A core whose masks or buffer changed.
+/// Updates a core after its masks or its buffer changed.
 void ClusterEventUnit::update(unsigned core) {
   const auto& self = of_[core];
   if (self.waits_for != Wait::nothing && (self.buffer & self.event_mask) != 0) woken_ |= 1U << core;

@@ -11,10 +11,10 @@ namespace mebots::soc::gap8_devices {
 namespace {
 
 constexpr std::uint32_t kSpan = 0x5000;
-/// Where each core sees its own cluster's registers: less this.
+/// Distance from the cluster's registers to their alias for a core of the cluster.
 constexpr std::uint32_t kAlias = 0x1000'0000;
 
-/// From a word of L1 to where it is tested and set.
+/// Distance from a word of L1 to its test-and-set address.
 constexpr std::uint32_t kTestAndSet = 1U << 20;
 
 constexpr std::uint32_t kControlBytes = 0x400;
@@ -60,7 +60,7 @@ bool ClusterPeripherals::is_test_and_set(std::uint32_t address) const {
   return offset < l1_.size || offset + kAlias < l1_.size;
 }
 
-/// A store is one like any other.
+/// A store there is an ordinary store.
 BusReply ClusterPeripherals::test_and_set(std::uint32_t address, const std::uint32_t* stored) {
   const auto offset = address - (l1_.base + kTestAndSet);
   const auto place = l1_.base + (offset < l1_.size ? offset : offset + kAlias);
@@ -90,7 +90,7 @@ BusReply ClusterPeripherals::access_at(std::uint32_t offset, const ClusterAccess
   } else if (offset >= kEventUnit && offset < kEventUnit + kEventUnitBytes) {
     reply = events_.shared(offset - kEventUnit, access.stored);
   } else if (offset >= kCacheControl && offset < kCacheControl + kCacheControlBytes) {
-    // On from the start here, and never holding what is not in memory.
+    // The cache is on from the start, and never differs from memory.
     reply = BusReply::done(0);
   } else if (offset >= kDma && offset < kDma + kDmaBytes) {
     return mchan_.access(access.who, offset - kDma, access.stored, access.tick);
@@ -112,7 +112,7 @@ BusReply ClusterPeripherals::control(std::uint32_t offset, const std::uint32_t* 
   switch (offset) {
     case kFetchEnable:
       if (stored == nullptr) return BusReply::done(fetching_);
-      // A core that fetches goes on: it stops with the cluster.
+      // A core that fetches already continues; it only stops with the cluster.
       started_ |= *stored & ~fetching_ & ((1U << cores_) - 1);
       fetching_ |= started_;
       return BusReply::done();
@@ -136,7 +136,7 @@ BusReply ClusterPeripherals::timer(std::uint32_t offset, const ClusterAccess& ac
   return timer_.store(offset, access.tick, *access.stored) ? BusReply::done() : BusReply{};
 }
 
-/// Silicon answers there, or not, in a way that we do not know.
+/// Handles an access without a model. The reply of silicon is not known.
 BusReply ClusterPeripherals::pass_over(std::uint32_t offset, const ClusterAccess& access) {
   warn_once(offset, access, "no register of it is modelled there, or not for this; it reads 0");
   return BusReply::done();

@@ -15,10 +15,11 @@
 namespace mebots::soc::gap8_devices {
 
 /// Registers of GAP8's cluster, from 0x10200000 on: control unit (boot addresses, fetch enable), timer, event unit,
-/// instruction cache's control, DMA. A core sees them at 0x00200000, too, and its own of event unit and DMA by the
-/// short ways at +0x4000 and +0x4400. A register that is not modelled is told once, and reads 0. Below them, 1 MiB
-/// above L1, each word of it is seen once more. A load from there takes what it holds and leaves all ones, so that one
-/// core gets a lock. Sources: archi/chips/gap/memory_map.h, properties.h (ARCHI_L1_TAS_BIT),
+/// control of the instruction cache, DMA. A core also has them at 0x00200000, and its own registers of event unit and
+/// DMA at +0x4000 and +0x4400. A register that is not modelled is reported once, and reads 0.
+///
+/// 1 MiB above L1, each word of L1 appears again for test-and-set. A load there returns the word and sets all its bits,
+/// so only one core gets a lock. Sources: archi/chips/gap/memory_map.h, properties.h (ARCHI_L1_TAS_BIT),
 /// archi/cluster_ctrl/cluster_ctrl_v2.h.
 class ClusterPeripherals final : public soc::ClusterPeripherals {
  public:
@@ -39,7 +40,7 @@ class ClusterPeripherals final : public soc::ClusterPeripherals {
 
   void reset(std::uint32_t boot) override;
   std::uint32_t take_started() override;
-  /// Behind the vectors of its interrupts. Source: RI5CY's user manual of 2018, instruction fetch.
+  /// Returns the boot address, after the vectors of interrupts. Source: RI5CY's user manual of 2018, instruction fetch.
   std::uint32_t boot_address(unsigned core) const override { return (boot_[core] & ~0xffU) + 0x80U; }
   std::uint32_t take_woken() override { return events_.take_woken(); }
   std::uint32_t take_line_changes() override { return events_.take_line_changes(); }
@@ -65,9 +66,9 @@ class ClusterPeripherals final : public soc::ClusterPeripherals {
   Mchan mchan_;
   ClusterTimer timer_;
   std::array<std::uint32_t, kMostClusterCores> boot_{};
-  std::uint32_t fetching_ = 0;         // cores
-  std::uint32_t started_ = 0;          // used up with the access that starts them
-  std::vector<std::uint32_t> warned_;  // offsets that are not modelled; not part of a state
+  std::uint32_t fetching_ = 0;         // cores with fetch enabled
+  std::uint32_t started_ = 0;          // consumed by the access that starts them
+  std::vector<std::uint32_t> warned_;  // offsets without a model that were reported; not part of a state
 };
 
 }  // namespace mebots::soc::gap8_devices

@@ -11,9 +11,9 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// GAP8's fuses: 128 registers of eight bits, blank at the start, in which a bit that is programmed stays 1. A command
-/// says first what follows: reading, programming, or sleep. A store into a register while programming names one bit
-/// of it. The time that a bit takes is not modelled. Source: archi/efuse/efuse_v1.h, hal/efuse/efuse_v1.h.
+/// GAP8's fuses: 128 registers of eight bits, zero at the start. A programmed bit stays 1. A command selects the mode
+/// first: read, program or sleep. In program mode, a store into a register programs one bit of it. The time for a bit
+/// is not modelled. Source: archi/efuse/efuse_v1.h, hal/efuse/efuse_v1.h.
 class Efuse final : public Device {
  public:
   static constexpr std::size_t kFuses = 128;
@@ -47,7 +47,7 @@ constexpr std::uint32_t kTimings = 0x004;
 constexpr std::uint32_t kRegisters = 0x200;
 constexpr std::uint32_t kBits = 8;
 
-/// Which fuse register is there, if any.
+/// Returns the index of the fuse register at this offset; nullopt if there is none.
 std::optional<std::uint32_t> fuse_at(std::uint32_t offset) {
   const auto index = (offset - kRegisters) / 4;
   if (offset < kRegisters || index >= Efuse::kFuses) return std::nullopt;
@@ -103,7 +103,7 @@ bool Efuse::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value
   return true;
 }
 
-/// The low bytes of a fuse register; the others take words.
+/// Loads the low bytes of a fuse register. Other registers only serve words.
 bool Efuse::load_narrow(std::uint32_t offset, Picoseconds now, std::uint32_t& value, unsigned /*size*/) {
   return fuse_at(offset) && offset % 4 == 0 && load(offset, now, value);
 }

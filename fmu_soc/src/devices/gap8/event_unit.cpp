@@ -31,7 +31,7 @@ bool EventUnit::load(std::uint32_t offset, std::uint32_t& value) {
     case reg::kMaskIrq:
       value = interrupt_mask_;
       return true;
-    case reg::kStatus:  // 1: the core's clock runs, which it does when the core asks
+    case reg::kStatus:  // 1: the core's clock runs, which is always the case during an access
       value = 1;
       return true;
     case reg::kBuffer:
@@ -83,7 +83,7 @@ bool EventUnit::store(std::uint32_t offset, std::uint32_t value) {
   }
   const auto word = (offset - reg::kTriggerSoftwareEvent) / 4;
   if (offset < reg::kTriggerSoftwareEvent || word >= reg::kSoftwareEvents) return false;
-  raise(word);  // the fabric controller is alone: whom the value names is itself
+  raise(word);  // the value selects cores, and the fabric controller is the only one
   return true;
 }
 
@@ -107,7 +107,7 @@ std::uint32_t EventUnit::take_soc_event() {
   return kValid | event;
 }
 
-/// A level: as long as an event waits in the queue.
+/// Updates event 27, which is set while the queue of SoC events is not empty.
 void EventUnit::refresh() {
   if (!queue_.empty()) buffer_ |= 1U << kSocEvent;
 }

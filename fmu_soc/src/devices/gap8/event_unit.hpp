@@ -10,34 +10,34 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's event unit as the fabric controller has it: a buffer of 32 events, a mask of those that end a wait and one of
-/// those that interrupt. The first of a queue of SoC events keeps event 27 up until it is read. Of the events that
-/// interrupt the highest is presented; taking it clears it. Sources: archi/eu/eu_v3.h; behaviour of
-/// event_unit_flex (pulp-platform), README and RTL.
+/// GAP8's event unit of the fabric controller: a buffer of 32 events, a mask of events that end a wait, and a mask of
+/// events that interrupt. Event 27 is set as long as the queue of SoC events is not empty. The highest interrupting
+/// event is presented; taking it clears it. Sources: archi/eu/eu_v3.h; behaviour of event_unit_flex (pulp-platform),
+/// README and RTL.
 class EventUnit {
  public:
-  /// SoC events that wait; one that comes then is lost.
+  /// Maximum number of SoC events in the queue; a further one is lost.
   static constexpr std::size_t kQueue = 8;
 
   explicit EventUnit(Signals& signals);
   EventUnit(const EventUnit&) = delete;
   EventUnit& operator=(const EventUnit&) = delete;
 
-  /// The core's own registers, 0x00 to 0x3F, and its software events at 0x100.
+  /// Serve the core's own registers, 0x00 to 0x3F, and its software events at 0x100.
   bool load(std::uint32_t offset, std::uint32_t& value);
   bool store(std::uint32_t offset, std::uint32_t value);
-  /// A p.elw.
+  /// Serves a p.elw.
   BusReply load_event(std::uint32_t offset);
-  /// Takes the next event of the SoC; bit 31 says that there was one.
+  /// Removes the next event from the queue of SoC events. Bit 31 is set if there was one.
   std::uint32_t take_soc_event();
 
   void raise(unsigned event);
   void queue_soc_event(unsigned event);
-  /// The core takes an interrupt.
+  /// Called when the core takes an interrupt.
   void acknowledge(unsigned line);
-  /// What the core sees on its lines: the highest one only.
+  /// Returns the core's interrupt lines: only the highest pending one is up.
   std::uint32_t lines() const;
-  /// A wait can be answered now; forgotten with the call.
+  /// Returns true, once, if a wait can be answered now.
   bool take_wake();
 
   void visit(state::Visitor& v);
@@ -52,8 +52,8 @@ class EventUnit {
   std::vector<std::uint8_t> queue_;
 };
 
-/// Its registers on the bus of the fabric controller's peripherals: those of the core at 0, software events at 0x600,
-/// the queue of SoC events at 0x700.
+/// Its registers on the fabric controller's peripheral bus: those of the core at 0, software events at 0x600, the queue
+/// of SoC events at 0x700.
 class EventUnitPort final : public Device {
  public:
   explicit EventUnitPort(Signals& signals) : unit_(signals) {}
@@ -67,7 +67,7 @@ class EventUnitPort final : public Device {
   EventUnit unit_;
 };
 
-/// The short way to the same registers, by which the core waits.
+/// The demultiplexed range of the same registers, which the core uses to wait.
 class EventUnitDemux final : public Device {
  public:
   explicit EventUnitDemux(EventUnit& unit) : unit_(unit) {}

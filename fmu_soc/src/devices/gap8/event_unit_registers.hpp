@@ -6,9 +6,9 @@
 /// Registers of GAP8's event units. Source: archi/eu/eu_v3.h of pulp-platform's and GreenWaves' archi headers.
 namespace mebots::soc::gap8_devices::event_unit_reg {
 
-/// A core's own.
+/// A core's own registers.
 inline constexpr std::uint32_t kMask = 0x00;
-inline constexpr std::uint32_t kMaskAnd = 0x04;  // takes these bits away
+inline constexpr std::uint32_t kMaskAnd = 0x04;  // clears these bits
 inline constexpr std::uint32_t kMaskOr = 0x08;
 inline constexpr std::uint32_t kMaskIrq = 0x0C;
 inline constexpr std::uint32_t kMaskIrqAnd = 0x10;
@@ -25,15 +25,15 @@ inline constexpr std::uint32_t kEventWait = 0x38;
 inline constexpr std::uint32_t kEventWaitClear = 0x3C;
 inline constexpr std::uint32_t kCoreBytes = 0x40;
 
-/// By the short way, of the core that asks.
+/// In the demultiplexed range of the core.
 inline constexpr std::uint32_t kDispatch = 0x80;
 inline constexpr std::uint32_t kDispatchTeam = 0x84;
 inline constexpr std::uint32_t kMutex = 0xC0;
-inline constexpr std::uint32_t kTriggerSoftwareEvent = 0x100;  // eight words, an event each
+inline constexpr std::uint32_t kTriggerSoftwareEvent = 0x100;  // eight words, one per event
 inline constexpr std::uint32_t kBarriers = 0x200;
 inline constexpr std::uint32_t kShortEnd = 0x400;
 
-/// By the long way.
+/// On the peripheral bus.
 inline constexpr std::uint32_t kLongBarriers = 0x400;
 inline constexpr std::uint32_t kLongSoftwareEvents = 0x600;
 inline constexpr std::uint32_t kLongSocEvents = 0x700;

@@ -13,53 +13,53 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// A chip on an I2C bus, as the bus sees it.
+/// A chip on an I2C bus, for the bus master.
 class I2cDevice {
  public:
   virtual ~I2cDevice() = default;
-  /// Seven bits.
+  /// Returns its address of seven bits.
   virtual std::uint8_t address() const = 0;
   virtual void start() = 0;
   virtual void write(std::uint8_t byte, Picoseconds now) = 0;
   virtual std::uint8_t read() = 0;
 };
 
-/// What of the array a frame shows, and how.
+/// Window, step and orientation of a frame.
 struct FrameFormat {
   std::uint32_t window_height = 0;  // rows of the array
-  std::uint32_t row_step = 1;       // 2: every second one
+  std::uint32_t row_step = 1;       // 2: every second row
   std::uint32_t column_step = 1;
   std::uint32_t binning = 0;
   std::uint32_t orientation = 0;
 
-  /// Of a frame as it comes out.
+  /// Size of a frame at the output.
   std::uint32_t width() const;
   std::uint32_t height() const { return window_height / row_step; }
-  /// The pixels of a frame in the order in which they come out. The picture has Himax::kWidth columns and at least
-  /// window_height rows, of which those in the middle are taken.
+  /// Copies the pixels of a frame in the order of the output. The picture must have Himax::kWidth columns and at least
+  /// window_height rows; the rows in the middle are used.
   void read_out(std::span<const std::uint8_t> picture, std::vector<std::uint8_t>& pixels) const;
 
   void visit(state::Visitor& v);
 };
 
-/// HM01B0, the AI-deck's and the GAPuino's camera, as a driver sees it: 8-bit registers at 16-bit addresses by I2C,
-/// which keep what is stored, and frames as MODE_SELECT says. Of the registers these do something:
+/// HM01B0, the camera of AI-deck and GAPuino: 8-bit registers at 16-bit addresses over I2C, which keep their values,
+/// and frames as selected by MODE_SELECT. These registers have an effect:
 ///
 ///   0x0100 mode                  0x0340 lines of a frame                    0x0390 binning: bit 0 rows, bit 1 columns
 ///   0x0101 orientation           0x0342 pixel clocks of a line              0x3010 window of 244 lines, not 324
 ///   0x0103 reset                 0x0383, 0x0387 every second column, row (3) 0x3020 frames of mode 3
 ///   0x0202 lines of integration
 ///
-/// In mode 1 a frame follows another until mode 0, which is assumed to be obeyed at once: a frame under way is lost. A
-/// reset is standby, too.
-/// In mode 3 the sensor takes as many frames as 0x3020 says (0: one, assumed), and then goes to standby. The rows of
-/// the first frame are read out when they are exposed; waking up takes no time (assumed). If mode 3 is set during mode
+/// In mode 1, frames follow each other until mode 0 is set. We assume that mode 0 acts at once: a frame in progress is
+/// lost. A reset also enters standby.
+/// In mode 3, the sensor takes as many frames as 0x3020 says (0: one, assumed), and then enters standby. The rows of
+/// the first frame are read out after their exposure; waking up takes no time (assumed). If mode 3 is set during mode
 /// 1, the count starts with the next frame that begins an integration later.
 ///
-/// Lines and clocks set the frame rate (docs/chip/gap8-camera.md has the highest rates). A frame with fewer lines than
-/// rows takes a line for each row. Gain and integration do not change a picture.
+/// Lines and clocks determine the frame rate (docs/chip/gap8-camera.md lists the highest rates). If a frame has fewer
+/// lines than rows, each row takes a line. Gain and integration do not change a picture.
 ///
-/// Sources: register names in the driver of GreenWaves' gap_sdk (himax.c); formats, least lines and clocks, and the
+/// Sources: register names in the driver of GreenWaves' gap_sdk (himax.c); formats, minimum lines and clocks, and the
 /// clock of 6 MHz in idsia-robotics/nanocockpit (himax.c, himax_supported_framerates.md); mode 3 and 0x3020 in the
 /// driver of TensorFlow Lite Micro's person detection (apollo3evb, HM01B0.c).
 class Himax final : public I2cDevice {
@@ -68,7 +68,7 @@ class Himax final : public I2cDevice {
   static constexpr std::uint32_t kHeight = 324;
   static constexpr std::uint32_t kWindowHeight = 244;
 
-  /// `port`: the part of the board that consumes as the camera does; active while it streams.
+  /// `port`: the part of the board for the camera's energy. It is active while the camera streams.
   explicit Himax(PartPort port = {}) : port_(port) { reset(); }
 
   std::uint8_t address() const override { return 0x24; }
@@ -77,18 +77,20 @@ class Himax final : public I2cDevice {
   std::uint8_t read() override;
 
   bool streams() const { return streams_; }
-  /// When the first frame begins to be read out that does so at or after `time`; kNever: none does. While it streams.
+  /// Returns the start of read-out of the first frame at or after `time`; kNever if there is none. Only while the
+  /// camera streams.
   Picoseconds frame_at(Picoseconds time) const;
-  /// When it goes to standby by itself.
+  /// Returns the time at which it enters standby without a command.
   Picoseconds next_event() const { return streams_ ? ends_at_ : kNever; }
   void advance(Picoseconds now);
-  /// From a frame's begin up to the end of so many lines.
+  /// Returns the time from the start of a frame to the end of this many lines.
   Picoseconds lines_time(std::uint32_t lines) const;
-  /// When the first frame since it streams begins to be read out: another one behind every standby. While it streams.
+  /// Returns the start of read-out of the first frame of the present stream. Each standby ends a stream. Only while the
+  /// camera streams.
   Picoseconds first_frame_at() const { return first_at_; }
-  /// How long each line gathers light.
+  /// Returns the integration time of each line.
   Picoseconds exposure_time() const;
-  /// Of a frame that begins now.
+  /// Returns the format of a frame that begins now.
   FrameFormat format() const;
 
   void visit(state::Visitor& v);
@@ -99,7 +101,7 @@ class Himax final : public I2cDevice {
   void reset();
   void select_mode(std::uint32_t mode, Picoseconds now);
   void stand_by(Picoseconds now);
-  /// From a frame's begin to that of the next.
+  /// Returns the time from one frame to the next.
   Picoseconds period() const;
   Picoseconds frame_after(Picoseconds time) const;
   std::uint8_t reg(std::size_t at) const { return registers_[at]; }
@@ -107,11 +109,11 @@ class Himax final : public I2cDevice {
 
   PartPort port_;
   std::vector<std::uint8_t> registers_;
-  std::uint32_t at_ = 0;             // the register that is next
-  std::uint32_t address_bytes_ = 0;  // that have come since the start
+  std::uint32_t at_ = 0;             // next register
+  std::uint32_t address_bytes_ = 0;  // bytes of the address received since the start condition
   bool streams_ = false;
-  Picoseconds first_at_ = 0;      // frame since it streams
-  Picoseconds ends_at_ = kNever;  // the last one
+  Picoseconds first_at_ = 0;      // first frame of the stream
+  Picoseconds ends_at_ = kNever;  // last frame of the stream
 };
 
 }  // namespace mebots::soc::gap8_devices

@@ -10,7 +10,7 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// Addresses of commands, of bytes.
+/// Byte addresses of commands.
 constexpr std::uint32_t kFlashFirst = 0x555 << 1;
 constexpr std::uint32_t kFlashSecond = 0x2AA << 1;
 

@@ -9,30 +9,31 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// A HyperFlash as its driver sees it: words of 16 bits that are written are commands, each behind an unlocking pair of
-/// them, or what one of them programs. Programming makes ones zeros, within a line; erasing makes a sector all ones. It
-/// is ready at once: how long silicon takes is not modelled. Source of the commands: GreenWaves' gap_sdk, hyperflash.c.
+/// A HyperFlash with the commands of its driver. Writes of 16-bit words are commands, each after a pair of unlock
+/// words, or data of a command. Programming changes ones to zeros within a line; erasing sets a whole sector to ones.
+/// It is ready at once: times of silicon are not modelled. Source of the commands: GreenWaves' gap_sdk, hyperflash.c.
 class HyperFlash {
  public:
   static constexpr std::uint32_t kBytes = 64U << 20;         // of a GAPuino's S71KS512S
-  static constexpr std::uint32_t kSectorBytes = 256U << 10;  // likewise
-  static constexpr std::uint32_t kLineBytes = 512;           // that one command programs
+  static constexpr std::uint32_t kSectorBytes = 256U << 10;  // of the same chip
+  static constexpr std::uint32_t kLineBytes = 512;           // maximum of one program command
 
-  /// It begins with `image`, all ones behind it, which must stay where it is.
+  /// It contains `image` at the start, followed by ones. The image must not move.
   explicit HyperFlash(std::span<const std::uint8_t> image) : image_(image) {}
-  /// Another image, in place of all that it holds.
+  /// Replaces all its contents by another image.
   void set_image(std::span<const std::uint8_t> image);
 
-  /// All bytes must lie inside. False: nothing that it knows; it has forgotten what came before.
+  /// Writes bytes, all of which must be inside the flash. After an unknown command, returns false and resets the
+  /// sequence of commands.
   bool write(std::uint32_t place, std::span<const std::uint8_t> bytes);
   void read(std::uint32_t place, std::span<std::uint8_t> bytes);
 
   void visit(state::Visitor& v);
 
  private:
-  /// What the next write is taken for.
+  /// The expected meaning of the next write.
   enum class Expects : std::uint32_t { unlock, second_unlock, command, erase_unlock, second_erase_unlock, erase, data };
-  /// One that is not as the image has it.
+  /// A sector that differs from the image.
   struct Sector {
     std::uint32_t place = 0;
     std::vector<std::uint8_t> bytes;
@@ -53,8 +54,8 @@ class HyperFlash {
 
   std::span<const std::uint8_t> image_;
   Expects expects_ = Expects::unlock;
-  bool shows_status_ = false;    // to the next read
-  std::vector<Sector> changed_;  // by place
+  bool shows_status_ = false;    // the next read returns the status
+  std::vector<Sector> changed_;  // by address
 };
 
 }  // namespace mebots::soc::gap8_devices

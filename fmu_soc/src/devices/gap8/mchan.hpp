@@ -11,14 +11,15 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Registers of GAP8's cluster DMA, MCHAN. A load of the queue takes one of 16 counters. Stores into it make a command
-/// (what, L1's address, L2's address, and for rows their step and length), which counts in the requester's last
-/// counter. The status says which counters have bytes to come, and which are taken; a store gives counters back. When
-/// a counter comes to 0, the requester of the last command gets events 8 or 9, as that command says.
+/// Registers of GAP8's cluster DMA, MCHAN. A load of the queue register allocates one of 16 counters. Stores into it
+/// form a command (flags and size, address in L1, address in L2, and for 2D transfers step and length of rows). Its
+/// bytes are added to the requester's last counter. The status has bits for counters with open bytes and for allocated
+/// counters; a store frees counters. When a counter reaches 0, the requester of the last command gets event 8 or 9, as
+/// that command says.
 ///
-/// Silicon stalls a core that asks when all counters are taken, or when too many commands wait. Here the former is an
-/// access fault and the latter never happens: the queue has no end. Sources: archi/dma/mchan_v6.h; GVSoC's mchan_v6 for
-/// the order of words.
+/// Silicon stalls a core that requests a counter while all are allocated, or that issues too many commands. Here the
+/// former is an access fault, and the latter never happens, because the queue is unlimited. Sources:
+/// archi/dma/mchan_v6.h; GVSoC's mchan_v6 for the order of words.
 class Mchan {
  public:
   static constexpr unsigned kCounters = 16;
@@ -32,7 +33,7 @@ class Mchan {
 
   BusReply access(unsigned who, std::uint32_t offset, const std::uint32_t* stored, std::uint64_t tick);
 
-  /// Events of an ended transfer; none while its counter has bytes to come.
+  /// The events of a completed transfer; none while its counter has open bytes.
   struct Ended {
     bool raises_event = false;
     bool raises_interrupt = false;
@@ -55,7 +56,7 @@ class Mchan {
   };
   struct Command {
     std::uint32_t who = 0;
-    ClusterDma::Draft what;  // its id: the tag, as packed below
+    ClusterDma::Draft what;  // its id is the tag, packed as below
     bool out = false;
 
     void visit(state::Visitor& v) {
@@ -74,7 +75,7 @@ class Mchan {
   ClusterDma& dma_;
   std::array<Draft, kRequesters> drafts_;
   std::array<std::uint32_t, kCounters> bytes_to_come_{};
-  std::uint32_t taken_ = 0;  // counters
+  std::uint32_t taken_ = 0;  // allocated counters
   std::vector<Command> waiting_;
 };
 

@@ -41,17 +41,17 @@ enum RtcNumber : std::uint32_t {
   kDivider = 0x28,
 };
 constexpr std::uint32_t kSoftReset = 1U << 8;
-constexpr std::uint32_t kRtcOff = 1U << 0;      // of calendar, alarm and countdown
-constexpr std::uint32_t kRtcRepeats = 1U << 4;  // alarm and countdown
+constexpr std::uint32_t kRtcOff = 1U << 0;      // switches calendar, alarm and countdown off
+constexpr std::uint32_t kRtcRepeats = 1U << 4;  // of alarm and countdown
 constexpr std::uint32_t kAlarmFlag = 1U << 0;
 constexpr std::uint32_t kCountdownFlag = 1U << 4;
 
-/// After reset.
+/// Values after reset.
 constexpr std::uint32_t kDividerAtReset = 0x8000;
 constexpr std::uint32_t kAlarmAtReset = 0x00660003;
-constexpr std::uint32_t kDateAtReset = 0x00000101;  // the first of January 2000: ours, GVSoC takes it from its board
+constexpr std::uint32_t kDateAtReset = 0x00000101;  // 1 January 2000 is our choice; in GVSoC it depends on the board
 
-/// Two decimal digits from a bit on.
+/// Returns the number of two BCD digits from bit `from`.
 std::uint32_t digits(std::uint32_t word, unsigned from) {
   return (word >> from & 0xfU) + 10 * (word >> (from + 4) & 0xfU);
 }
@@ -101,7 +101,7 @@ bool Rtc::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) 
       return true;
     default:
       value = 0;
-      return offset < kWindowFlags;  // IRQ_CTRL, whose level nobody sees
+      return offset < kWindowFlags;  // IRQ_CTRL has no visible effect
   }
 }
 
@@ -179,7 +179,7 @@ void Rtc::access(std::uint32_t control, Picoseconds now) {
   if ((window_mask_ & done) == 0) signals_.raise_soc_event(kWindowEvent, now);
 }
 
-/// What a store into a register does beside being kept.
+/// Applies the effects of a store into a register.
 void Rtc::keep(std::uint32_t number, Picoseconds now) {
   if (number == kRtcControl) {
     if ((control_ & kSoftReset) != 0) reset();
@@ -187,13 +187,13 @@ void Rtc::keep(std::uint32_t number, Picoseconds now) {
   } else if (number == kCountdownInit) {
     countdown_ = countdown_init_;
   } else if (number == kDivider) {
-    divider_ &= 0xffffU;  // holds from the next restart on
+    divider_ &= 0xffffU;  // applied at the next restart
   } else if (number == kRtcIrqMask && (flags_ & ~mask_) != 0) {
     signals_.raise_soc_event(kRtcEvent, now);
   }
 }
 
-/// Ticks are counted from now on, with the divider as it is now.
+/// Restarts the count of ticks with the present divider.
 void Rtc::restart(Picoseconds now) {
   edges_of_tick_ = std::max<std::int64_t>(divider_, 1);
   first_edge_ = reference_edges(now);
@@ -204,7 +204,7 @@ Picoseconds Rtc::tick_time(std::int64_t tick) const {
   return reference_edge_time(first_edge_ + tick * edges_of_tick_);
 }
 
-/// Of the next tick at which an event may come: nobody sees the others when they pass.
+/// Returns the next tick that may raise an event. Other ticks have no visible effect.
 Picoseconds Rtc::next_event() const {
   if (!is_active()) return kNever;
   if ((alarm_control_ & kRtcOff) == 0) return tick_time(ticks_ + 1);
@@ -254,8 +254,8 @@ void Rtc::move_calendar() {
   date_ = as_digits(day, 0) | as_digits(month, 8) | as_digits(year, 16);
 }
 
-/// Once: date and time agree. Repeated: as many of their fields as the configuration says, from 4 (seconds) to 8
-/// (all up to the month).
+/// A single alarm needs equal date and time. A repeating alarm compares as many fields as configured, from 4 (seconds)
+/// to 8 (all fields up to the month).
 bool Rtc::alarm_is_now() const {
   if ((alarm_control_ & kRtcRepeats) == 0) return time_ == alarm_time_ && date_ == alarm_date_;
   const auto fields = (alarm_control_ >> 16 & 0xfU);

@@ -8,11 +8,12 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's real-time clock, Dolphin's: calendar, alarm and countdown, which a tick moves on, a second long after reset.
-/// Its registers stand behind a window: a number stored into CTRL moves one of them to or from DATA, at once here,
-/// which raises a SoC event, as alarm and countdown do. Calendar and alarm are decimal digits of four bits each.
+/// GAP8's real-time clock, from Dolphin: calendar, alarm and countdown, driven by a tick of one second after reset. Its
+/// registers are accessed through a window: a store into CTRL copies a register from or to DATA. This is immediate
+/// here, and raises a SoC event, as alarm and countdown do. Calendar and alarm are BCD.
 ///
-/// Sources: archi/vendors/dolphin/rtc.h and rtc_periph.h of GreenWaves' gap_sdk; what a tick does, and values after
+/// Sources: archi/vendors/dolphin/rtc.h and rtc_periph.h of GreenWaves' gap_sdk; effect of a tick, and reset values:
+/// GVSoC's model there (rtc_impl.cpp). Our addition: leap years from 2000 to 2099, as in the driver's calculation.
 /// reset: GVSoC's model there (rtc_impl.cpp). Ours: leap years between 2000 and 2099, as the driver reckons.
 class Rtc final : public Device {
  public:
@@ -42,7 +43,7 @@ class Rtc final : public Device {
   std::uint32_t data_ = 0;
   std::uint32_t window_mask_ = 0;
   std::uint32_t window_flags_ = 0;
-  // Behind it.
+  // Registers accessed through the window.
   std::uint32_t control_ = 0;
   std::uint32_t clock_control_ = 0;
   std::uint32_t irq_control_ = 0;
@@ -58,9 +59,9 @@ class Rtc final : public Device {
   std::uint32_t countdown_init_ = 0;
   std::uint32_t countdown_ = 0;
   std::uint32_t divider_ = 0;       // as stored
-  std::int64_t edges_of_tick_ = 1;  // the divider since the last start
-  std::int64_t first_edge_ = 0;     // of the reference clock, from which ticks are counted
-  std::int64_t ticks_ = 0;          // that have passed since then
+  std::int64_t edges_of_tick_ = 1;  // divider at the last start
+  std::int64_t first_edge_ = 0;     // edge of the reference clock from which ticks are counted
+  std::int64_t ticks_ = 0;          // ticks since then
 };
 
 }  // namespace mebots::soc::gap8_devices

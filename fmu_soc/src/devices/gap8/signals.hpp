@@ -11,13 +11,14 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// Events of the fabric controller, bits of its event unit. Source: archi/chips/gap/properties.h of pulp-platform's and
+/// Events of the fabric controller: bits of its event unit. Source: archi/chips/gap/properties.h of pulp-platform's and
+/// GreenWaves' archi headers.
 /// GreenWaves' archi headers.
 inline constexpr unsigned kTimerLowEvent = 10;
 inline constexpr unsigned kTimerHighEvent = 11;
 inline constexpr unsigned kSocEvent = 27;
 
-/// Events of the SoC, numbers in the queue behind kSocEvent. Source: the same.
+/// Events of the SoC: numbers in the queue of kSocEvent. Source: the same.
 inline constexpr unsigned kClusterPowerChanged = 31;
 inline constexpr unsigned kClusterClockChanged = 35;
 inline constexpr unsigned kScuOk = 37;
@@ -26,17 +27,17 @@ inline constexpr unsigned kReferenceClockEvent = 56;
 
 inline constexpr std::int64_t kReferenceClockHz = 32768;
 
-/// The wires between GAP8's devices: each end sets the function behind its wire when it is made. A board may lack
-/// either end.
+/// Signals between GAP8's devices. The constructor of the receiver sets the function of a signal. A board may lack
+/// sender or receiver.
 struct Signals {
   std::function<void(unsigned event)> raise_fabric_event = [](unsigned) {};
   std::function<void(unsigned event, Picoseconds now)> raise_soc_event = [](unsigned, Picoseconds) {};
-  /// The fabric controller's clock is about to change. Who listens calls who did so before.
+  /// Called before the fabric controller's clock changes. Each receiver calls the function that was set before.
   std::function<void(Picoseconds now)> clock_changes = [](Picoseconds) {};
-  /// What the FLLs and the power unit ask of the chip; nothing on a board without FLLs.
+  /// Settings that the FLLs and the power unit request; nullopt on a board without FLLs.
   std::optional<PowerSettings> power;
   std::optional<std::int32_t> exit_code;
-  /// Of this chip; not part of a state.
+  /// Number of cluster cores of this chip; not part of a state.
   unsigned cluster_cores = 0;
 
   void visit(state::Visitor& v) {
@@ -45,13 +46,13 @@ struct Signals {
   }
 };
 
-/// Rising edges of the reference clock from reset up to `now`.
+/// Returns the number of rising edges of the reference clock from reset up to `now`.
 inline std::int64_t reference_edges(Picoseconds now) {
   const auto whole_s = now / 1'000'000'000'000;
   const auto rest_ps = now % 1'000'000'000'000;
   return whole_s * kReferenceClockHz + rest_ps * kReferenceClockHz / 1'000'000'000'000;
 }
-/// When edge number `edge` comes.
+/// Returns the time of edge number `edge`.
 inline Picoseconds reference_edge_time(std::int64_t edge) {
   const auto whole_s = edge / kReferenceClockHz;
   if (whole_s >= kNever / 1'000'000'000'000) return kNever;
@@ -59,7 +60,7 @@ inline Picoseconds reference_edge_time(std::int64_t edge) {
   return whole_s * 1'000'000'000'000 + (rest * 1'000'000'000'000 + kReferenceClockHz - 1) / kReferenceClockHz;
 }
 
-/// Makes a device that requests clocks or a voltage. What the board does not set stays as the chip started.
+/// Creates a device that requests clocks or a voltage. Settings that the board does not change keep their start values.
 template <typename T>
 std::unique_ptr<Device> make_with_signals(const BoardDevice& entry, ChipHost& host) {
   if (!host.signals().power) host.signals().power = host.power_at_start();

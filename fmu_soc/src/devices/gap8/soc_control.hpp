@@ -9,13 +9,14 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's SoC control: registers as its entry describes them. INFO has the cores of this chip's cluster. Three of the
-/// others do something. CORESTATUS with bit 31 ends
-/// the program with the code in the bits below; the low five bits of SAFE_PMU_RAR set the voltage, 550 mV and 50 mV a
-/// step. Of CL_BYPASS, bit 3 switches the cluster's power and bit 10 gates its clock; SoC events 31 and 35 tell when
-/// that is done (the delay of the entry's state "switching"). A core without clock would stop: the programs gate it
-/// before any core fetches, so the gate is kept and told back, and stops nothing. Sources: archi/chips/gap/apb_soc.h,
-/// GVSoC's apb_soc of GAP8, runtime of the published programs.
+/// GAP8's SoC control: registers as in its entry. INFO contains the number of cores of this chip's cluster. Three
+/// others have effects. CORESTATUS with bit 31 ends the program; the lower bits are the exit code. The low five bits of
+/// SAFE_PMU_RAR set the voltage: 550 mV and 50 mV per step. CL_BYPASS: bit 3 switches the cluster's power, bit 10 gates
+/// its clock. SoC events 31 and 35 report completion (the delay of the entry's state "switching").
+///
+/// A core with a gated clock would stop. Programs only gate the clock while no core fetches, so the gate is stored and
+/// can be read, but has no effect. Sources: archi/chips/gap/apb_soc.h, GVSoC's apb_soc of GAP8, runtime of the
+/// published programs.
 class SocControl final : public Device {
  public:
   SocControl(const BoardDevice& entry, DeviceHost& host, Signals& signals);

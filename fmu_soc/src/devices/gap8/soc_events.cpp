@@ -37,7 +37,7 @@ bool SocEvents::store(std::uint32_t offset, Picoseconds now, std::uint32_t value
   const auto index = (offset - kFirstMask) / 4;
   if (index >= kMasks) return false;
   masks_[index] = value;
-  edges_ = reference_edges(now);  // one that nobody heard of is gone
+  edges_ = reference_edges(now);  // a masked edge raises no event later
   return true;
 }
 

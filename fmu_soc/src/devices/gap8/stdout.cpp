@@ -7,8 +7,8 @@
 namespace mebots::soc::gap8_devices {
 namespace {
 
-/// The simulators' character output of PULP chips: a byte or word stored anywhere in it is a character. Silicon has
-/// nothing there; programs of GAP8's first SDK print to it when configured for it. Source: archi/stdout.
+/// Character output of PULP chips in simulators: a byte or word stored anywhere in its range is a character. Silicon
+/// has no such device. Programs of GAP8's first SDK can be configured to use it. Source: archi/stdout.
 class Stdout final : public Device {
  public:
   explicit Stdout(DeviceHost& host) : line_(host) {}

@@ -21,7 +21,7 @@ constexpr std::uint32_t kOneShot = 1U << 5;
 constexpr std::uint32_t kPrescaler = 1U << 6;
 constexpr std::uint32_t kPair = 1U << 31;
 
-// Groups of two registers each, the low counter's and the high one's.
+// Pairs of registers: of the low counter, of the high counter.
 constexpr unsigned kConfig = 0;
 constexpr unsigned kCount = 1;
 constexpr unsigned kCompare = 2;
@@ -48,7 +48,7 @@ void TimerCounters::count_one(Counter& counter, std::int64_t now) {
     return;
   }
   const auto passed = clock_.counts(counter.config, counter.since, now);
-  if (passed == 0) return;  // part of a count stays
+  if (passed == 0) return;  // the elapsed part of a count is kept
   counter.value = (counter.value + passed) & width_mask();
   if (counter.value != counter.compared_at) counter.met = false;
   counter.since = (counter.config & kReferenceClock) != 0
@@ -59,13 +59,13 @@ void TimerCounters::count_one(Counter& counter, std::int64_t now) {
 void TimerCounters::count(std::int64_t now) {
   count_one(counters_[0], now);
   if (is_pair()) {
-    counters_[1].since = now;  // from here on it counts for itself again
+    counters_[1].since = now;  // it counts alone from now on
   } else {
     count_one(counters_[1], now);
   }
 }
 
-/// What happens at the value of the comparison.
+/// Applies a match of a comparison.
 void TimerCounters::compare(unsigned index) {
   auto& counter = counters_[index];
   if ((counter.config & kEnable) == 0 || counter.met || counter.value != target_of(index)) return;
@@ -90,7 +90,8 @@ void TimerCounters::configure(unsigned index, std::uint32_t config) {
   }
 }
 
-/// Each register keeps its count: the high counter's is the upper half of a pair's.
+/// Changes between a pair and two counters. Each register keeps its count: that of the high counter is the upper half
+/// of a pair's.
 void TimerCounters::pair_or_split() {
   auto& low = counters_[0];
   auto& high = counters_[1];
@@ -127,7 +128,7 @@ bool TimerCounters::store(std::uint32_t offset, std::int64_t now, std::uint32_t 
   count(now);
   const auto index = offset / 4 % 2;
   auto& counter = counters_[index];
-  // Of a pair, the low counter holds the value of both, and whether the comparison was met.
+  // In a pair, the low counter holds the value of both, and the match.
   const auto owner = is_pair() ? 0U : index;
   if (offset >= kSpan) return false;
   switch (offset / 8) {
@@ -184,7 +185,7 @@ std::int64_t TimerCounters::next_event() const {
 
 namespace {
 
-/// More are further away than a mission lasts.
+/// More counts take longer than any mission.
 constexpr std::uint64_t kFarCounts = std::uint64_t{1} << 48;
 
 }  // namespace
@@ -219,7 +220,7 @@ Picoseconds Timer::time_of(std::uint32_t config, Picoseconds since, std::uint64_
 
 namespace {
 
-/// More ticks than a mission has.
+/// More ticks than in any mission.
 constexpr std::int64_t kFarTicks = std::int64_t{1} << 56;
 
 }  // namespace

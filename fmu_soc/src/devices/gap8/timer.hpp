@@ -12,7 +12,7 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// What a timer's counters count, and in which unit their owner tells time: picoseconds, or ticks of a clock.
+/// The clock of a timer's counters, in its owner's unit of time: picoseconds, or ticks of a clock.
 class TimerClock {
  public:
   TimerClock() = default;
@@ -20,30 +20,30 @@ class TimerClock {
   TimerClock& operator=(const TimerClock&) = delete;
   virtual ~TimerClock() = default;
 
-  /// Times behind which nothing happens.
+  /// Returns the end of time.
   virtual std::int64_t never() const = 0;
-  /// Counts between two times by a counter with this configuration.
+  /// Returns the counts between two times of a counter with this configuration.
   virtual std::uint64_t counts(std::uint32_t config, std::int64_t from, std::int64_t to) const = 0;
-  /// When it has counted so many more; never() when that is too far away to matter.
+  /// Returns the time after `counts` more counts; never() if it is too far away to matter.
   virtual std::int64_t time_of(std::uint32_t config, std::int64_t since, std::uint64_t counts) const = 0;
 };
 
-/// Registers of GAP8's timers, that of the fabric controller and that of the cluster: two counters of 32 bits. Each
-/// has a comparison that raises an event, starts it anew, or stops it; or both count as one of 64 bits. Source:
-/// archi/timer/timer_v2.h.
+/// Registers of GAP8's timers, of the fabric controller and of the cluster: two 32-bit counters. A comparison of each
+/// raises an event, restarts the counter, or stops it. Both can form a 64-bit counter. Source: archi/timer/timer_v2.h.
 class TimerCounters {
  public:
   static constexpr std::uint32_t kReferenceClock = 1U << 7;
   static constexpr std::uint32_t kSpan = 0x28;
 
-  /// `raise`: a comparison of the low (0) or the high counter was met. `clock` must outlive this.
+  /// `raise` is called when a comparison of the low (0) or the high (1) counter matches. `clock` must outlive this
+  /// object.
   TimerCounters(const TimerClock& clock, std::function<void(unsigned counter)> raise)
       : clock_(clock), raise_(std::move(raise)) {}
 
-  /// False where there is no such register.
+  /// Return false if there is no such register.
   bool load(std::uint32_t offset, std::int64_t now, std::uint32_t& value);
   bool store(std::uint32_t offset, std::int64_t now, std::uint32_t value);
-  /// Before the clock changes, and where a comparison is met.
+  /// Updates the counts. Must be called before the clock changes; also called at a match.
   void count(std::int64_t now);
   void advance(std::int64_t now);
   std::int64_t next_event() const;
@@ -57,8 +57,8 @@ class TimerCounters {
     std::uint32_t config = 0;
     std::uint32_t compare = 0;
     std::uint64_t value = 0;        // at `since`; the low counter of a pair holds both
-    std::uint64_t compared_at = 0;  // the value at which the comparison was last met
-    bool met = false;               // and it has not moved on since
+    std::uint64_t compared_at = 0;  // value at the last match
+    bool met = false;               // matched, and the counter has not moved since
     std::int64_t since = 0;
 
     void visit(state::Visitor& v) {
@@ -87,7 +87,7 @@ class TimerCounters {
 /// GAP8's timer of the fabric controller. Its counters count the controller's clock or the reference clock.
 class Timer final : public Device, private TimerClock {
  public:
-  /// `clock_hz`: of the fabric controller, now.
+  /// `clock_hz` returns the present clock of the fabric controller.
   Timer(Signals& signals, std::function<double()> clock_hz);
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override {
@@ -109,8 +109,8 @@ class Timer final : public Device, private TimerClock {
   TimerCounters counters_;
 };
 
-/// The timer that all cores of GAP8's cluster share. Its time is in the cluster's ticks, which it counts. The reference
-/// clock, which a program can select for a counter, is not modelled: such a counter does not count.
+/// The timer that the cores of GAP8's cluster share. It counts the cluster's ticks, which are also its unit of time. A
+/// program can select the reference clock for a counter; this is not modelled, and such a counter does not count.
 class ClusterTimer : private TimerClock {
  public:
   explicit ClusterTimer(std::function<void(unsigned counter)> raise) : counters_(*this, std::move(raise)) {}
@@ -126,7 +126,7 @@ class ClusterTimer : private TimerClock {
     return offset < 8 && (value & TimerCounters::kReferenceClock) != 0;
   }
   void advance(std::uint64_t tick) { counters_.advance(static_cast<std::int64_t>(tick)); }
-  /// The tick of its next event; kNoTick when there is none.
+  /// Returns the tick of its next event; kNoTick if there is none.
   std::uint64_t next_tick() const;
   void reset() { counters_.reset(); }
   void visit(state::Visitor& v) { counters_.visit(v); }

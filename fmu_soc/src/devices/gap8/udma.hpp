@@ -20,27 +20,26 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// What of the board consumes with the uDMA.
+/// Parts of the board whose energy depends on the uDMA.
 struct UdmaParts {
   HyperBusParts hyper_bus;
   PartPort camera;
 };
 
-/// GAP8's uDMA with the channels of its HyperBus, UART, I2C and SPI masters and camera interface, and what
-/// a GAPuino has there: RAM, flash, a terminal, an HM01B0. A store into a channel's CFG with the enable bit starts a
-/// transfer, or queues one behind that which runs; its end is the channel's SoC event. Bytes move when the transfer
-/// ends. The camera listens at both I2C masters: a GAPuino has it at the second one, a PULP-Shield at the first.
+/// GAP8's uDMA with the channels of its HyperBus, UART, I2C and SPI masters and its camera interface, and the connected
+/// parts of a GAPuino: RAM, flash, terminal, HM01B0. A store into a channel's CFG with the enable bit starts a
+/// transfer, or queues it. The end of a transfer is the channel's SoC event. Bytes are copied at the end of the
+/// transfer. The camera is on both I2C buses: a GAPuino has it on the second one, a PULP-Shield on the first.
 ///
-/// Its variables are those of its peripherals, and flash.image, a parameter: the path of the image that the flash
-/// begins with, in place of the one of its file; empty = that one.
+/// Its variables are those of its peripherals, and the parameter flash.image: path of an image that replaces the
+/// flash's initial content; empty = the image of the board.
 ///
-/// Other peripherals' channels are as the entry describes them. Source: archi/udma/udma_v2.h.
+/// Channels of other peripherals are as in the entry. Source: archi/udma/udma_v2.h.
 class Udma final : public Device {
  public:
   static constexpr std::uint32_t kFlashBytes = UdmaHyperBus::kFlashBytes;
 
-  /// `flash` holds the image that the flash begins with, all ones behind it; it must stay where it is, and the pictures
-  /// as well.
+  /// `flash` is the initial content of the flash, followed by ones. Flash and pictures must not move.
   Udma(const BoardDevice& entry, DeviceHost& host, Signals& signals, std::span<const std::uint8_t> flash,
        const PictureRoll& pictures, std::function<double()> clock_hz, const UdmaParts& parts);
 
@@ -74,7 +73,7 @@ class Udma final : public Device {
   using Queue = std::vector<UdmaTransfer>;
 
   static constexpr std::size_t kChannels = 13;
-  static constexpr std::size_t kLines = 12;  // as many channels, but those of the HyperBus share one
+  static constexpr std::size_t kLines = 12;  // number of channels, except that those of the HyperBus share a queue
 
   UdmaPeripheral& peripheral(std::size_t channel);
   std::size_t queued(std::size_t channel) const;
@@ -94,8 +93,8 @@ class Udma final : public Device {
   std::array<Queue, kLines> queues_;
   std::uint32_t outside_ = 0;
 
-  std::string_view flash_path_;  // as it comes in
-  std::string loaded_;           // whose image this is
+  std::string_view flash_path_;  // value of the parameter
+  std::string loaded_;           // path of the image that was loaded
   std::vector<std::uint8_t> flash_image_;
 };
 

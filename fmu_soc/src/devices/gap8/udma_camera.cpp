@@ -22,7 +22,7 @@ constexpr unsigned kFormatShift = 8;
 constexpr unsigned kShiftShift = 11;
 constexpr std::uint32_t kFormatLittle = 4;
 constexpr std::uint32_t kFormatBig = 5;
-constexpr std::uint32_t kPixelBytes = 2;  // the interface pairs the bytes that come
+constexpr std::uint32_t kPixelBytes = 2;  // the interface combines the sensor's bytes in pairs
 
 }  // namespace
 
@@ -55,8 +55,8 @@ Picoseconds UdmaCamera::end_of_frame() const {
 
 Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds start) {
   if (requested_at_ == kNever) requested_at_ = start;
-  // Every change of sensor and interface comes by here when it is made, so that a frame's fate hangs on their time
-  // only. One that was read out whole stays: its picture may come later than the standby behind it.
+  // Called at every change of sensor and interface, so whether a frame is lost depends on their times only. A frame
+  // that was read out completely is kept: its picture may arrive after a standby.
   const bool is_same_stream = is_on() && sensor_.first_frame_at() == first_frame_at_;
   if (frame_at_ != kNever && !is_same_stream && start < ends_at_) lose_frame();
   if (frame_at_ == kNever) {
@@ -93,7 +93,7 @@ void UdmaCamera::expose(Picoseconds now) {
   }
   const auto picture = roll_.picture(static_cast<std::size_t>(requests_) - 1);
   if (picture.empty()) {
-    waits_ = true;  // for ever: whoever runs the program ends it
+    waits_ = true;  // no picture will arrive; only the end of the run ends this wait
   } else {
     take(picture, now);
   }
@@ -121,7 +121,7 @@ void UdmaCamera::registers_changed(std::uint32_t offset, Picoseconds /*now*/) {
   }
 }
 
-/// A pair of bytes as the interface hands it on.
+/// Returns a pair of bytes after conversion by the interface.
 std::uint32_t UdmaCamera::converted(std::uint32_t first, std::uint32_t second) const {
   const auto format = interface_.global >> kFormatShift & 7U;
   const auto word = first << 8 | second;
@@ -136,14 +136,14 @@ std::uint32_t UdmaCamera::converted(std::uint32_t first, std::uint32_t second) c
   return sum >> (interface_.global >> kShiftShift & 0xfU);
 }
 
-/// The frame's pixels as the interface hands them on.
+/// Converts the frame's pixels as the interface does.
 void UdmaCamera::convert() {
   const auto lower = interface_.lower_left;
   const auto upper = interface_.upper_right;
   const std::size_t width = format_.width();
   const std::size_t rows = pixels_.size() / width;
   const std::size_t pairs = width / kPixelBytes;
-  // The window counts pairs of bytes, as the interface does; its last row and column are part of it.
+  // The window is in pairs of bytes, as in the interface. Its last row and column are included.
   const bool has_window = (interface_.global & kHasWindow) != 0;
   const std::size_t first_row = has_window ? lower >> 16 : 0;
   const std::size_t end_row = has_window ? std::min<std::size_t>(rows, (upper >> 16) + 1) : rows;
@@ -162,7 +162,7 @@ void UdmaCamera::convert() {
 }
 
 void UdmaCamera::end(const UdmaTransfer& transfer) {
-  require_rows(picture_.size());  // once more: it may have come for another frame
+  require_rows(picture_.size());  // checked again: it may belong to another frame
   format_.read_out(picture_, pixels_);
   convert();
   const PictureTimes times{requested_at_, light_at_, frame_at_, transfer.done_at};
@@ -181,7 +181,7 @@ void UdmaCamera::cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {
   forget();
 }
 
-/// What the roll has handed out is not lost: its pictures are of no time.
+/// Drops the frame. Pictures of the roll have no time, so a picture taken from the roll is kept for the next frame.
 void UdmaCamera::lose_frame() {
   frame_at_ = kNever;
   if (roll_.exists()) return;
@@ -228,7 +228,8 @@ void UdmaCamera::begin_step(Picoseconds now) {
   take(picture, now);
 }
 
-/// Before the first picture, since a board file may allow more: 648 x 162 has as many bytes as 324 x 324.
+/// Checks the parameters before the first picture. A board file may allow other sizes: 648 x 162 has as many bytes as
+/// 324 x 324.
 void UdmaCamera::require_parameters() const {
   if (frame_width_ == Himax::kWidth && (frame_height_ == 0 || frame_height_ >= Himax::kWindowHeight)) return;
   throw Error(
@@ -237,7 +238,8 @@ void UdmaCamera::require_parameters() const {
                   host_.entry.name, frame_width_, frame_height_, Himax::kWidth, Himax::kWindowHeight));
 }
 
-/// Bytes say nothing of rows: cut at another width, they would be garbled without a word.
+/// Checks the number of bytes, which does not give the number of rows: with another width, the picture would be
+/// garbled.
 void UdmaCamera::require_size(std::size_t bytes) const {
   const auto rows = static_cast<std::size_t>(frame_height_);
   if (rows == 0 || bytes == static_cast<std::size_t>(frame_width_) * rows) return;

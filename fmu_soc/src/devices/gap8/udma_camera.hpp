@@ -14,7 +14,7 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// How the camera interface is set for a frame: its registers.
+/// Settings of the camera interface for a frame, from its registers.
 struct InterfaceSettings {
   std::uint32_t global = 0;
   std::uint32_t lower_left = 0;
@@ -25,17 +25,17 @@ struct InterfaceSettings {
 };
 
 /// The camera interface (CPI) of the uDMA with an HM01B0. A transfer takes the next frame that begins while interface
-/// and camera are on, line after line, and ends with the last line of its window. If one of them goes off before that,
-/// the frame is lost, and the transfer takes the next one. A frame has the format and the lines with which it began.
-/// Dropping frames is not modelled, and told.
+/// and camera are on. It ends with the last line of the frame's window. If interface or camera is switched off before
+/// that, the frame is lost, and the transfer takes the next one. Format and lines of a frame are those at its start.
+/// Dropping of frames is not modelled; its use is reported.
 ///
-/// When the frame's first row begins to gather light, its picture is asked for, from the roll or from the world. The
-/// world's comes later than that, and in time for the last line: bytes move at the transfer's end. Where it does not,
-/// because steps are long, the transfer ends when it comes.
+/// When the exposure of the frame's first row starts, its picture is requested, from the roll or from the world. A
+/// picture of the world arrives later, usually before the last line, and is copied at the end of the transfer. If steps
+/// are long and it arrives after the last line, the transfer ends at its arrival.
 ///
-/// Its variables are those of the entry: camera.frame, .frame_id, .frame.base64, .frame_width and .frame_height go in,
-/// camera.trigger goes out, as of MEbots' own camera. A picture of the world's of another size ends the run; rows are
-/// Himax::kWidth columns. Source of registers: archi/udma/cpi/udma_cpi_v1.h.
+/// Its variables are those of the entry: inputs camera.frame, .frame_id, .frame.base64, .frame_width and .frame_height,
+/// output camera.trigger, as for MEbots' own camera. A picture of another size ends the run. Rows have Himax::kWidth
+/// columns. Source of registers: archi/udma/cpi/udma_cpi_v1.h.
 class UdmaCamera final : public UdmaPeripheral {
  public:
   UdmaCamera(UdmaHost& host, Himax& sensor, const PictureRoll& roll);
@@ -43,7 +43,7 @@ class UdmaCamera final : public UdmaPeripheral {
   Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) override;
   void end(const UdmaTransfer& transfer) override;
   void cancel(const UdmaTransfer& transfer, Picoseconds now) override;
-  /// When the frame begins that a transfer waits for, or when it ends.
+  /// Returns the start of the frame that a transfer waits for, or the end of that frame.
   Picoseconds next_event() const;
   void advance(Picoseconds now);
   void registers_changed(std::uint32_t offset, Picoseconds now) override;
@@ -53,7 +53,7 @@ class UdmaCamera final : public UdmaPeripheral {
   std::span<const std::uint8_t>* bytes_input(std::string_view variable) override;
   const double* output(std::string_view variable) const override;
   void begin_step(Picoseconds now) override;
-  /// With a roll: one that it has not.
+  /// True while a picture is requested. With a roll: while the roll has no picture left.
   bool takes_picture() const override { return roll_.exists() ? waits_ : requested_at_ != kNever; }
 
   void visit(state::Visitor& v) override;
@@ -77,26 +77,26 @@ class UdmaCamera final : public UdmaPeripheral {
   Himax& sensor_;
   const PictureRoll& roll_;
   std::int32_t requests_ = 0;
-  // Of the transfer that runs; kNever = there is none, or not yet.
+  // Of the running transfer; kNever = no transfer, or not known yet.
   Picoseconds requested_at_ = kNever;
   Picoseconds frame_at_ = kNever;
   Picoseconds light_at_ = kNever;
   Picoseconds ends_at_ = kNever;
-  Picoseconds first_frame_at_ = kNever;  // the sensor's first frame since it streams: another one behind a standby
-  // As the frame began: its picture may come behind later settings.
+  Picoseconds first_frame_at_ = kNever;  // first frame of the sensor's stream; each standby ends a stream
+  // Settings at the start of the frame. They may change before its picture arrives.
   FrameFormat format_;
   InterfaceSettings interface_;
   bool waits_ = false;  // for its picture
   bool has_picture_ = false;
   Picoseconds arrived_at_ = 0;
-  std::vector<std::uint8_t> picture_;  // as it came
-  std::vector<std::uint8_t> pixels_;   // of the frame; not kept
-  std::vector<std::uint8_t> stream_;   // what goes to memory; not kept
+  std::vector<std::uint8_t> picture_;  // as received
+  std::vector<std::uint8_t> pixels_;   // of the frame; not part of a state
+  std::vector<std::uint8_t> stream_;   // bytes for memory; not part of a state
 
   // Variables.
   double frame_id_ = 0;
   double frame_width_ = Himax::kWidth;
-  double frame_height_ = 0;  // any
+  double frame_height_ = 0;  // 0 = any
   double trigger_ = 0;
   std::span<const std::uint8_t> frame_;
   std::string_view frame_base64_;

@@ -31,12 +31,12 @@ void UdmaHyperBus::end(const UdmaTransfer& transfer) {
   move(transfer);
 }
 
-/// Its bytes count as if none had passed.
+/// Cancels a transfer. Its bytes are not counted.
 void UdmaHyperBus::cancel(const UdmaTransfer& /*transfer*/, Picoseconds now) {
   release(now, 0, false);
 }
 
-/// Both memories rest, wherever the border between them was when the transfer began.
+/// Both memories become idle, also if the border between them has moved during the transfer.
 void UdmaHyperBus::release(Picoseconds now, std::uint32_t bytes, bool of_flash) {
   parts_.ram.end(now, of_flash ? 0 : bytes);
   parts_.flash.end(now, of_flash ? bytes : 0);

@@ -11,23 +11,23 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// What of the board consumes with the bus.
+/// Parts of the board whose energy depends on the bus.
 struct HyperBusParts {
   PartPort ram;
   PartPort flash;
   PartPort pads;  // of the chip
 };
 
-/// The HyperBus and what a GAPuino has on it: 8 MiB of RAM, flash from MEM_CFG4's MBR1 on (16 MiB after reset). A
-/// transfer takes 3 clocks of the bus for command and address, 12 of latency, and one for two bytes (HyperBus
-/// specification, fixed latency of 6 clocks twice). The bus has half the clock of the SoC, which is ours: no source.
+/// The HyperBus with a GAPuino's memories: 8 MiB of RAM, and flash from MEM_CFG4's MBR1 on (16 MiB after reset). A
+/// transfer takes 3 clocks of the bus for command and address, 12 of latency, and one per two bytes (HyperBus
+/// specification, fixed latency of 6 clocks twice). The bus has half the clock of the SoC, which is our assumption.
 /// Source of registers: archi/udma/udma_hyper_v1.h.
 class UdmaHyperBus final : public UdmaPeripheral {
  public:
   static constexpr std::uint32_t kRamBytes = 8U << 20;  // S71KS512S, the GAPuino's HyperBus memory
   static constexpr std::uint32_t kFlashBytes = HyperFlash::kBytes;
 
-  /// `flash` holds the image that the flash begins with, all ones behind it; it must stay where it is.
+  /// `flash` is the initial content of the flash, followed by ones. It must not move.
   UdmaHyperBus(UdmaHost& host, std::span<const std::uint8_t> flash, std::uint32_t send_channel,
                const HyperBusParts& parts)
       : host_(host), flash_(flash), send_channel_(send_channel), parts_(parts) {}
@@ -52,7 +52,7 @@ class UdmaHyperBus final : public UdmaPeripheral {
   HyperFlash flash_;
   std::uint32_t send_channel_;
   HyperBusParts parts_;
-  std::vector<std::uint8_t> ram_;    // as far as it has been written
+  std::vector<std::uint8_t> ram_;    // up to the last byte that was written
   std::vector<std::uint8_t> bytes_;  // of a transfer
 };
 

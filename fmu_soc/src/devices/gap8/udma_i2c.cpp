@@ -16,7 +16,7 @@ constexpr std::uint8_t kI2cRepeat = 0xC0;
 constexpr std::uint8_t kI2cDivider = 0xE0;
 constexpr std::uint8_t kCommandMask = 0xF0;
 constexpr std::uint8_t kPulledUp = 0xff;
-constexpr double kBitsPerByte = 9;  // with the acknowledge
+constexpr double kBitsPerByte = 9;  // with the acknowledge bit
 constexpr double kClocksPerDivider = 2;
 
 }  // namespace
@@ -120,7 +120,7 @@ void UdmaI2c::write(Master& master, std::uint8_t byte, Picoseconds now) {
   if (master.is_address) {
     master.is_address = false;
     master.is_selected = device_ != nullptr && byte >> 1 == device_->address();
-    // A read goes on where the writing of an address before has ended.
+    // A read continues after the address that a write has set.
     if (master.is_selected && (byte & 1U) == 0) device_->start();
   } else if (master.is_selected) {
     device_->write(byte, now);

@@ -9,13 +9,13 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// An I2C master of the uDMA. What its sending channel fetches are commands with their operands (start, stop, write a
-/// byte, read one, repeat, divider); what it reads goes to the receiving channel. A bit takes twice the divider in
-/// clocks of the SoC: the driver divides by half the baud rate. A device that is not there answers ones, as the
-/// pulled-up line does. Sources: archi/udma/i2c/udma_i2c_v1.h; GVSoC's udma_i2c_v2.
+/// An I2C master of the uDMA. Its sending channel fetches commands with operands (start, stop, write a byte, read a
+/// byte, repeat, divider); bytes that are read go to the receiving channel. A bit takes twice the divider in clocks of
+/// the SoC, because the driver divides by half the baud rate. Without a device, reads return ones, as with a pulled-up
+/// line. Sources: archi/udma/i2c/udma_i2c_v1.h; GVSoC's udma_i2c_v2.
 class UdmaI2c final : public UdmaPeripheral {
  public:
-  /// `device`: the only one on the bus; null = none.
+  /// `device` is the only one on the bus; null = none.
   UdmaI2c(UdmaHost& host, std::uint32_t send_channel, I2cDevice* device)
       : host_(host), send_channel_(send_channel), device_(device) {}
 
@@ -24,14 +24,14 @@ class UdmaI2c final : public UdmaPeripheral {
   void visit(state::Visitor& v) override;
 
  private:
-  /// What the next byte of the commands is.
+  /// Meaning of the next byte of the commands.
   enum class Next : std::uint32_t { command, divider_high, divider_low, repeats, data, waits };
 
   struct Master {
     Next next = Next::command;
     std::uint32_t divider = 0;
     std::uint32_t repeats = 1;
-    bool is_address = false;  // the next byte written is one
+    bool is_address = false;  // the next byte to write is an address
     bool is_selected = false;
 
     void visit(state::Visitor& v) {
@@ -43,7 +43,8 @@ class UdmaI2c final : public UdmaPeripheral {
     }
   };
 
-  /// The answer is the SoC's clocks that it takes. Without `acts` nothing happens on the bus.
+  /// Executes a byte of the commands. Returns the clocks of the SoC that it takes. Without `acts`, only computes the
+  /// time.
   double obey(Master& master, std::uint8_t byte, bool acts, Picoseconds now);
   double command(Master& master, std::uint8_t byte, bool acts);
   void write(Master& master, std::uint8_t byte, Picoseconds now);

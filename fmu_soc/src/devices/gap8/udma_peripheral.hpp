@@ -20,8 +20,8 @@ struct UdmaTransfer {
   std::uint32_t address = 0;  // in the chip's memory
   std::uint32_t size = 0;     // bytes
   std::uint32_t outside = 0;  // address on the HyperBus
-  std::uint32_t channel = 0;  // which
-  Picoseconds done_at = 0;    // of the first one in its queue; kNever = it waits for its peripheral
+  std::uint32_t channel = 0;  // index of the channel
+  Picoseconds done_at = 0;    // of the first transfer of its queue; kNever = it waits for its peripheral
 
   void visit(state::Visitor& v) {
     v("address", address);
@@ -32,7 +32,7 @@ struct UdmaTransfer {
   }
 };
 
-/// What stands behind channels of the uDMA, with what is connected to it on the board. Offsets are those of the uDMA.
+/// A peripheral on channels of the uDMA, with its connected parts of the board. Offsets are those of the uDMA.
 class UdmaPeripheral {
  public:
   UdmaPeripheral() = default;
@@ -40,21 +40,21 @@ class UdmaPeripheral {
   UdmaPeripheral& operator=(const UdmaPeripheral&) = delete;
   virtual ~UdmaPeripheral() = default;
 
-  /// When a transfer that begins at `start` has ended; kNever = not before something else happens, behind which it is
-  /// asked again.
+  /// Returns the end of a transfer that begins at `start`. Returns kNever if it waits for another event; after that,
+  /// the function is called again.
   virtual Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) = 0;
-  /// It ends now: its bytes move.
+  /// Ends a transfer: copies its bytes.
   virtual void end(const UdmaTransfer& transfer) = 0;
-  /// One that has begun is given up: nothing of it moves.
+  /// Cancels a transfer that has begun. No byte is copied.
   virtual void cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {}
 
-  /// Registers that the board's entry does not describe; false = none of its own there.
+  /// Access registers that the board's entry does not describe. Return false if there is no such register.
   virtual bool load(std::uint32_t /*offset*/, std::uint32_t& /*value*/) { return false; }
   virtual bool store(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t /*value*/) { return false; }
-  /// A register that the entry describes has been stored into.
+  /// Called after a store into a register that the entry describes.
   virtual void registers_changed(std::uint32_t /*offset*/, Picoseconds /*now*/) {}
 
-  /// As a device's: mebots/soc/device.hpp.
+  /// Like those of a device: mebots/soc/device.hpp.
   virtual double* input(std::string_view /*variable*/) { return nullptr; }
   virtual std::string_view* text_input(std::string_view /*variable*/) { return nullptr; }
   virtual std::span<const std::uint8_t>* bytes_input(std::string_view /*variable*/) { return nullptr; }
@@ -66,24 +66,24 @@ class UdmaPeripheral {
   virtual void visit(state::Visitor& v) = 0;
 };
 
-/// What the uDMA does for its peripherals. Lives longer than they do.
+/// Services of the uDMA for its peripherals. Outlives them.
 struct UdmaHost {
   const BoardDevice& entry;
   DeviceHost& host;
   Signals& signals;
-  std::function<double()> clock_hz;  // of the SoC
-  DescribedDevice registers;         // that keep what is stored
+  std::function<double()> clock_hz;  // returns the clock of the SoC
+  DescribedDevice registers;         // registers without effect
 
   std::uint32_t config(std::uint32_t offset) {
     std::uint32_t value = 0;
     registers.load(offset, 0, value);
     return value;
   }
-  /// `clocks` of the SoC after a time.
+  /// Returns the time `clocks` of the SoC after a time.
   Picoseconds later(Picoseconds time, double clocks) const {
     return time + std::llround(clocks / clock_hz() * kPsPerS);
   }
-  /// What a transfer has to do with memory that is not there.
+  /// Reports a transfer whose address is not in memory.
   void complain_of_memory(std::uint32_t address, std::uint32_t size) const;
 };
 

@@ -108,7 +108,7 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
   return clocks;
 }
 
-/// A transaction has ended.
+/// Publishes the data of a transaction at its end.
 void UdmaSpim::publish_transaction(Picoseconds now) {
   if (data_.empty()) return;
   transactions_ += 1;

@@ -11,13 +11,13 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// An SPI master of the uDMA, behind which somebody only listens. What its sending channel fetches are words of
-/// commands and, behind a command that sends, of data; what it would receive are zeros. A bit takes twice the divider
-/// in clocks of the SoC, or one with divider 0. The command that ends a transaction raises the event of the master.
-/// Source: archi/udma/spim/udma_spim_v2.h.
+/// An SPI master of the uDMA with a slave that only receives. Its sending channel fetches command words, and data after
+/// a command that sends; received data are zeros. A bit takes twice the divider in clocks of the SoC; with divider 0,
+/// one clock. The command that ends a transaction raises the event of the master. Source:
+/// archi/udma/spim/udma_spim_v2.h.
 ///
-/// Its variables are those of the entry that begin with its name, spim0 or spim1: .transactions counts those in which
-/// data went out. .sent[0] to .sent[3] are the first 16-bit words of the last one, signed, the low byte first.
+/// Its variables are those of the entry that begin with its name, spim0 or spim1. .transactions counts transactions
+/// that sent data. .sent[0] to .sent[3] are the first 16-bit words of the last one, signed, low byte first.
 class UdmaSpim final : public UdmaPeripheral {
  public:
   UdmaSpim(UdmaHost& host, std::string_view name, std::uint32_t send_channel, unsigned end_event)
@@ -32,7 +32,7 @@ class UdmaSpim final : public UdmaPeripheral {
   struct Master {
     std::uint32_t divider = 0;
     std::uint32_t bits_to_send = 0;
-    bool sends_data = false;  // these bits: else an address
+    bool sends_data = false;  // the next bits are data, not an address
 
     void visit(state::Visitor& v) {
       v("divider", divider);
@@ -41,10 +41,10 @@ class UdmaSpim final : public UdmaPeripheral {
     }
   };
 
-  static constexpr std::size_t kWords = 4;  // that are shown
+  static constexpr std::size_t kWords = 4;  // number of words in variables
 
   bool fetch(const UdmaTransfer& transfer);
-  /// Obeys what was fetched; the answer is the SoC's clocks that it takes.
+  /// Executes fetched words. Returns the clocks of the SoC that they take. Without `acts`, only computes the time.
   double obey(Master& master, bool acts, Picoseconds now);
   void publish_transaction(Picoseconds now);
 
@@ -53,9 +53,9 @@ class UdmaSpim final : public UdmaPeripheral {
   std::uint32_t send_channel_;
   unsigned end_event_;
   Master master_;
-  std::uint32_t bytes_to_receive_ = 0;  // that the slave has sent, and nobody fetched
+  std::uint32_t bytes_to_receive_ = 0;  // received, but not fetched yet
   std::vector<std::uint8_t> bytes_;     // of a transfer
-  std::vector<std::uint8_t> data_;      // that went out in this transaction, as far as it is shown
+  std::vector<std::uint8_t> data_;      // sent in this transaction, up to kWords
 
   // Variables.
   double transactions_ = 0;

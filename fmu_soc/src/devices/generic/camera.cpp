@@ -16,7 +16,8 @@
 namespace mebots::soc {
 namespace {
 
-/// An HM01B0 gathers light for as many lines as its frame has, less these. Source: its data sheet, as nanocockpit's
+/// The integration of an HM01B0 has this many lines less than its frame. Source: its data sheet, as used in
+/// nanocockpit's driver (himax.c).
 /// driver (himax.c) obeys it.
 constexpr double kBlankLines = 2;
 
@@ -96,7 +97,7 @@ void Camera::offer(std::span<const std::uint8_t> picture, Picoseconds now) {
   state_.done_at = now + delay_ps_;
 }
 
-/// One row behind the other: a frame's lines leave no room for more pictures, whatever the firmware asks for.
+/// Computes times from lines. A frame's lines limit the rate of pictures, independent of the firmware.
 void Camera::time_lines(Picoseconds now) {
   const auto rows = frame_width_ > 0 ? static_cast<double>(picture_.size()) / frame_width_ : 0;
   if (rows > frame_lines_ || exposure_lines_ > frame_lines_ - kBlankLines) {
@@ -128,7 +129,7 @@ void Camera::finish() {
   state_.interrupt = true;
   const auto size = static_cast<std::uint32_t>(picture_.size());
   const auto width = static_cast<std::uint32_t>(frame_width_);
-  // Bytes say nothing of rows: cut at another width, they would be garbled without a word.
+  // The number of bytes does not give the number of rows: with another width, the picture would be garbled.
   if (const auto height = static_cast<std::uint32_t>(frame_height_); height != 0 && size != width * height) {
     state_.status |= kRefused;
     if (!state_.warned_of_format) {

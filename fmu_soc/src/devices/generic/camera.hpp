@@ -13,23 +13,23 @@
 
 namespace mebots::soc {
 
-/// A camera that answers one request at a time:
+/// A camera that serves one request at a time:
 ///
-///   CONTROL = 1   the request is counted; busy. The surroundings see the count and make the picture.
-///   offer()       the picture with that count has come: exposure and read-out start.
-///   + delay       the picture stands in the buffer, ready is set, the interrupt line goes up.
+///   CONTROL = 1      The request is counted; busy is set. The world reads the count and provides the picture.
+///   offer()          The picture with that count has arrived: exposure and read-out start.
+///   after the delay  The picture is in the buffer, ready is set, the interrupt line goes up.
 ///
-/// A request without a usable buffer, or while busy, is refused on the spot: the bit is set, no interrupt. A picture
-/// that does not fit when it comes, or has not .frame_width times .frame_height pixels, is dropped: refused is set, and
-/// the line goes up, so that nobody waits for ever. The camera draws its active current from offer() to the end, its
-/// idle current otherwise.
+/// A request without a usable buffer, or while busy, is refused at once: the bit is set, without an interrupt. A
+/// picture is dropped if it does not fit into the buffer, or if it does not have .frame_width times .frame_height
+/// pixels. Then refused is set and the line goes up, so that the firmware does not wait without end. The camera draws
+/// its active current from offer() to the end, and its idle current otherwise.
 ///
-/// With the parameter .frame_lines above 0 it keeps an HM01B0's times instead of the delay: a row after another, each
-/// in .line_clocks of .pixel_clock, after .exposure_lines of them in which the first row gathers light. It reads out no
-/// more than one picture in .frame_lines.
+/// If the parameter .frame_lines is above 0, the camera has an HM01B0's times instead of the delay. Rows follow each
+/// other, each in .line_clocks of .pixel_clock, after .exposure_lines in which the first row is exposed. At most one
+/// picture is read out per .frame_lines.
 ///
-/// Its variables are those of its entry that begin with its name: .frame, .frame_id, .frame.base64, .frame_width,
-/// .frame_height and the four above go in, .trigger goes out.
+/// Its variables are those of its entry that begin with its name: inputs and parameters .frame, .frame_id,
+/// .frame.base64, .frame_width, .frame_height and the four above, output .trigger.
 class Camera final : public Device {
  public:
   static constexpr std::uint32_t kBusy = 1;
@@ -38,17 +38,17 @@ class Camera final : public Device {
   /// Pictures up to this size are held without taking memory from the heap.
   static constexpr std::size_t kReservedBytes = std::size_t{512} * 512;
 
-  /// Throws Error when the entry lacks a state.
+  /// Throws Error if the entry lacks a state.
   Camera(const BoardDevice& entry, DeviceHost& host);
 
-  /// A picture is there at the start of a step. Taken when it answers the request; returns whether it was.
+  /// Returns whether the picture at the start of a step answers the open request. offer() accepts it.
   bool wants(std::int32_t frame_id) const { return state_.waiting && frame_id == state_.requests; }
   void offer(std::span<const std::uint8_t> picture, Picoseconds now);
 
-  /// From a request to the end of its picture.
+  /// True from a request to the end of its picture.
   bool busy() const { return (state_.status & kBusy) != 0; }
   bool takes_picture() const override { return busy(); }
-  /// Requests since reset.
+  /// Returns the number of requests since reset.
   std::int32_t requests() const { return state_.requests; }
   double energy_j(Picoseconds now) const override;
 
@@ -56,7 +56,7 @@ class Camera final : public Device {
   std::string_view* text_input(std::string_view variable) override;
   std::span<const std::uint8_t>* bytes_input(std::string_view variable) override;
   const double* output(std::string_view variable) const override;
-  /// Takes the picture that has come.
+  /// Accepts a picture that has arrived.
   void begin_step(Picoseconds now) override;
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
@@ -73,15 +73,15 @@ class Camera final : public Device {
   struct State {
     std::int32_t requests = 0;
     std::uint32_t status = 0;
-    bool waiting = false;  // for the picture
+    bool waiting = false;  // for a picture
     bool interrupt = false;
-    bool warned_of_format = false;  // that a picture had another size than the parameters say
+    bool warned_of_format = false;  // a picture had another size than the parameters
     std::int32_t frame_id = 0;
     Picoseconds requested_at = 0;
     Picoseconds done_at = kNever;
-    std::optional<Picoseconds> read_out_at;  // of the picture that comes, or came last
+    std::optional<Picoseconds> read_out_at;  // of the present or last picture
     Picoseconds active_since = 0;
-    Picoseconds active_total = 0;  // up to the last end
+    Picoseconds active_total = 0;  // up to the end of the last activity
     std::uint32_t buffer = 0;
     std::uint32_t buffer_size = 0;
     std::uint32_t width = 0;
@@ -96,7 +96,7 @@ class Camera final : public Device {
   DeviceHost& host_;
   double idle_w_;
   double active_w_;
-  Picoseconds delay_ps_;  // exposure and read-out, where no lines say it
+  Picoseconds delay_ps_;  // exposure and read-out if the camera has no lines
   State state_;
   std::vector<std::uint8_t> picture_;
 
@@ -111,7 +111,7 @@ class Camera final : public Device {
   double trigger_ = 0;
   std::span<const std::uint8_t> frame_;
   std::string_view frame_base64_;
-  std::vector<std::uint8_t> decoded_;  // keeps its memory
+  std::vector<std::uint8_t> decoded_;  // member only to keep its memory
 };
 
 }  // namespace mebots::soc

@@ -8,7 +8,7 @@
 
 namespace mebots::soc {
 
-/// Collects characters and hands out lines. A line longer than kMaxLine goes out in pieces.
+/// Collects characters and prints lines. A line longer than kMaxLine is printed in pieces.
 class Console final : public Device {
  public:
   static constexpr std::size_t kMaxLine = 1000;
@@ -17,9 +17,9 @@ class Console final : public Device {
 
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
-  /// A character, in the low byte.
+  /// Adds the character in the low byte.
   bool put(std::uint32_t value, Picoseconds now);
-  /// Hands out what stands in an unfinished line.
+  /// Prints an unfinished line.
   void program_ended() override;
   void visit(state::Visitor& v) override;
 

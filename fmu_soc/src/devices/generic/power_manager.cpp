@@ -36,7 +36,7 @@ bool PowerManager::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t
   }
 }
 
-/// All limits hold after the change, or there is none.
+/// Changes a setting. If a limit would be exceeded afterwards, changes nothing.
 void PowerManager::change(std::uint32_t PowerSettings::*what, std::uint32_t value) {
   auto wanted = settings_;
   wanted.*what = value;

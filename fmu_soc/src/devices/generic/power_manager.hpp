@@ -6,8 +6,8 @@
 
 namespace mebots::soc {
 
-/// Clocks, voltage and the cluster's switch as the firmware asks for them, and the end of the firmware. A request
-/// outside the chip's limits changes nothing and sets the refused bit.
+/// Registers for clocks, voltage, power of the cluster, and the end of the firmware. A request outside the chip's
+/// limits changes nothing and sets the refused bit.
 class PowerManager final : public Device {
  public:
   static constexpr std::uint32_t kRefused = 1;
@@ -20,7 +20,7 @@ class PowerManager final : public Device {
   void visit(state::Visitor& v) override;
 
   const PowerSettings& settings() const { return settings_; }
-  /// The chip has woken from retention sleep: the next one must be asked for again.
+  /// Called after the chip has woken from retention sleep, which must be requested again for the next sleep.
   void woken() { settings_.retention = 0; }
   bool exited() const { return exited_; }
   std::int32_t exit_code() const { return exit_code_; }

@@ -12,8 +12,8 @@
 namespace mebots::soc {
 namespace {
 
-/// What chip and parts of the board hang on. Its energy is what it takes at its own input: that of its loads over its
-/// efficiency.
+/// A voltage regulator for the chip and parts of the board. Its energy is that at its input: the energy of its loads
+/// divided by its efficiency.
 class Regulator final : public Device {
  public:
   /// Energy of a load up to a time [J].

@@ -262,7 +262,7 @@ TEST(DescribedDevice, CommitsAllThatItSendsTogetherOrNothing) {
   EXPECT_EQ(*speed, -0.25) << "not even what is right";
   ASSERT_EQ(ear().complaints.size(), 2U);
   EXPECT_THAT(ear().complaints[0], HasSubstr("link: SPEED 501 is above 500"));
-  EXPECT_THAT(ear().complaints[1], HasSubstr("MODE 3 is none of Mode (stop 0, drive 4)"));
+  EXPECT_THAT(ear().complaints[1], HasSubstr("MODE 3 is not a value of Mode (stop 0, drive 4)"));
 
   DescribedDevice other(entry, ear());
   state::restore(other, state::save(device));
