@@ -11,8 +11,8 @@ struct BoardDescription;
 
 namespace mebots::boardgen {
 
-// What a board description says about addresses, register offsets, interrupts and named values. As a C header for the
-// firmware (also fit for the assembler), and as a C++ header for the device models.
+// Generate headers with addresses, register offsets, interrupts and named values of a board: a C header for firmware,
+// which assembler code can include, too, and a C++ header for device models.
 std::string c_header(const soc::BoardDescription& board);
 std::string cpp_header(const soc::BoardDescription& board);
 
@@ -23,8 +23,8 @@ std::string camel_case(const std::string& name);
 /// TIME_LO, range_finder.distance -> time_lo, range_finder_distance.
 std::string snake_case(const std::string& name);
 
-/// The source of a library of devices with one kind, complete but for what the device does by itself. Registers, states
-/// with their energy and delays, opcodes, variables, saving and restoring are there.
+/// Generates the source of a library with one kind of device: registers, states with energy and delays, opcodes,
+/// variables, saving and restoring. Only the device's own behaviour is missing.
 std::string skeleton(const soc::BoardDescription& board, const soc::BoardDevice& device);
 
 }  // namespace mebots::boardgen

@@ -3,8 +3,8 @@
 // mebots-boardgen BOARD.json --c HEADER.h --cpp HEADER.hpp
 // mebots-boardgen BOARD.json --skeleton DEVICE FILE.cpp
 //
-// The first writes headers for firmware and device models, both from one table, so that software and hardware cannot
-// disagree. The second writes a device model in C++ that lacks only what the device does by itself.
+// The first form generates headers for firmware and for device models from one table, so that software and hardware
+// agree. The second form generates a C++ device model without the device's own behaviour.
 
 #include "board/board_file.hpp"
 #include "command_line/command.hpp"

@@ -19,7 +19,7 @@ std::string constant(const std::string& name) {
   return "k" + camel_case(name);
 }
 
-/// The member that keeps a register's word or a variable.
+/// Returns the member that keeps a register's word or a variable.
 std::string member(const std::string& name) {
   return snake_case(name) + "_";
 }
@@ -28,7 +28,7 @@ std::string state(const std::string& name) {
   return "State::" + snake_case(name);
 }
 
-/// What the device itself keeps: its power and energy follow from its states.
+/// Returns the variables that the device stores. Power and energy are computed from its states.
 std::vector<soc::BoardVariable> kept(const BoardDevice& device) {
   std::vector<soc::BoardVariable> variables;
   for (const auto& variable : device.variables) {
@@ -62,7 +62,7 @@ std::string constants(const BoardDevice& device) {
   return out;
 }
 
-/// A function that finds those variables that it is for; none when there are no such.
+/// Generates a function that returns the storage of some variables by name; empty if there are none.
 std::string finder(const BoardDevice& device, std::string_view head, std::string_view tail, auto belongs) {
   std::string rows;
   for (const auto& variable : kept(device)) {
@@ -159,7 +159,8 @@ std::vector<std::string> members_of(const BoardDevice& device) {
   return names;
 }
 
-/// Registers and variables become members: no two may have the same name, nor that of a member of every skeleton.
+/// Throws Error if two registers or variables would become members of the same name, or of the name of a member of
+/// every skeleton.
 void require_different_members(const BoardDevice& device) {
   std::set<std::string> names{"entry_", "host_"};
   for (const auto& name : members_of(device)) {
@@ -170,7 +171,7 @@ void require_different_members(const BoardDevice& device) {
 }
 
 std::string saving(const BoardDevice& device) {
-  std::set<std::string> passing;  // texts and bytes, which belong to others and come anew
+  std::set<std::string> passing;  // texts and bytes are not stored: their owner sets them at each step
   for (const auto& variable : kept(device)) {
     if (!variable.is_number()) passing.insert(member(variable.name));
   }

@@ -108,7 +108,7 @@ void read_instruction_cache(const Node& node, BoardInstructionCaches& caches) {
   taken = cache;
 }
 
-/// A piece of the address space.
+/// A range of the address space.
 struct Span {
   std::string name;
   std::uint64_t base;
@@ -135,7 +135,7 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   for (std::size_t i = 0; i < board.memories.size(); ++i) {
     const auto& memory = board.memories[i];
     take(memories[i], {memory.name, memory.base, memory.size});
-    // Cores of the other place see nothing there: they may have an alias at the same address.
+    // Cores of the other place cannot access it there, so they may have an alias at the same address.
     if (memory.alias && memory.place == Place::fabric_controller) {
       take(memories[i], {memory.name, *memory.alias, memory.size});
     }
@@ -149,7 +149,8 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   }
 }
 
-/// A line that two devices raise would tell the firmware of either, and be lowered by either.
+/// Rejects an interrupt line that two devices share: firmware could not distinguish them, and each would lower the line
+/// of the other.
 void check_interrupts(const Node& root, const BoardDescription& board) {
   std::map<int, std::string> taken;
   const auto devices = root.at("devices").elements();
@@ -165,8 +166,8 @@ void check_interrupts(const Node& root, const BoardDescription& board) {
   }
 }
 
-/// A part is attached to a device, which says itself what places it has; a regulator has loads that stand before it, so
-/// that none supplies itself.
+/// Checks attachments of parts to devices. The devices' kinds check the names of places. The loads of a regulator must
+/// come before it, so that no regulator supplies itself.
 void check_parts(const Node& root, const BoardDescription& board) {
   const auto entries = root.at("devices").elements();
   std::vector<std::string> on_bus;
@@ -220,7 +221,7 @@ BoardSupply read_supply(const Node& node, const BoardDescription& board) {
   return supply;
 }
 
-/// A device, or what counts its transactions in a variable of the board.
+/// Reads the sender of set-points: a device, or the peripheral that counts transactions in a variable of the board.
 std::string read_decisions(const Node& node, const BoardDescription& board) {
   Object object(node);
   std::string sender;
@@ -246,7 +247,7 @@ std::string read_decisions(const Node& node, const BoardDescription& board) {
   return sender;
 }
 
-/// The name of a file, without a way to it: the board travels with its libraries.
+/// Reads a file name without folders, because a board is moved together with its libraries.
 std::string read_file_name(const Node& node) {
   auto name = node.readable_text();
   if (name.find('/') != std::string::npos || name == "." || name == "..") {
@@ -314,7 +315,7 @@ BoardDescription parse_board(std::string_view text, const std::string& name) {
 }
 
 std::string_view other_chip_of(std::string_view elf_bytes) {
-  // Folders of the SDKs' headers; long enough not to occur by chance.
+  // Folders of the SDKs' headers. They are too long to occur by chance.
   constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kFolders{{
       {"pmsis/chips/gap9", "GAP9"},
       {"vendors/gwt/gap9", "GAP9"},

@@ -20,7 +20,7 @@
 namespace mebots::soc {
 namespace {
 
-/// With it a block's 32-bit sum of femtojoules holds.
+/// Upper bound that keeps a block's sum of femtojoules within 32 bits.
 constexpr double kMostWeight = 100;
 
 std::string_view class_of(Op op) {
@@ -35,7 +35,7 @@ std::string_view class_of(Op op) {
   return "alu";
 }
 
-/// Femtojoules of every operation at the reference point.
+/// Reads the energy of every operation at the reference point [fJ].
 InstructionEnergy read_instruction_energy(const data::Node& node, double reference_j) {
   static constexpr std::array<std::string_view, 9> kClasses = {"alu",   "multiply", "multiply_high", "divide", "load",
                                                                "store", "branch",   "jump",          "system"};
@@ -133,7 +133,7 @@ Chip read_chip(const data::Node& node) {
   return chip;
 }
 
-/// A chip with energies of its own is another one in nothing else.
+/// Returns `base` with other energies and no other difference.
 Chip read_energy_model(const data::Node& node, const Chip& base) {
   data::Object object(node);
   Chip chip = base;
@@ -190,7 +190,7 @@ const Chip& gap8_silicon() {
 
 namespace {
 
-/// Null for an unknown name.
+/// Returns null for an unknown name.
 const Chip* chip_named(std::string_view energies) {
   if (energies == "gap8") return &gap8();
   return energies == "gap8_silicon" ? &gap8_silicon() : nullptr;

@@ -11,21 +11,21 @@
 
 namespace mebots::soc {
 
-/// Cycles that an access waits for its way there and back, in the clock of who asks.
+/// Wait cycles of an access for both directions, in the clock of the requester.
 struct Interconnect {
   std::uint32_t fabric_controller_to_device = 0;
   std::uint32_t fabric_controller_to_cluster = 0;
   std::uint32_t cluster_to_soc = 0;
 };
 
-/// Between which multiples of these energies silicon took, in so few checks that it is no confidence interval.
+/// Range of measured energies, relative to these. There were too few checks for a confidence interval.
 struct EnergyChecks {
   double least = 0;
   double most = 0;
   std::uint32_t count = 0;
 };
 
-/// What params/*.json says about a chip.
+/// Data of a chip from params/*.json.
 struct Chip {
   Timing timing;
   double minimum_clock_hz = 0;
@@ -41,30 +41,30 @@ struct Chip {
   double wake_up_s = 0;                  // from the interrupt that ends retention sleep to the first instruction
   InstructionEnergy instruction_energy;  // at the reference point
   EnergyTables energy;
-  EnergyChecks checks;  // of its sum
+  EnergyChecks checks;  // of the sum of energies
 
-  /// The highest clocks at a voltage: linear between the two given points.
+  /// Returns the highest clock at a voltage: linear between two points.
   double highest_clock_hz(double voltage_v) const;
   double highest_cluster_clock_hz(double voltage_v) const;
-  /// Whether a voltage is allowed, and a clock at it. In millivolts and hertz, exact at the limits.
+  /// True if a voltage is allowed, or a clock at a voltage. Exact at the limits, because they use millivolts and hertz.
   bool allows_voltage(std::uint32_t voltage_mv) const;
   bool allows(std::uint32_t clock_hz, std::uint32_t voltage_mv) const;
   bool allows_cluster(std::uint32_t clock_hz, std::uint32_t voltage_mv) const;
 };
 
-/// Reads a chip file's text; `name` stands in errors. Throws Error naming everything that is wrong in it.
+/// Reads the text of a chip file. `name` is its name in messages. Throws Error that lists all mistakes.
 Chip parse_chip(const std::string& json_text, const std::string& name);
 
-/// The chip of the AI-deck, from the data built into this library.
+/// Returns the chip of the AI-deck, from data built into this library.
 const Chip& gap8();
-/// GAP8 with energies that were calibrated on measured currents.
+/// Returns GAP8 with energies that were calibrated on measured currents.
 const Chip& gap8_silicon();
-/// The chip with the energies that the board names: gap8()'s own, or gap8_silicon's, which were calibrated on currents
-/// of a GAPuino.
+/// Returns the chip with the board's set of energies: that of gap8(), or that of gap8_silicon(), which was calibrated
+/// on currents of a GAPuino.
 const Chip& chip_of(const BoardDescription& board);
-/// The chip with the energies of this name, every one multiplied: `position` is that of the factor in the interval of
-/// the checks, from -1 (least) over 0 (1) to 1 (most). Throws Error naming the FMU's parameter for an unknown name and
-/// for a position outside.
+/// Returns the chip with a set of energies, all multiplied by one factor. `position` selects the factor in the range of
+/// EnergyChecks, from -1 (least) over 0 (1) to 1 (greatest). Throws Error that names the FMU's parameter if the name is
+/// unknown or the position is out of range.
 Chip calibrated_chip(const std::string& energies, double position);
 
 }  // namespace mebots::soc

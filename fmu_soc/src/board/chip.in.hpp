@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Made from params/*.json by CMake. Do not edit.
+// Generated from params/*.json by CMake. Do not edit.
 #pragma once
 
 namespace mebots::soc {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// An entry of a board's devices: registers, states, variables, and what they must find in each other.
+// Entries of a board's devices: registers, states, variables, and their references to each other.
 #include "board/readers.hpp"
 
 #include "board/settings.hpp"
@@ -22,7 +22,7 @@ namespace {
 using data::Node;
 using data::Object;
 
-/// The lines of RI5CY and CV32E40P: software, timer, external, and 16 fast ones.
+/// Reads an interrupt line of RI5CY and CV32E40P: software, timer, external, and 16 fast ones.
 int read_interrupt(const Node& node) {
   const auto line = static_cast<int>(node.whole_number(0, 31));
   if (line != 3 && line != 7 && line != 11 && line < 16) {
@@ -32,7 +32,7 @@ int read_interrupt(const Node& node) {
   return line;
 }
 
-/// A register's value: "0x5F5" or 1525.
+/// Reads a register's value, such as "0x5F5" or 1525.
 std::uint32_t read_word(const Node& node) {
   if (!node.is(data::Kind::text)) {
     return static_cast<std::uint32_t>(node.whole_number(0, std::numeric_limits<std::uint32_t>::max()));
@@ -89,7 +89,7 @@ std::vector<BoardRegister> read_registers(const Node& node) {
   return registers;
 }
 
-/// What `read` makes of each member of an object, whose key becomes a name.
+/// Reads the members of an object with `read`; the key of each member becomes its name.
 template <typename T, typename Read>
 auto by_name(Read read) {
   return [read](const Node& node) {
@@ -100,7 +100,7 @@ auto by_name(Read read) {
         found.push_back(read(key, member));
       });
     }
-    // The order of the alphabet, whatever that of the file.
+    // In alphabetical order, independent of the file.
     std::ranges::stable_sort(found, {}, &T::name);
     return found;
   };
@@ -137,15 +137,15 @@ BoardEnumeration read_enumeration(const std::string& name, const Node& node) {
       enumeration.items.push_back({checked_name(member, item), read_signed_word(member)});
     });
   }
-  // By value; of the same value by name.
+  // Sorted by value, then by name.
   std::ranges::sort(enumeration.items, {}, [](const BoardValue& item) { return std::tie(item.value, item.name); });
   return enumeration;
 }
 
-/// A described device that goes from delay to delay must leave time for something else.
+/// Minimum delay of a described device. With shorter delays, a cycle of states would leave no time for other events.
 constexpr double kLeastDelayS = 1e-6;
 
-/// What is behind a key and in it behind another, for complaints: the nearest of them that stands in the file.
+/// Returns the node behind the longest existing prefix of these keys, for messages.
 Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   Node found = node;
   for (const auto key : keys) {
@@ -156,7 +156,7 @@ Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   return found;
 }
 
-/// The entry of a register, for complaints.
+/// Returns the entry of a register, for messages.
 Node entry_of(const Node& device, const BoardRegister& reg) {
   const auto entries = device.at("registers").elements();
   const auto found =
@@ -164,7 +164,7 @@ Node entry_of(const Node& device, const BoardRegister& reg) {
   return found == entries.end() ? device : *found;
 }
 
-/// The names of the variables that a register may show, or send.
+/// Returns the names of the variables that a register may show or send.
 std::vector<std::string> numbers_of(const BoardDevice& device, bool inputs) {
   std::vector<std::string> names;
   for (const auto& variable : device.variables) {
@@ -173,7 +173,7 @@ std::vector<std::string> numbers_of(const BoardDevice& device, bool inputs) {
   return names;
 }
 
-/// A register that sends has its output, and nothing else to do.
+/// Checks a register that sends a variable: it must have an output, and no other effect.
 void check_sender(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   if (reg.access == "r" || !reg.shows.empty()) {
@@ -189,7 +189,7 @@ void check_sender(const Node& node, const BoardDevice& device, const BoardRegist
   }
 }
 
-/// A register that shows a variable has its parameter or input, or a parameter of the chip.
+/// Checks a register that shows a variable: it must be a parameter or input, or a parameter of the chip.
 void check_display(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   auto known = numbers_of(device, true);
@@ -203,7 +203,7 @@ void check_display(const Node& node, const BoardDevice& device, const BoardRegis
   }
 }
 
-/// Every output of a described device has one source.
+/// Checks that every output of a described device has one source.
 void check_outputs(const Node& node, const BoardDevice& device) {
   for (const auto& variable : device.variables) {
     if (variable.is_input()) continue;
@@ -218,7 +218,7 @@ void check_outputs(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// A register that commits has something to send, and does nothing else.
+/// Checks a register that commits: other registers must send, and it must have no other effect.
 void check_commit(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   const bool takes_opcodes =
@@ -252,7 +252,7 @@ void check_opcodes(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// What names something must find it, in a described device as in one whose C++ begins as a skeleton.
+/// Checks that all names refer to existing entries, in a described device and in one with its own C++ code.
 void check_names(const Node& node, const BoardDevice& device) {
   check_opcodes(node, device);
   for (const auto& state : device.states) {
@@ -265,7 +265,7 @@ void check_names(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// What a device needs that has no C++.
+/// Checks the required keys of a device without C++ code.
 void check_description(const Node& node, const BoardDevice& device) {
   if (device.initial_state.empty()) {
     if (!device.states.empty()) {
@@ -289,8 +289,8 @@ void check_description(const Node& node, const BoardDevice& device) {
   check_outputs(node, device);
 }
 
-/// Of a number, as far as the device needs it: the generator of descriptions reads and checks all that variables have
-/// (modeldesc).
+/// Reads the start value of a number. The generator of descriptions (modeldesc) checks all other properties of
+/// variables.
 double start_of(const Node& node) {
   if (!node.has("start")) return 0;
   const auto start = node.at("start");
@@ -347,12 +347,12 @@ BoardRegulator read_regulator(const Node& node) {
   return regulator;
 }
 
-/// Of an entry without an address, after its key.
+/// Returns the kind of an entry without an address, from its key.
 std::string_view kind_without_address(const Object& object) {
   return object.has("part") ? "part" : "regulator";
 }
 
-/// It has no address, and so nothing for a program to see.
+/// Checks a part: without an address, it must not have keys that a program could use.
 void check_part(const Node& node, const Object& object, const BoardDevice& device) {
   for (const auto* key : {"base", "also_at", "span", "interrupt", "registers", "opcodes", "enumerations"}) {
     if (!object.has(key)) continue;
@@ -413,7 +413,7 @@ BoardDevice read_device(const Node& node, std::set<std::string>& names) {
   object.read_if("variables", device.variables,
                  data::list_of([&](const Node& member) { return read_variable(member, described); }));
   object.read_if("enumerations", device.enumerations, by_name<BoardEnumeration>(&read_enumeration));
-  object.allow({"terminals"});  // of the FMU, not of the chip
+  object.allow({"terminals"});  // for the FMU, not for the chip
   object.finish();
   if (!on_bus) check_part(node, object, device);
   if (!object.sound()) return device;

@@ -12,16 +12,16 @@
 #include <string>
 #include <string_view>
 
-/// Readers of values that a board file has in many places. Each reports a value that does not fit.
+/// Readers for values that occur in many places of a board file. Each reports an invalid value.
 namespace mebots::soc {
 
-/// 32 bits as text, so that they may be hexadecimal; `what` it is, for complaints.
+/// Reads a 32-bit number as text, which may be hexadecimal. `what` is its description in messages.
 std::uint32_t read_number(const data::Node& node, std::string_view what);
 std::uint32_t read_address(const data::Node& node);
-/// Of address space.
+/// Reads a size in the address space.
 std::uint32_t read_bytes(const data::Node& node);
 
-/// Names become names in C and C++.
+/// Checks a name, which must be valid in C and C++.
 std::string checked_name(const data::Node& node, const std::string& name);
 std::string read_name(const data::Node& node);
 
@@ -39,7 +39,7 @@ inline auto power_of_two(std::uint32_t least, std::uint32_t most) {
   };
 }
 
-/// A name that no other of its list has.
+/// Reads a name that is unique in its list.
 inline auto new_name(std::set<std::string>& taken) {
   return [&taken](const data::Node& node) {
     auto name = read_name(node);
@@ -50,7 +50,8 @@ inline auto new_name(std::set<std::string>& taken) {
   };
 }
 
-/// Reads an entry of a device or part. Reports what an entry cannot have; `names` are those taken on the board.
+/// Reads an entry of a device or part. Reports keys that such an entry cannot have. `names` are the names already in
+/// use.
 BoardDevice read_device(const data::Node& node, std::set<std::string>& names);
 
 }  // namespace mebots::soc

@@ -15,20 +15,20 @@ namespace mebots::soc {
 struct Settings {
   double clock_hz = 100e6;
   double cluster_clock_hz = 87e6;
-  unsigned cluster_cores = kMostClusterCores;  // at most as many as the board has
+  unsigned cluster_cores = kMostClusterCores;  // must not exceed that of the board
   double temperature_c = 25;
   double voltage_v = 1.2;
-  /// Folders that are searched for the board's libraries, after the folder of its file.
+  /// Folders with libraries of the board, searched after the folder of its file.
   std::vector<std::filesystem::path> library_folders = {};
-  std::vector<std::uint8_t> flash = {};  // what the board's flash holds at the start
-  /// The pictures that the board's camera takes, in this order. If there are none, they come from the world.
+  std::vector<std::uint8_t> flash = {};  // initial content of the board's flash
+  /// Pictures of the board's camera in this order. If empty, pictures come from the world.
   std::vector<std::vector<std::uint8_t>> pictures = {};
-  bool translate = true;  // hot code to host code; counts are the same without
+  bool translate = true;  // translate hot code; the counts are the same without
   /// HartSettings::keeps_written_mtvec of the fabric controller.
   bool keeps_written_mtvec = false;
 };
 
-/// A parameter of the chip that a described device's register can show.
+/// A parameter of the chip that a register of a described device can show.
 struct ChipSetting {
   std::string_view variable;
   double Settings::*value;

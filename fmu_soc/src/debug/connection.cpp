@@ -23,13 +23,13 @@ constexpr char kInterrupt = '\x03';
 constexpr int kBacklog = 4;
 constexpr std::size_t kLongestPacket = 1U << 20;
 
-/// How long a caller that must be refused has to say what it wants, and to hang up [ms].
+/// Maximum time for a refused debugger to send its request and to disconnect [ms].
 constexpr int kRefusalMs = 1000;
-/// gdb shows the text behind "E." of an answer to its first packet.
+/// gdb shows the text after "E." of the reply to its first packet.
 constexpr std::string_view kBusy =
     "E.another debugger is connected to this run: wait until it has gone, and call again";
 
-/// Whether something can be read, or accepted, within `timeout_ms`.
+/// Returns whether something can be read or accepted within `timeout_ms`.
 bool is_readable(const Socket& socket, int timeout_ms) {
   pollfd wanted{socket.descriptor(), POLLIN, 0};
   return ::poll(&wanted, 1, timeout_ms) > 0;
@@ -107,7 +107,7 @@ std::optional<char> Connection::next_byte() {
   return unread_[read_++];
 }
 
-/// False: nothing has come, or the debugger has gone.
+/// Returns false if nothing has arrived, or if the debugger has disconnected.
 bool Connection::read_more(int flags) {
   char buffer[4096];
   ssize_t count = 0;
@@ -124,7 +124,7 @@ bool Connection::read_more(int flags) {
   return true;
 }
 
-/// Until the debugger has said something. Others who call meanwhile are told.
+/// Waits for data from the debugger. Refuses other debuggers meanwhile.
 void Connection::wait_for_client() {
   while (client_.open()) {
     std::array<pollfd, 2> wanted{{{client_.descriptor(), POLLIN, 0}, {listener_.descriptor(), POLLIN, 0}}};
@@ -143,7 +143,7 @@ void Connection::refuse_others() {
     const auto answer = "+" + framed(kBusy);
     ::send(caller.descriptor(), answer.data(), answer.size(), MSG_NOSIGNAL);
     ::shutdown(caller.descriptor(), SHUT_WR);
-    // Closed with something unread, the answer could be lost on its way.
+    // If the connection is closed with unread data, the reply may be lost.
     while (is_readable(caller, kRefusalMs) && ::recv(caller.descriptor(), ignored, sizeof ignored, 0) > 0) continue;
   }
 }
@@ -183,7 +183,7 @@ void Connection::send(std::string_view content) {
     escaped += is_special ? static_cast<char>(c ^ 0x20) : c;
   }
   const auto packet = framed(escaped);
-  // A lost packet is impossible over TCP; one that the debugger calls damaged is sent again.
+  // TCP loses no packets. A packet that the debugger rejects is sent again.
   while (write_all(packet) && acknowledges_) {
     auto answer = next_byte();
     while (answer && *answer != '+' && *answer != '-') answer = next_byte();
@@ -207,11 +207,11 @@ bool Connection::write_all(std::string_view bytes) {
 
 bool Connection::interrupted() {
   if (!client_.open()) return false;
-  // It may have come with the packet before it, and wait among what is read already.
+  // The interrupt may have arrived with the last packet, and be in the buffer.
   if (read_ == unread_.size() && !read_more(MSG_DONTWAIT)) return !client_.open();
   const char byte = unread_[read_];
   if (byte == kInterrupt || byte == '+') ++read_;
-  return byte != '+';  // a packet while the program runs: stop to answer it
+  return byte != '+';  // a packet arrived during the run: stop to answer it
 }
 
 }  // namespace mebots::soc::debug

@@ -8,7 +8,7 @@
 
 namespace mebots::soc::debug {
 
-/// A closed file descriptor when it goes away.
+/// A file descriptor that is closed on destruction.
 class Socket {
  public:
   Socket() = default;
@@ -25,28 +25,29 @@ class Socket {
   int descriptor_ = -1;
 };
 
-/// One debugger at a time, over TCP on this machine only, in packets of gdb's remote serial protocol.
+/// A TCP connection to one debugger on this machine, with packets of gdb's remote serial protocol.
 /// Source: Debugging with GDB, appendix "GDB Remote Serial Protocol".
 class Connection {
  public:
-  /// Listens on 127.0.0.1; port 0 takes a free one. Throws Error when the port cannot be had.
+  /// Listens on 127.0.0.1; port 0 selects a free port. Throws Error if the port cannot be opened.
   explicit Connection(int port);
 
   int port() const { return port_; }
   bool connected() const { return client_.open(); }
-  /// Takes a debugger that has called; with `wait`, waits for one. True when there is a new one.
+  /// Accepts a debugger. If `wait` is set, waits for one. Returns true if a new debugger is connected.
   bool accept(bool wait);
   void disconnect() { client_ = Socket(); }
 
-  /// The next packet's content, unescaped; nothing when the debugger has gone. "\x03" stands for an interrupt.
+  /// Returns the content of the next packet, unescaped; "\x03" for an interrupt. Returns nullopt if the debugger has
+  /// disconnected.
   std::optional<std::string> receive();
-  /// Sends a packet and, unless told otherwise, waits until it is acknowledged. Nothing happens without a debugger.
+  /// Sends a packet, and waits for its acknowledgement unless that is off. Has no effect without a debugger.
   void send(std::string_view content);
-  /// Tells those who call while a debugger is there that they must wait, and hangs up. Never waits when nobody calls.
+  /// Sends a message to other debuggers that connect meanwhile, and closes their connections. Does not wait for any.
   void refuse_others();
-  /// True when an interrupt (Ctrl-C) has come, or the debugger has gone. Never waits.
+  /// Returns true if an interrupt (Ctrl-C) has arrived or the debugger has disconnected. Does not wait.
   bool interrupted();
-  /// From now on packets are not acknowledged.
+  /// Switches acknowledgements off.
   void stop_acknowledging() { acknowledges_ = false; }
 
  private:

@@ -39,7 +39,7 @@ bool GdbServer::accept_debugger() {
   return true;
 }
 
-/// Answers gdb until it lets the program go on.
+/// Answers packets until gdb resumes the program.
 GdbServer::Resume GdbServer::serve() {
   if (!held_) connection_.send(stop_reply_);
   held_ = true;
@@ -48,7 +48,7 @@ GdbServer::Resume GdbServer::serve() {
   only_hart_.reset();
   for (;;) {
     const auto packet = connection_.receive();
-    if (!packet) break;  // gone: the run goes on without
+    if (!packet) break;  // disconnected: the run continues
     const auto resume = obey(*packet);
     if (resume == Resume::no) continue;
     held_ = false;
@@ -59,14 +59,14 @@ GdbServer::Resume GdbServer::serve() {
   return Resume::run;
 }
 
-/// Does what a packet says; anything but `no` ends the conversation for now.
+/// Executes a packet. A result other than `no` ends serve().
 GdbServer::Resume GdbServer::obey(const std::string& packet) {
   const auto resume_at = [this](std::string_view text) {
     if (const auto address = parse_hex(text)) write_register(kPcNumber, *address);
   };
   switch (packet.empty() ? '\0' : packet[0]) {
     case '\x03':
-      return Resume::no;  // it stands already
+      return Resume::no;  // stopped already
     case 'c':
       resume_at(std::string_view(packet).substr(1));
       return Resume::run;
@@ -98,8 +98,9 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
   return Resume::no;
 }
 
-/// "s:2;c": one thread steps, all others go on. "r1c000042,1c00004c:2" steps until it is out of this range. With "s:2"
-/// or "c:2" they should stand, but none can while a core waits for them: they go on unseen.
+/// Resumes threads. "s:2;c": one thread steps, all others continue. "r1c000042,1c00004c:2" steps until it leaves this
+/// range. After "s:2" or "c:2", the others should stay stopped. That is impossible while a core waits for them, so they
+/// run without reports.
 GdbServer::Resume GdbServer::resume(std::string_view actions) {
   const auto step = actions.find_first_of("sSr");
   const auto begin = step == std::string_view::npos ? 0 : step;
@@ -154,7 +155,7 @@ std::string GdbServer::answer(const std::string& packet) {
       return change_point(rest, false);
     case 'H': {
       const auto number = threads_.parse(rest.substr(std::min<std::size_t>(1, rest.size())));
-      // What goes on is said by vCont.
+      // vCont selects the threads to resume.
       if (number && rest.starts_with('g')) threads_.choose(*number);
       return number ? "OK" : std::string(kError);
     }
@@ -167,7 +168,7 @@ std::string GdbServer::answer(const std::string& packet) {
   }
   if (packet == "vCont?") return "vCont;c;C;s;S;r";
   if (packet == "QStartNoAckMode") return "OK";
-  return {};  // not known here
+  return {};  // unknown packet
 }
 
 std::string GdbServer::query(std::string_view text) {
@@ -251,7 +252,7 @@ bool GdbServer::write_register(unsigned number, std::uint32_t value) {
     hart.set_reg(number, value);
   } else if (number == kPcNumber) {
     if (value == hart.pc()) return true;
-    if (threads_.chosen() != 0) return false;  // a core of the cluster stands in the middle of a block, which goes on
+    if (threads_.chosen() != 0) return false;  // a core of the cluster is in the middle of a block, which continues
     hart.set_pc(value);
   } else {
     return number >= kFirstCsrNumber && hart.set_csr(number - kFirstCsrNumber, value);
@@ -264,7 +265,7 @@ std::string GdbServer::read_memory(std::string_view text) const {
   if (!range || range->size > kLongestRead) return std::string(kError);
   std::string bytes(range->size, '\0');
   if (!soc_.memory().read(range->address, {reinterpret_cast<std::uint8_t*>(bytes.data()), bytes.size()})) {
-    return std::string(kError);  // registers of devices too: reading one can change it
+    return std::string(kError);  // also for registers of devices: reading them may change them
   }
   return to_hex(bytes);
 }
@@ -281,7 +282,7 @@ std::string GdbServer::write_memory(std::string_view text, bool binary) {
              : std::string(kError);
 }
 
-/// "0,1c000042,2": kind, address, size.
+/// Sets or clears a breakpoint or watchpoint. "0,1c000042,2": kind, address, size.
 std::string GdbServer::change_point(std::string_view text, bool insert) {
   if (text.size() < 3 || text[1] != ',') return std::string(kError);
   const auto range = parse_range(text.substr(2));

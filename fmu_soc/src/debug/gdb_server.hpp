@@ -17,22 +17,22 @@
 
 namespace mebots::soc::debug {
 
-/// Lets gdb hold, look into and change the cores, each of which is a thread to it. While one is held, whoever runs the
-/// chip waits in its observer's `before`: the whole simulation stands still, all cores with it. It goes on with the
-/// same results when gdb has changed nothing.
+/// A server for gdb, which can stop, inspect and change the cores; each core is a thread. While a core is stopped, the
+/// thread that runs the chip waits in its observer's before(), so the whole simulation stands still. If gdb changes
+/// nothing, results are the same as without gdb.
 class GdbServer {
  public:
-  /// What gdb's `kill` means: the run ends, or it goes on without the debugger.
+  /// The effect of gdb's `kill`: the run ends, or it continues without the debugger.
   enum class Kill : std::uint8_t { ends_run, detaches };
 
-  /// Listens on 127.0.0.1 and says where through `announce`. The first instruction waits for a debugger.
-  /// Throws Error when the port cannot be had.
+  /// Listens on 127.0.0.1 and passes the address to `announce`. The first instruction waits for a debugger. Throws
+  /// Error if the port cannot be opened.
   GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce);
 
-  /// Who watches a hart, numbered as in the chip.
+  /// Returns the observer of a hart, by the chip's number.
   Observer& hart(unsigned number) { return harts_[number]; }
 
-  /// The program has ended: gdb hears it, and after a fault may look around first.
+  /// Reports the end of the program to gdb. After a fault, gdb can inspect the chip first.
   void finish(int exit_code);
 
  private:
@@ -58,10 +58,11 @@ class GdbServer {
 
     GdbServer& server_;
     unsigned number_;
-    // It has been held before this instruction, which may come again: it let others go first, or sleeps before it.
+    // The state at which this hart was stopped last. The same instruction may come again, after other harts or after a
+    // sleep.
     bool was_held_ = false;
     std::uint32_t held_pc_ = 0;
-    std::uint64_t held_instructions_ = 0;  // instructions
+    std::uint64_t held_instructions_ = 0;
   };
 
   bool accept_debugger();
@@ -90,11 +91,11 @@ class GdbServer {
   std::set<std::uint32_t> breakpoints_;
   std::vector<Watch> watches_;
   std::string stop_reply_;
-  std::optional<unsigned> stepping_;   // the hart
-  QuietCode step_range_;               // in which the step goes on; empty = one instruction
-  std::optional<unsigned> only_hart_;  // likewise: gdb wants to hear of no other one meanwhile
+  std::optional<unsigned> stepping_;   // hart that gdb steps
+  QuietCode step_range_;               // range in which the step continues; empty = one instruction
+  std::optional<unsigned> only_hart_;  // if set, gdb only expects events of this hart
   bool awaited_ = true;                // the run has not begun: wait for the debugger
-  bool held_ = false;                  // gdb believes that the program stands
+  bool held_ = false;                  // gdb assumes that the program is stopped
   bool killed_ = false;
   bool ended_ = false;
   std::uint32_t ticks_ = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// When a hart is held for gdb, and what gdb hears then.
+// Decides when a hart stops for gdb, and builds the stop replies.
 #include "debug/gdb_server.hpp"
 
 #include <fmt/core.h>
@@ -10,7 +10,7 @@
 namespace mebots::soc::debug {
 namespace {
 
-/// How many instructions pass between two looks for Ctrl-C or a new debugger.
+/// Number of instructions between two checks for Ctrl-C or a new debugger.
 constexpr std::uint32_t kPollInterval = 1U << 12;
 constexpr std::string_view kTrap = "T05";
 constexpr std::string_view kInterrupted = "T02";
@@ -18,7 +18,7 @@ constexpr std::string_view kAtBreakpoint = "swbreak:;";
 
 }  // namespace
 
-/// What gdb hears when it is told why the hart stands.
+/// Builds the stop reply for gdb.
 void GdbServer::stop(unsigned number, std::string_view signal, std::string_view why) {
   threads_.choose(number);
   stop_reply_ = fmt::format("{}thread:{:x};{}", signal, number + 1, why);
@@ -30,17 +30,17 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
   if (server.killed_) return false;
   const bool look = (++server.ticks_ & (kPollInterval - 1)) == 0;
   if (look && connection.connected()) connection.refuse_others();
-  // NOLINTBEGIN(bugprone-branch-clone): the order of the questions is the rule
+  // NOLINTBEGIN(bugprone-branch-clone): the order of the conditions matters
   if (!connection.connected()) {
     if (!(server.awaited_ || look) || !server.accept_debugger()) return true;
     server.stop(number_, kTrap);
-    server.held_ = true;  // gdb asks why by itself
+    server.held_ = true;  // gdb queries the reason
   } else if (look && connection.interrupted()) {
     server.stop(server.only_hart_.value_or(number_), kInterrupted);
   } else if (was_held_ && hart.pc() == held_pc_ && hart.counters().instructions == held_instructions_) {
     return true;
   } else if (server.ends_step(number_, hart.pc())) {
-    server.stop(number_, kTrap);  // in a handler: the instruction itself has not retired
+    server.stop(number_, kTrap);  // a handler was entered, so the instruction itself has not retired
   } else if (reports_to_gdb() && server.breakpoints_.contains(hart.pc())) {
     server.stop(number_, kTrap, kAtBreakpoint);
   } else {
@@ -51,8 +51,8 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
   return !server.killed_;
 }
 
-/// A step ends, and a watched place is reported, before any other hart goes on: gdb takes a step for the work of one
-/// thread. It makes steps of its own from breakpoints, too, letting one thread go on alone.
+/// Ends a step and reports a watchpoint before any other hart continues, because gdb expects a step to run one thread.
+/// gdb also steps over breakpoints with one thread alone.
 void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instruction) {
   if (!server_.connection_.connected() || !reports_to_gdb()) return;
   const auto touched = server_.watch_touched(instruction.access);
@@ -67,7 +67,7 @@ void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instructi
   hold(hart);
 }
 
-/// A core that is switched off ends no step.
+/// Ends the step of a core that is switched off.
 void GdbServer::HartObserver::switched(const Hart& /*hart*/, bool /*on*/) {
   was_held_ = false;
   if (server_.stepping_ == number_) server_.stepping_.reset();
@@ -81,7 +81,7 @@ void GdbServer::HartObserver::hold(const Hart& hart) {
   held_instructions_ = hart.counters().instructions;
 }
 
-/// Which watched place the access touches, as gdb wants to hear it; empty = none.
+/// Returns the watchpoint that the access touches, in gdb's format; empty = none.
 std::string GdbServer::watch_touched(const Access& access) const {
   if (access.size == 0) return {};
   for (const auto& watch : watches_) {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-/// Numbers and bytes as gdb's remote protocol writes them.
+/// Numbers and bytes in the format of gdb's remote protocol.
 namespace mebots::soc::debug {
 
 struct Range {
@@ -17,37 +17,38 @@ struct Range {
   std::uint32_t size = 0;
 };
 
-/// Parses "1c000000". Returns nullopt if the text is empty, no number, or longer than 32 bits.
+/// Parses "1c000000". Returns nullopt if the text is empty, not a number, or longer than 32 bits.
 std::optional<std::uint32_t> parse_hex(std::string_view text);
-/// "1c000000,4"
+/// Parses "1c000000,4".
 std::optional<Range> parse_range(std::string_view text);
-/// Four bytes in the order of memory.
+/// Parses four bytes in the order of memory.
 std::optional<std::uint32_t> parse_little_endian(std::string_view text);
 std::string little_endian(std::uint32_t value);
 
 std::string to_hex(std::string_view bytes);
 std::optional<std::string> from_hex(std::string_view text);
 
-/// The chip's harts as gdb's threads: thread n + 1 is hart n. Those of a cluster that is off are there, too: so gdb
-/// numbers them as we do.
+/// The chip's harts as gdb's threads: thread n + 1 is hart n. Harts of a cluster that is off are included, so that the
+/// numbers are constant.
 class Threads {
  public:
   explicit Threads(Soc& soc) : soc_(soc) {}
 
-  /// The hart that gdb looks at: the one that was stopped, unless gdb chose another.
+  /// Returns the hart that gdb inspects: the stopped one, unless gdb has chosen another.
   unsigned chosen() const { return chosen_; }
   Hart& hart() { return soc_.hart(chosen_); }
   const Hart& hart() const { return std::as_const(soc_).hart(chosen_); }
   void choose(unsigned number) { chosen_ = number; }
 
-  /// The hart of a thread's number as gdb writes it; its 0 and -1, any and all, are the chosen one. Nothing when there
-  /// is none.
+  /// Returns the hart of a thread number in gdb's format; 0 (any) and -1 (all) are the chosen hart. Returns nullopt if
+  /// there is no such hart.
   std::optional<unsigned> parse(std::string_view text) const;
-  /// "m1,2,3"
+  /// Returns the list of threads, such as "m1,2,3".
   std::string list() const;
-  /// What `info threads` shows behind the number.
+  /// Returns the text that `info threads` shows after the number.
   std::string describe(unsigned number) const;
-  /// When the chosen hart's next instruction starts, or its sleep began; of the fabric controller when that one is off.
+  /// Returns the start of the chosen hart's next instruction, or of its sleep. If that hart is off, returns the time of
+  /// the fabric controller.
   Picoseconds time() const { return soc_.core_time(soc_.is_on(chosen_) ? chosen_ : kFabricControllerHart); }
 
  private:
@@ -56,7 +57,7 @@ class Threads {
 };
 
 inline constexpr unsigned kPcNumber = 32;
-inline constexpr unsigned kFirstCsrNumber = 65;  // as gdb numbers them
+inline constexpr unsigned kFirstCsrNumber = 65;  // in gdb's numbering
 
 /// Returns the description of the core's registers for gdb: x0 to x31, pc and the CSRs.
 /// Source: Debugging with GDB, appendix "Target Descriptions", section "RISC-V Features".

@@ -13,23 +13,23 @@
 
 namespace mebots::soc {
 
-/// Where the chip's joules go.
+/// The parts of the chip's energy.
 enum class Part : std::uint8_t {
   fabric_controller,   // its instructions, and its clock gate while it sleeps
-  cluster_cores,       // likewise, all together
+  cluster_cores,       // the same for all cores of the cluster together
   fc_memory,           // accesses to the near memory of the fabric controller
   l2,                  // accesses
   l1,                  // accesses to banks
   interconnect,        // words between cluster and the rest, accesses to devices
   dma,                 // its transfers, and its clock
-  fc_background,       // clock tree, bus and peripherals of the fabric controller's domain
+  fc_background,       // clock tree, bus and peripherals of its domain
   cluster_background,  // clock tree and bus of the cluster, while it is on
-  leakage,             // of everything that has its supply
-  retention,           // of what keeps its contents in retention sleep
+  leakage,             // of all powered domains
+  retention,           // of memories in retention sleep
 };
 inline constexpr std::size_t kParts = 11;
 
-/// Names of the parts, as they stand in the FMU's variables.
+/// Names of the parts in the FMU's variables.
 inline constexpr std::array<std::string_view, kParts> kPartNames{
     "fabric_controller", "cluster_cores",      "fc_memory", "l2",       "l1", "interconnect", "dma",
     "fc_background",     "cluster_background", "leakage",   "retention"};
@@ -39,16 +39,16 @@ struct EnergyComponent {
   double energy_j = 0;
 };
 
-/// Joules by part, since reset.
+/// Energy by part since reset [J].
 struct EnergyLedger {
   std::array<double, kParts> by_part_j{};
 
   double operator[](Part part) const { return by_part_j[static_cast<std::size_t>(part)]; }
   double& operator[](Part part) { return by_part_j[static_cast<std::size_t>(part)]; }
   double total_j() const;
-  /// The parts of the total with their names, for whoever shows them.
+  /// Returns the parts of the total with their names.
   std::array<EnergyComponent, kParts> components() const;
-  /// Executed instructions, accesses and transfers, and all the rest.
+  /// Energy of executed instructions; of accesses and transfers; of all other parts.
   double core_active_j() const;
   double memory_j() const;
   double standing_j() const;
@@ -56,12 +56,12 @@ struct EnergyLedger {
   void visit(state::Visitor& v) { v("by_part_j", by_part_j); }
 };
 
-/// What one core of the cluster did itself, since reset.
+/// Counts of one core of the cluster since reset.
 struct CoreActivity {
   std::uint64_t instruction_fj = 0;  // at the reference point
   std::uint64_t cycles = 0;          // awake
   std::uint64_t l1_accesses = 0;
-  std::uint64_t far_accesses = 0;  // to L2, over the interconnect
+  std::uint64_t far_accesses = 0;  // to L2, through the interconnect
 
   void visit(state::Visitor& v) {
     v("instruction_fj", instruction_fj);
@@ -71,30 +71,31 @@ struct CoreActivity {
   }
 };
 
-/// Joules that one more of a hart's counts adds, while the chip's settings stay the same and no other hart goes on.
+/// Energy of one more unit of each of a hart's counts [J], while settings and all other counts stay the same.
 struct CountEnergy {
   double cycle_j = 0;
-  double instruction_j = 0;  // of a femtojoule at the reference point
+  double instruction_j = 0;  // per femtojoule at the reference point
   double near_access_j = 0;
   double far_access_j = 0;
   double refill_word_j = 0;
 };
 
-/// What the chip did, in counts and durations; all integers, since reset.
+/// Counts and durations of the chip since reset. All are integers.
 struct Activity {
   std::uint64_t fc_instruction_fj = 0;       // at the reference point
-  std::uint64_t cluster_instruction_fj = 0;  // likewise
+  std::uint64_t cluster_instruction_fj = 0;  // at the reference point
   std::uint64_t fc_memory_accesses = 0;
   std::uint64_t l2_accesses = 0;
   std::uint64_t l1_accesses = 0;
-  std::uint64_t far_words = 0;       // over the interconnect
-  std::uint64_t dma_cycles = 0;      // of the cluster, moving data
-  std::uint64_t cluster_cycles = 0;  // of all cores together, awake
+  std::uint64_t far_words = 0;       // through the interconnect
+  std::uint64_t dma_cycles = 0;      // of the cluster's clock, in which it moves data
+  std::uint64_t cluster_cycles = 0;  // awake, sum over the cores
   Picoseconds powered = 0;
   Picoseconds fc_asleep = 0;
   Picoseconds cluster_powered = 0;
-  Picoseconds retained = 0;                                // in retention sleep; of `powered`
-  std::array<CoreActivity, kMostClusterCores> of_cores{};  // the cluster's, one by one; they are in the sums above
+  Picoseconds retained = 0;  // part of `powered` in retention sleep
+  std::array<CoreActivity, kMostClusterCores>
+      of_cores{};  // the cluster's cores one by one; the sums above contain them
 
   void visit(state::Visitor& v) {
     v("fc_instruction_fj", fc_instruction_fj);
@@ -113,11 +114,11 @@ struct Activity {
   }
 };
 
-/// The chip's figures; params/*.json, object "energy".
+/// Energies and powers of the chip, from params/*.json, object "energy".
 struct EnergyTables {
-  EnergyTable instruction;  // J at the point, over J at the reference point is what an instruction costs more
+  EnergyTable instruction;  // relative cost of an instruction: J at the point over J at the reference point
   double reference_instruction_j = 0;
-  EnergyTable core_clock_gated;    // W of a core that sleeps
+  EnergyTable core_clock_gated;    // W of a sleeping core
   EnergyTable core_leakage;        // W of a core
   EnergyTable memory_access;       // J of a word in L2 or the fabric controller's memory
   EnergyTable l1_access;           // J of a word
@@ -127,15 +128,15 @@ struct EnergyTables {
   EnergyTable dma_background;      // W while the cluster is on
   EnergyTable fc_background;       // W
   EnergyTable cluster_background;  // W while the cluster is on
-  EnergyTable cluster_leakage;     // W while the cluster is on, beside cores and L1
+  EnergyTable cluster_leakage;     // W while the cluster is on, without cores and L1
   double retention_voltage_v = 0;
   double scale = 1;  // multiplies every energy
 
-  /// Notes what is wrong in the node's document.
+  /// Reads the tables. Records mistakes in the node's document.
   static EnergyTables read(const data::Node& node);
 };
 
-/// How the chip is set.
+/// The settings that determine energy: supplies, clocks, temperature.
 struct PowerState {
   double temperature_c = 25;
   double voltage_v = 1.2;
@@ -150,38 +151,40 @@ struct PowerState {
   }
 };
 
-/// What there is of each part.
+/// The size of each part.
 struct Inventory {
-  std::uint32_t fc_memory_bytes = 0;  // memories of the fabric controller's domain, L2 included
+  std::uint32_t fc_memory_bytes = 0;  // memories of the fabric controller's domain, with L2
   std::uint32_t l1_bytes = 0;
   unsigned cluster_cores = 0;
 };
 
-/// Turns activity into joules. While the chip's settings stay the same, energy is computed from the integers since
-/// their last change, never summed up step by step. The result does not depend on how often somebody looks.
+/// Converts activity to energy. While the settings stay the same, energy is computed from the integers since the last
+/// change, and never accumulated. Therefore the result does not depend on how often it is read.
 class EnergyMeter {
  public:
   EnergyMeter(const EnergyTables& tables, const Inventory& inventory, const PowerState& state);
 
   EnergyLedger at(const Activity& now) const;
-  /// Of the ledger: what core `number` of the cluster takes for what it does itself [J], its instructions and accesses,
-  /// over what it takes with its clock gated.
+  /// Returns the energy of core `number` of the cluster for its instructions and accesses [J], beyond that of its gated
+  /// clock. It is a part of the ledger.
   double core_j(unsigned number, const CoreActivity& now) const;
-  /// Of the ledger for the fabric controller, of core_j() for a core of the cluster.
+  /// Returns the energy of one more unit of each count: for the fabric controller, as part of the ledger; for a core of
+  /// the cluster, as part of core_j().
   CountEnergy per_count_of_fabric_controller(bool cluster_on) const;
   CountEnergy per_count_of_core() const;
-  /// From `now` on, the chip is set otherwise. Call it before a clock changes what cycles mean.
+  /// Changes the settings from `now` on. Must be called before a clock changes the meaning of cycles.
   void change(const PowerState& state, const Activity& now);
 
-  /// When the settings changed last, since the supply came: there is no ledger of an earlier time.
+  /// Returns the time of the last change of settings, since the supply was applied. The ledger of an earlier time is
+  /// not available.
   Picoseconds settled_until() const { return since_.powered; }
 
   void visit(state::Visitor& v);
 
  private:
-  /// Joules and watts at the present settings.
+  /// Energies and powers at the present settings.
   struct Rates {
-    double instruction = 1;  // over the reference point
+    double instruction = 1;  // relative to the reference point
     double core_gated_w = 0;
     double memory_access_j = 0;
     double l1_access_j = 0;
@@ -190,8 +193,8 @@ class EnergyMeter {
     double dma_background_w = 0;
     double fc_background_w = 0;
     double cluster_background_w = 0;
-    double leakage_w = 0;          // of what always has its supply
-    double cluster_leakage_w = 0;  // of what has it while the cluster is on
+    double leakage_w = 0;          // of domains that are always powered
+    double cluster_leakage_w = 0;  // of the cluster's domain while it is on
     double retention_w = 0;
   };
   Rates rates_at(const PowerState& state) const;
@@ -201,7 +204,7 @@ class EnergyMeter {
   PowerState state_;
   Rates rates_;
   Activity since_;        // at the last change
-  EnergyLedger settled_;  // up to then
+  EnergyLedger settled_;  // up to that change
   std::array<double, kMostClusterCores> settled_of_cores_j_{};
 };
 

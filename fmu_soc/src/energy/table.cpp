@@ -18,7 +18,7 @@ struct Point {
   data::Node node;
 };
 
-/// Keys are numbers, written as JSON wants it: as text.
+/// JSON requires text as keys, so numbers are written as text.
 double number_of(const data::Member& member) {
   std::size_t used = 0;
   double value = 0;
@@ -33,7 +33,7 @@ double number_of(const data::Member& member) {
   return value;
 }
 
-/// The members of an axis by their points, at least one.
+/// Returns the members of an axis by their points. There is at least one.
 std::vector<Point> sorted_points(const data::Node& node) {
   std::vector<Point> points;
   for (const auto& member : node.members()) {
@@ -49,7 +49,7 @@ std::vector<Point> sorted_points(const data::Node& node) {
   return points;
 }
 
-/// Calls take(where, node) for each point of an axis. What it refuses is noted.
+/// Calls take(where, node) for each point of an axis. Records the errors that it throws.
 template <typename Take>
 void for_each_point(const data::Node& axis, const Take& take) {
   for (const auto& point : sorted_points(axis)) {
@@ -57,7 +57,7 @@ void for_each_point(const data::Node& axis, const Take& take) {
   }
 }
 
-/// Figure at `where` on an axis, each of its points' figures given by `figure_at(index)`.
+/// Interpolates at `where` on an axis; `figure_at(index)` returns the value at a point.
 template <typename FigureAt>
 double between(const std::vector<double>& axis, double where, const std::string& table, std::string_view what,
                const FigureAt& figure_at) {

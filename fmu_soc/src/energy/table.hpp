@@ -11,22 +11,23 @@ namespace mebots::soc {
 
 inline constexpr double kFemtojoule = 1e-15;  // J
 
-/// The conditions that a figure of the chip holds for.
+/// The conditions for a value of an energy table.
 struct OperatingPoint {
   double temperature_c = 25;
   double voltage_v = 1.2;
-  double clock_hz = 0;  // of the domain that the component is in
+  double clock_hz = 0;  // of the component's clock domain
 };
 
-/// A figure over temperature, voltage and frequency, as GVSoC writes it:
-/// {"unit", "source", "values": {temperature: {voltage: {frequency or "any": figure}}}}. Linear between the points of
-/// each axis, frequency first, then voltage, then temperature. An axis with one point holds everywhere.
+/// An energy or power over temperature, voltage and frequency, in GVSoC's format: {"unit", "source", "values":
+/// {temperature: {voltage: {frequency or "any": value}}}}. Interpolates linearly between the points of each axis,
+/// frequency first, then voltage, then temperature. An axis with one point is constant.
 class EnergyTable {
  public:
-  /// The figure must have this unit; the table holds it times `scale`. Notes what is wrong in the node's document.
+  /// Reads a table. Its unit must be `unit`; its values are multiplied by `scale`. Records mistakes in the node's
+  /// document.
   static EnergyTable read(const data::Node& node, std::string_view unit, double scale);
 
-  /// Throws Error when the point lies outside an axis of several points.
+  /// Throws Error if the point is outside an axis with several points.
   double at(const OperatingPoint& point) const;
 
  private:

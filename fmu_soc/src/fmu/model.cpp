@@ -20,7 +20,7 @@ namespace {
 constexpr double kPicosecond = 1e-12;
 constexpr double kNanosecond = 1e-9;
 
-/// In the order of Part.
+/// The power outputs in the order of Part.
 constexpr std::array<double Outputs::*, kParts> kPartPowers{
     &Outputs::power_fabric_controller_w,
     &Outputs::power_cluster_cores_w,
@@ -50,12 +50,12 @@ Settings settings_of(const Parameters& parameters) {
   return settings;
 }
 
-/// Of the file in the FMU's resources that runs unless the parameter says otherwise; empty = there is none.
+/// Returns the firmware in the FMU's resources that runs by default; empty if there is none.
 constexpr std::string_view firmware_inside() {
   return MEBOTS_SOC_FIRMWARE;
 }
 
-/// Names of the programs inside the FMU, in the order of the alphabet.
+/// Returns the names of the programs inside the FMU in alphabetical order.
 std::vector<std::string> programs_in(const std::filesystem::path& resources) {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(resources)) {
@@ -65,7 +65,7 @@ std::vector<std::string> programs_in(const std::filesystem::path& resources) {
   return names;
 }
 
-/// A bare name is one of those inside the FMU, if there is such a one; everything else is a path.
+/// A bare name selects a program inside the FMU, if it exists; anything else is a path.
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources, const BoardDescription& board) {
   if (parameters.firmware.empty()) {
     if (firmware_inside().empty()) {
@@ -163,7 +163,7 @@ void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
   }
 }
 
-/// An endless loop is nothing that ends a mission, but somebody should know.
+/// Reports an endless loop, once. It does not end the mission.
 void Model::report_spinning() {
   if (spinning_reported_ || !soc_.spins()) return;
   spinning_reported_ = true;
@@ -189,7 +189,7 @@ void Model::take_inputs() {
   soc_.begin_step();
 }
 
-/// `step_s`: how long the step was that has ended, 0 for none.
+/// `step_s`: duration of the completed step; 0 if there is none.
 void Model::write(double step_s) {
   auto& outputs = variables_.outputs;
   const auto& counters = soc_.hart().counters();

@@ -13,25 +13,25 @@
 
 namespace mebots::soc {
 
-/// The chip as the FMU's variables see it: parameters and inputs go to the devices, devices and ledger to the
-/// outputs. Plain C++; fmu.cpp binds it to FMI.
+/// Connects the chip with the FMU's variables: parameters and inputs go to the devices; devices and energy ledger
+/// determine the outputs. Plain C++; fmu.cpp binds it to FMI.
 ///
-/// Inputs are sampled at the start of a step and hold for the instructions that start after it, up to and with the
-/// step's end. What those instructions ask for is in the outputs at the end.
+/// Inputs are sampled at the start of a step. They apply to the instructions that start after that, up to and including
+/// the end of the step. The outputs at the end contain the requests of those instructions.
 class Model {
  public:
-  /// Reads the board file in `resources`, and the firmware: the parameter's file, or the one in `resources`. The
-  /// variables of the board's devices are found in `variables`, which must stay where it is.
-  /// Throws Error naming parameter or file, value and limit.
+  /// Reads the board file in `resources`, and the firmware: the parameter's file, or the one in `resources`.
+  /// `variables` contains the variables of the board's devices, and must not move. Throws Error that names parameter or
+  /// file, value and limit.
   Model(Variables& variables, const std::filesystem::path& resources, Listeners listeners);
-  /// Finishes what the observe.* parameters asked for.
+  /// Completes the files of the observe.* parameters.
   ~Model();
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
   /// Writes the outputs at the start.
   void start(std::int64_t start_ns);
-  /// Goes from start_ns to start_ns + duration_ns (> 0). Throws Error for an input that is not a number.
+  /// Advances from start_ns to start_ns + duration_ns (> 0). Throws Error if an input is not a number.
   void step(std::int64_t start_ns, std::int64_t duration_ns);
 
   void visit(state::Visitor& v);

@@ -22,7 +22,7 @@ fmu::Causality causality_of(const BoardVariable& variable) {
   return fmu::Causality::output;
 }
 
-/// The board file that is read now must be the one that the FMU was built with.
+/// Checks that the FMU was built with the board file that is read now.
 template <typename Field>
 auto required(const Field& field, const std::string& name) {
   if (!field) {
@@ -32,7 +32,7 @@ auto required(const Field& field, const std::string& name) {
   return field;
 }
 
-/// Its kind must know what the entry names.
+/// Checks that the device's kind has the variable of the entry.
 template <typename T>
 T* known(T* place, const BoardDevice& entry, const std::string& name) {
   if (place == nullptr) {

@@ -13,22 +13,22 @@
 
 namespace mebots::soc {
 
-/// What goes between the FMU's variables and the devices whose entries in the board file name them:
+/// Copies values between the FMU's variables and the devices that use them, as the entries in the board file say:
 ///
 ///   parameters, inputs -> take() -> devices        at the start of a step
 ///   devices -> write() -> outputs                  at its end
 ///
-/// The power of a device is the mean over a step, from the energies at its two ends.
+/// The power of a device is the mean over a step, from its energies at start and end.
 class VariableFields {
  public:
-  /// `variables` is the instance's generated struct, which must stay where it is. Throws Error naming a variable that
-  /// the board file has and the FMU, or the device's kind, does not.
+  /// `variables` is the instance's generated struct, which must not move. Throws Error that names a variable if the
+  /// board file has it and the FMU or the device's kind does not.
   VariableFields(Soc& soc, void* variables);
 
-  /// Throws Error for an input that is not a number.
+  /// Throws Error if an input is not a number.
   void take();
   void write(double step_s);
-  /// The voltage that the chip lives on; nothing when the board does not say.
+  /// Returns the supply voltage of the chip; null if the board has none.
   const double* supply_v() const { return supply_v_; }
 
  private:

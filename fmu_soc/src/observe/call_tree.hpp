@@ -9,7 +9,7 @@
 
 namespace mebots::soc::observe {
 
-/// What a profile counts. All whole numbers, so that the parts add up to the whole exactly.
+/// The counts of a profile. All are integers, so the parts add up exactly.
 struct Cost {
   std::int64_t cycles = 0;
   std::int64_t instructions = 0;
@@ -29,24 +29,24 @@ struct Cost {
   friend bool operator==(const Cost&, const Cost&) = default;
 };
 
-/// Cost by call stack: a node is a place reached through the places above it.
+/// Costs by call stack. A node is a place together with the places that led to it.
 class CallTree {
  public:
   struct Node {
-    std::uint32_t parent = 0;  // the root is its own
+    std::uint32_t parent = 0;  // the root is its own parent
     std::uint32_t place = 0;
     std::uint64_t calls = 0;
     Cost self;
   };
 
-  /// The root is the whole run, and no place of it.
+  /// The root stands for the whole run; it is not a place.
   CallTree() : nodes_(1) {}
   static constexpr std::uint32_t kRoot = 0;
 
-  /// The node of `place` under `parent`, made when it is new. Numbers grow downwards: a child's is above its parent's.
+  /// Returns the node of `place` under `parent`; creates it if needed. A child's number is greater than its parent's.
   std::uint32_t child(std::uint32_t parent, std::uint32_t place) {
     const auto& recent = recent_[index_of_recent(parent, place)];
-    // The root is nobody's child.
+    // The root is never a child.
     return recent.number != kRoot && recent.parent == parent && recent.place == place ? recent.number
                                                                                       : find(parent, place);
   }
@@ -54,9 +54,9 @@ class CallTree {
   Node& node(std::uint32_t number) { return nodes_[number]; }
   const std::vector<Node>& nodes() const { return nodes_; }
 
-  /// Of each node: its own cost and that of all below.
+  /// Returns for each node its own cost and that of its descendants.
   std::vector<Cost> inclusive() const;
-  /// Of each node: its children in the order of their coming.
+  /// Returns for each node its children in the order of their creation.
   std::vector<std::vector<std::uint32_t>> children() const;
 
  private:
@@ -73,8 +73,8 @@ class CallTree {
   std::uint32_t find(std::uint32_t parent, std::uint32_t place);
 
   std::vector<Node> nodes_;
-  std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  // never walked: its order reaches no result
-  std::array<Recent, kRecent> recent_{};                      // of them: what a call most often finds
+  std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  // never iterated, so its order has no effect
+  std::array<Recent, kRecent> recent_{};                      // cache of the most recent entries
 };
 
 }  // namespace mebots::soc::observe

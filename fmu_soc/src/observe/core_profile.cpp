@@ -16,7 +16,7 @@ bool is_link(unsigned reg) {
   return reg == 1 || reg == 5;
 }
 
-/// As std::llround, without a call.
+/// Rounds like std::llround, without a call.
 std::int64_t rounded(double value) {
   return static_cast<std::int64_t>(value < 0 ? value - 0.5 : value + 0.5);
 }
@@ -33,13 +33,13 @@ CoreProfile::CoreProfile(const Soc& soc, unsigned number, Functions& functions)
   start();
 }
 
-/// Counts from now on. Who does not run has no later time of its own than when it stopped.
+/// Starts to count. A core that does not run has no time of its own after its stop.
 void CoreProfile::start() {
   charged_ = runs() ? now() : now_of_chip();
   start_stack();
 }
 
-/// What the run has cost up to the instruction that has just finished.
+/// Returns the cost of the run up to the instruction that has just finished.
 Cost CoreProfile::now() const {
   const auto& counters = hart_.counters();
   return {static_cast<std::int64_t>(counters.cycles), static_cast<std::int64_t>(counters.instructions),
@@ -54,7 +54,7 @@ Cost CoreProfile::now_of_chip() const {
   return cost;
 }
 
-/// This hart's part of the chip's energy.
+/// Returns this hart's part of the chip's energy.
 std::int64_t CoreProfile::energy_fj(double chip_j) const {
   const auto of_core = [this](unsigned number) {
     return std::llround(soc_.power().cluster_core_energy_j(core_of_hart(number)) / kFemtojoule);
@@ -94,16 +94,16 @@ void CoreProfile::retired(const Hart& hart, const Retired& instruction) {
   step({decoded.op, decoded.rd, decoded.rs1, instruction.pc + decoded.length, hart.pc()}, [this] { return now(); });
 }
 
-/// In translated code only this hart's counts have changed. Time follows from its cycles, rounded as `now` does, so
-/// that no rounding adds up. Energy is linear in the counts: from what the last step has cost follows what each one
-/// had.
+/// Counts steps of translated code, during which only this hart's counts have changed. Time follows from its cycles,
+/// rounded as in now(), so rounding errors do not accumulate. Energy is linear in the counts: the energy of each step
+/// follows from that of the last one.
 void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
   const auto last = now();
   const auto per_count = soc_.power().energy_per_count(number_);
   const auto per_fetch_cycle_j =
       number_ == 0 ? soc_.power().refill_words_per_fetch_cycle() * per_count.refill_word_j : 0.0;
   const auto& end = steps.back();
-  // Lines that came after the last step are in the energy already.
+  // The energy already contains lines that arrived after the last step.
   const auto fetch_cycles = hart.counters().fetch_cycles;
   for (const auto& flow : steps) {
     const auto cycles = static_cast<double>(end.cycles - flow.cycles);
@@ -124,13 +124,13 @@ template <typename Now>
 void CoreProfile::step(const Step& step, Now now) {
   if (is_jump(step.op) && is_link(step.rd)) {
     charge(now());
-    // Through the other link register it goes back to a coroutine, whose place the call then takes.
+    // A call through one link register may return through the other (a coroutine). It then replaces that frame.
     if (step.op == Op::jalr && is_link(step.rs1) && step.rd != step.rs1) return_to(step.next, now);
     push(functions_.entered(step.next), step.after, Kind::function);
   } else if (step.op == Op::mret) {
     return_from_trap(step.next);
   } else {
-    // Behind a call that was not meant to return, another function may begin.
+    // After a call that does not return, another function may begin.
     const bool returned = step.op == Op::jalr && is_link(step.rs1) && return_to(step.next, now);
     if (returned || step.next != step.after || !functions_.inside(stack_.back().place, step.next)) {
       go_to(step.next, now);
@@ -138,12 +138,12 @@ void CoreProfile::step(const Step& step, Now now) {
   }
 }
 
-/// While the function on top goes on, its cost is a difference that can wait.
+/// While the top function continues, its cost need not be updated.
 QuietCode CoreProfile::quiet() const {
   return stack_.back().kind == Kind::function ? functions_.code(stack_.back().place) : QuietCode{};
 }
 
-/// The code of the frame on top goes on at `address`, perhaps as another function.
+/// Continues the top frame at `address`, perhaps as another function.
 template <typename Now>
 void CoreProfile::go_to(std::uint32_t address, Now now) {
   auto& top = stack_.back();
@@ -156,8 +156,7 @@ void CoreProfile::go_to(std::uint32_t address, Now now) {
   ++tree_.node(top.node).calls;
 }
 
-/// Leaves frames down to the one that was called from just before `address`; false when there is none above the last
-/// trap.
+/// Removes frames down to the one whose call returns to `address`. Returns false if there is none above the last trap.
 template <typename Now>
 bool CoreProfile::return_to(std::uint32_t address, Now now) {
   for (auto depth = stack_.size(); depth-- > 1;) {

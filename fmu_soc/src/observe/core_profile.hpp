@@ -11,19 +11,18 @@
 
 namespace mebots::soc::observe {
 
-/// Cost of one hart by function and call stack.
+/// Costs of one hart by function and call stack.
 ///
-/// Stacks follow the calling convention: jal and jalr that write a link register (ra, t0) are calls. A jump through
-/// one that meets a return address of the stack is a return to it. Any other way into another function takes the place
-/// of the function that it comes from (a tail call). A trap or interrupt is a frame of its own until its mret; so are
-/// sleep and having no supply.
+/// Stacks follow the calling convention: jal and jalr that write a link register (ra, t0) are calls. A jump through a
+/// link register to a return address on the stack is a return to it. Any other step into another function replaces the
+/// present function (tail call). A trap or interrupt has a frame until its mret; so have sleep and time without supply.
 ///
-/// Energy: a core of the cluster has what its instructions and accesses take, over what it takes with its clock gated.
-/// All else of the chip (its other parts, leakage, clock trees, DMA, refills of the cluster's cache) is the fabric
-/// controller's. So all harts together have the energy of the chip.
+/// Energy: a core of the cluster gets the energy of its instructions and accesses beyond that of its gated clock. The
+/// fabric controller gets all other energy of the chip (other parts, leakage, clock trees, DMA, refills of the
+/// cluster's cache). So the sum over the harts is the energy of the chip.
 class CoreProfile final : public Observer {
  public:
-  /// `number` as the chip numbers its harts. `functions` are those of all harts.
+  /// `number` is the chip's number of the hart. `functions` are shared by all harts.
   CoreProfile(const Soc& soc, unsigned number, Functions& functions);
 
   void retired(const Hart& hart, const Retired& instruction) override;
@@ -35,16 +34,17 @@ class CoreProfile final : public Observer {
   void woke(const Hart& hart) override;
   void switched(const Hart& hart, bool on) override;
 
-  /// The chip was put into an earlier state: what has been counted stays, stacks start anew.
+  /// Called after the chip was restored to an earlier state: counts are kept, stacks start again.
   void restored() { start(); }
-  /// Counts up to now, between two steps of a run that goes on.
+  /// Counts up to now, between two steps of a run.
   void settle();
-  /// Counts up to now: time and energy of the chip, of a core of the cluster at least to the end of its last block.
+  /// Counts up to now at the end of a run: all time and energy of the chip; for a core of the cluster at least to the
+  /// end of its last block.
   void finish();
 
   unsigned number() const { return number_; }
   const CallTree& tree() const { return tree_; }
-  /// What the tree has counted; equal to what the run has, to the last unit.
+  /// Returns the sum over the tree, which is exactly that of the run.
   Cost total() const { return tree_.inclusive()[CallTree::kRoot]; }
 
  private:
@@ -56,12 +56,12 @@ class CoreProfile final : public Observer {
     Kind kind = Kind::function;
   };
 
-  /// From one instruction to the next.
+  /// A step from one instruction to the next.
   struct Step {
     Op op;
     unsigned rd;
     unsigned rs1;
-    std::uint32_t after;  // address behind the instruction
+    std::uint32_t after;  // address after the instruction
     std::uint32_t next;
   };
 

@@ -13,25 +13,25 @@
 
 namespace mebots::soc::observe {
 
-/// Names of the places where time is spent, as small numbers: functions of the program and states of the core.
+/// Numbers and names of the places of a profile: functions of the program and states of the core.
 class Functions final : public FlowMap {
  public:
   explicit Functions(const Elf& program);
 
-  /// Whether a step that is neither a call nor a return leads into another function.
+  /// True if a step that is neither a call nor a return enters another function.
   bool may_leave_function(std::uint32_t pc, std::uint32_t next) const override;
 
-  /// The function that a call into `address` enters. Without a symbol there: one named by the address.
+  /// Returns the function that a call of `address` enters. Without a symbol, it is named by the address.
   std::uint32_t entered(std::uint32_t address);
-  /// The function that the code at `address` belongs to when `current` has run on, or jumped, to it. Code without a
-  /// symbol belongs to whom it was reached from.
+  /// Returns the function of the code at `address` that `current` has reached without a call. Code without a symbol
+  /// belongs to the function that it was reached from.
   std::uint32_t reached(std::uint32_t address, std::uint32_t current);
-  /// A place that is not code, such as "asleep".
+  /// Returns the number of a place that is not code, such as "asleep".
   std::uint32_t named(std::string_view name);
 
-  /// Whether `address` is certainly inside `function`; cheap.
+  /// True if `address` is certainly inside `function`. This is a fast check.
   bool inside(std::uint32_t function, std::uint32_t address) const { return code(function).holds(address); }
-  /// What is its own for sure.
+  /// Returns code that certainly belongs to the function.
   QuietCode code(std::uint32_t function) const { return {places_[function].begin, places_[function].size}; }
   const std::string& name(std::uint32_t function) const { return places_[function].name; }
   std::uint32_t count() const { return static_cast<std::uint32_t>(places_.size()); }
@@ -40,7 +40,7 @@ class Functions final : public FlowMap {
   struct Place {
     std::string name;
     std::uint32_t begin = 0;
-    std::uint32_t size = 0;  // bytes of code that are its own for sure
+    std::uint32_t size = 0;  // bytes of code that certainly belong to it
   };
   struct Recent {
     std::uint32_t address = 1;  // no pc is odd
@@ -52,8 +52,8 @@ class Functions final : public FlowMap {
   const Elf& program_;
   std::vector<Place> places_;
   std::map<std::string, std::uint32_t, std::less<>> by_name_;
-  std::map<std::uint32_t, std::uint32_t> by_address_;  // of functions and of calls into nothing known
-  std::array<Recent, 256> recent_{};                   // of what calls entered
+  std::map<std::uint32_t, std::uint32_t> by_address_;  // functions, and targets of calls without a symbol
+  std::array<Recent, 256> recent_{};                   // cache of called functions
 };
 
 }  // namespace mebots::soc::observe

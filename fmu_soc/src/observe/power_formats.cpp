@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kNothingYet = std::numeric_limits<double>::quiet_NaN();
 
-/// Trace events: states as slices of a thread each, values as counters.
+/// Trace events: states as slices of one thread per track, values as counters.
 class PerfettoWriter final : public PowerWriter {
  public:
   PerfettoWriter(const std::string& option, const std::string& path, std::vector<std::string> tracks,
@@ -76,7 +76,7 @@ class PerfettoWriter final : public PowerWriter {
   std::vector<double> last_;
 };
 
-/// A value change dump: states as string variables, values as real ones.
+/// A value change dump: states as string variables, values as reals.
 class VcdWriter final : public PowerWriter {
  public:
   VcdWriter(const std::string& option, const std::string& path, const std::vector<std::string>& tracks,
@@ -112,7 +112,7 @@ class VcdWriter final : public PowerWriter {
  private:
   static std::string code(std::size_t index) { return fmt::format("v{}", index); }
 
-  /// Names and string values end at a space.
+  /// In names and string values, a space would be a separator.
   static std::string identifier(std::string text) {
     std::replace_if(
         text.begin(), text.end(), [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }, '_');

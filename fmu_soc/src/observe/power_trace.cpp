@@ -67,12 +67,12 @@ void PowerTrace::note_states(Picoseconds time) {
 }
 
 void PowerTrace::changed(Picoseconds time) {
-  if (time < span_start_) return;  // before the place that was restored
+  if (time < span_start_) return;  // before the state that was restored
   if (time - span_start_ >= kShortest) close_span(time);
   note_states(time);
 }
 
-/// What stood since the last look is known now: it goes out at its start, then what changed in between.
+/// Writes the open span: its mean values at its start, then the changes of state within it.
 void PowerTrace::close_span(Picoseconds time) {
   const auto now_j = energies(time);
   writer_->value(span_start_, kClockChannel, span_clock_hz_);

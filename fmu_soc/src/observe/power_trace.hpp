@@ -14,21 +14,21 @@ namespace mebots::soc::observe {
 
 /// States of core and devices, clock, voltage, and power by component, over time.
 ///
-/// Power is the mean between two readings of the ledger. It is read whenever something happens, but not before
-/// kShortest is over; so the area under the curve is the energy, and a file stays readable.
+/// Power is the mean between two readings of the ledger. The ledger is read at each event, but at most once per
+/// kShortest. So the integral of power is the energy, and the file stays small.
 class PowerTrace final : public StateListener {
  public:
   static constexpr Picoseconds kShortest = 10'000'000;  // 10 us
 
-  /// `option` names in errors who asked for the file. .json is for Perfetto (Chrome's trace events), .vcd for GTKWave.
-  /// Throws Error for another ending and for a file that cannot be written.
+  /// `option` is the name of the option for messages. The extension .json is for Perfetto (Chrome's trace events), .vcd
+  /// for GTKWave. Throws Error for another extension, and if the file cannot be written.
   PowerTrace(const std::string& option, const std::string& path, const Soc& soc);
 
   void changed(Picoseconds time) override;
-  /// The chip was put into an earlier state: power is counted from there. Time in the file does not go back, so that
-  /// nothing is written until the chip is again where it has been.
+  /// Called after the chip was restored to an earlier state. Power is counted from there. Time in the file does not
+  /// decrease: nothing is written until the chip reaches the file's last time again.
   void restored();
-  /// Writes up to now. Throws Error when that fails.
+  /// Writes up to now. Throws Error if that fails.
   void finish();
 
  private:
@@ -44,8 +44,8 @@ class PowerTrace final : public StateListener {
 
   const Soc& soc_;
   std::unique_ptr<PowerWriter> writer_;
-  std::vector<std::string_view> states_;  // by track: the last one noted
-  std::vector<Change> waiting_;           // changes of state inside the open span
+  std::vector<std::string_view> states_;  // last state of each track
+  std::vector<Change> waiting_;           // changes of state within the open span
   Picoseconds span_start_ = 0;
   std::vector<double> span_energies_j_;
   double span_clock_hz_ = 0;

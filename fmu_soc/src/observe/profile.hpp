@@ -15,30 +15,30 @@
 
 namespace mebots::soc::observe {
 
-/// What a profile has counted, by spans of time that follow each other: the parts of all windows add up to the trees.
+/// The counts of a profile by consecutive windows of time. The sum over all windows is that of the trees.
 ///
-/// A window is a whole number of the caller's steps. When there are too many, neighbours are joined, and from then on
-/// windows last twice as long; so a long run costs no more memory than a short one.
+/// A window is a whole number of the caller's steps. If there are too many windows, neighbours are joined, and later
+/// windows are twice as long. So the memory does not grow with the length of the run.
 class ProfileWindows {
  public:
   static constexpr std::size_t kMost = 1024;
 
   struct Part {
     std::uint32_t hart = 0;
-    std::uint32_t node = 0;  // of the hart's call tree
+    std::uint32_t node = 0;  // in the hart's call tree
     Cost self;
   };
   struct Window {
     Picoseconds from = 0;
     Picoseconds to = 0;
-    std::vector<Part> parts;  // in the order of harts and nodes
+    std::vector<Part> parts;  // ordered by hart and node
   };
 
   ProfileWindows(Picoseconds start, std::size_t harts) : from_(start), to_(start), counted_(harts) {}
 
-  /// Ends a step at `time`; the harts have counted up to there.
+  /// Ends a step at `time`. The harts have counted up to that time.
   void stepped(Picoseconds time, const std::deque<CoreProfile>& harts);
-  /// Restarts at `time`, which may be earlier. Also called at the end.
+  /// Starts again at `time`, which may be earlier. Also called at the end.
   void restart(Picoseconds time, const std::deque<CoreProfile>& harts);
 
   const std::vector<Window>& windows() const { return windows_; }
@@ -51,28 +51,28 @@ class ProfileWindows {
   Picoseconds to_;
   std::size_t steps_ = 0;                   // in the open window
   std::size_t steps_a_window_ = 1;          // a power of 2
-  std::vector<std::vector<Cost>> counted_;  // by hart and node, in windows that are closed
+  std::vector<std::vector<Cost>> counted_;  // by hart and node, in closed windows
   std::vector<Window> windows_;
 };
 
-/// Time and energy of the chip by hart, function and call stack, of all of the run and by spans of time, as one file.
+/// Writes a profile file: time and energy of the chip by hart, function and call stack, for the whole run and by
+/// windows of time.
 class Profile {
  public:
-  /// `option` names in errors who asked for the file. Its ending chooses the format: .json is speedscope's; .callgrind
-  /// and .out are callgrind's. Throws Error for another ending and for a file that cannot be written.
+  /// `option` is the name of the option for messages. The extension determines the format: .json is speedscope's;
+  /// .callgrind and .out are callgrind's. Throws Error for another extension, and if the file cannot be written.
   Profile(const std::string& option, const std::string& path, const Soc& soc);
 
-  /// Who watches a hart, numbered as in the chip.
+  /// Returns the observer of a hart, by the chip's number.
   CoreProfile& hart(unsigned number) { return harts_[number]; }
   const Functions& functions() const { return functions_; }
 
-  /// The chip was put into an earlier state: what has been counted stays, stacks start anew.
+  /// Called after the chip was restored to an earlier state: counts are kept, stacks start again.
   void restored();
-  /// The caller's span of time is over.
+  /// Ends a step of the caller.
   void stepped();
   const ProfileWindows& windows() const { return windows_; }
-  /// Counts up to now and writes the file, without those cores of the cluster that ran nothing. Throws Error when that
-  /// fails.
+  /// Counts up to now and writes the file, without cluster cores that executed nothing. Throws Error if that fails.
   void finish();
 
  private:

@@ -21,7 +21,7 @@ Session::~Session() {
   soc_.listen(nullptr);
 }
 
-/// Nobody costs nothing.
+/// Without observers, a hart runs at full speed.
 void Session::attach(unsigned number) {
   soc_.observe(number, observers_[number].empty() ? nullptr : &observers_[number]);
 }

@@ -17,7 +17,7 @@
 
 namespace mebots::soc::observe {
 
-/// Several observers as one, asked in the order of their coming.
+/// Combines several observers; they are called in the order in which they were added.
 class Observers final : public Observer {
  public:
   void add(Observer& observer) { list_.push_back(&observer); }
@@ -34,7 +34,7 @@ class Observers final : public Observer {
     for (auto* observer : list_) observer->retired(hart, instruction);
   }
   QuietCode quiet() const override { return list_.size() == 1 ? list_.front()->quiet() : QuietCode{}; }
-  /// Translated code has one who listens at most.
+  /// Translated code supports at most one such observer.
   const FlowMap* flow() const override { return list_.size() == 1 ? list_.front()->flow() : nullptr; }
   void flowed(const Hart& hart, std::span<const Flow> steps) override {
     for (auto* observer : list_) observer->flowed(hart, steps);
@@ -56,7 +56,8 @@ class Observers final : public Observer {
   std::vector<Observer*> list_;
 };
 
-/// What a user wants to see of a run: a file each, or a port. `names` are the options or parameters that they stand in.
+/// The recordings that a user has requested of a run: files, or a port. `names` are the options or parameters that set
+/// them, for messages.
 struct Requests {
   struct Names {
     std::string trace = "--trace";
@@ -70,28 +71,28 @@ struct Requests {
   std::optional<std::string> power_trace;
   std::optional<int> gdb_port;
   debug::GdbServer::Kill gdb_kill = debug::GdbServer::Kill::ends_run;
-  std::function<void(std::string_view)> announce;  // where gdb can call
+  std::function<void(std::string_view)> announce;  // prints the port for gdb
 
   bool any() const { return trace || profile || power_trace || gdb_port; }
 };
 
-/// Those who watch a run. Lives no longer than its chip.
+/// The observers of a run. The chip must outlive it.
 class Session {
  public:
-  /// Throws Error when a file cannot be written or a port cannot be had.
+  /// Throws Error if a file cannot be written or a port cannot be opened.
   Session(const Requests& requests, Soc& soc);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   ~Session();
 
-  /// One more who watches the fabric controller, until removed.
+  /// Adds an observer of the fabric controller until it is removed.
   void add(Observer& observer);
   void remove(Observer& observer);
-  /// The chip was put into an earlier state.
+  /// Called after the chip was restored to an earlier state.
   void restored();
-  /// A span of time that the caller asked for is over.
+  /// Ends a step of the caller.
   void stepped();
-  /// The run has ended: writes what is left to write, tells the debugger.
+  /// Completes the files at the end of the run, and reports the end to the debugger.
   void finish(int exit_code);
 
  private:

@@ -10,10 +10,10 @@
 
 namespace mebots::soc::observe {
 
-/// A text file that is opened before a run and written while it goes on. Errors name the option that asked for it.
+/// A text file that is opened before a run and written during the run. Errors name the option that requested it.
 class TextFile {
  public:
-  /// Throws Error when the file cannot be written.
+  /// Throws Error if the file cannot be written.
   TextFile(std::string option, std::string path);
 
   template <typename... Arguments>
@@ -26,7 +26,7 @@ class TextFile {
     if (buffer_.size() > kFull) flush();
   }
 
-  /// Throws Error when something could not be written, now or earlier.
+  /// Throws Error if something could not be written, now or earlier.
   void close();
 
   const std::string& path() const { return path_; }

@@ -10,11 +10,11 @@
 
 namespace mebots::soc::observe {
 
-/// Writes every instruction that a hart retires as Spike's `--log-commits` does, one line each:
-/// `core   0: 3 0x80000008 (0x00c5a603) x12 0x00000007 mem 0x80001100`: privilege mode, pc, instruction word, register
-/// written, CSR written, address of a load, address and value of a store. Xpulp's post-increments, which Spike does not
-/// know, show the address register as a second one. Harts are numbered as in the chip. Lines come as the harts are run:
-/// in the order of time for each of them, not among them.
+/// Writes every instruction that a hart retires, one line each, in the format of Spike's `--log-commits`: `core   0: 3
+/// 0x80000008 (0x00c5a603) x12 0x00000007 mem 0x80001100`. The columns are privilege mode, pc, instruction word,
+/// written register, written CSR, address of a load, address and value of a store. A post-increment of Xpulp, which
+/// Spike does not have, lists the address register as a second register. Harts have the chip's numbers. The lines of
+/// each hart are in the order of time; those of several harts are not.
 class Trace {
  public:
   struct Columns {
@@ -22,7 +22,7 @@ class Trace {
   };
   Trace(const std::string& option, const std::string& path, Columns columns, unsigned harts);
 
-  /// Who watches a hart.
+  /// Returns the observer of a hart.
   Observer& hart(unsigned number) { return harts_[number]; }
   void close() { file_.close(); }
 

@@ -14,14 +14,14 @@ struct Call {
 
 struct Function {
   Cost self;
-  std::map<std::uint32_t, Call> calls;  // by the place that is called
+  std::map<std::uint32_t, Call> calls;  // by called place
 };
 
 void put_cost(TextFile& file, const Cost& cost) {
   file.print("{} {} {} {}\n", cost.cycles, cost.instructions, cost.time_ps, cost.energy_fj);
 }
 
-/// Names stand in full every time: viewers forget them with each part.
+/// Names are written in full each time, because viewers forget them after each part.
 void write_part(const HartTree& hart, std::size_t part, const Functions& functions, const std::string& program,
                 TextFile& file) {
   const auto& nodes = hart.tree->nodes();

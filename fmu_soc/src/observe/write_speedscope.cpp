@@ -12,10 +12,10 @@ struct Series {
   const char* name;
   const char* unit;
   std::int64_t Cost::*part;
-  int decimals;  // how many of the last digits stand behind the point
+  int decimals;  // number of decimal places
 };
 
-/// Whole numbers with a point put in: exact, where a double would round.
+/// Writes an integer with a decimal point. A double would round.
 void put_value(TextFile& file, std::int64_t value, int decimals) {
   std::int64_t scale = 1;
   for (int i = 0; i < decimals; ++i) scale *= 10;
@@ -33,7 +33,7 @@ class Writer {
   Writer(const CallTree& tree, TextFile& file)
       : tree_(tree), inclusive_(tree.inclusive()), children_(tree.children()), file_(file) {}
 
-  /// `whose`: a hart's name, empty = said by nothing.
+  /// `whose` is the hart's name; empty if there is only one hart.
   void write(const Series& series, const std::string& whose) {
     file_.print(R"({{"type":"evented","name":"{}{}{}","unit":"{}","startValue":0,"endValue":)", series.name,
                 whose.empty() ? "" : ", ", whose, series.unit);
@@ -41,7 +41,7 @@ class Writer {
     file_.put(",\"events\":[");
     first_ = true;
     std::int64_t at = 0;
-    // Depth first, by hand: a program that recurses without end must not take the writer with it.
+    // Depth first with an explicit stack: unlimited recursion in the program must not overflow the writer's stack.
     struct Step {
       std::uint32_t node;
       std::size_t next_child;
@@ -95,7 +95,7 @@ void write_nodes(std::span<const HartTree> harts, TextFile& file) {
   }
 }
 
-/// Parts of cores that ran nothing are left out, as their trees are.
+/// Omits cores that executed nothing, like their trees.
 void write_windows(std::span<const HartTree> harts, std::span<const ProfileWindows::Window> windows, TextFile& file) {
   constexpr int kPsDigits = 3;
   for (const auto& window : windows) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostFrames = 8;
 constexpr std::uint32_t kMostWords = 2048;
-/// How far below a memory a stack pointer that ran over its end is looked for.
+/// A stack pointer this far below a memory counts as an overflow of a stack in it.
 constexpr std::uint32_t kOverrun = 1U << 16;
 
 struct Frame {
@@ -33,7 +33,7 @@ bool is_return_address(const Memory& memory, std::uint32_t address) {
   return address % 2 == 0 && (is_call(memory, address - 4, 4) || is_call(memory, address - 2, 2));
 }
 
-/// Where the stack that `pointer` belongs to starts to be there.
+/// Returns the address from which the stack of `pointer` is in memory.
 std::uint32_t first_word(const Memory& memory, std::uint32_t pointer) {
   pointer = (pointer + 3) & ~3U;
   if (memory.find(pointer, 4) != nullptr) return pointer;

@@ -9,9 +9,9 @@
 
 namespace mebots::soc::debug {
 
-/// Who called whom, as far as ra and the stack tell, innermost first: "fly+0x1a (pilot.c:12) < main+0x44 (main.c:90)".
-/// Words on the stack count when they point behind a call instruction of the program; an old one may be among them.
-/// Empty when there is none.
+/// Returns the callers as far as ra and the stack show them, innermost first: "fly+0x1a (pilot.c:12) < main+0x44
+/// (main.c:90)". A word on the stack counts as a return address if it follows a call instruction of the program; it may
+/// be an old one. Empty if no caller is found.
 std::string backtrace(const Elf& program, const Memory& memory, std::uint32_t return_address,
                       std::uint32_t stack_pointer);
 

@@ -14,12 +14,12 @@
 
 namespace mebots::soc {
 
-/// What the time from a request for a picture to set-points that everybody sees consists of, in the order of the FMU's
-/// outputs. Definitions for users: docs/concepts/latency.md.
+/// Parts of the time from the request for a picture to published set-points, in the order of the FMU's outputs.
+/// Definitions for users: docs/concepts/latency.md.
 enum class DecisionPart : std::uint8_t { request, exposure, read_out, wait, inference, deciding, sending };
 inline constexpr std::size_t kDecisionParts = 7;
 
-/// What the cores have done from reset up to some time.
+/// Work of the cores from reset up to some time.
 struct CoreWork {
   Picoseconds cluster = 0;     // while a core of the cluster was awake, or all waited for the cluster's DMA
   Picoseconds controller = 0;  // while the fabric controller was awake and the cluster did nothing
@@ -39,8 +39,9 @@ struct CoreWork {
 /// The times of one decision, or sums over several.
 struct Decision {
   std::array<Picoseconds, kDecisionParts> parts{};
-  Picoseconds latency = 0;                      // from the request to the end; taken by itself, not as a sum
-  std::array<Picoseconds, kMostHarts> awake{};  // each hart by its number, from when the picture could be looked at
+  Picoseconds latency = 0;  // from the request to the end; measured, not summed
+  std::array<Picoseconds, kMostHarts>
+      awake{};  // awake time of each hart by number, from the time at which the picture could be used
 
   Picoseconds& part(DecisionPart which) { return parts[static_cast<std::size_t>(which)]; }
   void visit(state::Visitor& v) {
@@ -50,16 +51,16 @@ struct Decision {
   }
 };
 
-/// How long the program takes from a picture to the set-points that rest on it.
+/// Measures the time that the program takes from a picture to the set-points that result from it.
 ///
-///   picture_stored()   a picture is in memory. If nothing is being decided it is the one that is decided about; else
-///                      it waits, in place of one that waited before. Throws Error for times out of their order.
-///   sent()             the board's sender has sent: ends the decision about the picture. The one that waits is next.
-///                      Without a picture this is not a decision.
-///   published()        the world outside sees what was sent: the end of the FMU's step.
+///   picture_stored()   a picture is in memory. If no decision is in progress, one about this picture begins. Otherwise
+///                      the picture waits, and replaces one that waited before. Throws Error if times are not in order.
+///   sent()             the board's sender has sent: ends the decision about the picture; the waiting picture is next.
+///                      Has no effect without a picture.
+///   published()        the sent values are visible outside: the end of the FMU's step.
 class Decisions {
  public:
-  /// `sender`: the board's word for what sends set-points; empty = nothing does, and there are no decisions.
+  /// `sender`: name of the board's device that sends set-points; empty = none, and there are no decisions.
   explicit Decisions(std::string sender) : sender_(std::move(sender)) {}
 
   void picture_stored(const PictureTimes& times, const CoreWork& work);
@@ -68,7 +69,7 @@ class Decisions {
 
   std::uint64_t count() const { return count_; }
   const Decision& last() const { return last_; }
-  /// Over all decisions.
+  /// Returns the sum over all decisions.
   const Decision& sum() const { return sum_; }
   Picoseconds longest() const { return longest_; }
 
@@ -76,12 +77,12 @@ class Decisions {
 
  private:
   std::string sender_;
-  std::optional<PictureTimes> picture_;  // that is being decided about
+  std::optional<PictureTimes> picture_;  // picture of the decision in progress
   std::optional<PictureTimes> next_;
-  Picoseconds begun_ = 0;          // when it could be
-  CoreWork before_;                // up to then
-  std::optional<Decision> ended_;  // sent, not yet published
-  Picoseconds requested_ = 0;      // of it
+  Picoseconds begun_ = 0;          // when that decision could begin
+  CoreWork before_;                // work up to that time
+  std::optional<Decision> ended_;  // sent, but not published
+  Picoseconds requested_ = 0;      // of that decision
   Picoseconds sent_at_ = 0;
   std::uint64_t count_ = 0;
   Decision last_;

@@ -23,7 +23,7 @@ namespace mebots::soc {
 struct Listeners {
   std::function<void(std::string_view line)> console;
   std::function<void(std::string_view text)> faults;
-  std::function<void(std::string_view text)> observe = {};  // of debugger and profile
+  std::function<void(std::string_view text)> observe = {};  // messages of debugger and profile
 };
 
 /// The services of a chip to its devices.

@@ -22,7 +22,7 @@
 
 namespace mebots::soc {
 
-/// The devices of a chip and the parts of its board, without those that the cluster makes itself.
+/// The devices of a chip and the parts of its board, without devices that the cluster creates itself.
 class DeviceSet {
  public:
   /// A device and its entry in the board file.
@@ -48,18 +48,18 @@ class DeviceSet {
   DeviceSet(const DeviceSet&) = delete;
   DeviceSet& operator=(const DeviceSet&) = delete;
 
-  /// Makes all devices. Throws Error for a board whose devices do not fit together.
+  /// Creates all devices. Throws Error if the devices of the board do not fit together.
   void make(ChipHost& host);
 
   /// Parts of the board first, each group in the order of the file.
   auto begin() const { return members_.begin(); }
   auto end() const { return members_.end(); }
-  /// Null if the board has no device of this name.
+  /// Returns null if the board has no device of this name.
   Device* find(std::string_view name) const;
-  /// The place of a device's variable, or null. See mebots/soc/device.hpp.
+  /// Returns the storage of a device's variable; null if there is none. See mebots/soc/device.hpp.
   double* input(std::string_view variable) const;
   const double* output(std::string_view variable) const;
-  /// States of those devices that have more than one.
+  /// Returns the states of devices that have more than one.
   std::vector<State> states() const;
   /// True while a camera waits for its picture.
   bool wait_for_picture() const;
@@ -72,16 +72,16 @@ class DeviceSet {
     return nullptr;
   }
   PowerManager* power_manager() const { return power_manager_; }
-  /// GAP8's own, of the fabric controller; null on other boards.
+  /// Returns GAP8's event unit of the fabric controller; null on other boards.
   gap8_devices::EventUnit* event_unit() const { return event_unit_; }
   gap8_devices::Signals& signals() { return signals_; }
   const gap8_devices::Signals& signals() const { return signals_; }
 
-  /// Invalidates what is known of the devices. Every access, event and change from outside calls this.
+  /// Drops cached data about the devices. Must be called at every access, event and change from outside.
   void touch() { cached_ = {}; }
   void begin_step(Picoseconds now) const;
   void end_program();
-  /// The next time at which a device acts without an access.
+  /// Returns the next time at which a device acts without an access.
   Picoseconds next_event();
   void forget_next_event() { cached_.next_event = false; }
   void advance(Picoseconds time);
@@ -100,7 +100,7 @@ class DeviceSet {
   void visit(state::Visitor& v);
 
  private:
-  /// What holds until the next touch(). Not part of a state.
+  /// Cached data, valid until the next touch(). Not part of a state.
   struct Cached {
     bool next_event = false;
     bool lines = false;

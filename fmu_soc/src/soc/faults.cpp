@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Why a core cannot go on, in words.
+// Messages about the reason why a core cannot continue.
 #include "hart/csr_numbers.hpp"
 #include "hart/extensions.hpp"
 #include "isa/encoding.hpp"
@@ -47,7 +47,7 @@ std::string text_of(const Exception& what, const Elf& program, const Hart& hart)
   return advice.empty() ? text : fmt::format("{}; {}", text, advice);
 }
 
-/// What the stack says of it: that it is nowhere, and who called whom.
+/// Returns a text about the stack: whether it is outside all memories, and the callers.
 std::string stack_text(const Exception& what, const Elf& program, const Memory& memory) {
   std::string text;
   if (what.stack_pointer != 0 && memory.find(what.stack_pointer & ~3U, 4) == nullptr) {

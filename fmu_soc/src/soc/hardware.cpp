@@ -23,14 +23,14 @@ Memory make_memory(const BoardDescription& board) {
   return memory;
 }
 
-/// The board's core, or the chip's when the board says nothing.
+/// Returns the timing of the board's core; if the board has none, of the chip's core.
 Timing timing_of(const BoardDescription& board, const Chip& chip) {
   auto timing = chip.timing;
   timing.kind = core_kind(board.core).value_or(timing.kind);
   return timing;
 }
 
-/// The board's first device of a kind; null = there is none.
+/// Returns the board's first device of a kind; null if there is none.
 const BoardDevice* device_of(const BoardDescription& board, std::string_view kind) {
   const auto found = std::ranges::find(board.devices, kind, &BoardDevice::kind);
   return found == board.devices.end() ? nullptr : &*found;
@@ -65,7 +65,7 @@ Hardware::Hardware(const BoardDescription& board, const Chip& chip, const Settin
                    .keeps_written_mtvec = settings.keeps_written_mtvec,
                    .has_gap8_interrupts = device_of(board, kGap8EventUnitKind) != nullptr}) {}
 
-/// The way of the fabric controller to the memories, the large near ones first: the first two are the fast ones.
+/// Connects the fabric controller with the memories, large near ones first. The first two are on the fast path.
 void Hardware::connect_memories() {
   MEBOTS_ASSERT(board_.memories.size() == memory_.regions().size());
   std::vector<MemoryPort> ports;
@@ -94,8 +94,8 @@ std::uint32_t Hardware::wait_of_controller(std::size_t memory) const {
   return latency ? latency->fabric_controller : 0;
 }
 
-/// The cluster's ways to memories whose board says how much of them lies in the clock of the SoC. An access, a refill
-/// and a beat of the DMA take a cycle of the slower clock: the AXI bus between the two is as wide in both.
+/// Sets latencies to memories for which the board gives cycles of the SoC's clock. An access, a refill and a beat of
+/// the DMA each take a cycle of the slower clock, because the AXI bus between the two clock domains has one width.
 void Hardware::set_latencies(std::uint32_t soc_hz) {
   if (!cluster_ || !has_latencies()) return;
   const auto ticks_of = [&](std::uint64_t soc_cycles) {
@@ -110,10 +110,10 @@ void Hardware::set_latencies(std::uint32_t soc_hz) {
   const auto& cache = board_.instruction_cache(Place::cluster);
   latencies.refill_cycles = cache.refill_cycles + ticks_of(cache.refill_soc_cycles);
   latencies.access_ticks = ticks_of(1);
-  // Of the memory that the DMA mostly works on, which is the largest one.
+  // Latency of the memory that the DMA mainly uses, which is the largest one.
   const auto outside = std::ranges::find_if(
       cluster_->ports(), [&](const MemoryPort& port) { return board_.memories[port.region].latency.has_value(); });
-  const auto least = chip_.dma.latency - chip_.interconnect.cluster_to_soc;  // the DMA's own
+  const auto least = chip_.dma.latency - chip_.interconnect.cluster_to_soc;  // the part of the DMA itself
   latencies.dma.latency = least + latencies.waits[static_cast<std::size_t>(outside - cluster_->ports().begin())];
   latencies.dma.least_burst_cycles = chip_.dma.least_burst_of(latencies.dma.latency);
   const auto beat = std::uint64_t{DmaTiming::kBeatUnit} * cluster_->clock_hz() / soc_hz;
@@ -167,7 +167,7 @@ void Hardware::add_cluster(const Settings& settings, DeviceHost& host) {
   cluster_ = std::make_unique<Cluster>(memory_, cluster, chip_.instruction_energy);
 }
 
-/// GAP8's own, or those of our boards.
+/// Selects GAP8's own cluster devices, or those of MEbots' boards.
 void Hardware::choose_peripherals(ClusterSettings& cluster, DeviceHost& host) {
   if (const auto* gap8 = device_of(board_, kGap8ClusterKind); gap8 != nullptr) {
     cluster.has_gap8_interrupts = true;
@@ -196,7 +196,7 @@ void Hardware::load_program(const Elf& program, const DeviceSet& devices) {
     const auto size = static_cast<std::uint32_t>(segment.bytes.size());
     if (!memory_.covers(segment.load_address, size))
       fail_outside(program, segment, "is loaded", segment.load_address, size);
-    // A linker script may name a device's registers by a section without bytes.
+    // A linker script may describe a device's registers as a section without bytes.
     const bool is_device = segment.bytes.empty() && devices.slot_at(segment.run_address) != nullptr;
     if (!is_device && !memory_.covers(segment.run_address, segment.size)) {
       fail_outside(program, segment, "runs", segment.run_address, segment.size);

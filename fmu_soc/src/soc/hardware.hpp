@@ -46,15 +46,15 @@ class Hardware {
   const BoardDescription& board() const { return board_; }
   Memory& memory() { return memory_; }
   const Memory& memory() const { return memory_; }
-  /// Of the fabric controller; null without one.
+  /// Returns the cache of the fabric controller; null without one.
   InstructionCache* instruction_cache() { return instruction_cache_.get(); }
   const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
   Hart& controller() { return controller_; }
   const Hart& controller() const { return controller_; }
-  /// Null without one.
+  /// Returns the cluster; null without one.
   Cluster* cluster() { return cluster_.get(); }
   const Cluster* cluster() const { return cluster_.get(); }
-  /// Line of the fabric controller that the cluster's events raise, or -1.
+  /// Returns the interrupt line of the fabric controller for events of the cluster; -1 = none.
   int cluster_interrupt() const { return cluster_interrupt_; }
   unsigned harts() const { return 1 + (cluster_ ? cluster_->cores() : 0); }
   Hart& hart(unsigned number) {

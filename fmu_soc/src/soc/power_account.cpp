@@ -35,8 +35,9 @@ PowerState PowerAccount::power_state() const {
           cluster != nullptr ? static_cast<double>(cluster->clock_hz()) : 0.0};
 }
 
-/// What the chip did up to `now`. Of the fabric controller's accesses, the first memory is L2; those to L1 count as its
-/// own memory's, over the interconnect. Of a cluster core's, the first is L1, all others are L2.
+/// Returns the activity up to `now`. For the fabric controller, the first memory is L2; its accesses to L1 count as
+/// accesses to its own memory through the interconnect. For a core of the cluster, the first memory is L1, and all
+/// others are L2.
 Activity PowerAccount::activity_at(Picoseconds now) const {
   const auto& counters = hardware_.controller().counters();
   Activity activity;
@@ -78,8 +79,8 @@ CoreActivity PowerAccount::core_activity(unsigned core) const {
 
 EnergyLedger PowerAccount::energy_at(Picoseconds time) const {
   const auto until = timeline_.supplied_until(time);
-  // An instruction that begins before a point in time ends after it. When it changes clock or voltage, the meter
-  // settles up to the end of the instruction, and an earlier value is lost.
+  // An instruction that begins before a time ends after it. If it changes clock or voltage, the meter has settled up to
+  // the end of the instruction, and earlier values are not available.
   return meter_.at(activity_at(std::max(until, meter_.settled_until())));
 }
 

@@ -16,9 +16,10 @@ class PowerAccount {
  public:
   PowerAccount(const Hardware& hardware, const Timeline& timeline, const Settings& settings);
 
-  /// Energy since the start, up to a time that may lie ahead of now.
+  /// Returns the energy since the start up to a time, which may be later than now.
   EnergyLedger energy_at(Picoseconds time) const;
-  /// For observers in the middle of a run: up to the start of the fabric controller's next instruction or its sleep.
+  /// For observers during a run: returns the energy up to the start of the fabric controller's next instruction, or of
+  /// its sleep.
   EnergyLedger energy_at_core() const { return energy_at(timeline_.core_time()); }
   /// Energy of a device since the start [J].
   double energy_j(const Device& device) const { return device.energy_j(timeline_.supplied_until(timeline_.now())); }
@@ -26,7 +27,7 @@ class PowerAccount {
   double cluster_core_energy_j(unsigned core) const { return meter_.core_j(core, core_activity(core)); }
   /// Energy of one more count of a hart now.
   CountEnergy energy_per_count(unsigned hart) const;
-  /// Words that arrive per cycle in which the fabric controller waits for its instruction cache.
+  /// Returns the words that arrive per cycle in which the fabric controller waits for its instruction cache.
   double refill_words_per_fetch_cycle() const;
 
   double clock_hz() const { return timeline_.clock().hz(); }
@@ -35,7 +36,7 @@ class PowerAccount {
   /// Returns the activity of the chip up to a time.
   Activity activity_at(Picoseconds now) const;
   void set_voltage(std::uint32_t voltage_mv) { voltage_mv_ = voltage_mv; }
-  /// Clocks or voltage have changed; `before` is the activity up to then.
+  /// Called after clocks or voltage have changed. `before` is the activity up to the change.
   void change(const Activity& before) { meter_.change(power_state(), before); }
 
   void visit(state::Visitor& v);

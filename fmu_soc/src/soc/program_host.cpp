@@ -55,8 +55,8 @@ bool ProgramHost::is_half_stored(std::uint64_t command) const {
   return !has_lower_half && upcoming_store(hardware_.memory(), hardware_.controller().pc(), x, *stop_word_).has_value();
 }
 
-/// True: the program ends. A command has its device in the upper 8 bits, then 8 bits of what the device is to do, and
-/// 48 bits for it. Source: riscv-isa-sim, fesvr/device.h, and fesvr/htif.cc for the answer.
+/// Serves a command: device in the upper 8 bits, then 8 bits for the device's command, and a payload of 48 bits.
+/// Returns true if the program ends. Source: riscv-isa-sim, fesvr/device.h; fesvr/htif.cc for the reply.
 bool ProgramHost::serve_command(std::uint64_t command) {
   const auto device = static_cast<unsigned>(command >> 56);
   const auto what = static_cast<unsigned>(command >> 48 & 0xffU);
@@ -75,8 +75,8 @@ void ProgramHost::clear_command() {
   hardware_.poke(*stop_word_, std::span(kNone).first(has_upper_half_ ? kCommandSize : 4));
 }
 
-/// Of the HTIF, device 0: eight 64-bit words at `block`, number and arguments, of which the first takes the result.
-/// True: the program ends. Source: riscv-isa-sim, fesvr/syscall.cc.
+/// Serves a system call of the HTIF, device 0: eight 64-bit words at `block`, the number and arguments; the first one
+/// receives the result. Returns true if the program ends. Source: riscv-isa-sim, fesvr/syscall.cc.
 bool ProgramHost::serve_system_call(std::uint32_t block) {
   std::array<std::uint64_t, 8> words{};
   const auto bytes = std::span(reinterpret_cast<std::uint8_t*>(words.data()), sizeof words);
@@ -97,7 +97,7 @@ bool ProgramHost::serve_system_call(std::uint32_t block) {
   return false;
 }
 
-/// An ebreak between two instructions that do nothing else. Source: RISC-V Semihosting 1.0.
+/// The call is an ebreak between two instructions without effect. Source: RISC-V Semihosting 1.0.
 bool ProgramHost::serve_semihosting() {
   constexpr std::array<std::uint32_t, 3> kCall{0x01f01013, 0x00100073, 0x40705013};
   std::array<std::uint32_t, 3> words{};

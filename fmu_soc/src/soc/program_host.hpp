@@ -14,7 +14,7 @@ namespace mebots::soc {
 /// The host's reply to a call of a program.
 struct HostReply {
   std::uint32_t value = 0;
-  std::optional<std::uint32_t> exit_code = {};  // the program wants the run to end
+  std::optional<std::uint32_t> exit_code = {};  // if set, the program ends the run
 
   static HostReply exit(std::uint32_t code) { return {0, code}; }
 };
@@ -49,20 +49,20 @@ class ProgramHost {
 
   /// The watched word, with its upper half if it has one; 0 = no command.
   std::uint64_t command() const;
-  /// A 32-bit core stores the halves of a command one after the other, in either order. True if the other half is about
-  /// to be stored and makes it another command.
+  /// True if the other half of this command is about to be stored and changes it. A 32-bit core stores the two halves
+  /// of a command in either order.
   bool is_half_stored(std::uint64_t command) const;
   /// Returns true if the program ends.
   bool serve_command(std::uint64_t command);
-  /// A core of the cluster does not stop after a store, so its command is served at once. Returns true if the program
-  /// ends.
+  /// Serves a command that a core of the cluster has stored. That core does not stop after a store, so this happens at
+  /// once. Returns true if the program ends.
   bool serve_stored() { return command() != 0 && serve_command(command()); }
-  /// Serves the ebreak at the fabric controller's pc. Returns false if it is no call.
+  /// Serves the ebreak at the fabric controller's pc. Returns false if it is not a semihosting call.
   bool serve_semihosting();
 
-  /// The exit code of a program that ended by a call.
+  /// Returns the exit code of a program that ended by a call.
   std::optional<std::uint32_t> exit_code() const { return exit_code_; }
-  /// The function that the fabric controller executes; empty if it is not known.
+  /// Returns the function that the fabric controller executes; empty if it is unknown.
   std::string function() const { return program_.where(hardware_.controller().pc()); }
 
  private:
@@ -72,7 +72,7 @@ class ProgramHost {
   Hardware& hardware_;
   const Elf& program_;
   std::optional<std::uint32_t> stop_word_;
-  bool has_upper_half_ = false;  // with it, the program commands devices of the host
+  bool has_upper_half_ = false;  // if set, the program can send commands to devices of the host
   HostCalls* calls_ = nullptr;
   std::optional<std::uint32_t> exit_code_;
 };

@@ -28,7 +28,7 @@ std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
   return clock_hz;
 }
 
-/// The board whose registers hold the chip's parameters that they show.
+/// Returns the board with the chip's parameters in the registers that show them.
 BoardDescription with_settings(BoardDescription board, const Settings& settings) {
   for (auto& device : board.devices) {
     for (auto& reg : device.registers) {
@@ -88,7 +88,7 @@ void Soc::run_cycles(std::uint64_t cycle_limit) {
 }
 
 void Soc::run(Picoseconds until, std::uint64_t cycle_limit) {
-  devices_.touch();  // from outside
+  devices_.touch();  // an access from outside
   notify(now());
   for (;;) {
     const auto event = next_event();
@@ -120,7 +120,7 @@ void Soc::run(Picoseconds until, std::uint64_t cycle_limit) {
       continue;
     }
     if (hart().counters().cycles < limit) {
-      timeline_.reach(core_time());  // the cycle limit
+      timeline_.reach(core_time());  // at the cycle limit
       notify(now());
       return;
     }
@@ -136,14 +136,13 @@ void Soc::run(Picoseconds until, std::uint64_t cycle_limit) {
   notify(now());
 }
 
-/// The cluster runs until it has caught up, or, while the fabric controller sleeps, for quanta that begin up to `last`
-/// or until something may wake that one.
+/// Runs the cluster to `until`. While the fabric controller sleeps, runs quanta that begin up to `last`, or until an
+/// event may wake the controller.
 void Soc::advance_cluster(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit) {
   auto* cluster = hardware_.cluster();
   do {
     cluster->advance(until, last, cycle_limit);
-    if (devices_.event_unit() != nullptr &&
-        !devices_.power_is_applied()) {  // a core has used the devices of GAP8's SoC
+    if (devices_.event_unit() != nullptr && !devices_.power_is_applied()) {  // a core has used devices of GAP8's SoC
       apply_power_settings(cluster->fabric_event_time());
       if (devices_.signals().exit_code && running()) {
         end_by_program(cluster->fabric_event_time());
@@ -218,7 +217,7 @@ void Soc::report_fault() const {
   if (listeners_.faults) listeners_.faults(fault_text());
 }
 
-/// Something may have changed at `time`, or later if it woke the fabric controller.
+/// Reports that something may have changed at `time`, or later if it woke the fabric controller.
 void Soc::notify(Picoseconds time) {
   work_.pass(time);
   if (listener_ != nullptr) listener_->changed(time);
@@ -237,9 +236,9 @@ void Soc::update_lines() {
   devices_.update_lines(hart(), hardware_.cluster(), hardware_.cluster_interrupt());
 }
 
-/// Applies the settings that a core has requested at `time`. The cluster's clock changes at that time, which all of its
-/// cores have reached. All else changes after the fabric controller's last instruction, which may be later and has had
-/// the old settings.
+/// Applies the settings that a core has requested at `time`. The cluster's clock changes at that time, which all cores
+/// of the cluster have reached. All else changes after the fabric controller's last instruction, which may be later and
+/// still had the old settings.
 void Soc::apply_power_settings(Picoseconds time) {
   devices_.set_power_applied();
   const auto* settings = devices_.power_settings();

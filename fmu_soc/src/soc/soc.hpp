@@ -54,7 +54,7 @@ class Soc final {
   /// Runs until any core has executed `cycle_limit` active cycles, until the end, or until a sleep that nothing can
   /// end. For programs that run alone.
   void run_cycles(std::uint64_t cycle_limit);
-  /// Ends the supply: nothing runs and nothing is consumed after this.
+  /// Switches the supply off: afterwards nothing runs, and nothing consumes energy.
   void power_off();
 
   End end() const { return timeline_.end(); }
@@ -62,36 +62,38 @@ class Soc final {
   std::int32_t exit_code() const;
   /// True if the fabric controller is in an endless loop that no interrupt can end.
   bool spins() const { return running() && hart().spins(); }
-  /// The first core that ended the program, if its exit code says that something is wrong. It must have taken an
-  /// exception from which no handler has returned since. Others that are in handlers do not count.
+  /// Returns the first core that ended the program with an exit code that reports an error, if that core has taken an
+  /// exception from which no handler has returned. Other cores in handlers do not count.
   std::optional<int> gave_up() const;
   /// True if a core cannot continue, or ended on an exception.
   bool faulted() const;
-  /// The reason why a core cannot continue, with function, line, instruction and callers; empty without a fault.
+  /// Returns a text with the reason why a core cannot continue: function, line, instruction and callers. Empty without
+  /// a fault.
   std::string fault_text() const;
-  /// The first exception of the fabric controller since a handler returned, as in fault_text(); empty without one.
+  /// Returns a text about the first exception of the fabric controller since a handler returned, like fault_text().
+  /// Empty without one.
   std::string unfinished_exception_text() const;
 
   Picoseconds now() const { return timeline_.now(); }
   Picoseconds sleep_time() const { return timeline_.slept_at(now()); }
-  /// For observers in the middle of a run: start of a hart's next instruction, or of its sleep.
+  /// For observers during a run: returns the start of a hart's next instruction, or of its sleep.
   Picoseconds core_time(unsigned number = kFabricControllerHart) const;
-  /// Start of one of its active cycles after its last sleep and its last change of clock.
+  /// Returns the start of one of its active cycles after its last sleep and its last change of clock.
   Picoseconds core_time_at(unsigned number, std::uint64_t cycle) const;
 
   Hart& hart() { return hardware_.controller(); }
   const Hart& hart() const { return hardware_.controller(); }
-  /// Harts by number: cluster/peripherals.hpp.
+  /// Harts have the numbers of cluster/peripherals.hpp.
   Hart& hart(unsigned number) { return hardware_.hart(number); }
   const Hart& hart(unsigned number) const { return hardware_.hart(number); }
   unsigned harts() const { return hardware_.harts(); }
-  /// True if a hart can run: a cluster that is off keeps nothing.
+  /// True if a hart can run. A cluster that is off has no state.
   bool is_on(unsigned number) const { return number == kFabricControllerHart || cluster()->powered(); }
-  /// Instructions that all cores have retired since the start.
+  /// Returns the number of instructions that all cores have retired since the start.
   std::uint64_t instructions() const;
-  /// Null without one.
+  /// Returns null without a cluster.
   const Cluster* cluster() const { return hardware_.cluster(); }
-  /// Of the fabric controller; null without one.
+  /// Returns the cache of the fabric controller; null without one.
   const InstructionCache* instruction_cache() const { return hardware_.instruction_cache(); }
   const Memory& memory() const { return hardware_.memory(); }
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes) { return hardware_.poke(address, bytes); }

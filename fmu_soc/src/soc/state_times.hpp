@@ -10,17 +10,16 @@
 
 namespace mebots::soc {
 
-/// What a chip does, one at a time, in the order of the FMU's outputs: `cluster` whenever that is on; else `controller`
-/// while the fabric controller is awake; else `waiting` while a picture that was asked for is on its way; else
-/// `asleep`.
+/// The state of a chip, in the order of the FMU's outputs. `cluster`: the cluster is on. Otherwise `controller`: the
+/// fabric controller is awake. Otherwise `waiting`: a requested picture has not arrived. Otherwise `asleep`.
 enum class ChipState : std::uint8_t { asleep, waiting, cluster, controller, off };
 
-/// How long it did what. Without a supply it does nothing, which is not counted.
+/// Time in each state. Time without supply is not counted.
 class StateTimes {
  public:
   static constexpr std::size_t kCounted = 4;
 
-  /// From `time` on it is in `state`. A time before the last one changes the state alone.
+  /// Sets the state from `time` on. If `time` is before the last one, changes only the state.
   void pass(Picoseconds time, ChipState state) {
     if (time > since_) {
       if (state_ != ChipState::off) total_[static_cast<std::size_t>(state_)] += time - since_;

@@ -9,10 +9,11 @@
 namespace mebots::soc {
 namespace {
 
-/// What lies below are registers that each core has for itself.
+/// Below this address, each core has registers of its own.
 constexpr std::uint32_t kSharedDevices = 0x1000'0000;
 
 /// Peripherals of the SoC, and the fabric controller's own at both of their addresses. Source:
+/// archi/chips/gap/memory_map.h.
 /// archi/chips/gap/memory_map.h.
 struct Area {
   std::uint32_t base;
@@ -139,7 +140,7 @@ BusReply SystemBus::from_cluster(const ClusterAccess& access, Picoseconds time) 
                                                 : unmodelled(access.address, false, false);
 }
 
-/// Answers an access to registers that no device has. It takes as long as an access to a device.
+/// Serves an access to registers that no device of the board has. It takes as long as an access to a device.
 BusReply SystemBus::unmodelled(std::uint32_t address, bool stores, bool by_fabric_controller) {
   if (devices_.event_unit() == nullptr || !UnmodelledRegisters::are_at(address)) return {};
   if (unmodelled_.is_new(address) && report_) {

@@ -23,7 +23,7 @@ class Timeline {
   const Clock& clock() const { return clock_; }
   Picoseconds now() const { return now_; }
   void reach(Picoseconds time) { now_ = time; }
-  /// Start of the fabric controller's next instruction, or of its sleep.
+  /// Returns the start of the fabric controller's next instruction, or of its sleep.
   Picoseconds core_time() const { return clock_.time_of(hart_.counters().cycles); }
 
   End end() const { return end_; }
@@ -33,7 +33,7 @@ class Timeline {
   Picoseconds asleep_since() const { return asleep_since_; }
   /// True in retention sleep.
   bool retained() const { return retained_; }
-  /// Number of the core that ended the program.
+  /// Returns the number of the core that ended the program.
   int ended_by() const { return ended_by_; }
   void set_ended_by(unsigned core) { ended_by_ = static_cast<std::int32_t>(core); }
 
@@ -56,9 +56,10 @@ class Timeline {
   Picoseconds supplied_until(Picoseconds time) const {
     return end_ == End::powered_off ? std::min(time, end_time_) : time;
   }
-  /// The time that a run without an end has reached: that of the core that ended it, else the latest of all cores.
+  /// Returns the time that a run without a time limit has reached: that of the core that ended it, else the latest of
+  /// all cores.
   Picoseconds reached(const Cluster* cluster) const;
-  /// The next time at which the cluster works, or kNever.
+  /// Returns the next time at which the cluster acts; kNever if there is none.
   Picoseconds next_of(const Cluster* cluster) const {
     return cluster != nullptr && running() ? cluster->next() : kNever;
   }
@@ -76,9 +77,9 @@ class Timeline {
   Picoseconds end_time_ = 0;
   bool asleep_ = false;
   Picoseconds asleep_since_ = 0;
-  Picoseconds slept_ = 0;  // up to the last waking
+  Picoseconds slept_ = 0;  // up to the last wake-up
   bool retained_ = false;
-  Picoseconds retention_ = 0;  // up to the last waking
+  Picoseconds retention_ = 0;  // up to the last wake-up
 };
 
 }  // namespace mebots::soc

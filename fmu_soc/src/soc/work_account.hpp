@@ -19,17 +19,17 @@ class WorkAccount {
   WorkAccount(const Hardware& hardware, const Timeline& timeline, const DeviceSet& devices, std::string sender)
       : hardware_(hardware), timeline_(timeline), devices_(devices), decisions_(std::move(sender)) {}
 
-  /// Time in each state up to now; an instruction that has started counts to its end.
+  /// Returns the time in each state up to now. An instruction that has started counts to its end.
   const StateTimes& state_times() const { return state_times_; }
   const Decisions& decisions() const { return decisions_; }
 
-  /// Notes that the chip may have changed at `time`, or at the fabric controller's time if that is awake and later.
+  /// Records that the chip may have changed at `time`, or at the fabric controller's time if that is awake and later.
   void pass(Picoseconds time);
   void picture_stored(const PictureTimes& times) { decisions_.picture_stored(times, work_at(times.stored)); }
   void setpoints_sent(std::string_view sender, Picoseconds now);
-  /// A step has ended: the world outside sees what was sent.
+  /// Publishes set-points at the end of a step.
   void publish(Picoseconds now) { decisions_.published(now); }
-  /// True for a program without a world: what it sends is visible at once. Not part of a state.
+  /// Set for a program without a world: set-points are published at once. Not part of a state.
   void set_alone(bool alone) { alone_ = alone; }
 
   void visit(state::Visitor& v);

@@ -14,10 +14,10 @@ namespace mebots::soc::tool {
 namespace {
 
 constexpr std::string_view kConsole = ":tt";
-/// Semihosting's file of what the host can do beyond the first version: exit with a code, and a console in two parts.
+/// Semihosting's file that lists extensions of the host: exit with a code, and separate stdout and stderr.
 constexpr std::string_view kFeatures = ":semihosting-features";
 constexpr std::string_view kFeatureBytes = "SHFB\x03";
-/// As many as a program may have open: it could forget to close them.
+/// Limits the number of open files, because a program may forget to close them.
 constexpr std::size_t kMostFiles = 256;
 
 }  // namespace
@@ -31,7 +31,7 @@ HostFiles::HostFiles(const std::optional<std::string>& folder) {
   }
 }
 
-/// Where the file lies; nothing when that would be outside the folder, also by way of a link.
+/// Returns the path of a file; nullopt if it is outside the folder, also through a link.
 std::optional<std::filesystem::path> HostFiles::inside(const std::string& name) const {
   if (!folder_ || name.empty()) return std::nullopt;
   std::error_code error;
@@ -60,7 +60,7 @@ int HostFiles::open(const std::string& name, const char* mode) {
   return keep(std::fopen(path->c_str(), mode));
 }
 
-/// Gives an open file its number; one that is null has failed.
+/// Returns the number of a newly opened file, or -errno if `file` is null.
 int HostFiles::keep(std::FILE* file) {
   if (file == nullptr) return -errno;
   File kept(file);
@@ -84,7 +84,7 @@ int HostFiles::read(int file, std::span<char> into) {
   if (is_console(file)) return 0;
   auto* held = file_of(file);
   if (held == nullptr) return -EBADF;
-  std::fseek(held, 0, SEEK_CUR);  // between writing and reading
+  std::fseek(held, 0, SEEK_CUR);  // required between writing and reading
   const auto count = std::fread(into.data(), 1, into.size(), held);
   return count == 0 && std::ferror(held) != 0 ? (std::clearerr(held), -EIO) : static_cast<int>(count);
 }

@@ -12,20 +12,20 @@
 
 namespace mebots::soc::tool {
 
-/// The host's files as a program sees them: 0, 1 and 2 are the console, of which nothing can be read, and whatever it
-/// opens lies below one folder. Answers below 0 are -errno.
+/// The host's files for a program: 0, 1 and 2 are the console, whose input is empty. Other files must be below one
+/// folder. Negative results are -errno.
 class HostFiles {
  public:
-  /// Without a folder there is the console only.
+  /// Without a folder, there is only the console.
   explicit HostFiles(const std::optional<std::string>& folder);
 
-  /// `mode` as of fopen. ":tt" is the console.
+  /// `mode` as for fopen(). ":tt" is the console.
   int open(const std::string& name, const char* mode);
   int close(int file);
-  /// How many bytes; 0 at the end.
+  /// Returns the number of bytes; 0 at the end.
   int read(int file, std::span<char> into);
   int write(int file, std::span<const char> bytes);
-  /// The new place; `origin` as of fseek.
+  /// Returns the new position. `origin` as for fseek().
   long seek(int file, long offset, int origin);
   long length(int file);
   int remove(const std::string& name);

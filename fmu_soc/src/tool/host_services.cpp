@@ -11,7 +11,7 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// Numbers of "Semihosting for AArch32 and AArch64".
+/// Operation numbers of "Semihosting for AArch32 and AArch64".
 enum class Operation : std::uint32_t {
   open = 0x01,
   close = 0x02,
@@ -37,7 +37,7 @@ enum class Operation : std::uint32_t {
   tick_frequency = 0x31,
 };
 
-/// Numbers of Linux on RISC-V, of those that riscv-isa-sim serves.
+/// Numbers of Linux's system calls on RISC-V that riscv-isa-sim serves.
 enum class SystemCall : std::uint32_t {
   openat = 56,
   close = 57,
@@ -56,10 +56,10 @@ constexpr std::uint64_t kCentiseconds = 100;
 constexpr std::uint64_t kTicks = 1'000'000;
 constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000;
 
-/// By the number that SYS_OPEN has for them.
+/// Modes of fopen() by SYS_OPEN's number.
 constexpr std::array kModes{"r", "rb", "r+", "r+b", "w", "wb", "w+", "w+b", "a", "ab", "a+", "a+b"};
 
-/// Of the flags of Linux's open.
+/// Returns the mode of fopen() for flags of Linux's open().
 const char* mode_of(std::uint32_t flags) {
   constexpr std::uint32_t kWrite = 1;
   constexpr std::uint32_t kReadWrite = 2;
@@ -89,7 +89,7 @@ std::optional<std::string> HostServices::text_at(std::uint32_t address, std::uin
   return text;
 }
 
-/// Up to the zero that ends it.
+/// Reads a text up to its final zero.
 std::optional<std::string> HostServices::text_at(std::uint32_t address) const {
   std::string text;
   for (std::uint8_t byte = 0; text.size() < kLongestText; text += static_cast<char>(byte)) {
@@ -99,7 +99,7 @@ std::optional<std::string> HostServices::text_at(std::uint32_t address) const {
   return std::nullopt;
 }
 
-/// -1 for what failed, whose number SYS_ERRNO tells.
+/// Returns -1 for a failed operation, and stores its errno for SYS_ERRNO.
 HostReply HostServices::answer(long result) {
   if (result >= 0) return {static_cast<std::uint32_t>(result)};
   errno_ = static_cast<int>(-result);
@@ -113,7 +113,7 @@ HostReply HostServices::open(const Block& block) {
   return answer(files_.open(*name, kModes[block[1]]));
 }
 
-/// How many bytes, or -errno.
+/// Returns the number of bytes, or -errno.
 long HostServices::transfer(bool is_read, int file, std::uint32_t address, std::uint32_t count) {
   auto bytes = text_at(address, std::min(count, kLongestText));
   if (!bytes) return -EFAULT;
@@ -138,7 +138,7 @@ HostReply HostServices::command_line(std::uint32_t block_address) {
   return answer(good ? 0 : -EFAULT);
 }
 
-/// The simulation's: the host's would differ from run to run.
+/// Returns simulated time. The host's time would differ between runs.
 std::uint64_t HostServices::time_in(std::uint64_t per_second) const {
   return static_cast<std::uint64_t>(soc_.core_time()) / (kPsPerSecond / per_second);
 }
@@ -166,7 +166,7 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
       return write_text(parameter);
     case Operation::write:
     case Operation::read:
-      return with(kThree, [&](const Block& block) -> HostReply {  // answers how many bytes are left
+      return with(kThree, [&](const Block& block) -> HostReply {  // returns the number of bytes left
         const bool is_read = operation == static_cast<std::uint32_t>(Operation::read);
         const auto done = transfer(is_read, static_cast<int>(block[0]), block[1], block[2]);
         if (done < 0) answer(done);
@@ -206,7 +206,7 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
     case Operation::command_line:
       return command_line(parameter);
     case Operation::heap_info:
-      return answer(-ENOSYS);  // the linker script says where the heap is
+      return answer(-ENOSYS);  // the linker script defines the heap
     case Operation::exit:
       return HostReply::exit(parameter == kApplicationExit ? 0 : 1);
     case Operation::exit_extended:
@@ -249,7 +249,7 @@ HostReply HostServices::system_call(std::uint32_t number, std::span<const std::u
   return result(-ENOSYS);
 }
 
-/// Numbers of riscv-isa-sim's devices: fesvr/htif.cc registers the console after the system calls.
+/// Device numbers of riscv-isa-sim: fesvr/htif.cc registers the console after the system calls.
 void HostServices::device_command(unsigned device, unsigned command, std::uint64_t payload) {
   constexpr unsigned kConsoleDevice = 1;
   constexpr unsigned kWriteCharacter = 1;

@@ -15,7 +15,7 @@
 
 namespace mebots::soc::tool {
 
-/// Console, files, time of the simulation and exit for a program run alone, by semihosting or system calls.
+/// Serves a program that runs alone: console, files, simulated time and exit, through semihosting or system calls.
 class HostServices final : public HostCalls {
  public:
   HostServices(Soc& soc, HostFiles& files, std::string program)
@@ -43,7 +43,7 @@ class HostServices final : public HostCalls {
   Soc& soc_;
   HostFiles& files_;
   std::string program_;
-  std::set<std::string> reported_;  // requests that are not served
+  std::set<std::string> reported_;  // unknown requests that have been reported
   int errno_ = 0;                   // of the last operation that failed
 };
 

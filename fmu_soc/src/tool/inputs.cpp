@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint64_t kPage = 4096;
 constexpr std::uint64_t kMiB = 1U << 20;
-/// Ranges that lie farther apart get a memory each: flash and RAM of a chip, with nothing between.
+/// Ranges farther apart than this get separate memories, such as a chip's flash and RAM.
 constexpr std::uint64_t kFar = 64 * kMiB;
 constexpr std::uint64_t kMost = 2048 * kMiB;
 constexpr std::uint64_t kAddressSpace = std::uint64_t{1} << 32;
@@ -33,7 +33,7 @@ struct Range {
   std::uint64_t end = 0;
 };
 
-/// Address ranges of the program's segments: load addresses and run addresses.
+/// Returns the address ranges of the program's segments: load addresses and run addresses.
 std::vector<Range> ranges_of(const Elf& program) {
   std::vector<Range> ranges;
   for (const auto& segment : program.segments()) {
@@ -46,7 +46,7 @@ std::vector<Range> ranges_of(const Elf& program) {
   return ranges;
 }
 
-/// Ranges that are near each other as one.
+/// Merges ranges that are near each other.
 std::vector<Range> merged(const std::vector<Range>& ranges) {
   std::vector<Range> groups;
   for (const auto& range : ranges) {
@@ -78,7 +78,7 @@ BoardDescription board_around(const Elf& program) {
     ram.name = fmt::format("ram{}", board.memories.empty() ? "" : std::to_string(board.memories.size() + 1));
     ram.base = static_cast<std::uint32_t>(range.begin);
     ram.size = static_cast<std::uint32_t>(std::min(range.end - range.begin, kMost));
-    ram.leaks = false;  // it is nobody's chip
+    ram.leaks = false;  // it belongs to no real chip
     board.memories.push_back(ram);
     total += range.end - range.begin;
   }
@@ -94,7 +94,7 @@ std::filesystem::path board_file(const std::string& asked) {
   if (std::filesystem::exists(asked, error) || asked.find_first_of("/.") != std::string::npos) return asked;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   std::vector<std::string> known;
-  // An installation has them in share/, a build beside bin/.
+  // An installation has boards in share/, a build tree next to bin/.
   for (const auto* place : {"share/mebots/configs/boards", "configs/boards"}) {
     for (const auto& entry : std::filesystem::directory_iterator(program.parent_path().parent_path() / place, error)) {
       if (entry.path().extension() != ".json") continue;
@@ -112,14 +112,14 @@ std::filesystem::path board_file(const std::string& asked) {
 
 namespace {
 
-/// No camera has more.
+/// More than any camera has.
 constexpr std::uint32_t kMostPixels = 1U << 24;
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
   throw Error(fmt::format("--pictures: {}: {}", path.string(), why));
 }
 
-/// The next number of a PGM's head, behind white space and comments.
+/// Reads the next number of a PGM's header, after white space and comments.
 std::uint32_t number_of_head(std::istream& file) {
   file >> std::ws;
   while (file.peek() == '#') {
@@ -132,7 +132,7 @@ std::uint32_t number_of_head(std::istream& file) {
   return number;
 }
 
-/// Netpbm's binary greymap of 8 bits.
+/// Reads Netpbm's binary 8-bit greymap.
 GreyPicture read_pgm(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string magic(2, '\0');
