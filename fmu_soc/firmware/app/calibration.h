@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the firmware knows beforehand of its camera and of gates.
+// Constants of the camera and of gates.
 #pragma once
 
 // Focal length over half the picture's width, in thousandths: 1 / tan(fov / 2) for the 1.51844 rad of the AI-deck's

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's pilot: cruise to where the network points, at the policy's speed, until the referee says that the gate
-// is crossed. Then a little farther, so that the drone does not land on the gate.
+// The paper's pilot: flies to the gate with the network's yaw, at the policy's speed, until the referee reports that
+// the gate is crossed. Then it flies a little farther, so that the drone does not land on the gate.
 #pragma once
 
 #include <stdbool.h>
@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-// Set by follower_init; `phase` may be read.
+// Set by follower_init(); only `phase` may be read.
 typedef struct {
   pilot_phase_t phase;  // PILOT_APPROACH, PILOT_THROUGH, PILOT_DONE
   int32_t behind_um;    // flown since the gate was crossed
@@ -21,11 +21,11 @@ typedef struct {
   int32_t yaw_rate_scale_urad_s;
 } follower_t;
 
-// Starts in PILOT_APPROACH with the policy as it is. The scale is the yaw rate at network output 127.
+// Starts in PILOT_APPROACH with a copy of the policy. The scale is the yaw rate at network output 127.
 void follower_init(follower_t* follower, const policy_t* policy, int32_t yaw_rate_scale_urad_s);
 
-// One picture: the network's output, whether the gate is crossed, the velocity along the heading now, and the time
-// since the last call.
+// Processes one picture: the network's output, whether the gate is crossed, the present velocity along the heading, and
+// the time since the last call.
 pilot_command_t follower_step(follower_t* follower, int8_t yaw, bool crossed, int32_t forward_velocity_um_s,
                               int32_t elapsed_us);
 

@@ -8,30 +8,30 @@
 // A frame's border is a sixth of its outer edge: (60 cm - 40 cm) / 2 of 60 cm.
 #define BORDERS_PER_EDGE 6
 
-// Least score, in sixteenths of a grey level, of a frame that counts.
+// Minimum score of a frame, in sixteenths of a grey level.
 #define LEAST_SCORE_Q4 (8 * 16)
-// Least contrast while scanning and while refining: a template beside its frame by half a step has half its contrast.
+// Minimum contrast while scanning and while refining: a template half a step off its frame has half the contrast.
 #define LEAST_WHILE_SCANNING_Q4 (LEAST_SCORE_Q4 / 2)
 #define LEAST_WHILE_REFINING_Q4 (LEAST_SCORE_Q4 / 4)
-// Once a frame is found, only places of at least this part of its score are looked at any more.
+// After a frame is found, only places with at least this part of its score are tested.
 #define PART_OF_BEST 4
 
-// The camera flies about level and near the height of the gate's middle, so that the frame's middle lies within this
-// many work pixels (9 degrees) plus half its edge (0.3 m at the gate) of the picture's middle row.
+// The camera is about level, and near the height of the gate's middle. So the frame's middle is within this many work
+// pixels (9 degrees), plus half its edge (0.3 m at the gate), of the picture's middle row.
 #define BAND 14
 
 // A template moves by a twelfth of its edge, half its border, at a time.
 #define PLACES_PER_EDGE 12
 
-// From this edge on, a template three quarters as wide is tried too: a frame seen from the side.
+// From this edge on, templates of three quarters of the width are tested, too: frames seen from the side.
 #define LEAST_NARROW_EDGE 20
 
-// Outer edges that are tried, in work pixels; in steps of about a fifth. So a template half a step off still lies
-// on its frame with two thirds of its border. With borders of one or two pixels there are no two thirds: every edge.
+// Outer edges that are tested, in work pixels, in steps of about a fifth. A template half a step off still covers two
+// thirds of its frame's border. Borders of one or two pixels have no two thirds, so there every edge is tested.
 static const uint8_t kEdges[] = {7, 8, 9, 10, 11, 12, 13, 15, 18, 21, 25, 30, 36, 43, 52, 62, 74, 89, 104};
 #define EDGE_COUNT ((int)(sizeof(kEdges) / sizeof(kEdges[0])))
 
-// A frame in the work picture: outer edges, in pixels.
+// A frame in the work picture: outer edges in pixels.
 typedef struct {
   int x;
   int y;
@@ -39,7 +39,7 @@ typedef struct {
   int height;
 } frame_t;
 
-// What belongs to a size of frame: widths of its borders, and 2^16 over the area of a strip along its upright and its
+// Constants of a size of frame: widths of its borders, and 2^16 over the area of a strip along its upright and its
 // level beams.
 typedef struct {
   int border_x;
@@ -48,19 +48,19 @@ typedef struct {
   uint32_t level_q16;
 } sizes_t;
 
-// How well a template lies on a frame, in sixteenths of a grey level; all 0 where there is no frame.
+// The match of a template and a frame, in sixteenths of a grey level; all 0 if there is no frame.
 typedef struct {
   int weakest_q4;  // contrast of the weakest beam
   int sum_q4;      // contrast of all beams together
   int spread_q4;   // brightest beam less darkest
 } fit_t;
 
-// What a frame is chosen by: the beams stand out, and they look alike.
+// Score of a frame: its beams have contrast, and they are alike.
 static inline int score_q4(const fit_t* fit) {
   return fit->weakest_q4 - fit->spread_q4 / 2;
 }
 
-// Too large for a stack, and filled anew for each picture, so nobody needs to clear it.
+// Too large for a stack. It is filled for each picture, so it need not be cleared.
 static work_picture_t work __attribute__((section(".noinit.work")));
 
 static inline int min_int(int a, int b) {
@@ -82,14 +82,14 @@ static sizes_t sizes_of(int width, int height) {
   return sizes;
 }
 
-// A beam and the strips on its two sides, all three of the same area: sums of grey levels.
+// A beam and the strips on both sides of it, all of the same area: sums of grey levels.
 typedef struct {
   int beam;
   int before;  // beam - strip before it
   int after;   // beam - strip after it
 } strips_t;
 
-// Three strips side by side, each `step` columns wide, between the rows of `top` and `bottom`.
+// Returns three strips side by side, each `step` columns wide, between the rows of `top` and `bottom`.
 static inline strips_t upright_strips(const uint32_t* top, const uint32_t* bottom, ptrdiff_t step) {
   const int c0 = (int)(bottom[0] - top[0]);
   const int c1 = (int)(bottom[step] - top[step]);
@@ -99,7 +99,7 @@ static inline strips_t upright_strips(const uint32_t* top, const uint32_t* botto
   return strips;
 }
 
-// Three strips one below the other, `width` columns wide; `step` is the pitch times their height.
+// Returns three strips one below the other, `width` columns wide; `step` is the pitch times their height.
 static inline strips_t level_strips(const uint32_t* left, int width, ptrdiff_t step) {
   const int c0 = (int)(left[width] - left[0]);
   const int c1 = (int)(left[step + width] - left[step]);
@@ -109,24 +109,24 @@ static inline strips_t level_strips(const uint32_t* left, int width, ptrdiff_t s
   return strips;
 }
 
-// A mean of grey levels in sixteenths, from a sum and 2^16 over the area.
+// Returns a mean grey level in sixteenths, from a sum and 2^16 over the area.
 static inline int mean_q4(int sum, uint32_t reciprocal_q16) {
   return (sum * (int)reciprocal_q16) >> 12;
 }
 
-// What the beams looked at so far have in common.
+// Common properties of the beams tested so far.
 typedef struct {
   int sign;         // 1: brighter than the opening, -1: darker
   int weakest;      // least contrast with the opening
-  int outer_least;  // least contrast with what lies around the frame
+  int outer_least;  // least contrast with the surroundings of the frame
   int outer_next;   // second least
-  int sum;          // of all contrasts, those against the sign left out
+  int sum;          // of all contrasts, without those of the opposite sign
   int brightest;    // beam
   int darkest;      // beam
 } beams_t;
 
-// Adds a beam; false if it cannot belong to a frame. All in sixteenths of a grey level. One beam may merge with what
-// lies around the frame, as a white one does before a white sky.
+// Adds a beam. Returns false if it cannot belong to a frame. All values are in sixteenths of a grey level. One beam may
+// have no contrast with its surroundings, such as a white beam before a white sky.
 static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer_q4, int least_q4) {
   const int inner = beams->sign * inner_q4;
   const int outer = beams->sign * outer_q4;
@@ -146,8 +146,8 @@ static inline bool add_beam(beams_t* beams, int beam_q4, int inner_q4, int outer
   return beams->outer_next >= least_q4;
 }
 
-// Lays the template on a place. Gives up as soon as a beam stays below `least_q4`. The frame with a border's width
-// around it must lie in the picture.
+// Tests the template at a place. Stops as soon as a beam is below `least_q4`. The frame and its surroundings, a
+// border's width, must be inside the picture.
 static fit_t fit_at(const frame_t* frame, const sizes_t* sizes, int least_q4) {
   const fit_t none = {0, 0, 0};
   const ptrdiff_t pitch = work.width + 1;
@@ -193,8 +193,8 @@ static bool lies_inside(const frame_t* frame, const sizes_t* sizes) {
          frame->y + frame->height + sizes->border_y <= work.height;
 }
 
-// Sums of all columns of the work picture between two rows of the integral image, added up from the left. Four columns
-// at a time; up to three more than there are come from the start of the next row and are not used.
+// Computes the sums of all columns of the work picture between two rows of the integral image, from left to right. It
+// handles four columns at a time; up to three extra ones are from the start of the next row, and are not used.
 static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* bottom) {
   for (const int32_t* end = columns + work.width; columns <= end; columns += 4, top += 4, bottom += 4) {
     columns[0] = (int32_t)(bottom[0] - top[0]);
@@ -204,17 +204,17 @@ static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* b
   }
 }
 
-// The scan of a row: places from `at` to `last`, `step` apart, each a pointer to its first column.
+// The scan of a row: places from `at` to `last` with a distance of `step`, each a pointer to its first column.
 typedef struct {
   const int32_t* last;
   ptrdiff_t step;
   ptrdiff_t border;
-  ptrdiff_t to_right;  // from the left beam to the opening's end before the right beam
-  int32_t least_sum;   // contrast that both upright beams must have with the opening
+  ptrdiff_t to_right;  // distance from the left beam to the end of the opening
+  int32_t least_sum;   // minimum contrast of both upright beams with the opening
 } row_t;
 
-// The first place from `at` on with two upright beams both brighter or both darker than the opening between them; null
-// if there is none. Looks at most of the places that the finder looks at: kept apart so that its loop stays short.
+// Returns the first place from `at` on with two upright beams that are both brighter or both darker than the opening;
+// null if there is none. Most places are only tested here. Not inlined, so that the loop stays short.
 static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, const row_t* row) {
   const ptrdiff_t border = row->border;
   const ptrdiff_t step = row->step;
@@ -224,12 +224,12 @@ static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, co
   const int32_t* end = middle + border;
   for (; at <= last; at += step, middle += step, end += step) {
     // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): sum_columns wrote all of the row
-    const int32_t left = 2 * *middle - *at - *end;  // left beam less opening
+    const int32_t left = 2 * *middle - *at - *end;  // left beam minus opening
     if (left < least_sum && left > -least_sum) {
       continue;
     }
     const int32_t* const opposite = at + row->to_right;
-    const int32_t right = opposite[0] + opposite[2 * border] - 2 * opposite[border];  // right beam less opening
+    const int32_t right = opposite[0] + opposite[2 * border] - 2 * opposite[border];  // right beam minus opening
     if (left > 0 ? right >= least_sum : right <= -least_sum) {
       return at;
     }
@@ -237,10 +237,10 @@ static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, co
   return NULL;
 }
 
-// Best place of a template of width x height pixels with beams of a contrast of at least `least_q4`.
+// Finds the best place of a template of width x height pixels whose beams have a contrast of at least `least_q4`.
 //
-// Nearly all places fail at an upright beam already, so that these come first, from sums that all places of a row
-// share. The left beam against the opening to its right, then the right beam against the opening to its left.
+// Nearly all places fail at an upright beam. Therefore upright beams are tested first, with sums that all places of a
+// row share: the left beam with the opening to its right, then the right beam with the opening to its left.
 static fit_t scan(int width, int height, int least_q4, frame_t* best) {
   const sizes_t sizes = sizes_of(width, height);
   const ptrdiff_t pitch = work.width + 1;
@@ -272,7 +272,7 @@ static fit_t scan(int width, int height, int least_q4, frame_t* best) {
   return best_fit;
 }
 
-// Moves and stretches the template, a pixel at a time, as long as its beams gain contrast.
+// Moves and stretches the template by a pixel at a time while the contrast of its beams increases.
 static fit_t refine(frame_t* frame, fit_t fit) {
   static const int8_t kMoves[][4] = {{1, 0, 0, 0}, {-1, 0, 0, 0}, {0, 1, 0, 0},  {0, -1, 0, 0},
                                      {0, 0, 1, 0}, {0, 0, -1, 0}, {-1, 0, 1, 0}, {1, 0, -1, 0},

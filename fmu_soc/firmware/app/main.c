@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's flight: take off, then picture -> where is the gate -> speed policy -> set-points -> sleep until the
-// next picture; land behind the gate or when the charge runs low.
+// The paper's flight: take-off, then a loop of picture, position of the gate, speed policy, set-points, and sleep until
+// the next picture. Lands after the gate, or at a low charge.
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -16,26 +16,26 @@
 #include "runtime/exit.h"
 #include "runtime/interrupt.h"
 
-// How often the flight phase is looked at while climbing and descending.
+// Interval of checks of the flight phase while climbing and descending.
 #define PHASE_POLL_NS (20 * NS_PER_MS)
-// A line about the flight every so many pictures.
+// Pictures per line about the flight.
 #define PICTURES_PER_LINE 10
 
 typedef struct {
   uint32_t pictures;
   uint32_t sightings;     // pictures with a gate
-  uint32_t late;          // pictures that did not come in time
-  uint32_t overruns;      // frame periods without a picture since the work took too long
-  uint32_t overlapped;    // pictures that were exposed while the one before was looked at
+  uint32_t late;          // pictures that did not arrive in time
+  uint32_t overruns;      // frame periods without a picture because the work took too long
+  uint32_t overlapped;    // pictures that were exposed during the work on the picture before
   uint64_t instructions;  // of all inferences
   uint32_t instructions_most;
-  int64_t look_most_ns;  // longest time that a look took
+  int64_t look_most_ns;  // longest time for a picture
 } statistics_t;
 
 static statistics_t statistics;
 
-// Who looks at the pictures and who steers by what was seen: the finder has a pilot that searches and measures its
-// way, the network one that follows.
+// The navigator and its pilot. The gate finder has a pilot that searches and uses distances; the network has one that
+// follows its yaw.
 typedef struct {
   navigator_t* navigate;
   bool follows;
@@ -54,7 +54,8 @@ static void command(uint32_t mode, int32_t velocity_um_s, int32_t yaw_rate_urad_
   flight_command(&setpoint);
 }
 
-// Sleeps until the phase is `wanted`. False if the drone crashed before, or the charge fell to `least_charge_ppm`.
+// Sleeps until the phase is `wanted`. Returns false if the drone has crashed before, or if the charge is below
+// `least_charge_ppm`.
 static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
   int64_t next_ns = timer_now_ns();
   for (;;) {
@@ -128,10 +129,10 @@ static void print_decision(const crew_t* crew, const navigator_output_t* seen, c
         (int32_t)battery_charge_ppm());
 }
 
-// The loop from picture to set-points. Returns the exit code that the flight has earned so far.
+// The loop from picture to set-points. Returns the exit code for the flight so far.
 static int fly(crew_t* crew) {
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
-  int64_t frame_ns = timer_now_ns();  // when to ask for the next picture
+  int64_t frame_ns = timer_now_ns();  // time of the next request
   int64_t last_ns = frame_ns;
   bool requested = false;
   for (;;) {
@@ -154,7 +155,7 @@ static int fly(crew_t* crew) {
       ++statistics.overruns;
     }
     if (result == PICTURE_TAKEN) {
-      // A picture that would be due before this look ends is exposed and read out meanwhile.
+      // If the next picture is due before the end of this work, it is exposed and read out meanwhile.
       requested = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
       statistics.overlapped += requested ? 1 : 0;
       seen = look(crew, &picture);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The navigator of the neural network on the chip: the cluster is on only while it computes. A chip without a cluster
-// takes the plain code of navigator_network.c, whose answers are the same.
+// The neural network on the cluster, which is only on during an inference. A chip without a cluster uses the plain code
+// of navigator_network.c, with the same results.
 #include <stdbool.h>
 
 #include "app/navigator.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The navigator of the neural network: its output is the yaw command; it says nothing of confidence and distance.
+// The neural network: its output is the yaw command. It has no output for confidence and distance.
 #include "app/navigator.h"
 #include "nn/network.h"
 #include "nn/shrink.h"

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/pilot.h"
 
-// Least confidence of a sighting.
+// Minimum confidence of a sighting.
 #define LEAST_CONFIDENCE 64
-// Pictures in a row that make or break an approach.
+// Consecutive pictures that start or end an approach.
 #define SIGHTINGS_TO_APPROACH 3
 #define MISSES_TO_SEARCH 20
-// A lost gate nearer than this is flown to by the state estimate: it is on its way out of the view.
+// If a gate nearer than this is lost, it is leaving the view. Then the approach continues by the state estimate.
 #define BLIND_APPROACH_UM 900000
-// Distances in a row that contradict the estimate until the estimate gives in.
+// Consecutive distances that contradict the estimate before the estimate is replaced.
 #define OUTLIERS_TO_BELIEVE 5
-// Part of the scale at which a search turns.
+// Yaw rate of a search, relative to the scale.
 #define SEARCH_YAW 38  // 0.3 of 127
 
 static int32_t abs_i32(int32_t a) {
@@ -29,15 +29,15 @@ void pilot_init(pilot_t* pilot, const policy_t* policy, int32_t yaw_rate_scale_u
   pilot->last_yaw = 1;  // a search without any sighting turns left
 }
 
-// Distance flown since the last picture, by the mean of the two velocities [um].
+// Returns the distance flown since the last picture, from the mean of the two velocities [um].
 static int32_t flown_um(pilot_t* pilot, int32_t velocity_um_s, int32_t elapsed_us) {
   const int64_t twice = (int64_t)velocity_um_s + pilot->last_velocity_um_s;
   pilot->last_velocity_um_s = velocity_um_s;
   return (int32_t)(twice * elapsed_us / 2000000);
 }
 
-// Joins a measured distance with the one carried on from the picture before: a quarter of the difference is taken
-// over, unless the two contradict each other.
+// Combines a measured distance with the estimate: a quarter of the difference is added, unless the two contradict each
+// other.
 static void correct_remaining(pilot_t* pilot, uint16_t distance_mm) {
   if (distance_mm == 0) {
     return;
@@ -67,7 +67,7 @@ static pilot_command_t search(pilot_t* pilot, const navigator_output_t* seen, bo
     return turn_and_fly(pilot, policy_speed_um_s(&pilot->policy, seen->yaw), seen->yaw);
   }
   if (sighted) {
-    return turn_and_fly(pilot, 0, 0);  // hold still and look again
+    return turn_and_fly(pilot, 0, 0);  // hover, and use the next picture
   }
   return turn_and_fly(pilot, 0, pilot->last_yaw < 0 ? -SEARCH_YAW : SEARCH_YAW);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast to fly: the paper's two speed policies.
+// The paper's two speed policies.
 #pragma once
 
 #include <stdbool.h>
@@ -12,22 +12,22 @@ extern "C" {
 // The paper averages the last ten outputs of its network.
 #define POLICY_WINDOW 10
 
-// Set by policy_init; nobody else needs to look inside.
+// Set by policy_init(). All fields are private.
 typedef struct {
   bool adaptive;
   int32_t cruise_um_s;
   int32_t speed_um_s;
   int8_t outputs[POLICY_WINDOW];
-  int count;  // outputs kept so far, at most POLICY_WINDOW
-  int next;   // place of the next output
+  int count;  // number of stored outputs, at most POLICY_WINDOW
+  int next;   // index of the next output
 } policy_t;
 
 // Constant policy: always the cruise speed. Adaptive policy: the cruise speed (1 km/h in the paper, the mission's
-// default) while the mean of the last ten outputs is at most 0.3 in magnitude. Otherwise 0.05 km/h less at each
-// output, never below 0, starting from `first_um_s`. Before ten outputs are there, the mean is over those that are.
+// default) while the magnitude of the mean of the last ten outputs is at most 0.3. Otherwise 0.05 km/h less at each
+// output, not below 0, starting from `first_um_s`. Before there are ten outputs, the mean is that of all outputs.
 void policy_init(policy_t* policy, bool adaptive, int32_t cruise_um_s, int32_t first_um_s);
 
-// Takes the navigator's next yaw output (127 = 1) and returns the speed to fly [um/s].
+// Adds the navigator's next yaw output (127 = 1), and returns the speed [um/s].
 int32_t policy_speed_um_s(policy_t* policy, int8_t yaw);
 
 #ifdef __cplusplus

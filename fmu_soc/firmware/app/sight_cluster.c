@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sight network on the chip: the cluster is on only while it computes. A chip without a cluster takes the plain
-// code, whose answers are the same.
+// The sight network on the cluster, which is only on during an inference. A chip without a cluster uses the plain code,
+// with the same results.
 #include <stdbool.h>
 
 #include "app/sight.h"

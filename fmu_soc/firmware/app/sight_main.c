@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A flight by the sight network: take off, then picture -> where is the gate -> traverser -> set-points -> sleep until
-// the next picture; land behind the gate or when the charge runs low.
+// A flight with the sight network: take-off, then a loop of picture, position of the gate, traverser, set-points, and
+// sleep until the next picture. Lands after the gate, or at a low charge.
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -15,17 +15,17 @@
 #include "runtime/exit.h"
 #include "runtime/interrupt.h"
 
-// How often the flight phase is looked at while climbing and descending.
+// Interval of checks of the flight phase while climbing and descending.
 #define PHASE_POLL_NS (20 * NS_PER_MS)
-// A line about the flight every so many pictures.
+// Pictures per line about the flight.
 #define PICTURES_PER_LINE 10
 
 typedef struct {
   uint32_t pictures;
   uint32_t sightings;    // pictures with a gate
-  uint32_t late;         // pictures that did not come in time
-  uint32_t overruns;     // frame periods without a picture since the work took too long
-  int64_t look_most_ns;  // longest time that a look took
+  uint32_t late;         // pictures that did not arrive in time
+  uint32_t overruns;     // frame periods without a picture because the work took too long
+  int64_t look_most_ns;  // longest time for a picture
 } statistics_t;
 
 static statistics_t statistics;
@@ -35,7 +35,8 @@ static void command(uint32_t mode, const traverser_command_t* order) {
   flight_command(&setpoint);
 }
 
-// Sleeps until the phase is `wanted`. False if the drone crashed before, or the charge fell to `least_charge_ppm`.
+// Sleeps until the phase is `wanted`. Returns false if the drone has crashed before, or if the charge is below
+// `least_charge_ppm`.
 static bool wait_for_phase(uint32_t wanted, uint32_t least_charge_ppm) {
   for (int64_t next_ns = timer_now_ns();;) {
     const uint32_t phase = flight_phase();
@@ -85,11 +86,11 @@ static traverser_t traverser_of_mission(void) {
   return traverser;
 }
 
-// The loop from picture to set-points; `order` is the last one sent. Returns the exit code that the flight has earned.
+// The loop from picture to set-points; `order` is the last command sent. Returns the exit code for the flight.
 static int fly(traverser_command_t* order) {
   traverser_t traverser = traverser_of_mission();
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
-  int64_t frame_ns = timer_now_ns();  // when to ask for the next picture
+  int64_t frame_ns = timer_now_ns();  // time of the next request
   int64_t last_ns = frame_ns;
   bool requested = false;
   while (traverser.phase != TRAVERSER_DONE) {
@@ -116,7 +117,7 @@ static int fly(traverser_command_t* order) {
     }
     requested = true;
     if (result == PICTURE_TAKEN) {
-      // A picture that would be due before this look ends is exposed and read out meanwhile.
+      // If the next picture is due before the end of this work, it is exposed and read out meanwhile.
       requested = here_ns + statistics.look_most_ns > frame_ns && camera_ask();
       sight = look(&picture);
     } else {

@@ -3,54 +3,55 @@
 
 #include "app/calibration.h"
 
-// Evidence that there is a gate: by how much `visible` is above or below 32, times [ms]. A gate in plain sight, 127,
-// makes an approach within 0.11 s, one that is told with 64 within 0.31 s; what stays below 32 never does. Of pictures
-// without a gate every fourth is told as one, every tenth above 32. Without a sighting all of it is lost in 1.25 s.
+// Evidence for a gate: the integral of `visible` - 32 over time [ms]. A clear gate (127) starts an approach within 0.11
+// s, one with 64 within 0.31 s; a value below 32 never does. In pictures without a gate, every fourth has a positive
+// value, and every tenth a value above 32. Without a sighting, all evidence is lost in 1.25 s.
 #define DOUBTFUL 32
 #define LEAST_SIGN (-16)
 #define EVIDENCE_TO_APPROACH 10000
 #define MOST_EVIDENCE 20000
-// How long a gate that was near, and of which there was evidence enough, may be out of the pictures until it counts as
-// entered.
+// A near gate with enough evidence counts as entered after it was invisible for this time.
 #define ENTERED_US 200000
 #define EVIDENCE_TO_ENTER 6500
-// Slower than a quarter of what was commanded for so long, the drone leans against something: it was no gate.
+// If the drone flies slower than a quarter of its command for this time, it leans against an object: there was no gate.
 #define STALLED_US 2000000
-// A drone that comes free of what it leaned against needs that much to fly back.
+// A drone that comes free of an object has this time to fly back.
 #define STUCK_US 6000000
-// Size, in 127ths of SIGHT_MOST_SIZE, at which the frame has left the picture (1.2), and that of a gate which is near
-// enough that it can only have left it (0.65).
+// Size, in 127ths of SIGHT_MOST_SIZE, at which the frame has left the picture (1.2); and of a gate so near that it can
+// only have left the picture (0.65).
 #define ENTERED_SIZE 76
 #define NEAR_SIZE 41
-// What is flown to comes nearer by what was flown. The distance told is that of a frame of 0.6 m by the longest lens:
-// it falls faster by a shorter lens or for a smaller frame, slower for a larger one. What is told to come nearer by
-// less than four fifths of what was flown is no gate, or a frame of more than 0.75 m by that lens, 1.6 m by one of 87
-// degrees.
+// The distance to a real gate decreases by the flown distance. The distance computed from the size is that of a frame
+// of 0.6 m with the longest lens. It decreases faster with a shorter lens or a smaller frame, and slower with a larger
+// frame. If it decreases by less than four fifths of the flown distance, it is not a gate, or a frame of more than 0.75
+// m with that lens, or 1.6 m with a lens of 87 degrees.
 #define LEAST_NEARER_PERCENT 80
-// Focal length over half the picture's width, in thousandths, of the longest lens that the network knows (0.82 rad). A
-// shorter lens sees a frame of the same size from nearer, so that this one tells the farthest that the gate can be.
+// Focal length over half the picture's width, in thousandths, of the longest lens that the network was trained with
+// (0.82 rad). With a shorter lens, a frame of the same size is nearer. So this lens gives the greatest distance of the
+// gate.
 #define LONGEST_FOCAL_MILLI 2301
-// The altitude follows a gate's within this time, up to this far from the mission's. A size below the least one (0.13,
-// a gate at 5 m with a lens of 50 degrees) is too small to divide by: it counts as that.
+// Time constant of the altitude towards a gate's, and its greatest distance from the mission's altitude. Sizes below
+// the minimum (0.13, a gate at 5 m with a lens of 50 degrees) are too small to divide by, and count as the minimum.
 #define ALTITUDE_US 400000
 #define MOST_CLIMB_UM 700000
 #define LEAST_ALTITUDE_UM 250000
 #define LEAST_SIZE 8
-// Part of the scale at which a search turns.
+// Yaw rate of a search, relative to the scale.
 #define SEARCH_YAW 64
-// What led against something is not followed again: no sighting counts this near to its heading. Where a sighting is,
-// is reckoned by half the view of the longest lens.
+// A direction that led against an object is not followed again: sightings this near to its heading are ignored. The
+// heading of a sighting is computed with half the view of the longest lens.
 #define DEAD_END_URAD 450000
 #define HALF_VIEW_URAD 410000
 #define HALF_TURN_URAD 3141593
-// A search that has turned once around goes so far on, where that was no dead end, forgets the others, and turns again.
+// After a full turn without success, a search flies this far in a direction without a dead end, forgets other dead
+// ends, and turns again.
 #define ELSEWHERE_UM 1000000
 
 static int32_t limited(int32_t value, int32_t low, int32_t high) {
   return value < low ? low : value > high ? high : value;
 }
 
-// Between -HALF_TURN_URAD and HALF_TURN_URAD.
+// Returns the equivalent angle between -HALF_TURN_URAD and HALF_TURN_URAD.
 static int32_t turned(int32_t angle_urad) {
   while (angle_urad > HALF_TURN_URAD) {
     angle_urad -= 2 * HALF_TURN_URAD;
@@ -101,8 +102,8 @@ static traverser_command_t command(const traverser_t* t, int32_t velocity_um_s, 
   return order;
 }
 
-// Takes over a part of where the gate's middle is now: half the frame over its size is what half the picture measures
-// at the gate, whatever the lens.
+// Moves the altitude towards that of the gate's middle. Half the frame divided by its size is the length of half the
+// picture at the gate, for any lens.
 static void follow_altitude(traverser_t* t, const sight_t* sight, const traverser_state_t* state) {
   const int32_t size = sight->size < LEAST_SIZE ? LEAST_SIZE : sight->size;
   const int32_t half_frame_um = GATE_OUTER_MM * 1000 / 2;
@@ -120,13 +121,14 @@ static traverser_command_t straight_on(traverser_t* t) {
   return command(t, policy_speed_um_s(&t->policy, 0), 0);
 }
 
-// The farthest that a gate of this size can be: half the frame over its size is half the picture's width there.
+// Returns the greatest distance of a gate of this size: half the frame divided by its size is half the picture's width
+// at that distance.
 static int32_t farthest_um(int32_t size_q8) {
   const int64_t divisor_q8 = size_q8 < LEAST_SIZE * 256 ? LEAST_SIZE * 256 : size_q8;
   return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * divisor_q8));
 }
 
-// The frame leaves the picture: from here on nothing but the flown distance tells where the gate is.
+// The frame leaves the picture. From now on, only the flown distance is used.
 static traverser_command_t enter(traverser_t* t) {
   t->phase = TRAVERSER_THROUGH;
   t->left_um = farthest_um(t->most_q8) + PILOT_BEHIND_MM * 1000;
@@ -145,7 +147,7 @@ static traverser_command_t search_again(traverser_t* t) {
   return turn_on(t);
 }
 
-// The oldest that is not kept is forgotten where there are too many.
+// If there are too many, removes the oldest one that need not be kept.
 static void remember_dead_end(traverser_t* t, int32_t yaw_urad) {
   if (t->dead_ends == TRAVERSER_DEAD_ENDS) {
     for (int i = t->kept_dead_ends + 1; i < TRAVERSER_DEAD_ENDS; ++i) {
@@ -177,7 +179,7 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
   if (sighted && t->evidence >= EVIDENCE_TO_APPROACH) {
     t->phase = TRAVERSER_APPROACH;
     begin_way(t);
-    // Near only when more pictures say so.
+    // It only counts as near after further pictures.
     t->size_q8 = limited(sight->size, LEAST_SIZE, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
   }
@@ -189,7 +191,7 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
   return turn_on(t);
 }
 
-// Velocity times time, which is some seconds at most, as whole micrometres.
+// Velocity times time, in whole micrometres. The time is at most some seconds.
 static int32_t flown_um(const traverser_state_t* state) {
   return (int32_t)((int64_t)state->forward_velocity_um_s * state->elapsed_us / 1000000);
 }
@@ -206,17 +208,18 @@ static void fly_on(traverser_t* t, const traverser_state_t* state) {
   }
 }
 
-// It is no gate: straight back as far as the approach has flown, to search where this was not.
+// There was no gate: flies straight back by the distance of the approach, to search elsewhere.
 static traverser_command_t leave(traverser_t* t) {
   remember_dead_end(t, t->way_urad);
   return t->flown_um > 0 ? go_elsewhere(t, -t->flown_um) : search_again(t);
 }
 
-// A gate grows by some hundredths from one picture to the next: one that tells more than half as much again as the mean
-// counts as that. Two such lift the mean by 27 %; what is entered too soon for that is crossed in the half metre
-// behind.
+// Updates the mean size. A gate grows by some hundredths from picture to picture, so a size above 1.5 times the mean is
+// limited to that. Two such sizes raise the mean by 27 %. If the gate is then entered too early, it is still crossed
+// within the additional half metre.
 //
-// What is flown to only grows, but the told size falls while the frame leaves the picture: the greatest one counts.
+// The true size only grows, but the measured size decreases while the frame leaves the picture. Therefore the greatest
+// mean is kept.
 static void follow_size(traverser_t* t, const sight_t* sight) {
   t->size_q8 += (limited(sight->size * 256, LEAST_SIZE * 256, t->size_q8 * 3 / 2) - t->size_q8) / 4;
   if (t->marks >= TRAVERSER_MARKS && t->size_q8 > t->most_q8) {
@@ -228,8 +231,8 @@ static void follow_size(traverser_t* t, const sight_t* sight) {
   }
 }
 
-// Flown as far as a gate of the greatest size can be, and none was entered: it was none, or one that is behind the
-// drone and was not noticed. What comes next has a greatest size of its own.
+// True if the drone has flown past the greatest distance of a gate of the greatest size, without entering one. Then
+// there was no gate, or it was crossed unnoticed. The next one has a greatest size of its own.
 static bool most_is_behind(const traverser_t* t) {
   return t->flown_um - t->most_at_um > farthest_um(t->most_q8);
 }
@@ -264,7 +267,7 @@ static traverser_command_t through(traverser_t* t, const traverser_state_t* stat
     return straight_on(t);
   }
   if (--t->gates > 0) {
-    // Not back through this one.
+    // Do not fly back through this gate.
     t->dead_ends = t->kept_dead_ends = 0;
     remember_dead_end(t, t->yaw_urad + HALF_TURN_URAD);
     t->kept_dead_ends = 1;
@@ -307,7 +310,7 @@ static traverser_command_t next(traverser_t* t, const sight_t* sight, const trav
       return t->stalled_us > STALLED_US ? leave(t) : approach(t, sight, sighted, state);
     case TRAVERSER_THROUGH:
       fly_on(t, state);
-      // Perhaps it has crossed a gate close before a wall. A picture of a gate on that wall would look the same.
+      // It may have crossed a gate near a wall. A picture of a gate on that wall would look the same.
       return t->stalled_us > STALLED_US ? leave(t) : through(t, state);
     case TRAVERSER_ELSEWHERE:
       return elsewhere(t, state);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steers through a gate by what the sight network tells: turns and climbs towards the middle of its opening up to where
-// the frame leaves the picture, then holds heading and altitude. Turns until it sees a gate that was never seen, or
-// that got lost. Nobody tells it when the drone has passed the gate: it flies on as far as the gate can be, and half a
-// metre more.
+// Steers through a gate with the outputs of the sight network. It turns and climbs towards the middle of the opening
+// until the frame leaves the picture, then keeps heading and altitude. It turns until it sees a gate, or after it has
+// lost one. There is no signal that the gate is crossed: it flies as far as the gate can be, and half a metre more.
 #pragma once
 
 #include <stdbool.h>
@@ -22,64 +21,64 @@ typedef struct {
   int32_t altitude_um;      // above ground
 } traverser_command_t;
 
-// What the drone knows of itself at a picture.
+// State of the drone at a picture.
 typedef struct {
   int32_t forward_velocity_um_s;
   int32_t altitude_um;  // measured
   int32_t elapsed_us;   // since the picture before
-  int32_t yaw_urad;     // heading; may go around
+  int32_t yaw_urad;     // heading; not limited to one turn
 } traverser_state_t;
 
-// Sizes that are remembered, one each so far apart.
+// Number and spacing of stored sizes.
 #define TRAVERSER_MARKS 3
 #define TRAVERSER_MARK_UM 250000
 
-// How many headings that led to no gate are remembered.
+// Number of stored headings that led to no gate.
 #define TRAVERSER_DEAD_ENDS 6
 
 typedef enum {
   TRAVERSER_SEARCH,     // hover and turn until a gate is seen
-  TRAVERSER_APPROACH,   // fly to where the gate is
+  TRAVERSER_APPROACH,   // fly to the gate
   TRAVERSER_THROUGH,    // straight on through it
-  TRAVERSER_ELSEWHERE,  // straight to where to search next, back or on
-  TRAVERSER_DONE        // behind the last gate
+  TRAVERSER_ELSEWHERE,  // fly straight to the next place to search, back or ahead
+  TRAVERSER_DONE        // after the last gate
 } traverser_phase_t;
 
-// Set by traverser_init; `phase` may be read.
+// Set by traverser_init(); only `phase` may be read.
 typedef struct {
   traverser_phase_t phase;
   policy_t policy;
   int32_t yaw_rate_scale_urad_s;
-  int32_t start_altitude_um;  // that the mission asks for
-  int32_t altitude_um;        // where the gate's middle is
+  int32_t start_altitude_um;  // of the mission
+  int32_t altitude_um;        // of the gate's middle
   int32_t size_q8;            // mean of the last sizes, in 127ths of SIGHT_MOST_SIZE
-  int32_t most_q8;            // the greatest such mean of this approach, after the first marks
-  int32_t most_at_um;         // flown then
-  bool came_nearer;           // whether what is flown to had then come nearer as a gate does
-  int32_t evidence;           // that there is a gate: 127ths of `visible` times ms
-  int32_t unseen_us;          // since a gate was in the picture
-  int32_t stalled_us;         // since the drone flew as it was commanded to
-  int32_t left_um;            // to fly straight, since the frame left the picture or the search ended; negative: back
-  int32_t ordered_um_s;       // the last command's velocity
-  int32_t flown_um;           // forwards, since the last search
-  int32_t way_urad;           // heading at the last mark, before anything that it leans against turns the drone
-  int32_t marks;              // passed on that way
-  int32_t marked_q8[TRAVERSER_MARKS];           // sizes at the last of them, the latest first
-  int32_t dead_ends_urad[TRAVERSER_DEAD_ENDS];  // headings that led against something
+  int32_t most_q8;            // greatest mean of this approach, after the first marks
+  int32_t most_at_um;         // flown distance at that time
+  bool came_nearer;           // true if the distance had then decreased as for a gate
+  int32_t evidence;           // for a gate: 127ths of `visible` times ms
+  int32_t unseen_us;          // since the last picture with a gate
+  int32_t stalled_us;         // since the drone last followed its command
+  int32_t left_um;  // distance to fly straight, after the frame left the picture or the search ended; negative: back
+  int32_t ordered_um_s;                         // velocity of the last command
+  int32_t flown_um;                             // forwards, since the last search
+  int32_t way_urad;                             // heading at the last mark, before an object can turn the drone
+  int32_t marks;                                // passed in that direction
+  int32_t marked_q8[TRAVERSER_MARKS];           // sizes at the last marks, the latest first
+  int32_t dead_ends_urad[TRAVERSER_DEAD_ENDS];  // headings that led against an object
   int dead_ends;
-  int kept_dead_ends;   // the first of them are kept: the one back through the gate before
+  int kept_dead_ends;   // the first ones are kept: back through the gate before
   int32_t turned_urad;  // by this search; left is positive
   int32_t yaw_urad;     // at the last picture
-  int gates;            // to fly through, from here on
-  int8_t last_yaw;      // where the gate of the last approach was
+  int gates;            // gates left to fly through
+  int8_t last_yaw;      // direction of the gate of the last approach
 } traverser_t;
 
-// Starts in TRAVERSER_SEARCH at the heading `yaw_urad` with the policy as it is. The scale is the yaw rate at output
+// Starts in TRAVERSER_SEARCH at the heading `yaw_urad` with a copy of the policy. The scale is the yaw rate at output
 // 127.
 void traverser_init(traverser_t* traverser, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
                     int32_t yaw_urad, int gates);
 
-// One picture.
+// Processes one picture.
 traverser_command_t traverser_step(traverser_t* traverser, const sight_t* sight, const traverser_state_t* state);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture that the gate finder works on: the camera's, made smaller, as an integral image.
+// The picture for the gate finder: the camera's picture, reduced, as an integral image.
 #pragma once
 
 #include <stdbool.h>
@@ -20,8 +20,8 @@ typedef struct {
   uint32_t integral[(WORK_MAX + 1) * (WORK_MAX + 1)];
 } work_picture_t;
 
-// Averages blocks of reduction x reduction pixels, where the reduction is the least that makes the picture fit, and
-// sums up. False if the picture is smaller than 64 pixels or larger than 4 x WORK_MAX along an axis.
+// Averages blocks of reduction x reduction pixels, with the smallest reduction that makes the picture fit, and computes
+// the sums. Returns false if the picture is smaller than 64 pixels or larger than 4 x WORK_MAX in one direction.
 bool work_picture_make(work_picture_t* work, const uint8_t* frame, int width, int height);
 
 #ifdef __cplusplus

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kernels scheduled by hand beside those that the compiler schedules, on eight cores, of noise: a line for each
-// with the cluster's cycles of both. Ends with 1 where their bytes differ, or where the compiler's are as fast.
+// Compares the kernels scheduled by hand with those scheduled by the compiler, on eight cores, with noise as input.
+// Prints a line for each with the cluster's cycles of both. Ends with 1 if their bytes differ, or if the compiler's are
+// as fast.
 #include <stdint.h>
 
 #include "drivers/timer.h"
@@ -41,7 +42,7 @@ static void hand_first(nn_share_t share) {
   nn_hand_first(&arena, share);
 }
 
-// Noise everywhere in the arena, its borders included, but for the weights.
+// Fills the arena with noise, also its borders, except for the weights.
 static void prepare(nn_share_t share) {
   if (share.core == 0) {
     uint32_t noise = 1;
@@ -71,7 +72,7 @@ static uint32_t run(void (*what)(nn_share_t)) {
   return ((uint32_t)timer_now_ns() - begin_ns) * CLUSTER_MHZ / 1000;
 }
 
-// Cycles of the second time: the instruction cache is warm then.
+// Returns the cycles of the second call, with a warm instruction cache.
 static uint32_t measured(void (*what)(nn_share_t), uint32_t* bytes) {
   run(prepare);
   run(what);

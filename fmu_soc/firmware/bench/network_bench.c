@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inferences without pause, for mebots-network-bench: a line before and after those of each number of cores, the
-// second one with the time that they took [ns].
+// Inferences without pause, for mebots-network-bench. Prints a line before and after those of each number of cores; the
+// second line has their time [ns].
 #include <stdint.h>
 
 #include "drivers/timer.h"
@@ -13,7 +13,7 @@
 #define HEIGHT 320
 #define INFERENCES 8
 
-// The time does not depend on what the picture shows.
+// The time does not depend on the content of the picture.
 static uint8_t frame[WIDTH * HEIGHT] __attribute__((aligned(4), section(".noinit.frame")));
 
 int main(void) {
@@ -24,7 +24,7 @@ int main(void) {
       print("no cluster\n");
       return 1;
     }
-    // Once before, so that instruction caches hold what they can.
+    // One inference before, to fill the instruction caches.
     nn_cluster_infer(frame, WIDTH, HEIGHT, cores);
     const uint32_t begin_ns = (uint32_t)timer_now_ns();
     print("begin %u %u\n", cores, (uint32_t)INFERENCES);

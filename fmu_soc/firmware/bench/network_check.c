@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes pictures by the camera, as many as there come, and tells what every kernel makes of each. Of pictures of
-// 168 x 168 pixels, which are the network's already:
-//   plain|alone|cluster<cores> outputs checksum-of-each-layer
-// Of larger ones:
-//   whole<cores> outputs
+// Takes all pictures of the camera, and prints the results of every kernel. For pictures of 168 x 168 pixels, the
+// network's size:
+// plain|alone|cluster<cores> outputs checksum-of-each-layer
+// For larger pictures:
+// whole<cores> outputs
 #include <stdint.h>
 
 #include "drivers/camera.h"
@@ -14,7 +14,7 @@
 #include "runtime/console.h"
 #include "runtime/interrupt.h"
 
-// Plain code takes its time: only the first pictures.
+// Plain code is slow, so it only gets the first pictures.
 #define PLAIN_PICTURES 2
 #define PATIENCE_NS (INT64_C(200) * NS_PER_MS)
 
@@ -64,7 +64,7 @@ static void check_alone(void) {
   print("\n");
 }
 
-// Switched off and on for each picture, so that nothing is left in L1 from the one before.
+// Switches the cluster off and on for each picture, so that L1 keeps nothing of the last one.
 static void check_cluster(unsigned cores) {
   cluster_on();
   print("cluster%u", cores);
@@ -76,7 +76,7 @@ static void check_cluster(unsigned cores) {
   cluster_off();
 }
 
-// A picture of the camera's own size, small only in L1.
+// A picture of the camera's size, which is reduced in L1.
 static void check_whole(const picture_t* picture) {
   for (unsigned cores = 1; cores <= cluster_cores; cores *= 2) {
     cluster_on();

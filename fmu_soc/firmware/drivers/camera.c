@@ -9,20 +9,20 @@
 #define STATUS_READY 2U
 #define STATUS_REFUSED 4U
 
-// The sensor's largest picture.
+// The largest picture of the sensor.
 #define BUFFER_BYTES (324 * 324)
 
 static uint8_t buffers[2][BUFFER_BYTES] __attribute__((aligned(4), section(".noinit.camera")));
-// The buffer that the picture on its way goes to, or went to last.
+// The buffer of the picture that is requested, or of the last one.
 static unsigned filling;
 static bool is_requested;
-// STATUS bits that the interrupt brought.
+// STATUS bits at the last interrupt.
 static volatile uint32_t outcome;
 
-// A picture is there, or one was dropped since it does not fit the buffer.
+// A picture has arrived, or one was dropped because it does not fit into the buffer.
 static void on_camera(void) {
   const uint32_t status = CAMERA_STATUS & (STATUS_READY | STATUS_REFUSED);
-  CAMERA_STATUS = status;  // drops the request
+  CAMERA_STATUS = status;  // clears the interrupt
   outcome |= status;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Himax HM01B0 behind the chip's camera device: ask for a picture, sleep until it lies in memory. Pictures go to two
-// buffers in turn: one is exposed and read out while the program works on the one before it.
+// Himax HM01B0 with the chip's camera device: requests a picture, and sleeps until it is in memory. There are two
+// buffers: one picture is exposed and read out while the program works on the picture before.
 #pragma once
 
 #include <stdbool.h>
@@ -11,9 +11,9 @@ extern "C" {
 #endif
 
 typedef enum {
-  PICTURE_TAKEN,    // a new picture lies in the buffer
-  PICTURE_REFUSED,  // the device refused: buffer too small or not in L2, or asked while busy
-  PICTURE_LATE      // no picture until the deadline
+  PICTURE_TAKEN,    // a new picture is in the buffer
+  PICTURE_REFUSED,  // the device refused: buffer too small or not in L2, or requested while busy
+  PICTURE_LATE      // no picture before the deadline
 } camera_result_t;
 
 typedef struct {
@@ -26,14 +26,14 @@ typedef struct {
 // Attaches the interrupt. Call once, with interrupts off.
 void camera_init(void);
 
-// Asks for a picture and returns at once; one that is on its way already stays the one asked for. False: refused.
+// Requests a picture and returns at once. If a request is open already, has no effect. Returns false if refused.
 bool camera_ask(void);
 
-// Sleeps until the picture asked for is there or `deadline_ns` has come, after which it is still on its way. Uses the
-// timer's alarm. The picture's pixels stay until the one after the next is asked for.
+// Sleeps until the requested picture has arrived, or until `deadline_ns`; the request stays open then. Uses the timer's
+// alarm. The pixels stay valid until the picture after the next one is requested.
 camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns);
 
-// Both at once.
+// Requests a picture and waits for it.
 static inline camera_result_t camera_take(picture_t* picture, int64_t deadline_ns) {
   return camera_ask() ? camera_wait(picture, deadline_ns) : PICTURE_REFUSED;
 }

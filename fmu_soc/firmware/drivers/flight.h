@@ -7,7 +7,7 @@
 
 #include "board.h"
 
-// What the flight controller is asked to do.
+// Set-points for the flight controller.
 typedef struct {
   uint32_t mode;            // FLIGHT_MODE_...
   int32_t velocity_x_um_s;  // forward
@@ -38,7 +38,7 @@ static inline int32_t flight_yaw_urad(void) {
   return (int32_t)FLIGHT_YAW;
 }
 
-// True once the referee saw the drone cross the gate's opening.
+// True after the referee has seen the drone cross the gate's opening.
 static inline bool flight_gate_crossed(void) {
   return FLIGHT_GATE_CROSSED != 0;
 }

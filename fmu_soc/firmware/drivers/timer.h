@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nanosecond timer: the time, and sleep until a time.
+// Nanosecond timer: present time, and sleep until a time.
 #pragma once
 
 #include <stdbool.h>
@@ -15,13 +15,13 @@ extern "C" {
 // Attaches the timer's interrupt. Call once, with interrupts off.
 void timer_init(void);
 
-// Time since reset [ns].
+// Returns the time since reset [ns].
 int64_t timer_now_ns(void);
 
-// Arms the timer's interrupt for `time_ns`; a time gone by comes at once.
+// Sets the timer's interrupt for `time_ns`; if that time is past, the interrupt comes at once.
 void timer_set_alarm(int64_t time_ns);
 
-// True once the time of the last alarm has come.
+// True if the time of the last alarm is past.
 bool timer_alarm_came(void);
 
 // Sleeps until `time_ns`.

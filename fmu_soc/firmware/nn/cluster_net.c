@@ -6,8 +6,8 @@
 #include "nn/fast.h"
 #include "runtime/cluster.h"
 
-// Who makes the picture small and computes the first layer: with the same bytes, by hand in fewer cycles.
-// CMakeLists.txt says which programs take which, and why.
+// The kernels that reduce the picture and compute the first layer. Those scheduled by hand give the same bytes in fewer
+// cycles. CMakeLists.txt selects them for some programs, with the reason.
 #ifdef NN_BY_HAND
 #include "nn/hand.h"
 #define SHRINK nn_hand_shrink
@@ -18,7 +18,7 @@
 #endif
 
 typedef struct {
-  const uint8_t* frame;  // null: the picture lies in the arena already
+  const uint8_t* frame;  // null: the picture is in the arena already
   int width;
   int height;
   unsigned cores;
@@ -52,7 +52,7 @@ static void shrink(const job_t* j, nn_share_t share) {
     if (share.core == 0) {
       dma_wait(copy);
     }
-    // The stripe is there, and all are done with the one before it, whose place the next one takes.
+    // The stripe has arrived, and all cores are done with the stripe before, which the next one overwrites.
     cluster_barrier();
     if (share.core == 0 && stripe + 1 < NN_STRIPES) {
       copy = fetch(j, stripe + 1);

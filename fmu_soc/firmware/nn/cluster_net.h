@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The network on the cluster. The picture comes into L1 by DMA in stripes while the cores make the stripe before it
-// small; the large weights while the cores compute the layers before they are needed. For the fabric controller.
+// The network on the cluster, for the fabric controller. The DMA copies the picture to L1 in stripes while the cores
+// reduce the stripe before. It copies the large weights during the layers before they are needed.
 #pragma once
 
 #include <stdbool.h>
@@ -11,22 +11,23 @@
 extern "C" {
 #endif
 
-// Once, before the first inference.
+// Must be called once, before the first inference.
 void nn_cluster_init(void);
 
-// Whether a picture has a size that nn_cluster_infer can take: 168 to 324 each way, the width a multiple of 4.
+// True if nn_cluster_infer() supports a picture of this size: 168 to 324 in both directions, the width a multiple of 4.
 static inline bool nn_cluster_takes(int width, int height) {
   return width >= SHRUNK_EDGE && width <= 324 && width % 4 == 0 && height >= SHRUNK_EDGE && height <= 324;
 }
 
-// The network's outputs for a picture of 8-bit grey pixels in L2, on `cores` cores. The cluster must be on; L1 may hold
-// anything.
+// Returns the network's outputs for a picture of 8-bit grey pixels in L2, computed on `cores` cores. The cluster must
+// be on; the content of L1 does not matter.
 nn_output_t nn_cluster_infer(const uint8_t* frame, int width, int height, unsigned cores);
 
-// The same for a picture of 168 x 168 that is small already (grey level less 128), to compare with the golden vectors.
+// Does the same for a picture that is reduced to 168 x 168 already (grey level minus 128), for comparison with golden
+// vectors.
 nn_output_t nn_cluster_infer_shrunk(const int8_t picture[NN_PICTURE_BYTES], unsigned cores);
 
-// Hash of layer 0 to 6's output of the last inference, while the cluster is on.
+// Returns the hash of the output of layer 0 to 6 of the last inference, while the cluster is on.
 uint32_t nn_cluster_checksum(int layer);
 
 #ifdef __cplusplus

@@ -7,7 +7,7 @@
 
 typedef uint32_t __attribute__((may_alias)) word_t;
 
-// --- Where things lie -----------------------------------------------------------------------------------------------
+// --- Layout ---------------------------------------------------------------------------------------------------------
 
 static uint8_t* output_of(nn_arena_t* a, int layer) {
   switch (layer) {
@@ -28,7 +28,8 @@ static uint8_t* output_of(nn_arena_t* a, int layer) {
   }
 }
 
-// Edge of a layer's output; the last convolution's has no border, since the dense layer takes it as it lies.
+// Returns the edge of a layer's output. That of the last convolution has no border, because the dense layer uses it
+// directly.
 static int edge_of(int layer) {
   return layer == 0 ? NN_POOLED_EDGE : nn_shapes[layer].out_edge;
 }
@@ -36,8 +37,7 @@ static int border_of(int layer) {
   return layer == NN_CONVOLUTIONS - 1 ? 0 : 1;
 }
 
-// Where the weights of layers 1 to 3 begin among the small ones, and those of layers 4 to 7 among the large ones
-// [words].
+// Start of the weights of layers 1 to 3 among the small ones, and of layers 4 to 7 among the large ones [words].
 static const uint16_t kSmall[] = {0, 0, NN_BYTES_1 / 4, (NN_BYTES_1 + NN_BYTES_2) / 4};
 static const uint16_t kLarge[] = {0, NN_BYTES_4 / 4, (NN_BYTES_4 + NN_BYTES_5) / 4,
                                   (NN_BYTES_4 + NN_BYTES_5 + NN_BYTES_6) / 4};
@@ -144,7 +144,7 @@ void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
     const uint16_t* column = columns;
     int8_t* to = &arena->picture[(y + 2) * NN_PICTURE_PITCH + 2];
     const uint32_t ones = 0x01010101;
-    // Sum of four pixels, plus 2 to round, less 4 x 128.
+    // Sum of four pixels, plus 2 for rounding, minus 4 x 128.
 #pragma GCC unroll 8
     for (int x = 0; x < SHRUNK_EDGE; ++x) {
       const ptrdiff_t at = *column++;
@@ -155,19 +155,20 @@ void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
   }
 }
 
-// --- First layer: 5 x 5 with stride 2, then the largest of 2 x 2 ----------------------------------------------------
+// --- First layer: 5 x 5 with stride 2, then the maximum of 2 x 2
+// --------------------------------------------------------
 //
-// The four places that are pooled to one see a patch of 7 x 7 pixels: two words of each of seven rows, the last byte
-// idle. A place takes four pixels of each of its five rows as a word; its rows' fifth pixels are gathered, four in a
-// word and the last one alone. So 25 products cost seven dot products.
+// Four places that are pooled to one need a patch of 7 x 7 pixels: two words of each of seven rows, with one unused
+// byte. A place uses four pixels of each of its five rows as a word. The fifth pixels of its rows are gathered: four in
+// one word and the last one alone. So 25 products need seven dot products.
 
 typedef struct {
   uint32_t rows[7];   // four pixels of each row
   uint32_t fifth[2];  // fifth pixels of rows 0 to 3, of rows 2 to 5
-  uint32_t last[2];   // fifth pixel of row 4, of row 6, as the lowest byte; the others meet zeros
+  uint32_t last[2];   // fifth pixel of row 4, of row 6, as the lowest byte; the others are multiplied by zeros
 } patch_t;
 
-// Largest sum of the two places one above the other.
+// Returns the greater sum of two places one above the other.
 static inline __attribute__((always_inline)) int32_t upright_pair(const patch_t* p, const word_t* weights,
                                                                   int32_t bias) {
   int32_t upper = bias;
@@ -200,7 +201,7 @@ static inline __attribute__((always_inline)) int32_t to_byte(int32_t sum, int32_
   return xpulp_clipur(sum >> shift, 255);
 }
 
-// Four channels at a time: those from `from` on. A network that has no more is spared the call.
+// Four channels at a time, starting with `from`. A network with four channels needs no call.
 #if NN_CHANNELS_FIRST == 4
 #define FIRST_FROM 0
 void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
@@ -214,7 +215,7 @@ static void first_four(nn_arena_t* arena, nn_share_t share, int from) {
   const int32_t b0 = layer.biases[0], b1 = layer.biases[1], b2 = layer.biases[2], b3 = layer.biases[3];
   const int32_t s0 = layer.shifts[0], s1 = layer.shifts[1], s2 = layer.shifts[2], s3 = layer.shifts[3];
   const word_t* const weights = arena->small.first + FIRST_FROM * NN_FIRST_WORDS;
-  // Half rows, so that the last ones fall to more than two of eight cores.
+  // Units are half rows, so that the last ones are shared by more than two of eight cores.
   const int parts = 2 * NN_POOLED_EDGE;
   for (int part = (int)share.core; part < parts; part += (int)share.cores) {
     const int y = part / 2;
@@ -235,7 +236,7 @@ static void first_four(nn_arena_t* arena, nn_share_t share, int from) {
       int32_t m1 = upright_pair(&p, weights + NN_FIRST_WORDS, b1);
       int32_t m2 = upright_pair(&p, weights + 2 * NN_FIRST_WORDS, b2);
       int32_t m3 = upright_pair(&p, weights + 3 * NN_FIRST_WORDS, b3);
-      // The places to the right: two pixels on.
+      // The places to the right: two pixels farther.
 #pragma GCC unroll 7
       for (int row = 0; row < 7; ++row) {
         right[row] = at[row * NN_PICTURE_PITCH / 4 + 1];
@@ -262,8 +263,8 @@ void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
 
 // --- Layers 1 to 6: 3 x 3 -------------------------------------------------------------------------------------------
 //
-// Two places beside each other by four output channels at a time: six loads feed eight dot products of four products
-// each. A row of a place's patch lies in one piece, as the weights for it do.
+// Two adjacent places by four output channels at a time: six loads provide the operands of eight dot products of four
+// products each. A row of a place's patch is contiguous, as are its weights.
 
 // Sums of one row of the patch: `words` loads from each place and each channel.
 #define ROW_OF_PATCH                                                                                             \
@@ -282,7 +283,7 @@ void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
 typedef struct {
   int words;          // of a patch's row
   int to_next_row;    // bytes from the end of a patch's row to the start of the next
-  int to_next_place;  // bytes from a place's patch to that of the place beside it
+  int to_next_place;  // bytes from a place's patch to that of the adjacent place
   int channel_bytes;  // of an output channel's weights
   int out_channels;
 } geometry_t;

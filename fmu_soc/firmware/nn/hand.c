@@ -10,7 +10,7 @@ void nn_hand_shrink_pixels(const uint16_t* columns, const uint8_t* upper, const 
 void nn_hand_shrink(nn_arena_t* arena, const uint8_t* source, int width, int height, const uint16_t* columns, int first,
                     int count, nn_share_t share) {
   const int top = shrink_place(first, height);
-  // Each core begins elsewhere: at one column all of them would want one bank, where `width` is a multiple of 64.
+  // Each core begins at another column. If `width` is a multiple of 64, one column of all rows is in one bank.
   const int begin = SHRUNK_EDGE / 8 / 4 * 4 * (int)share.core;
   for (int y = first + (int)share.core; y < first + count; y += (int)share.cores) {
     const uint8_t* upper = source + (shrink_place(y, height) - top) * width;
@@ -23,8 +23,8 @@ void nn_hand_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
   }
 }
 
-// Four channels of the first layer as nn_hand_row wants them: the words of nn_small_weights_t, the last one again for
-// pixels two bytes on, bias and shift.
+// Fills the table of nn_hand_row() for four channels of the first layer: the words of nn_small_weights_t, the last one
+// again for pixels two bytes farther, bias and shift.
 static void make_table(uint32_t table[4 * NN_HAND_WORDS], const nn_arena_t* arena, int from) {
   const nn_layer_t layer = nn_layer(0);
   for (int c = from; c < from + 4; ++c, table += NN_HAND_WORDS) {
@@ -39,10 +39,10 @@ static void make_table(uint32_t table[4 * NN_HAND_WORDS], const nn_arena_t* aren
 }
 
 void nn_hand_first(nn_arena_t* arena, nn_share_t share) {
-  uint32_t table[4 * NN_HAND_WORDS];  // on the core's stack, which lies in L1
+  uint32_t table[4 * NN_HAND_WORDS];  // on the core's stack, in L1
   for (int from = 0; from < NN_CHANNELS_FIRST; from += 4) {
     make_table(table, arena, from);
-    // Half rows, so that the last ones fall to more than two of eight cores.
+    // Units are half rows, so that the last ones are shared by more than two of eight cores.
     const int parts = 2 * NN_POOLED_EDGE;
     for (int part = (int)share.core; part < parts; part += (int)share.cores) {
       const int y = part / 2;

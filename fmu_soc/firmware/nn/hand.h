@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first layer and the shrinking of the picture, scheduled by hand: same results as nn_fast_first and
-// nn_fast_shrink, whose arguments they take. CMakeLists.txt says which programs have them.
+// The first layer and the reduction of the picture, scheduled by hand. Arguments and results are those of
+// nn_fast_first() and nn_fast_shrink(). CMakeLists.txt selects them for some programs.
 #pragma once
 
 #include "nn/shape.h"
 
-// Bytes of a row of the network's picture, and words of a channel in the table that nn_hand_row reads.
+// Bytes of a row of the network's picture, and words per channel in the table of nn_hand_row().
 #define NN_HAND_PITCH 172
 #define NN_HAND_WORDS 10
 

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# First layer, 5 x 5 with stride 2, pooled 2 x 2 on the fly: `count` pooled places of a row, four channels.
+# First layer, 5 x 5 with stride 2, with 2 x 2 pooling: computes `count` pooled places of a row for four channels.
 #   void nn_hand_row(const uint8_t* at, uint8_t* to, const uint32_t* table, int count)
-# `at`: the patch of the first place, in rows of NN_HAND_PITCH bytes; it moves by 4 bytes from place to place, `to` by
-# NN_CHANNELS_FIRST. `table`: NN_HAND_WORDS words of each channel, as make_table (hand.c) makes them.
+# `at`: the patch of the first place, in rows of NN_HAND_PITCH bytes. `at` moves by 4 bytes per place, `to` by
+# NN_CHANNELS_FIRST. `table`: NN_HAND_WORDS words per channel, from make_table (hand.c).
 #
-# Four places that pool to one share a patch of 7 x 7 pixels. 20 registers hold it: of each row pixels 0 to 3 (left
-# places) and 2 to 5 (right ones), their rows' fifth pixels, gathered, and rows 4 and 6 from pixel 4 on, whose bytes 0
-# and 2 are the last pixels. So a weight is loaded once for four dot products, and nothing is spilled.
+# The four places of a pool share a patch of 7 x 7 pixels, which is in 20 registers. These are pixels 0 to 3 (left
+# places) and 2 to 5 (right places) of each row, the gathered fifth pixels of their rows, and rows 4 and 6 from pixel 4
+# on, whose bytes 0 and 2 are the last pixels. So each weight is loaded once for four dot products, and no register is
+# spilled.
 #include "nn/hand.h"
 
 # Pixels 0 to 3 of rows 0 to 6
@@ -75,7 +76,7 @@
     \product RU, \right_upper, \w
     \product RL, \right_lower, \w
 .endm
-# What comes from the table arrives while the products of the word before are made.
+# Loads from the table overlap with the products of the word before.
 .macro channel number
     p.lw W0
     p.lw W1

@@ -33,25 +33,25 @@ typedef struct {
   uint8_t stride;
 } nn_shape_t;
 
-// The convolutions. The first one's output is pooled: the largest of each 2 x 2.
+// The convolutions. The output of the first one is pooled: maximum of each 2 x 2.
 extern const nn_shape_t nn_shapes[NN_CONVOLUTIONS];
 #define NN_POOLED_EDGE 42
 #define NN_FEATURES (6 * 6 * NN_CHANNELS_FOURTH)
 
 typedef struct {
-  const int32_t* biases;  // one for each output channel
+  const int32_t* biases;  // one per output channel
   const uint8_t* shifts;  // 1..15
   const int8_t* weights;  // output channel, row, column, input channel
 } nn_layer_t;
 
-// Layer 0 .. NN_CONVOLUTIONS - 1, and NN_CONVOLUTIONS for the dense one; each part starts on a word.
+// Returns layer 0 .. NN_CONVOLUTIONS - 1, or the dense layer for NN_CONVOLUTIONS. Each part is aligned to a word.
 nn_layer_t nn_layer(int index);
 
-// Hash of a tensor's bytes in their order (FNV-1a, 32 bits), to compare layers across machines.
+// Returns the hash of a tensor's bytes in their order (FNV-1a, 32 bits), to compare layers of different machines.
 uint32_t nn_checksum(const void* bytes, int count, uint32_t hash);
 #define NN_CHECKSUM_START 2166136261U
 
-// The outputs of all convolutions, the first one pooled.
+// The outputs of all convolutions; that of the first one is pooled.
 typedef struct {
   uint8_t pooled[NN_POOLED_EDGE * NN_POOLED_EDGE * NN_CHANNELS_FIRST];
   uint8_t second[21 * 21 * NN_CHANNELS_SECOND];
@@ -62,7 +62,7 @@ typedef struct {
   uint8_t seventh[NN_FEATURES];
 } nn_activations_t;
 
-// The outputs, each in [-127, 127], 127 = 1; a single one is a plain number.
+// The outputs, each in [-127, 127], 127 = 1. A single output is a plain number.
 #if NN_OUTPUTS == 1
 typedef int8_t nn_output_t;
 #define NN_OUTPUT(output, index) (output)
@@ -78,7 +78,7 @@ typedef struct {
   }
 #endif
 
-// The whole network in plain C, one core. `activations` is filled.
+// Computes the whole network in plain C on one core. Fills `activations`.
 nn_output_t nn_plain_infer(const int8_t picture[NN_PICTURE_BYTES], nn_activations_t* activations);
 
 #ifdef __cplusplus

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The network as its definition reads: no word is packed, no border is stored. The other kernels are tested against it.
+// The network as in its definition, without packed words or stored borders. The other kernels are tested against it.
 #include "nn/network.h"
 
 static int clip(int value, int low, int high) {
   return value < low ? low : value > high ? high : value;
 }
 
-// Sum of one output channel at one place, bias included. The input is signed in the first layer alone.
+// Returns the sum of one output channel at one place, with bias. Only the first layer has signed input.
 static int32_t sum_at(const nn_shape_t* shape, const nn_layer_t* layer, const uint8_t* input, int is_signed, int y,
                       int x, int channel) {
   const int edge = shape->in_edge;
@@ -42,7 +42,7 @@ static void convolve(int index, const uint8_t* input, uint8_t* output) {
   }
 }
 
-// Pooling before the shift: the largest sum gives the largest output.
+// Pools before the shift: the greatest sum gives the greatest output.
 static void convolve_and_pool(const int8_t* picture, uint8_t* output) {
   const nn_shape_t* shape = &nn_shapes[0];
   const nn_layer_t layer = nn_layer(0);

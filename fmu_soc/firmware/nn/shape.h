@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which network the code of this folder is compiled for: the navigator, or with NN_SIGHT the sight network. Both have
-// the same layers; they differ in channels and outputs.
+// Selects the network for which this folder is compiled: the navigator, or with NN_SIGHT the sight network. Both have
+// the same layers, but different numbers of channels and outputs.
 #pragma once
 
 #ifdef NN_SIGHT

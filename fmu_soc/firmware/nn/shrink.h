@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the camera's picture to the network's: 168 x 168 pixels, each the rounded mean of 2 x 2 of the camera's,
-// less 128. Places are spread evenly from edge to edge; at 320 pixels they are 40/21 apart.
+// Reduces the camera's picture to the network's: 168 x 168 pixels, each the rounded mean of 2 x 2 pixels, minus 128.
+// Places are spread evenly from edge to edge; at 320 pixels their distance is 40/21.
 #pragma once
 
 #include <stdint.h>
@@ -12,16 +12,16 @@ extern "C" {
 // Edge of the network's picture [px].
 #define SHRUNK_EDGE 168
 
-// First of the two source rows (or columns) that network row (or column) `index` is made of; the source has `length`
-// of them, at least SHRUNK_EDGE.
+// Returns the first of the two source rows (or columns) for network row (or column) `index`. The source has `length` of
+// them, at least SHRUNK_EDGE.
 static inline int shrink_place(int index, int length) {
   return index * (length - 2) / (SHRUNK_EDGE - 1);
 }
 
-// Fills the places of all columns of a source that is `width` pixels wide.
+// Computes the places of all columns of a source that is `width` pixels wide.
 void shrink_columns(int width, uint16_t columns[SHRUNK_EDGE]);
 
-// Makes one row of the network's picture from source rows `upper` and `upper + width`.
+// Computes one row of the network's picture from source rows `upper` and `upper + width`.
 void shrink_row(const uint8_t* upper, int width, const uint16_t columns[SHRUNK_EDGE], int8_t row[SHRUNK_EDGE]);
 
 #ifdef __cplusplus

@@ -13,14 +13,14 @@
 
 void cluster_start(void);
 
-// Lets only these events through, and takes one: others stay in the buffer for who waits for them.
+// Unmasks only these events, and takes one. Other events stay in the buffer.
 static void wait_for(uint32_t events) {
   EVENT_UNIT_EVENT_MASK = events;
   event_load(EVENT_UNIT_BASE + EVENT_UNIT_EVENT_WAIT_OFFSET);
   EVENT_UNIT_EVENT_MASK = 0;
 }
 
-// Whether the last request was granted.
+// Returns 0 if the last request was granted, else -1.
 static int granted(void) {
   const uint32_t status = POWER_MANAGER_STATUS;
   POWER_MANAGER_STATUS = POWER_REFUSED;

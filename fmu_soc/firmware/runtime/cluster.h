@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cluster: up to eight cores, their shared memory L1, and the DMA that fills and empties it.
+// The cluster: up to eight cores, their shared memory L1, and the DMA between L1 and L2.
 //
 //   cluster_on();
 //   cluster_fork(work, 8, &job);   // void work(void* job), on each core
@@ -16,50 +16,50 @@
 extern "C" {
 #endif
 
-// An object in L1, without first value. It is there only while the cluster is on, and lost when it goes off.
+// An uninitialised object in L1. It exists only while the cluster is on.
 #define CLUSTER_L1 __attribute__((section(".l1")))
 
 typedef void (*cluster_entry_t)(void* argument);
 
-// For the fabric controller.
+// For the fabric controller
 
-// Switches the cluster on; its cores wait for work. 0, or -1 when the chip has no cluster.
+// Switches the cluster on; its cores wait for work. Returns 0, or -1 if the chip has no cluster.
 int cluster_on(void);
-// Switches it off. Work under way is lost.
+// Switches it off. Unfinished work is lost.
 void cluster_off(void);
-// Clock of the cluster [Hz]. 0, or -1 when the chip's voltage does not allow it; the clock stays then.
+// Sets the clock of the cluster [Hz]. Returns 0, or -1 without effect if the chip's voltage does not allow it.
 int cluster_clock_set(uint32_t hz);
-// Cores that the cluster has.
+// Returns the number of the cluster's cores.
 unsigned cluster_core_count(void);
-// Calls entry(argument) on cores 0 to cores - 1 and returns at once. 0, or -1 when there are not so many cores or
-// some still work.
+// Calls entry(argument) on cores 0 to cores - 1, and returns at once. Returns 0, or -1 if there are fewer cores or if
+// some are still working.
 int cluster_fork(cluster_entry_t entry, unsigned cores, void* argument);
 // Sleeps until all cores of the fork have returned.
 void cluster_wait(void);
 
-// For the cluster's cores.
+// For the cluster's cores
 
-// 0 to 7.
+// Returns the number of the core, 0 to 7.
 static inline unsigned cluster_core_id(void) {
   unsigned id;
   __asm__("csrr %0, mhartid" : "=r"(id));
   return id;
 }
 
-// Sleeps until all cores of the fork have come here.
+// Sleeps until all cores of the fork have reached the barrier.
 static inline void cluster_barrier(void) {
   event_load(BARRIER_ADDRESS);
 }
 
-// For both: the DMA. A copy starts and runs by itself, after those started before it; its number is for dma_wait.
-// Who started it, core or fabric controller, must wait for it exactly once. With 16 under way, a start waits for an
-// end. GAP8's own DMA: at most 16 of all cores together that nobody has waited for, or the program may stop; 65535
-// bytes. DMA_REFUSED: addresses or sizes that do not fit; dma_wait() returns at once.
+// For both: the DMA. A copy runs in parallel, after copies started before. Its number is for dma_wait(), which the
+// starter (core or fabric controller) must call exactly once. While 16 copies run, a start waits for the end of one.
+// With GAP8's own DMA, at most 16 copies of all cores may be unfinished, otherwise the program may stop; a copy has at
+// most 65535 bytes. Returns DMA_REFUSED for invalid addresses or sizes; dma_wait() then returns at once.
 #define DMA_REFUSED 0xffffffffu
 
 uint32_t dma_copy_in(void* l1, const void* l2, uint32_t bytes);
 uint32_t dma_copy_out(void* l2, const void* l1, uint32_t bytes);
-// Rows of `row` bytes that lie `stride` bytes apart in L2 and one after the other in L1; `bytes` = all rows together.
+// Rows of `row` bytes are `stride` bytes apart in L2, and consecutive in L1; `bytes` is the size of all rows.
 uint32_t dma_copy_in_2d(void* l1, const void* l2, uint32_t bytes, uint32_t row, uint32_t stride);
 uint32_t dma_copy_out_2d(void* l2, const void* l1, uint32_t bytes, uint32_t row, uint32_t stride);
 // Sleeps until the copy has ended.

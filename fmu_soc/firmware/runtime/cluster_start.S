@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Where the cluster's cores start when the cluster is switched on: a stack for each at the end of L1, then wait for
-# work, do it, report it, for ever.
+# Start of the cluster's cores after the cluster is switched on. Each gets a stack at the end of L1, and then waits for
+# work, does it and reports it, in an endless loop.
 #include "board.h"
 #include "runtime/cluster_stack.inc"
 

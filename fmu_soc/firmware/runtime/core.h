@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What differs between chips in the fabric controller's clock, sleep and end. Here: boards with our power manager.
+// The fabric controller's clock, sleep and end, which differ between chips. This file is for boards with MEbots' power
+// manager.
 #pragma once
 
 #include <stdint.h>
@@ -10,7 +11,7 @@
 extern "C" {
 #endif
 
-// The clock now [Hz].
+// Returns the present clock [Hz].
 static inline uint32_t core_clock_hz(void) {
   return POWER_MANAGER_CLOCK_HZ;
 }
@@ -18,18 +19,18 @@ static inline void core_clock_set(uint32_t hz) {
   POWER_MANAGER_CLOCK_HZ = hz;
 }
 
-// Lets interrupt `number` in: it ends a sleep, and comes when interrupts are on.
+// Enables interrupt `number`: it ends a sleep, and is taken if interrupts are on.
 static inline void core_enable_interrupt(unsigned number) {
   const uint32_t bit = UINT32_C(1) << number;
   __asm__ volatile("csrs mie, %0" ::"r"(bit) : "memory");
 }
 
-// Sleeps until an interrupt that is let in is pending, also with interrupts off.
+// Sleeps until an enabled interrupt is pending, also with interrupts off.
 static inline void core_sleep(void) {
   __asm__ volatile("wfi" ::: "memory");
 }
 
-// The program ends.
+// Ends the program.
 static inline void core_end(int code) {
   POWER_MANAGER_EXIT = (uint32_t)code;
 }

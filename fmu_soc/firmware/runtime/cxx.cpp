@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the compiler calls for C++ objects. There is no heap, so that nothing can be deleted; who does it all the same
-// has a trap, which is told with the line that called.
+// Functions that the compiler calls for C++ objects. There is no heap, so nothing can be deleted: operator delete
+// traps, and the message about the trap contains the line of the call.
 #include <stddef.h>
 
 extern "C" void __cxa_pure_virtual(void) {

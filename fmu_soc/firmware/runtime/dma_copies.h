@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The copies of cluster.h by start(), which each chip's source defines before it includes this.
+// The copies of cluster.h. Each chip's source defines start() before it includes this file.
 
 static uint32_t word(const volatile void* address) {
   return (uint32_t)(uintptr_t)address;

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the firmware ends.
+// End of the firmware.
 #pragma once
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-// Exit codes of the flight application; the chip puts them out as core.exit_code.
+// Exit codes of the flight application, which are the output core.exit_code of the chip.
 enum {
   EXIT_GATE_CROSSED = 0,    // crossed the opening, as far as it knows, and landed
   EXIT_LANDED_EARLY = 1,    // landed at the landing charge, without the gate
   EXIT_CRASHED = 2,         // the flight controller reports a crash
   EXIT_TOO_LOW_CHARGE = 3,  // did not take off
-  EXIT_CAMERA = 4,          // the camera refuses to work; landed
-  EXIT_EXCEPTION = 255      // trap that nobody handles
+  EXIT_CAMERA = 4,          // the camera refused; landed
+  EXIT_EXCEPTION = 255      // exception without a handler
 };
 
-// Tells the power manager that the firmware is done; the core sleeps for good.
+// Reports the end to the power manager; the core does not run again.
 __attribute__((noreturn)) void firmware_exit(int code);
 
 #ifdef __cplusplus

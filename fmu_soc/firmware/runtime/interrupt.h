@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interrupts and sleep of the fabric controller.
 //
-// An interrupt handler only takes note of what happened; the work is done by the code that sleeps and wakes up.
-// The order that loses no wake-up. Interrupts off, look at the note, sleep (a pending interrupt ends the sleep even
-// with interrupts off), interrupts on for a moment so that the handler runs, look again.
+// An interrupt handler only stores a note of the event. The code that sleeps does the work after it wakes up. This
+// order loses no wake-up: switch interrupts off, check the note, sleep (a pending interrupt ends the sleep also with
+// interrupts off), switch interrupts on briefly so that the handler runs, check again.
 #pragma once
 
 #include <stdint.h>
@@ -12,10 +12,10 @@
 extern "C" {
 #endif
 
-// A handler runs with interrupts off. It must make its device drop the request.
+// A handler runs with interrupts off. It must clear its device's request.
 typedef void (*interrupt_handler_t)(void);
 
-// Calls `handler` when interrupt `number` (bit of mie and mip, below 32) comes, and lets it in.
+// Sets the handler of interrupt `number` (bit of mie and mip, below 32), and enables the interrupt.
 void interrupt_attach(unsigned number, interrupt_handler_t handler);
 
 static inline void interrupts_off(void) {
@@ -25,14 +25,13 @@ static inline void interrupts_on(void) {
   __asm__ volatile("csrsi mstatus, 8" ::: "memory");
 }
 
-// Clock of the core while it sleeps [Hz]; at first, and when it is not below the clock at which the core goes to sleep,
-// the clock stays as it is.
+// Sets the clock of the core during a sleep [Hz]. If it is not below the core's present clock, or never set, the clock
+// does not change.
 void sleep_clock_set(uint32_t hz);
-// Takes that clock, for a sleep for good; returns the clock before [Hz].
+// Changes to that clock before the last sleep. Returns the clock before [Hz].
 uint32_t sleep_clock_lower(void);
 
-// Sleeps until an attached interrupt is pending, then lets its handler run.
-// Call with interrupts off; they are off again on return.
+// Sleeps until an attached interrupt is pending, then runs its handler. Interrupts must be off, and are off at return.
 void sleep_until_interrupt(void);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Trap entry of the fabric controller: dispatches interrupts; an exception is the end of the firmware.
+// Trap entry of the fabric controller: dispatches interrupts. An exception ends the firmware.
 #include <stddef.h>
 
 #include "runtime/console.h"

@@ -22,15 +22,15 @@
 //                    XPULP_LOOP_END
 //                    : [sum] "+r"(sum), [w] "+r"(weights), [x] "+r"(pixels) : [n] "r"(n / 4) : "t0", "t1", "memory");
 //
-// The body holds no jump, branch or compressed instruction; n = 0 runs it once, as n = 1 does. Loop x0 may stand in the
-// body of loop x1, not on its last instruction.
+// The body must have no jump, branch or compressed instruction; n = 0 runs it once, like n = 1. Loop x0 may be in the
+// body of loop x1, but not at its last instruction.
 #pragma once
 
 #include <stdint.h>
 
-// --- Pieces of asm blocks -------------------------------------------------------------------------------------------
+// --- Parts of asm blocks --------------------------------------------------------------------------------------------
 
-/// The next `body` instructions (a number in quotes, up to 2047), `count` (register) times. loop: "x0" or "x1".
+/// Repeats the next `body` instructions (a number in quotes, up to 2047) `count` (register) times. loop: "x0" or "x1".
 #define XPULP_LOOP(loop, count, body) \
   ".balign 4\n\t.option push\n\t.option norvc\n\t.insn i 0x7b, 4, " loop ", " count ", 2 * " body "\n\t"
 #define XPULP_LOOP_END ".option pop\n\t"
@@ -52,7 +52,7 @@
 #define XPULP_MAC(rd, rs1, rs2) ".insn r 0x33, 0, 0x21, " rd ", " rs1 ", " rs2 "\n\t"
 
 // --- Post-increment loads and stores --------------------------------------------------------------------------------
-// `pointer` is a pointer variable, which grows by `step` bytes (-2048 to 2047) whatever it points to.
+// `pointer` is a pointer variable. It is incremented by `step` bytes (-2048 to 2047), whatever its type.
 
 typedef uint32_t __attribute__((may_alias)) xpulp_word;
 typedef uint16_t __attribute__((may_alias)) xpulp_half;
@@ -82,7 +82,7 @@ typedef uint8_t __attribute__((may_alias)) xpulp_byte;
 #define xpulp_sh_post(pointer, step, value) XPULP_POST_STORE_(xpulp_half, SH, pointer, step, value)
 #define xpulp_sw_post(pointer, step, value) XPULP_POST_STORE_(xpulp_word, SW, pointer, step, value)
 
-// --- One instruction, one function ----------------------------------------------------------------------------------
+// --- One instruction per function -----------------------------------------------------------------------------------
 
 #define XPULP_UNARY_(name, opcode, funct3, funct7)                                           \
   static inline uint32_t xpulp_##name(uint32_t a) {                                          \
@@ -102,7 +102,7 @@ typedef uint8_t __attribute__((may_alias)) xpulp_byte;
     __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "=r"(d) : "r"(a), "r"(b)); \
     return d;                                                                                        \
   }
-/// The first argument is also what the result goes on from.
+/// The first argument is also an operand: its old value is used.
 #define XPULP_INTO_(name, type, opcode, funct3, funct7)                                                 \
   static inline type xpulp_##name(type into, uint32_t a, uint32_t b) {                                  \
     __asm__(".insn r " #opcode ", " #funct3 ", " #funct7 ", %0, %1, %2" : "+r"(into) : "r"(a), "r"(b)); \
@@ -129,7 +129,7 @@ XPULP_INTO_(msu, int32_t, 0x33, 1, 0x21)  // into - a * b
 XPULP_INTO_(addNr, int32_t, 0x5b, 2, 0x20)
 XPULP_INTO_(addRNr, int32_t, 0x5b, 6, 0x20)
 
-// Dot products: of bytes (b), of halves (h); u unsigned, s signed, us a unsigned and b signed; sdot adds to `into`
+// Dot products of bytes (b) and halves (h); u unsigned, s signed, us a unsigned and b signed; sdot adds to `into`
 XPULP_BINARY_(dotup_b, 0x57, 1, 0x40)
 XPULP_BINARY_(dotup_h, 0x57, 0, 0x40)
 XPULP_BINARY_(dotusp_b, 0x57, 1, 0x44)
@@ -143,7 +143,7 @@ XPULP_INTO_(sdotusp_h, int32_t, 0x57, 0, 0x54)
 XPULP_INTO_(sdotsp_b, int32_t, 0x57, 1, 0x5c)
 XPULP_INTO_(sdotsp_h, int32_t, 0x57, 0, 0x5c)
 
-// Part by part; _sc: against the low part of b
+// Part by part; _sc: with the low part of b for all parts
 XPULP_BINARY_(add_b, 0x57, 1, 0x00)
 XPULP_BINARY_(add_h, 0x57, 0, 0x00)
 XPULP_BINARY_(sub_b, 0x57, 1, 0x04)
@@ -162,14 +162,14 @@ XPULP_BINARY_(add_sc_h, 0x57, 4, 0x00)
 XPULP_BINARY_(sra_sc_h, 0x57, 4, 0x24)
 XPULP_BINARY_(srl_sc_b, 0x57, 5, 0x20)
 
-// Parts in other places
-XPULP_BINARY_(shuffle_b, 0x57, 1, 0x60)  // each part of b names a part of a
+// Permutations of parts
+XPULP_BINARY_(shuffle_b, 0x57, 1, 0x60)  // each part of b selects a part of a
 XPULP_BINARY_(shuffle_h, 0x57, 0, 0x60)
-XPULP_INTO_(shuffle2_b, uint32_t, 0x57, 1, 0x64)  // b names parts of into (0 to 3) and a (4 to 7)
-XPULP_INTO_(shuffle2_h, uint32_t, 0x57, 0, 0x64)  // likewise 0, 1 and 2, 3
-XPULP_BINARY_(pack, 0x57, 0, 0x68)                // low half of a above that of b
+XPULP_INTO_(shuffle2_b, uint32_t, 0x57, 1, 0x64)  // b selects parts of into (0 to 3) and a (4 to 7)
+XPULP_INTO_(shuffle2_h, uint32_t, 0x57, 0, 0x64)  // the same with 0, 1 and 2, 3
+XPULP_BINARY_(pack, 0x57, 0, 0x68)                // low half of a in the upper half, that of b in the lower half
 XPULP_INTO_(packhi_b, uint32_t, 0x57, 1, 0x6c)    // low bytes of a and b in the upper half of into
-XPULP_INTO_(packlo_b, uint32_t, 0x57, 1, 0x70)    // likewise in the lower half
+XPULP_INTO_(packlo_b, uint32_t, 0x57, 1, 0x70)    // the same in the lower half
 
 // With constants
 #define XPULP_CONSTANT_(type, opcode, funct3, funct7, a, rs2)                                                     \
@@ -187,13 +187,13 @@ XPULP_INTO_(packlo_b, uint32_t, 0x57, 1, 0x70)    // likewise in the lower half
     result_;                                                   \
   }))
 
-/// Into [-2^(bits-1), 2^(bits-1) - 1], into [0, 2^(bits-1) - 1]; bits from 1 to 31.
+/// Limits to [-2^(bits-1), 2^(bits-1) - 1], or to [0, 2^(bits-1) - 1]; bits from 1 to 31.
 #define xpulp_clip(a, bits) XPULP_CONSTANT_(int32_t, 0x33, 1, 0x0a, (int32_t)(a), bits)
 #define xpulp_clipu(a, bits) XPULP_CONSTANT_(int32_t, 0x33, 2, 0x0a, (int32_t)(a), bits)
-/// `width` bits from `position`, with or without their sign.
+/// Extracts `width` bits from `position`, with sign or zero extension.
 #define xpulp_extract(a, width, position) XPULP_CONSTANT_(int32_t, 0x33, 0, 0x60 + (width)-1, (uint32_t)(a), position)
 #define xpulp_extractu(a, width, position) XPULP_CONSTANT_(uint32_t, 0x33, 1, 0x60 + (width)-1, (uint32_t)(a), position)
-/// (a + b) >> shift, (a - b) >> shift; R: rounded to the nearest first.
+/// (a + b) >> shift, (a - b) >> shift; R: rounded to the nearest before the shift.
 #define xpulp_addN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 2, 0x00, (int32_t)(a), (int32_t)(b), shift)
 #define xpulp_addRN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 6, 0x00, (int32_t)(a), (int32_t)(b), shift)
 #define xpulp_subRN(a, b, shift) XPULP_SHIFTED_(int32_t, 0x5b, 7, 0x00, (int32_t)(a), (int32_t)(b), shift)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tries the cluster's runtime on the chip: fork, barrier, DMA, several jobs, off and on again. Exit code 0 = all right,
-// otherwise the number of the check that failed.
+// Tests the cluster's runtime on the chip: fork, barrier, DMA, several jobs, off and on again. Exit code 0 = success,
+// otherwise the number of the failed check.
 #include "runtime/cluster.h"
 #include "runtime/console.h"
 
@@ -20,7 +20,7 @@ struct job {
   int32_t factor;
 };
 
-// Each core its part; core 0 brings the data in and out.
+// Each core computes a part; core 0 copies the data in and out.
 static void scale(void* argument) {
   const struct job* job = argument;
   const unsigned core = cluster_core_id();
@@ -37,7 +37,7 @@ static void scale(void* argument) {
   }
 }
 
-// After a barrier every core sees what all others wrote before it.
+// After a barrier, every core sees all stores of the others before it.
 static void meet(void* argument) {
   const unsigned cores = (unsigned)(uintptr_t)argument;
   const unsigned core = cluster_core_id();
@@ -78,7 +78,7 @@ int main(void) {
   }
   if (cluster_fork(meet, CORES + 1, 0) != -1) return 8;
 
-  // Every fourth word of a picture of ROWS rows, and back to another place.
+  // Copies every fourth word of a picture of ROWS rows in, and out to another place.
   dma_wait(dma_copy_in_2d(tile, source, ROWS * 4, 4, 16));
   dma_wait(dma_copy_out_2d(result, tile, ROWS * 4, 4, 8));
   for (int32_t row = 0; row < ROWS; ++row) {
@@ -87,7 +87,7 @@ int main(void) {
   if (dma_copy_in(tile, (const void*)0x1000, 4) != DMA_REFUSED) return 10;
   dma_wait(DMA_REFUSED);
 
-  // As many copies as there may be at once.
+  // Starts the maximum number of copies.
   uint32_t copies[COPIES];
   for (int i = 0; i < COPIES; ++i) copies[i] = dma_copy_in(&tile[i], &source[COPIES - i], 4);
   for (int i = 0; i < COPIES; ++i) dma_wait(copies[i]);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// An HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels, of which the
-// interface hands on the middle. A request lets it take one frame, behind which it goes to standby by itself: the
-// newest picture that there is, and no frame that nobody looks at. What a real sensor wants to be told beside this,
-// integration, black level and gain, is its maker's table.
+// An HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels; the interface
+// passes the middle. A request lets the sensor take one frame, after which it enters standby. So each picture is new,
+// and no frame is taken without use. A real sensor also needs integration, black level and gain, from its maker's
+// table.
 #include "drivers/camera.h"
 
 #include "drivers/timer.h"
@@ -11,7 +11,7 @@
 #include "runtime/registers.h"
 #include "runtime/soc_events.h"
 
-// Pixels each way that the program gets.
+// Edge of the program's picture [px].
 #ifndef CAMERA_EDGE
 #define CAMERA_EDGE 320
 #endif
@@ -19,19 +19,19 @@
 #define MARGIN ((SENSOR_EDGE - CAMERA_EDGE) / 2)
 _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the interface counts pairs of pixels");
 
-// Camera interface.
+// Camera interface
 #define INTERFACE_ON (UINT32_C(1) << 31)
 #define INTERFACE_WINDOW (UINT32_C(1) << 7)
 #define INTERFACE_AS_IT_COMES (UINT32_C(5) << 8)
 #define ROW_SHIFT 16
 
-// Sensor.
-#define SENSOR_WRITE 0x48  // its address, and that bytes go to it
+// Sensor
+#define SENSOR_WRITE 0x48  // its address for writes
 #define MODE_SELECT 0x0100
 #define SOME_FRAMES 3
 #define FRAME_COUNT 0x3020
 
-// Commands of the I2C master.
+// Commands of the I2C master
 #define I2C_START 0x00
 #define I2C_STOP 0x20
 #define I2C_BYTE 0x80
@@ -39,12 +39,12 @@ _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the inte
 #define I2C_HZ 400000
 
 static uint8_t buffers[2][CAMERA_EDGE * CAMERA_EDGE] __attribute__((aligned(4), section(".noinit.camera")));
-// The buffer that the picture on its way goes to, or went to last.
+// The buffer of the picture that is requested, or of the last one.
 static unsigned filling;
 static bool is_requested;
 static uint32_t count;
 static volatile bool stored;
-static volatile unsigned is_sent;  // the sensor was
+static volatile unsigned is_sent;  // true after the last transfer to the sensor
 static uint8_t commands[13];
 static uint32_t divider;  // of the clock, for the bits on the bus
 
@@ -56,7 +56,7 @@ static void on_sent(void) {
   is_sent = 1;
 }
 
-// Stores into a register of the sensor; goes on while the bits are on their way, which nothing may overtake.
+// Stores into a register of the sensor. Returns during the transfer; the next call waits for its end.
 static void write_sensor(uint32_t at, uint32_t value) {
   soc_event_wait(&is_sent);
   is_sent = 0;
@@ -93,7 +93,7 @@ bool camera_ask(void) {
   }
   stored = false;
   filling ^= 1;
-  // First: the interface takes a frame from its begin only.
+  // First the transfer: the interface only takes a frame from its start.
   udma_start(UDMA_CAMERA_OFFSET, buffers[filling], sizeof buffers[filling]);
   write_sensor(MODE_SELECT, SOME_FRAMES);
   is_requested = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// By GAP8's timer, both counters as one that counts the reference clock: the time has steps of 30.5 us.
+// With GAP8's timer: both counters form one, which counts the reference clock. The time has steps of 30.5 us.
 #include "drivers/timer.h"
 
 #include "runtime/interrupt.h"
@@ -22,7 +22,7 @@ static uint64_t count(void) {
   }
 }
 
-// One that belongs to an alarm before is none of this one.
+// Ignores an event of an earlier alarm.
 static void check_alarm(void) {
   if (count() >= alarm_count) {
     alarm_came = true;
@@ -38,14 +38,14 @@ int64_t timer_now_ns(void) {
 }
 
 void timer_set_alarm(int64_t time_ns) {
-  // In parts: the whole time in parts of a nanosecond does not fit 64 bits.
+  // In two parts, because the time in units of 1 / NS ns does not fit into 64 bits.
   const uint64_t groups = time_ns <= 0 ? 0 : (uint64_t)time_ns / NS;
   const uint32_t rest_ns = time_ns <= 0 ? 0 : (uint32_t)((uint64_t)time_ns - groups * NS);
   alarm_count = (groups << COUNTS_LOG2) + ((rest_ns << COUNTS_LOG2) + NS - 1) / NS;
   alarm_came = false;
   store(TIMER_BASE + TIMER_COMPARE_LO_OFFSET, (uint32_t)alarm_count);
   store(TIMER_BASE + TIMER_COMPARE_HI_OFFSET, (uint32_t)(alarm_count >> 32));
-  check_alarm();  // the timer tells only when it is there, not that it was
+  check_alarm();  // the timer only raises an event at equality
 }
 
 #include "drivers/timer_alarm.inc"

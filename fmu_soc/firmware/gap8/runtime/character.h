@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the characters of print() go. Here: GAP8's UART, a line at a time.
+// Output of print()'s characters. This file is for GAP8's UART, which sends a line at a time.
 #pragma once
 
 #include "runtime/uart.h"
@@ -8,7 +8,7 @@ static inline void put_char(char c) {
   uart_put(c);
 }
 
-// Waits until all characters are out.
+// Waits until all characters are sent.
 static inline void flush_characters(void) {
   uart_flush();
 }

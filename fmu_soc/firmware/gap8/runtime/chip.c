@@ -31,13 +31,13 @@ static uint32_t voltage_mv(void) {
 }
 
 #ifdef MISSION_BASE
-// The mission's, which is one of those that there are.
+// Sets the mission's voltage, one of the possible values.
 static void voltage_start(void) {
   const uint32_t others = SOC_CONTROL_SAFE_PMU_RAR & ~VOLTAGE_MASK;
   SOC_CONTROL_SAFE_PMU_RAR = others | (MISSION_SUPPLY_VOLTAGE - VOLTAGE_LOWEST_MV) / VOLTAGE_STEP_MV;
 }
 #else
-// That of the reset.
+// Keeps the voltage of the reset.
 static void voltage_start(void) {}
 #endif
 
@@ -52,8 +52,8 @@ uint32_t loop_hz(unsigned loop) {
   return (uint32_t)(divider > 1 ? undivided >> (divider - 1) : undivided);
 }
 
-// Highest clock at a voltage: 150 and 250 MHz at 1.0 and 1.2 V, of the cluster 87 and 175 MHz, linear between. Source:
-// FLL_SOC_MIN_FREQUENCY and its like in GreenWaves' gap_sdk.
+// Returns the highest clock at a voltage: 150 and 250 MHz at 1.0 and 1.2 V, for the cluster 87 and 175 MHz, linear
+// between. Source: FLL_SOC_MIN_FREQUENCY and similar constants in GreenWaves' gap_sdk.
 static uint32_t highest_hz(unsigned loop, uint32_t millivolts) {
   const uint32_t above = millivolts > 1000 ? millivolts - 1000 : 0;
   return loop == LOOP_SOC ? 150000000 + above * 500000 : 87000000 + above * 440000;
@@ -92,7 +92,7 @@ void chip_start(void) {
   voltage_start();
   loop_set(LOOP_SOC, START_CLOCK_HZ);
   loop_set(LOOP_CLUSTER, START_CLUSTER_CLOCK_HZ);
-  // The time counts the reference clock, which no change of the others touches.
+  // The timer counts the reference clock, which does not depend on the other clocks.
   store(TIMER_BASE + TIMER_COMPARE_LO_OFFSET, UINT32_MAX);
   store(TIMER_BASE + TIMER_COMPARE_HI_OFFSET, UINT32_MAX);
   store(TIMER_BASE + TIMER_CONFIG_LO_OFFSET,

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// GAP8's clocks and voltage: after the start as on our boards without a power unit of GAP8's.
+// GAP8's clocks and voltage. After the start they are those of boards without GAP8's power unit.
 #pragma once
 
 #include <stdint.h>
 
 #include "board.h"
 
-// Clocks of the fabric controller and the cluster from the start of the program on [Hz]: what the mission says, where
-// the board has one.
+// Clocks of the fabric controller and the cluster at the start of the program [Hz]: those of the mission, if the board
+// has a mission device.
 #ifdef MISSION_BASE
 #define START_CLOCK_HZ MISSION_CORE_CLOCK
 #define START_CLUSTER_CLOCK_HZ MISSION_CLUSTER_CLOCK
@@ -18,10 +18,11 @@
 
 enum { LOOP_SOC, LOOP_CLUSTER };
 
-// Before main(): clocks, time, interrupts of the SoC, console.
+// Must be called before main(): sets clocks, time, interrupts of the SoC, console.
 void chip_start(void);
 
-// The frequency of a loop [Hz].
+// Returns the frequency of a loop [Hz].
 uint32_t loop_hz(unsigned loop);
-// Sets it to the nearest one that it has, not above `hz`. 0, or -1 when the chip's voltage does not allow it.
+// Sets a loop to the nearest possible frequency not above `hz`. Returns 0, or -1 if the chip's voltage does not allow
+// it.
 int loop_set(unsigned loop, uint32_t hz);

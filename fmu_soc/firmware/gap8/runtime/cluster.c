@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cluster by GAP8's own registers. A fork is a software event for the cores of the team, which find their job in
-// L1; core 0 waits at a second barrier for all of them and raises an event of the fabric controller.
+// The cluster with GAP8's own registers. A fork is a software event for the cores of the team, which find their job in
+// L1. Core 0 waits for all of them at a second barrier, and raises an event of the fabric controller.
 #include "runtime/cluster.h"
 
 #include <stdbool.h>
@@ -13,7 +13,7 @@
 #define JOB_DONE (UINT32_C(1) << FABRIC_EVENT_JOB_DONE)
 #define BARRIER_OF(number) (EU_OF_CLUSTER_BASE + EU_LONG_BARRIER_OFFSET + (number)*BARRIER_BYTES)
 
-// Where the cores start, behind their vectors.
+// Start address of the cores, after their vectors.
 extern const char cluster_vectors[];
 
 struct {
@@ -23,7 +23,7 @@ struct {
 
 static volatile unsigned power_changed;
 static volatile unsigned clock_changed;
-static uint32_t clock_hz;  // 0: that of the start
+static uint32_t clock_hz;  // 0: clock of the start
 static uint32_t team;
 static bool works;
 
@@ -35,7 +35,7 @@ static void on_clock(void) {
   clock_changed = 1;
 }
 
-// Stores into CL_BYPASS, and sleeps until the chip says that it is done.
+// Stores into CL_BYPASS, and sleeps until the change is done.
 static void switch_power(uint32_t bypass) {
   power_changed = 0;
   SOC_CONTROL_CL_BYPASS = bypass;
@@ -58,7 +58,7 @@ int cluster_on(void) {
   if (cores == 0) {
     return -1;
   }
-  // What is on already changes nothing, and the chip would say nothing.
+  // If the cluster is on, the chip would raise no event.
   if (is_on()) {
     return 0;
   }

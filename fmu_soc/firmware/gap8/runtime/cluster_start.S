@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Where the cluster's cores start: a stack for each at the end of L1, then wait for work, do it, report it, for ever.
-# They take no interrupts; an exception of one ends the program.
+# Start of the cluster's cores. Each gets a stack at the end of L1, and then waits for work, does it and reports it, in
+# an endless loop. They take no interrupts; an exception ends the program.
 #include "runtime/cluster_stack.inc"
 #include "runtime/registers.h"
 #include "runtime/vectors.inc"

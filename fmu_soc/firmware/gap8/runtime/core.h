@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What differs between chips in the fabric controller's clock, sleep and end. Here: GAP8's loops, event unit and SoC
-// control.
+// The fabric controller's clock, sleep and end, which differ between chips. This file is for GAP8's loops, event unit
+// and SoC control.
 #pragma once
 
 #include <stdint.h>
@@ -12,26 +12,26 @@
 extern "C" {
 #endif
 
-// The clock now [Hz].
+// Returns the present clock [Hz].
 uint32_t core_clock_hz(void);
-// The loop takes the nearest frequency that it has. While a peripheral whose bits are counted in this clock sends, a
-// lower one is passed over: the transfer's end is an interrupt. A last byte that is still on the wire is none: the
-// clock stays until the next sleep.
+// Sets the loop to the nearest possible frequency. While a peripheral sends with a bit rate from this clock, a lower
+// frequency is ignored, because the end of the transfer is an interrupt. The last byte on the wire has no interrupt:
+// the clock stays until the next sleep.
 void core_clock_set(uint32_t hz);
 
-// Lets interrupt `number` in: it ends a sleep, and comes when interrupts are on.
+// Enables interrupt `number`: it ends a sleep, and is taken if interrupts are on.
 static inline void core_enable_interrupt(unsigned number) {
   const uint32_t bit = UINT32_C(1) << number;
   store(EU_BASE + EU_MASK_OR_OFFSET, bit);
   store(EU_BASE + EU_MASK_IRQ_OR_OFFSET, bit);
 }
 
-// Sleeps until an interrupt that is let in is pending, also with interrupts off.
+// Sleeps until an enabled interrupt is pending, also with interrupts off.
 static inline void core_sleep(void) {
   event_load(EU_BASE + EU_WAIT_OFFSET);
 }
 
-// Sleeps until one event of the fabric controller's comes, and takes it; others wait meanwhile.
+// Sleeps until an event of the fabric controller, and clears it. Other events stay pending.
 static inline void core_sleep_until(unsigned event) {
   const uint32_t mask = load(EU_BASE + EU_MASK_OFFSET);
   store(EU_BASE + EU_MASK_OFFSET, UINT32_C(1) << event);
@@ -39,7 +39,7 @@ static inline void core_sleep_until(unsigned event) {
   store(EU_BASE + EU_MASK_OFFSET, mask);
 }
 
-// The program ends.
+// Ends the program.
 void core_end(int code);
 
 #ifdef __cplusplus

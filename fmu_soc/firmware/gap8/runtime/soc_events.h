@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Events of GAP8's SoC: the ends of the uDMA's transfers, and of changes of power and clocks. They come one after
-// another through one interrupt of the fabric controller.
-#pragma once
+// Events of GAP8's SoC: ends of uDMA transfers, and of changes of power and clocks. They share one interrupt of the
+// fabric controller.
 
 #include "runtime/interrupt.h"
 
-// Lets their interrupt in.
+// Enables their interrupt.
 void soc_events_start(void);
-// Calls `handler`, as an interrupt's, when event `number` comes, and lets it through.
+// Unmasks event `number`, and sets its handler, which runs like an interrupt handler.
 void soc_event_attach(unsigned number, interrupt_handler_t handler);
-// Sleeps until `note` is not zero, which the handler of an event sets. Handlers of other events run meanwhile,
-// interrupts do not, whether they are on or off.
+// Sleeps until `note` is not zero; the handler of an event sets it. Handlers of other events run meanwhile; interrupts
+// do not, whether they are on or off.
 void soc_event_wait(const volatile unsigned* note);

@@ -19,7 +19,7 @@ static unsigned filled;
 
 static volatile unsigned sent = 1;
 
-// Also ends a sleep at the clock that the transmitter needed.
+// Also ends a sleep that kept the clock for the transmitter.
 static void on_sent(void) {
   sent = 1;
 }
@@ -30,7 +30,7 @@ void uart_start(void) {
   soc_event_attach(SOC_EVENT_UART_SENT, on_sent);
 }
 
-// The channel ends when the uDMA has handed on the last byte; the transmitter's status says when its bits are out.
+// The channel ends when the uDMA has passed on the last byte. The transmitter's status shows when its bits are sent.
 bool uart_sends(void) {
   return udma_runs(UDMA_UART_SEND_OFFSET) || (load(UDMA_BASE + UDMA_UART_STATUS_OFFSET) & UDMA_UART_SENDS) != 0;
 }

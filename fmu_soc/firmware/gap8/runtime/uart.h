@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The UART's transmitter. Characters gather to a line, which the uDMA sends while the program goes on.
+// The UART's transmitter. It collects characters to a line, which the uDMA sends while the program continues.
 #pragma once
 
 #include <stdbool.h>
 
 void uart_start(void);
-// Waits while the line before is still on its way.
+// Waits while the last line is being sent.
 void uart_put(char c);
-// Sends what has gathered, and waits until it is out.
+// Sends the collected characters, and waits until they are sent.
 void uart_flush(void);
 bool uart_sends(void);
