@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies the built fmu_world and utiasDSL's drone-models on the same rotor speeds, and prints how far they part.
+"""Flies the built fmu_world and utiasDSL's drone-models on the same rotor speeds, and prints the differences.
 
     python3 -m venv /tmp/compare && /tmp/compare/bin/pip install fmpy drone-models
     /tmp/compare/bin/python fmu_world/docs/compare_drone_models.py build/release/fmus/fmu_world.fmu
@@ -35,7 +35,7 @@ def speeds(t):
 
 
 def command(p, t):
-    """What makes their rotors change speed as speeds() does."""
+    """Commands with which their rotors have the speeds of speeds()."""
     rpm, change = speeds(t), SWING * TURN * np.cos(TURN * t + PHASE)
     up, _, _, down = p["rotor_dyn_coef"]
     return np.where(change > 0, rpm + change / up, np.sqrt(rpm**2 + change / down))
@@ -52,7 +52,7 @@ def reference(p, gyroscopic_sign):
                                                 "mixing_matrix", "drag_matrix", "rotor_dyn_coef")}
         _, _, acc, rate_dot, *_ = dynamics(pos, quat, vel, rate, command(p, t), rpm, **params)
         if gyroscopic_sign:
-            # Of version 0.1.0 the term along x has the wrong sign: the torque would do work. Put right here.
+            # In version 0.1.0 the term along x has the wrong sign: the torque would do work. Corrected here.
             momentum = p["prop_inertia"] * np.sum(np.array(p["mixing_matrix"])[-1] * rpm) * 2 * np.pi / 60
             rate_dot = rate_dot + np.linalg.solve(inertia, [2 * rate[1] * momentum, 0, 0])
         quat_dot = 0.5 * np.array([

@@ -16,16 +16,16 @@
 namespace mebots::world {
 namespace {
 
-/// A touch supports the drone when its normal is within 45 degrees of straight up.
+/// A touch supports the drone if its normal is within 45 degrees of vertical.
 constexpr double kSupportNormal_z = 0.7071;
-/// A start this far above the ground, or lower, is a start on the ground.
+/// A start at most this far above the ground is on the ground.
 constexpr double kOnGround_m = 0.01;
-/// Deepest overlap with anything that a start may have.
+/// Greatest overlap with other objects at the start.
 constexpr double kStartOverlap_m = 0.001;
 
 const std::string kGround = "the ground";
 
-/// `name` and `part` together are the variable's name, put together only when needed.
+/// `name` and `part` form the variable's name, which is only composed for an error.
 void require_finite(double value, std::string_view name, std::string_view part = "") {
   if (!std::isfinite(value)) throw Error(fmt::format("{}{} = {} must be a finite number", name, part, value));
 }
@@ -51,7 +51,7 @@ std::int64_t inner_step_of(const Parameters& parameters) {
   return std::llround(step_s * 1e9);
 }
 
-/// `index` of `count` equal parts of a duration, 0 <= index <= count, rounded down. Their product may need more than 64
+/// Returns `index` of `count` equal parts of a duration, 0 <= index <= count, rounded down. The product may exceed 64
 /// bits.
 std::int64_t part_of(std::int64_t duration_ns, std::int64_t index, std::int64_t count) {
   MEBOTS_ASSERT(duration_ns >= 0 && 0 <= index && index <= count && count > 0);
@@ -171,7 +171,7 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
   checked(in_.rotors_ground_effect, 0.0, 4.0, "rotors.ground_effect");
   check_words();
   check_inputs();
-  rotor_speed_rad_per_s_ = inputs_.rotor_speed_rad_per_s;  // what turns already does not speed up
+  rotor_speed_rad_per_s_ = inputs_.rotor_speed_rad_per_s;  // rotors that turn at the start do not accelerate
   take_mass();
   check_start(start_ns);
   range_.update(start_ns, state_);
@@ -258,7 +258,7 @@ void World::take_mass() {
   if (mass_kg != mass_kg_) set_mass(mass_kg);
 }
 
-/// A tunable parameter: it may have changed, or come back with a state.
+/// The seed is a tunable parameter: it may have changed, also with a restored state.
 void World::reseed() {
   const auto seed = seed_of(in_);
   camera_.reseed(seed);
@@ -297,10 +297,11 @@ void World::take_setpoint(std::int64_t time_ns, std::int64_t duration_ns) {
                      time_ns);
   if (setpoint_ == before) return;
   outputs_.setpoint_link_time_s = static_cast<double>(link_.travelled_ns()) * 1e-9;
-  outputs_.setpoint_control_time_s = static_cast<double>(duration_ns) * 1e-9;  // commands go out at the step's end
+  outputs_.setpoint_control_time_s =
+      static_cast<double>(duration_ns) * 1e-9;  // commands are sent at the end of the step
 }
 
-/// Speeds are those at the beginning of the step: they changed over the one before, which is taken to be as long.
+/// Speeds are those at the start of the step. Their change happened in the step before, which is assumed to be as long.
 void World::take_rotor_speeds(double duration_s) {
   for (std::size_t i = 0; i < kRotors; ++i) {
     rotor_acceleration_rad_per_s2_[i] = (inputs_.rotor_speed_rad_per_s[i] - rotor_speed_rad_per_s_[i]) / duration_s;
@@ -338,7 +339,7 @@ void World::inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s) 
   situation.speed_m_per_s = state_.v_WB_m_per_s.norm();
   const FlightPhase before = sequencer_.phase();
   judge_touches(touches, end_ns, situation);
-  // What a wreck does counts for nothing.
+  // After a crash, gates are not judged.
   if (before != FlightPhase::crashed) {
     if (const auto event = gates_.move(from, state_)) report_gate(end_ns, *event);
   }
@@ -365,7 +366,7 @@ void World::sense(std::int64_t time_ns, const RigidState& from, double dt_s) {
 }
 
 void World::judge_touches(const std::vector<Touch>& touches, std::int64_t time_ns, Situation& situation) {
-  bool on_surface = false;  // a drone that hangs on a gate is the referee's
+  bool on_surface = false;  // a drone that hangs on a gate is handled by the gate judge
   for (const Touch& touch : touches) {
     const bool supports = touch.normal_W.z() > kSupportNormal_z;
     situation.supported = situation.supported || supports;
@@ -420,7 +421,7 @@ void World::report_phase(FlightPhase before, std::int64_t time_ns) {
       return note_descent(time_ns);
     case FlightPhase::on_ground:
     case FlightPhase::crashed:
-      return;  // a crash has told its cause
+      return;  // the crash has been reported with its cause
   }
 }
 

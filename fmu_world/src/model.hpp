@@ -30,7 +30,7 @@ namespace mebots::world {
 /// Called with a sentence for each event of the flight.
 using EventLog = std::function<void(std::string_view)>;
 
-/// The effect of the calibration parameters, except for the drag, which is in the drone.
+/// The effect of the calibration parameters, except the drag, which is in the drone.
 struct Calibration {
   double dry_mass_factor = 1;
   std::vector<std::string> warnings;
@@ -38,22 +38,22 @@ struct Calibration {
 
 /// A drone in its world: rigid body, stabiliser, take-off and landing, gates, sensors.
 ///
-/// A step of h is cut into n = ceil(h / physics.step) equal inner steps. Rotor thrusts, wind and set-points
-/// are held over the step; the flight control runs in every inner step on the state just reached. Outputs are those of
-/// the end of the step, except for the picture, which shows what the camera saw at its beginning.
+/// A step of h is divided into n = ceil(h / physics.step) equal inner steps. Rotor thrusts, wind and set-points are
+/// constant during the step; the flight control runs in every inner step on the new state. Outputs are those of the end
+/// of the step, except the picture, which is that of its start.
 class World {
  public:
-  /// Brings the drone to its start. Parameters, inputs and outputs outlive the world; the first outputs are
-  /// written. Throws mebots::Error for values that make no world.
+  /// Places the drone at its start. Parameters, inputs and outputs must outlive the world; the first outputs are
+  /// written. Throws mebots::Error for invalid values.
   World(scene::Scene scene, const Parameters& parameters, const Inputs& inputs, Outputs& outputs, EventLog log,
         std::int64_t start_ns);
 
   void step(std::int64_t start_ns, std::int64_t duration_ns);
 
-  /// The last picture; empty before the first.
+  /// Returns the last picture; empty before the first.
   std::span<const std::uint8_t> frame() const { return camera_.frame(); }
 
-  /// The scene for whoever draws it, as scene_text() makes it.
+  /// Returns the scene for drawing, as from scene_text().
   std::string view() const;
 
   void visit(state::Visitor& v);
@@ -104,7 +104,7 @@ class World {
   RigidState state_;
   FlightControl flight_control_;
   Setpoint setpoint_;
-  RotorValues rotor_speed_rad_per_s_{};  // of the step before
+  RotorValues rotor_speed_rad_per_s_{};  // of the last step
   RotorValues rotor_acceleration_rad_per_s2_{};
   Eigen::Vector3d gust_W_m_per_s_ = Eigen::Vector3d::Zero();
   double mass_kg_ = std::numeric_limits<double>::quiet_NaN();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The archives that are linked in call these in place of names of the C library, see fmu_world/CMakeLists.txt.
+// Functions that the linked archives call instead of those of the C library, see fmu_world/CMakeLists.txt.
 #include <cstdio>
 #include <cstdlib>
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the two example worlds: params/scenes/warehouse.json and forest.json with what they are made of in params/things.
+"""Makes the two example worlds: params/scenes/warehouse.json and forest.json, with their pictures and meshes in params/things.
 
     .venv/bin/python fmu_world/tools/make_worlds.py
 
@@ -25,7 +25,7 @@ rng = np.random.default_rng(7)
 
 
 def value_noise(size, cells, octaves=4):
-    """Smooth noise in 0..1 that repeats, size x size."""
+    """Returns smooth repeating noise in 0..1, size x size."""
     total = np.zeros((size, size))
     weight = 0.0
     for octave in range(octaves):
@@ -95,14 +95,14 @@ def bark_and_metal():
 
 
 def soft_shadow(points, to_sun, boxes, balls, samples=12):
-    """Share of the sun that reaches points (n, 3). Boxes: (centre, size, yaw); balls: (centre, radius)."""
+    """Returns the share of the sun that reaches points (n, 3). Boxes: (centre, size, yaw); balls: (centre, radius)."""
     to_sun = np.array(to_sun) / np.linalg.norm(to_sun)
     slope = np.hypot(*to_sun[:2]) / to_sun[2] + 0.1
     seen = np.full(len(points), float(samples))
     blocked = np.zeros((samples, len(points)), bool)
 
     def near(centre, radius, top):
-        """Points that its shadow can reach."""
+        """Returns the points that its shadow can reach."""
         return np.nonzero(((points[:, :2] - np.array(centre)[:2]) ** 2).sum(axis=1) < (radius + slope * top) ** 2)[0]
 
     for k in range(samples):
@@ -131,7 +131,7 @@ def soft_shadow(points, to_sun, boxes, balls, samples=12):
 
 
 def linear(grey):
-    """Of a grey level as pictures keep it, the light that glTF's colours mean."""
+    """Converts a grey level of a picture to the linear light of glTF's colours."""
     value = grey / 255
     return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
 
@@ -165,7 +165,7 @@ def save_mesh(name, parts):
 
 
 def lathe(rings, sides, jitter=0.0):
-    """A closed surface round z: rings of (radius, height); a radius of 0 is a tip."""
+    """Returns a closed surface around z: rings of (radius, height); a radius of 0 is a tip."""
     points, starts = [], []
     for radius, height in rings:
         starts.append(len(points))
@@ -248,7 +248,7 @@ def box(name, position, size, texture, **more):
 
 
 def write(scene):
-    """JSON with a line for each thing."""
+    """Returns JSON with one line per thing."""
     lines = ["{"]
     keys = list(scene)
     for key in keys:
@@ -339,7 +339,7 @@ def warehouse():
     level = lighting["to_sun"][2] / np.linalg.norm(lighting["to_sun"])
     share = (lighting["ambient"] + lighting["sun"] * level * sun) / (lighting["ambient"] + lighting["sun"] * level)
     save("warehouse_floor.png", (floor * share * corner)[::-1])
-    # A texture's origin is the world's: the picture is shifted so that it lies in place.
+    # A texture's origin is the world's, so the picture is shifted to its place.
     ground = {"half_size": 14.0, "texture": picture("warehouse_floor.png", edge)}
     shift_picture("warehouse_floor.png", left, bottom, edge)
     write(head("warehouse", "A hall with shelves, pillars, a ramp and a cart that drives to and fro; a rectangular gate, then a round one.",
@@ -347,7 +347,7 @@ def warehouse():
 
 
 def shift_picture(name, left, bottom, edge):
-    """So that a picture whose lower left corner belongs at (left, bottom) repeats from the world's origin."""
+    """Shifts a picture so that its lower left corner is at (left, bottom) when it repeats from the world's origin."""
     grey = np.asarray(Image.open(THINGS / name))
     size = grey.shape[0]
     save(name, np.roll(grey, (-round(bottom / edge * size), round(left / edge * size)), axis=(0, 1)))
@@ -365,7 +365,7 @@ def forest():
     # The glade in the middle is level, so that the drone starts on the ground.
     rough = 0.5 * value_noise(32, 4, 3)[: cells + 1, : cells + 1]
     glade = np.clip((np.hypot((gx - 4) / 7.5, gy / 2.6) - 1) / 0.8, 0, 1)
-    # A little above the ground, which would be seen in its place.
+    # A little above the ground, which would hide it otherwise.
     heights = np.round(0.008 + (hills + rough) * glade, 3)
 
     def height_at(px, py):

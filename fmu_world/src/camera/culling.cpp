@@ -11,9 +11,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Few enough to be near each other, enough that most faces out of the picture are never looked at.
+/// Faces per group: few, so that they are near each other; many, so that most faces outside the picture need no test of
+/// their own.
 constexpr std::size_t kMostFaces = 16;
-/// On a sphere's radius, for rounding.
+/// Added to a sphere's radius for rounding.
 constexpr double kMargin_m = 1e-6;
 
 FaceGroup group_of(const std::vector<Face>& faces, std::size_t first, std::size_t end) {

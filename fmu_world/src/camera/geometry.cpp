@@ -16,9 +16,9 @@ Vector3d cross(const Vector3d& a, const Vector3d& b) {
   return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
 }
 
-/// How a thing is turned and what it is painted with.
+/// Orientation and texture of a solid.
 struct Painted {
-  std::array<Vector3d, 3> axes_W;  // unit; the last one is its own up
+  std::array<Vector3d, 3> axes_W;  // unit vectors; the last one is the solid's own up
   std::size_t tile;
   const scene::Lighting& lighting;
   std::size_t mover = Face::kStatic;
@@ -35,7 +35,7 @@ std::array<Vector3d, 3> axes_of(const Thing& thing) {
   return {R.col(0), R.col(1), R.col(2)};
 }
 
-/// The mover of a thing on a path, added; none for one that stands.
+/// Adds the mover of a thing on a path. Returns its index, or kStatic if the thing does not move.
 template <typename Thing>
 std::size_t add_mover(Geometry& geometry, const Thing& thing) {
   if (!thing.path.moves()) return Face::kStatic;
@@ -43,7 +43,7 @@ std::size_t add_mover(Geometry& geometry, const Thing& thing) {
   return geometry.movers.size() - 1;
 }
 
-/// Adds a side of a solid that faces along `sign` times its axis `axis`. `corners` may run either way round.
+/// Adds a side of a solid whose normal is `sign` times its axis `axis`. `corners` may have either orientation.
 void add_side(Geometry& geometry, const Painted& solid, int axis, double sign, std::vector<Vector3d> corners) {
   Face face;
   face.normal_W = sign * solid.axes_W[axis];
@@ -66,7 +66,7 @@ void add_side(Geometry& geometry, const Painted& solid, int axis, double sign, s
   geometry.faces.push_back(std::move(face));
 }
 
-/// Corners are computed once for all sides of a solid: sides that share an edge must share its bits.
+/// Computes corners once for all sides of a solid: sides that share an edge must have the same bits.
 void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const scene::Lighting& lighting) {
   const Painted solid{axes_of(box), tile, lighting, add_mover(geometry, box)};
   std::array<Vector3d, 8> corners;  // bit k of the index set: on the far side along axis k
@@ -87,8 +87,8 @@ void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const 
   }
 }
 
-/// The outside of a gate's four beams together. Where beams meet, their faces have the same corners, even in
-/// the middle of an edge: so no background shines through a joint.
+/// Adds the outside of a gate's four beams. Where beams meet, their faces have the same corners, even in the middle of
+/// an edge, so that no background is visible through a joint.
 void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, const scene::Lighting& lighting) {
   const Painted solid{axes_of(gate), tile, lighting};
   const double outer_height_m = gate.frame_height_m();
@@ -106,7 +106,7 @@ void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, con
       corners.reserve(ring.size());
       for (const auto& [y, z] : ring) corners.push_back(at(far, y, z));
       add_side(geometry, solid, 0, far != 0 ? 1.0 : -1.0, std::move(corners));
-      // One pattern over the whole frame.
+      // One pattern for the whole frame.
       geometry.faces.back().texture_origin_W_m = at(far, far != 0 ? 0 : 3, 0);
     };
     front({{3, 0}, {2, 0}, {2, 1}, {2, 2}, {2, 3}, {3, 3}});  // left
@@ -127,7 +127,7 @@ void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, con
   }
 }
 
-/// A cylinder's side as flat strips, one texture all round, and its ends cut into pieces.
+/// Adds a cylinder: its side as flat strips with one texture, and its ends divided into pieces.
 void add_cylinder(Geometry& geometry, const scene::Cylinder& cylinder, std::size_t tile,
                   const scene::Lighting& lighting) {
   constexpr int kSides = 32;
@@ -157,7 +157,7 @@ void add_cylinder(Geometry& geometry, const scene::Cylinder& cylinder, std::size
     geometry.faces.push_back(std::move(face));
   }
   for (const int high : {0, 1}) {
-    // Fans from the first corner, each with as many corners as a face may have.
+    // Fans from the first corner, each with the maximum number of corners of a face.
     for (int first = 1; first + 1 < kSides; first += static_cast<int>(kMaxCorners) - 2) {
       std::vector<Vector3d> piece{rims[high][0]};
       const int last = std::min(first + static_cast<int>(kMaxCorners) - 2, kSides - 1);
@@ -168,7 +168,7 @@ void add_cylinder(Geometry& geometry, const scene::Cylinder& cylinder, std::size
   }
 }
 
-/// Along which of a mesh's axes a texture without coordinates of its own lies on a triangle: u to the right, v up.
+/// Returns the two axes of a mesh for a texture without coordinates on a triangle: u to the right, v up.
 std::array<Vector3d, 2> axes_on(const Vector3d& normal_M) {
   int most = 2;
   for (const int axis : {0, 1}) {
@@ -180,7 +180,7 @@ std::array<Vector3d, 2> axes_on(const Vector3d& normal_M) {
   return {Vector3d::UnitX(), Vector3d::UnitY()};
 }
 
-/// Lets the texture's coordinates be those of the triangle's corners: a linear function over its plane.
+/// Sets the texture coordinates from those of the triangle's corners: a linear function over its plane.
 void lay_tiles(Face& face, const std::array<Eigen::Vector2d, 3>& tiles, const Tile& tile) {
   const Vector3d e1 = face.corners_W_m[1] - face.corners_W_m[0];
   const Vector3d e2 = face.corners_W_m[2] - face.corners_W_m[0];
@@ -197,7 +197,7 @@ void lay_tiles(Face& face, const std::array<Eigen::Vector2d, 3>& tiles, const Ti
   face.v_origin_m = tile.edge_v_m * tiles[0].y();
 }
 
-/// The place of the texture's tile in `geometry`, added if it is new.
+/// Returns the index of the texture's tile in `geometry`; adds the tile if it is new.
 std::size_t add_tile(Geometry& geometry, const scene::Texture& texture) {
   auto& tiles = geometry.tiles;
   const auto tile = shared_tile(texture);  // one for equal textures
@@ -207,7 +207,7 @@ std::size_t add_tile(Geometry& geometry, const scene::Texture& texture) {
   return place;
 }
 
-/// Points are computed once for all triangles: those that share an edge must share its bits.
+/// Computes points once for all triangles: those that share an edge must have the same bits.
 void add_mesh(Geometry& geometry, const scene::Mesh& mesh, const Vector3d& p_W_m, const Eigen::Matrix3d& R_WM,
               const scene::Lighting& lighting, std::size_t mover) {
   std::vector<Vector3d> points_W;

@@ -12,11 +12,11 @@
 namespace mebots::world::camera {
 namespace {
 
-/// tan of the angle to the axis that a lens may look aside: 80 degrees.
+/// tan of the greatest angle to the axis that a lens may have: 80 degrees.
 constexpr double kFarthestAside = 5.67;
 
-/// Where a ray that meets the sensor at `at` comes from. The least root of r (1 + k1 r^2 + k2 r^4) = at, by Newton's
-/// method from 0, which rises to it while the slope is positive.
+/// Returns the direction of a ray that meets the sensor at `at`: the least root of r (1 + k1 r^2 + k2 r^4) = at, by
+/// Newton's method from 0. It rises to the root while the slope is positive.
 double undistorted(const LensSettings& settings, double at) {
   double r = 0.0;
   for (int i = 0; i < 60; ++i) {
@@ -47,7 +47,8 @@ Lens::Lens(const Intrinsics& intrinsics, const LensSettings& settings) : intrins
   const int height = intrinsics.height;
   const double f = intrinsics.focal_length_px();
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  std::vector<double> stretch(pixels, 1.0);  // of the way from the middle, from the sensor to the pinhole's picture
+  std::vector<double> stretch(pixels,
+                              1.0);  // factor of the distance from the middle, from the sensor to the pinhole's picture
   shade_.resize(pixels);
   double widest_px = 0.5 * width;
   double highest_px = 0.5 * height;

@@ -25,10 +25,10 @@ struct Intrinsics {
 struct Pose {
   Eigen::Vector3d p_WC_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
-  std::int64_t time_ns = 0;  ///< when: what moves is seen where it is then
+  std::int64_t time_ns = 0;  ///< time of the positions of moving things
 };
 
-/// How the camera sits in the drone's body.
+/// Position and pitch of the camera in the drone's body.
 struct Mounting {
   Eigen::Vector3d p_BC_m{0.027, 0.0, 0.012};
   double pitch_rad = 0.0;  ///< about the body's y, positive looks down
@@ -37,41 +37,41 @@ struct Mounting {
 /// The camera's pose from the body's.
 Pose camera_pose(const Mounting& mounting, const Eigen::Vector3d& p_WB_m, const Eigen::Matrix3d& R_WB);
 
-/// What a lens does to a picture.
+/// Optical properties of a lens.
 struct LensSettings {
   /// Radial distortion after Brown: a ray at r = tan(angle to the axis) meets the sensor at r (1 + k1 r^2 + k2 r^4),
   /// both in focal lengths. Negative k1 is a barrel.
   double k1 = 0.0;
   double k2 = 0.0;
-  /// How much of the cos^4 law of illumination is there: 0 none, 1 all of it, more for a lens that shades its corners.
+  /// Share of the cos^4 law of illumination: 0 = none, 1 = all, more for a lens that darkens its corners further.
   double vignetting = 0.0;
 
   bool distorts() const { return k1 != 0.0 || k2 != 0.0; }
   bool is_neutral() const { return !distorts() && vignetting == 0.0; }
 };
 
-/// Bends a pinhole's picture and darkens its corners, by tables made once.
+/// Distorts a pinhole's picture and darkens its corners, with precomputed tables.
 class Lens {
  public:
-  /// For a picture of `intrinsics`, whose field of view is that without distortion. Throws mebots::Error where a ray
-  /// cannot be told from the place at which it meets the sensor, or would come from too far aside.
+  /// For a picture of `intrinsics`, whose field of view is that without distortion. Throws mebots::Error if the
+  /// position on the sensor does not determine the ray, or if the ray would be too far from the axis.
   Lens(const Intrinsics& intrinsics, const LensSettings& settings);
 
-  /// The pinhole's picture to render: of the same focal length, as large as the lens looks aside.
+  /// Returns the pinhole's picture to render: the same focal length, and large enough for the lens.
   const Intrinsics& pinhole() const { return pinhole_; }
 
-  /// From a pinhole's light to that on the sensor, row by row from the top left; multiplied by `factor`.
+  /// Computes the light on the sensor from a pinhole's light, row by row from the top left, multiplied by `factor`.
   void project(std::span<const float> light, float factor, std::span<float> sensor) const;
 
  private:
   struct Look {
-    std::int32_t place;  // of the upper left of four pixels
-    float right, down;   // shares of the way to the next
+    std::int32_t place;  // index of the upper left of four pixels
+    float right, down;   // weights of the next pixels
   };
 
   Intrinsics intrinsics_;
   Intrinsics pinhole_;
-  std::vector<Look> looks_;  // none without distortion
+  std::vector<Look> looks_;  // empty without distortion
   std::vector<float> shade_;
 };
 

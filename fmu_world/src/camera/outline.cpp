@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Guard band: what is further than this from the picture's middle is cut off, which keeps the integers small.
+/// Guard band: parts farther than this from the picture's middle are cut off, which keeps the integers small.
 constexpr double kGuard_px = 32768.0;
 
 struct Polygon {
@@ -19,7 +19,7 @@ struct Polygon {
   int count = 0;
 };
 
-/// The plane distance > 0 keeps a corner.
+/// A corner with plane distance > 0 is kept.
 struct ClipPlane {
   Vector3d normal;
   double offset;
@@ -34,17 +34,17 @@ Polygon clipped(const Polygon& polygon, const ClipPlane& plane) {
     const double da = plane.distance(a);
     const double db = plane.distance(b);
     if (da >= 0.0) kept.corners[kept.count++] = a;
-    // Always from the kept corner to the lost one: two polygons walk their common edge in opposite
-    // directions and must get the same bits.
+    // Always from the kept corner to the lost one: two polygons have their common edge in opposite directions, and must
+    // get the same bits.
     if (da >= 0.0 && db < 0.0) kept.corners[kept.count++] = a + (da / (da - db)) * (b - a);
     if (da < 0.0 && db >= 0.0) kept.corners[kept.count++] = b + (db / (db - da)) * (a - b);
-    if (kept.count > static_cast<int>(kMaxOutlineCorners) - 2) break;  // a convex polygon never gets there
+    if (kept.count > static_cast<int>(kMaxOutlineCorners) - 2) break;  // impossible for a convex polygon
     MEBOTS_ASSERT(kept.count < static_cast<int>(kMaxOutlineCorners));
   }
   return kept;
 }
 
-/// Nothing of nearly all faces is cut off, which this tells at less cost than planes.
+/// True if no plane cuts the face, which is the case for nearly all faces. This test is cheaper than the planes.
 bool all_inside(std::span<const Vector3d> corners_C_m, double side) {
   bool inside = true;
   for (const Vector3d& p : corners_C_m) {
@@ -71,7 +71,7 @@ Polygon clipped(std::span<const Vector3d> corners_C_m, double side) {
   return polygon;
 }
 
-/// To the nearest, halves away from 0, as std::llround does without a call.
+/// Rounds to the nearest, halves away from 0, like std::llround() but without a call.
 std::int32_t to_nearest(double value) {
   const auto whole = static_cast<std::int32_t>(value);
   const double rest = value - whole;  // exact
@@ -93,7 +93,7 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
   }
   const int corners = static_cast<int>(corners_C_m.size());
 
-  // Within the guard band: below 2^28 as well as what they differ by, so that the edges' 32 bits hold them.
+  // Within the guard band, values and their differences are below 2^28, so they fit into the edges' 32 bits.
   std::array<std::int32_t, kMaxOutlineCorners> x;
   std::array<std::int32_t, kMaxOutlineCorners> y;
   for (int i = 0; i < corners; ++i) {
@@ -117,7 +117,7 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
   int begun_rows = 0;
   for (int i = 0; i < corners; ++i) {
     const int j = i + 1 < corners ? i + 1 : 0;
-    // Counter-clockwise in a picture whose y grows downwards: left edges run down, right edges run up.
+    // Counter-clockwise in a picture whose y grows downwards: left edges go down, right edges go up.
     const bool down = y[i] < y[j];
     const int a = down ? i : j;
     const int b = down ? j : i;

@@ -14,14 +14,14 @@ namespace mebots::world::camera {
 
 /// Corners nearer to the camera's plane are cut away.
 inline constexpr double kNearPlane_m = 1e-3;
-/// Planes that cut a face off; each can add a corner.
+/// Number of planes that cut a face; each can add a corner.
 inline constexpr std::size_t kClipPlanes = 5;
 /// A face has at most 8 corners; each of the five clip planes can add one. The rest is reserve.
 inline constexpr std::size_t kMaxOutlineCorners = 16;
 
-/// Which pixels a convex polygon covers: those whose centre is inside. Corners are snapped to 1/4096 of a
-/// pixel and everything after that is integer arithmetic, so the answer is exact. A centre on an edge belongs to the
-/// polygon if the edge is a left or top one; polygons that share an edge thus never share or miss a pixel.
+/// Determines the pixels of a convex polygon: those whose centre is inside. Corners are rounded to 1/4096 of a pixel;
+/// everything after that is integer arithmetic, so the result is exact. A centre on an edge belongs to the polygon if
+/// the edge is a left or top one. So polygons that share an edge never share or miss a pixel.
 class Outline {
  public:
   /// The camera's optical axis meets the picture's middle.
@@ -32,30 +32,31 @@ class Outline {
   static constexpr std::int64_t kOne = 4096;  // a pixel
   static constexpr std::int64_t kHalf = kOne / 2;
 
-  /// One that passes the centre of a row at least.
+  /// An edge that passes at least one row's centre.
   struct Edge {
     std::int32_t x_top, y_top;  // in 1/4096 pixel
     std::int32_t dx, dy;        // from top to bottom, dy > 0
-    int first_row, end_row;     // whose centres it passes, cut to the picture
-    std::int32_t winding;       // 1 where the polygon begins to its right, -1 where it ends
+    int first_row, end_row;     // rows whose centres it passes, within the picture
+    std::int32_t winding;       // 1 if the polygon is to its right, -1 if to its left
     double columns_per_unit;    // 1 / (4096 dy), rounded
 
-    /// For each of the rows [first, end), which it must pass: the first column whose centre is on or right of the edge.
+    /// Computes for each of the rows [first, end), all of which it must pass, the first column whose centre is on or
+    /// right of the edge.
     void columns(int first, int end, std::int32_t* columns) const {
-      // That is the least column with (kOne column + kHalf - x_top) dy >= dx (y - y_top), so a quotient rounded up.
-      // At most 2^30 times 2^31, so it fits.
+      // The result is the least column with (kOne column + kHalf - x_top) dy >= dx (y - y_top): a quotient rounded up.
+      // The product is at most 2^30 times 2^31, so it fits.
       const std::int64_t y = first * kOne + kHalf;
       const std::int64_t numerator = (x_top - kHalf) * dy + dx * (y - y_top);
       const std::int64_t denominator = dy * kOne;
-      // In floating point it is off by less than 1e-10, and its whole part by at most one. A division of integers would
-      // take most of the time of a picture with many small faces.
+      // The floating-point quotient has an error below 1e-10, so its integer part is wrong by at most one. Integer
+      // divisions would take most of the time of a picture with many small faces.
       auto column = static_cast<std::int64_t>(static_cast<double>(numerator) * columns_per_unit);
-      std::int64_t beyond = column * denominator - numerator;  // is in [0, denominator) of the right one
+      std::int64_t beyond = column * denominator - numerator;  // in [0, denominator) for the exact column
       const int off = static_cast<int>(beyond < 0) - static_cast<int>(beyond >= denominator);
       column += off;
       beyond += off * denominator;
-      // From row to row the quotient grows by dx / dy: by whole columns and a rest that is taken from what it is
-      // beyond.
+      // From row to row the quotient grows by dx / dy: by whole columns, and by a remainder that is subtracted from
+      // `beyond`.
       const std::int32_t whole = dx / dy - static_cast<int>(dx % dy < 0);
       const std::int64_t rest = (dx - static_cast<std::int64_t>(whole) * dy) * kOne;
       for (int row = first; row < end; ++row) {
@@ -69,19 +70,19 @@ class Outline {
   };
   using Edges = std::span<Edge, kMaxOutlineCorners>;
 
-  /// `corners_C_m` in the camera frame, counter-clockwise seen from the camera. Its edges are the first edge_count() of
-  /// `edges`, which must stay where they are. Needs no heap.
+  /// `corners_C_m` are in the camera frame, counter-clockwise seen from the camera. Its edges are the first
+  /// edge_count() of `edges`, which must not move. Uses no heap.
   Outline(const Picture& picture, std::span<const Eigen::Vector3d> corners_C_m, Edges edges);
 
-  /// Rows that it covers: [first_row, end_row), empty if no pixel's centre is between its outermost corners.
+  /// Rows of the polygon: [first_row, end_row). Empty if it contains no pixel's centre.
   int first_row() const { return first_row_; }
   int end_row() const { return end_row_; }
   int edge_count() const { return edge_count_; }
 
-  /// Rows that spans() takes at once, at most.
+  /// Maximum number of rows of one call of spans().
   static constexpr int kStripRows = 16;
 
-  /// Calls span(row, begin, end) for each run of covered columns in the rows [first, end), cut to the picture.
+  /// Calls span(row, begin, end) for each run of covered columns in the rows [first, end), within the picture.
   template <typename Span>
   void spans(int first, int end, Span&& span) const {
     first = std::max(first, first_row_);
@@ -111,7 +112,7 @@ class Outline {
     int column, winding;
   };
 
-  /// The same for one row that has any number of crossings.
+  /// Does the same for one row with any number of crossings.
   template <typename Span>
   void winding_spans(int row, Span&& span) const {
     std::array<Crossing, kMaxOutlineCorners> crossings;  // of the row's centre line, from left to right
@@ -138,7 +139,8 @@ class Outline {
   int width_;
   int first_row_ = 0;
   int end_row_ = 0;
-  /// Each row's centre line is crossed twice, as a convex polygon's. Snapping can dent one by 1/4096 pixel.
+  /// True if each row's centre line is crossed twice, as for a convex polygon. Rounding can make one concave by 1/4096
+  /// pixel.
   bool two_crossings_ = true;
 };
 

@@ -105,7 +105,7 @@ double bricks(const Texture& texture, double u, double v) {
   return std::clamp(texture.light * (1.0 + kBrickSpread * shade), 0.0, 255.0);
 }
 
-/// Grey level of a picture between its pixels' middles; it repeats.
+/// Returns the grey level of a repeating picture between its pixels' centres.
 double between_pixels(const scene::Picture& picture, double u, double v) {
   const double x = u * picture.width - 0.5;
   const double y = (1.0 - v) * picture.height - 0.5;

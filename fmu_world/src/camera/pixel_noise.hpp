@@ -7,19 +7,19 @@
 
 namespace mebots::world::camera {
 
-/// Gaussian sensor noise that depends on (seed, frame, row, column) and on nothing else: neither on the size of
-/// the picture, nor on the order or thread in which pixels are made.
+/// Gaussian sensor noise that only depends on (seed, frame, row, column): not on the size of the picture, nor on the
+/// order or thread of its computation.
 ///
-/// Each row of each frame has its own SplitMix64 sequence. One 64-bit number serves four pixels, 12 bits each. They
-/// are indices into 4096 equally likely values of the normal distribution (its quantiles at (i + 1/2) / 4096, scaled to
-/// unit variance). So mean and variance are exact and the tails end at 3.7 standard deviations.
+/// Each row of each frame has its own SplitMix64 sequence. One 64-bit number serves four pixels with 12 bits each.
+/// These are indices into 4096 equally likely values of the normal distribution (its quantiles at (i + 1/2) / 4096,
+/// scaled to unit variance). So mean and variance are exact, and the tails end at 3.7 standard deviations.
 class PixelNoise {
  public:
   /// Standard deviation in grey levels, >= 0.
   explicit PixelNoise(double standard_deviation);
 
   double standard_deviation() const { return standard_deviation_; }
-  /// Adds noise to a row of grey levels, beginning at column 0. Does nothing for a standard deviation of 0.
+  /// Adds noise to a row of grey levels from column 0 on. Has no effect for a standard deviation of 0.
   void add(std::span<float> row_grey, std::uint64_t seed, std::uint64_t frame_index, int row) const;
 
  private:

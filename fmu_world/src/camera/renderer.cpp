@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A camera closer to a face's plane than this sees it edge-on: nothing.
+/// If the camera is closer to a face's plane than this, the face is seen edge-on and not drawn.
 constexpr double kEdgeOn_m = 1e-9;
 
 void check(const Intrinsics& intrinsics) {
@@ -50,18 +50,19 @@ Geometry checked(Geometry geometry) {
   return geometry;
 }
 
-/// Rows whose depths are tested face by face: enough that a face seldom comes again, few enough for the nearest cache.
+/// Rows whose depths are tested together: many, so that a face is in few strips; few, so that they fit into the
+/// first-level cache.
 constexpr int kStripRows = Outline::kStripRows;
 
-/// In place of a face's index.
+/// Stands for no face.
 constexpr std::int32_t kNothing = -1;
 
-/// How far a row's centre is below the picture's middle, in pixels.
+/// Returns the distance of a row's centre below the picture's middle, in pixels.
 double below_middle(int row, const Intrinsics& intrinsics) {
   return row + 0.5 - 0.5 * intrinsics.height;
 }
 
-/// How far the first column's centre is to the right of it.
+/// Returns the distance of the first column's centre to the right of the picture's middle.
 float left_centre(const Intrinsics& intrinsics) {
   return 0.5F - 0.5F * static_cast<float>(intrinsics.width);
 }
@@ -77,13 +78,13 @@ PixelPlane along_ray(const Vector3d& direction_W, const Eigen::Matrix3d& R_WC, d
   return {direction_C.x(), -direction_C.y() / focal_length_px, -direction_C.z() / focal_length_px};
 }
 
-/// Texels per metre times the camera's place along an axis, brought back into the first tile.
+/// Returns the camera's position along an axis in texels, reduced to the first tile.
 float eye_texel(double along_axis_m, double edge_m, int size) {
   const double tiles = along_axis_m / edge_m;
   return static_cast<float>((tiles - std::floor(tiles)) * size);
 }
 
-/// The camera as seen from what moves, in the place where it would stand without its path.
+/// Returns the camera's pose relative to a mover without its path.
 Pose seen_from(const Mover& mover, const Pose& pose) {
   const scene::Displacement moved = mover.path.at(pose.time_ns);
   const Eigen::Matrix3d back = yaw_rotation(-moved.turn_rad).toRotationMatrix();
@@ -105,7 +106,7 @@ FaceView view_of(const FaceCover& face, double light, const Pose& pose, double h
   return view;
 }
 
-/// The rest of the view of a face with a texture.
+/// Adds the texture to the view of a face.
 void add_texture(const Face& face, const Tile& tile, const Pose& pose, double focal_length_px, FaceView& view) {
   const double texels_per_m_u = tile.ripmap.size() / tile.edge_u_m;
   const double texels_per_m_v = tile.ripmap.size() / tile.edge_v_m;
@@ -142,7 +143,7 @@ Renderer::Renderer(Geometry geometry, Intrinsics intrinsics, double noise_std)
 Renderer::Workspace Renderer::make_workspace() const {
   Workspace workspace;
   workspace.faces_.reserve(geometry_.faces.size());
-  // A clip plane adds one corner at most; the last outline is given room for any.
+  // A clip plane adds at most one corner. The end has space for any outline.
   workspace.edges_.resize(covers_.corners_W_m.size() + kClipPlanes * geometry_.faces.size() + kMaxOutlineCorners);
   workspace.strips_.resize(static_cast<std::size_t>((intrinsics_.height + kStripRows - 1) / kStripRows) + 1);
   workspace.by_strip_.reserve(geometry_.faces.size());
@@ -173,11 +174,11 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Worksp
     for (std::size_t k = group.first; k < group.end; ++k) {
       const FaceCover& cover = covers_.faces[k];
       const double height_over_plane_m = cover.normal_W.dot(eye.p_WC_m) - cover.offset_m;
-      if (height_over_plane_m < kEdgeOn_m) continue;  // its back, or edge-on
+      if (height_over_plane_m < kEdgeOn_m) continue;  // back or edge-on
       const auto corners_W = covers_.corners_of(cover);
       std::array<Vector3d, kMaxCorners> corners_C;
       MEBOTS_ASSERT(corners_W.size() <= corners_C.size(), "checked() has seen it");
-      bool before = false;  // the camera
+      bool before = false;  // true if the camera is in front of it
       for (std::size_t i = 0; i < corners_W.size(); ++i) {
         corners_C[i] = R_CE * (corners_W[i] - eye.p_WC_m);
         before = before || corners_C[i].x() > kNearPlane_m;
@@ -215,13 +216,13 @@ void Renderer::sort_by_strip(int first_row, Workspace& workspace) {
   workspace.by_strip_.resize(workspace.faces_.size());
   for (std::size_t i = 0; i < workspace.faces_.size(); ++i)
     workspace.by_strip_[strips[strip_of(workspace.faces_[i])]++] = static_cast<std::int32_t>(i);
-  // Each entry moved on to where the next strip begins.
+  // Moves each entry to the start of the next strip.
   std::rotate(strips.begin(), strips.end() - 1, strips.end());
   strips[0] = 0;
   workspace.active_.clear();
 }
 
-/// Faces that end before the strip leave, those that begin in it come; both lists are in the faces' order.
+/// Removes faces that end before the strip, and adds those that begin in it. Both lists are in the faces' order.
 void Renderer::enter_strip(std::size_t strip, int first, Workspace& workspace) {
   const auto& by_strip = workspace.by_strip_;
   std::size_t coming = workspace.strips_[strip];

@@ -15,15 +15,15 @@
 
 namespace mebots::world::camera {
 
-/// The drone's camera: what a pinhole camera with an 8-bit grey sensor sees of a scene.
+/// The drone's camera: a pinhole camera with an 8-bit grey sensor.
 ///
-/// Faces that are not in the picture are left out, in groups where that can be told of all of them. Then strip by strip
-/// of 16 rows: every face's pixels are tested against the strip's inverse depths, and each visible pixel is textured
-/// once, exact in perspective. Then noise is added and each row is rounded and saturated to 0..255.
-/// Same arguments, same bytes, whichever renderer, thread or vector unit made them. No heap after construction.
+/// Faces that cannot be in the picture are left out, if possible by groups. Then, in strips of 16 rows, every face's
+/// pixels are tested against the strip's inverse depths, and each visible pixel is textured once, with correct
+/// perspective. Finally noise is added, and each row is rounded and limited to 0..255. The same arguments give the same
+/// bytes, for any renderer, thread or vector unit. No heap after construction.
 class Renderer {
  public:
-  /// What a call writes to besides the picture. One for each thread that renders at the same time.
+  /// Working memory of a call. Each thread that renders at the same time needs its own.
   class Workspace {
     friend class Renderer;
     struct VisibleFace {
@@ -32,20 +32,20 @@ class Renderer {
     };
     std::vector<VisibleFace> faces_;
     std::vector<Outline::Edge> edges_;    // of their outlines
-    std::vector<std::size_t> strips_;     // where in by_strip_ the faces begin whose first strip it is
-    std::vector<std::int32_t> by_strip_;  // faces by their first strip, and then in their order
-    std::vector<std::int32_t> active_;    // faces in the strip under way, in their order
+    std::vector<std::size_t> strips_;     // start of each strip's faces in by_strip_
+    std::vector<std::int32_t> by_strip_;  // faces by their first strip, then in their order
+    std::vector<std::int32_t> active_;    // faces of the present strip, in their order
     std::vector<std::int32_t> next_;
-    std::vector<Pose> eyes_;             // the camera, seen from each mover
+    std::vector<Pose> eyes_;             // pose of the camera relative to each mover
     std::vector<float> inverse_depth_;   // of the strip's pixels
-    std::vector<std::int32_t> nearest_;  // faces at them
+    std::vector<std::int32_t> nearest_;  // nearest face of each pixel
     std::vector<float> grey_;
   };
 
-  /// `noise_std` in grey levels. Throws mebots::Error for sizes outside 8..2048 pixels, a field of view outside
-  /// 0.1..3.0 rad, negative noise.
+  /// `noise_std` is in grey levels. Throws mebots::Error for sizes outside 8..2048 pixels, a field of view outside
+  /// 0.1..3.0 rad, or negative noise.
   Renderer(const scene::Scene& scene, Intrinsics intrinsics, double noise_std);
-  /// The same for any geometry. Throws mebots::Error also for faces with fewer than 3 or more than 8 corners.
+  /// For any geometry. Also throws mebots::Error for faces with fewer than 3 or more than 8 corners.
   Renderer(Geometry geometry, Intrinsics intrinsics, double noise_std);
 
   const Intrinsics& intrinsics() const { return intrinsics_; }
@@ -57,20 +57,21 @@ class Renderer {
     render(pose, seed, frame_index, pixels, workspace_);
   }
 
-  /// The same, safe from many threads at once if each brings its own workspace.
+  /// Does the same; safe for concurrent calls if each has its own workspace.
   void render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels,
               Workspace& workspace) const;
   Workspace make_workspace() const;
 
-  /// The light alone, in grey levels before noise and rounding, of the rows [first, end) of a picture: width numbers a
-  /// row into `grey`, which begins at row 0.
+  /// Computes only the light, in grey levels before noise and rounding, of the rows [first, end) of a picture. `grey`
+  /// begins at row 0 and has `width` numbers per row.
   void render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey, Workspace& workspace) const;
 
  private:
-  /// What may be seen in the rows [first, end).
+  /// Finds the faces that may be visible in the rows [first, end).
   void find_visible(const Pose& pose, int first_row, int end_row, Workspace& workspace) const;
   static void sort_by_strip(int first_row, Workspace& workspace);
-  /// The nearest faces of a strip, whose rows are [first, end). Strips in rising order after find_visible().
+  /// Finds the nearest faces of a strip with the rows [first, end). Call it for strips in rising order, after
+  /// find_visible().
   void see_strip(std::size_t strip, int first, int end, Workspace& workspace) const;
   static void enter_strip(std::size_t strip, int first, Workspace& workspace);
   /// Calls shaded(row) for each of the rows [first, end) when its light is in the workspace's `grey_`.

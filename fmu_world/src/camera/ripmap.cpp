@@ -13,7 +13,7 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Grey levels of one level of the pyramid, still unrounded.
+/// Unrounded grey levels of one level of the pyramid.
 struct Level {
   int width;
   int height;
@@ -40,7 +40,7 @@ Level sample(int size, int samples, const Ripmap::Pattern& pattern) {
   return level;
 }
 
-/// The nearest whole grey level, halves upwards: std::lround() of what is not negative, without its call.
+/// Rounds to the nearest integer, halves upwards: std::lround() for non-negative values, without a call.
 std::uint8_t rounded(float grey) {
   MEBOTS_ASSERT(grey >= 0.0F && grey <= 255.0F);
   const auto whole = static_cast<int>(grey);

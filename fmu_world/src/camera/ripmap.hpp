@@ -8,14 +8,14 @@
 
 namespace mebots::world::camera {
 
-/// A square tile of grey levels that repeats without end, ready for filtered look-up.
+/// A square tile of grey levels that repeats endlessly, with filtered look-up.
 ///
-/// It is halved along u and along v independently (Williams' mip map, taken per axis), so that ground seen
-/// at a grazing angle is averaged over its long axis only. One bilinear look-up per pixel neither shimmers nor smears.
+/// It is halved along u and along v independently (Williams' mip map, taken per axis), so that a surface seen at a
+/// grazing angle is only averaged along its long axis. One bilinear look-up per pixel avoids flicker and blur.
 ///
-/// All levels lie in one array of 2S x 2S for a tile of S x S texels. The level whose width is s = S / 2^k
-/// starts at column 2S - 2s; rows alike. Each 32-bit word holds a texel and its right, lower and lower right
-/// neighbour (from the low byte up), wrapped round, so that a bilinear look-up reads one word.
+/// All levels are in one array of 2S x 2S for a tile of S x S texels. The level of width s = S / 2^k starts at column
+/// 2S - 2s; rows likewise. Each 32-bit word contains a texel and its right, lower and lower right neighbours (from the
+/// low byte up, wrapped around), so that a bilinear look-up reads one word.
 class Ripmap {
  public:
   /// Grey level 0..255 of the tile at (u, v) in [0, 1).
@@ -28,9 +28,9 @@ class Ripmap {
   /// log2 of the array's row length 2S.
   int row_shift() const { return row_shift_; }
   const std::uint32_t* words() const { return words_.data(); }
-  /// What it takes of memory.
+  /// Returns its memory in bytes.
   std::size_t bytes() const { return words_.size() * sizeof(words_[0]); }
-  /// Grey level of a texel: (0, 0) is level 0 in that direction.
+  /// Returns the grey level of a texel; level 0 is the full resolution in that direction.
   int texel(int level_u, int level_v, int column, int row) const;
 
  private:

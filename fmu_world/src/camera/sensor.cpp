@@ -14,12 +14,12 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Rows that are rendered as of one time: at 63 us a row, half a millisecond.
+/// Rows that are rendered for one time: half a millisecond at 63 us per row.
 constexpr int kBandRows = 8;
-/// Grey levels that the mean may be off the target before automatic exposure moves: the HM01B0's CONVERGE_OUT_TH.
+/// Difference in grey levels between mean and target before automatic exposure changes: the HM01B0's CONVERGE_OUT_TH.
 constexpr double kTolerance = 5.0;
 constexpr double kMostChange = 2.0;
-/// Least product of exposure and gain over the reference that automatic exposure goes down to: a line of 340.
+/// Least product of exposure and gain of automatic exposure, relative to the reference: one line of 340.
 constexpr double kLeastFactor = 1.0 / 340.0;
 
 void require(bool good, const char* name, double value, const char* limit) {
@@ -71,7 +71,7 @@ double Sensor::factor_of(double exposure_s, double gain) const {
   return gain * (reference_s > 0.0 && exposure_s > 0.0 ? exposure_s / reference_s : 1.0);
 }
 
-/// The least power of two with which the exposure suffices.
+/// Returns the least power of two for which the exposure is long enough.
 double Sensor::gain() const {
   if (!settings_.automatic) return settings_.gain;
   const double longest = factor_of(settings_.most_exposure_s, 1.0);
@@ -91,7 +91,7 @@ void Sensor::gather_once(const PoseAt& pose_at, double after_s, std::span<float>
     renderer_.render_light(pose_at(after_s), 0, height, light, workspace_);
     return;
   }
-  // Rows above and below the sensor's are those that the lens bends into it.
+  // Rows above and below the sensor's are needed because the lens bends them into the picture.
   const double first_row = 0.5 * (height - intrinsics_.height);
   for (int row = 0; row < height; row += kBandRows) {
     const int end = std::min(row + kBandRows, height);
@@ -121,7 +121,7 @@ void Sensor::take(const PoseAt& pose_at, std::uint64_t seed, std::uint64_t frame
   MEBOTS_ASSERT(pixels.size() == sensor_.size());
   gather(pose_at);
   lens_.project(light_, static_cast<float>(light_factor_), sensor_);
-  // Variance of a grey level g: reading^2 + g x (grey levels an electron), gain included.
+  // Variance of a grey level g: reading^2 + g x (grey levels per electron), with gain.
   const auto reading = static_cast<float>(settings_.noise_std * settings_.noise_std);
   const auto shot = static_cast<float>(settings_.full_well > 0.0 ? 255.0 * gain() / settings_.full_well : 0.0);
   const auto width = static_cast<std::size_t>(intrinsics_.width);

@@ -13,47 +13,48 @@
 
 namespace mebots::world::camera {
 
-/// How the sensor takes its light. All zero and a gain of 1: a sensor that sees a whole picture in an instant, as the
-/// renderer makes it.
+/// Settings of the sensor. With all zero and a gain of 1, it exposes a whole picture in an instant, as the renderer
+/// does.
 struct SensorSettings {
-  double exposure_s = 0.0;  ///< that each row gathers light; 0 = an instant
-  double reference_exposure_s =
-      0.0;                       ///< at which, with a gain of 1, the scene's grey levels are seen; 0 = `exposure_s`
-  double gain = 1.0;             ///< > 0
-  bool automatic = false;        ///< exposure and gain follow the picture's mean
-  double target = 60.0;          ///< that the mean is to have, grey level
-  double most_exposure_s = 0.0;  ///< that automatic exposure may choose
-  double most_gain = 8.0;        ///< the same of the gain, which it takes from 1, 2, 4, 8, ...
-  double line_time_s = 0.0;      ///< from one row's beginning to the next one's; 0 = all at once
-  int blur_samples = 8;          ///< pictures that make a blurred one, 1..64; 1 = no motion blur
-  double full_well = 0.0;        ///< electrons that grey level 255 stands for at a gain of 1; 0 = no shot noise
-  double noise_std = 0.0;        ///< what reading adds, grey levels
+  double exposure_s = 0.0;            ///< exposure of each row; 0 = an instant
+  double reference_exposure_s = 0.0;  ///< exposure that gives the scene's grey levels at a gain of 1; 0 = `exposure_s`
+  double gain = 1.0;                  ///< > 0
+  bool automatic = false;             ///< exposure and gain follow the picture's mean
+  double target = 60.0;               ///< wanted mean grey level
+  double most_exposure_s = 0.0;       ///< maximum of automatic exposure
+  double most_gain = 8.0;             ///< maximum gain; automatic exposure uses 1, 2, 4, 8, ...
+  double line_time_s = 0.0;           ///< from the start of one row to the start of the next; 0 = all rows at once
+  int blur_samples = 8;               ///< renderings per blurred picture, 1..64; 1 = no motion blur
+  double full_well = 0.0;             ///< electrons at grey level 255 with a gain of 1; 0 = no shot noise
+  double noise_std = 0.0;             ///< read noise, in grey levels
 
   bool is_neutral() const {
     return exposure_s == 0.0 && gain == 1.0 && !automatic && line_time_s == 0.0 && full_well == 0.0;
   }
 };
 
-/// A camera's lens and sensor before a scene: picture = rounded (noise + light on the sensor x exposure x gain).
+/// A camera's lens and sensor: picture = rounded (noise + light on the sensor x exposure x gain).
 ///
-/// Row r gathers light from t + r line_time on, for the exposure, while the camera goes on as it did at t. The renderer
-/// takes bands of eight rows at one time each, and `blur_samples` pictures for the exposure. Rows count in the picture
-/// before distortion. Shot noise: n electrons vary by sqrt(n). Automatic exposure looks at a picture's mean when it is
-/// done. If that is further than 5 grey levels from the target, the product of exposure and gain is multiplied by
-/// target / mean, at most by 2 and at least by 1/2. The exposure is lengthened first, then the gain is doubled.
+/// The exposure of row r begins at t + r line_time, while the camera continues its motion at t. The renderer uses one
+/// time for each band of eight rows, and `blur_samples` pictures per exposure. Rows are those of the picture before
+/// distortion. Shot noise: n electrons vary by sqrt(n).
+///
+/// Automatic exposure uses a picture's mean. If it differs from the target by more than 5 grey levels, the product of
+/// exposure and gain is multiplied by target / mean, limited to 1/2 to 2. Exposure is increased first, then the gain is
+/// doubled.
 class Sensor {
  public:
-  /// The camera's pose some seconds after the picture begins.
+  /// Returns the camera's pose some seconds after the start of the picture.
   using PoseAt = std::function<Pose(double after_s)>;
 
-  /// Throws mebots::Error naming a parameter whose value makes no camera.
+  /// Throws mebots::Error that names a parameter with an invalid value.
   Sensor(const scene::Scene& scene, const Intrinsics& intrinsics, const LensSettings& lens,
          const SensorSettings& settings);
 
-  /// Takes a picture; the noise is a function of seed, index, row and column. Needs no heap.
+  /// Takes a picture. The noise is a function of seed, index, row and column. Uses no heap.
   void take(const PoseAt& pose_at, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels);
 
-  /// Of the next picture.
+  /// Exposure and gain of the next picture.
   double exposure_s() const;
   double gain() const;
 
@@ -71,11 +72,11 @@ class Sensor {
   Renderer renderer_;
   Renderer::Workspace workspace_;
   PixelNoise noise_;
-  std::vector<float> light_;   // the pinhole's picture
-  std::vector<float> once_;    // one of those that make a blurred one
-  std::vector<float> sensor_;  // behind the lens
+  std::vector<float> light_;   // of the pinhole's picture
+  std::vector<float> once_;    // one rendering of a blurred picture
+  std::vector<float> sensor_;  // after the lens
   std::vector<float> row_noise_;
-  double light_factor_;  // exposure x gain over reference exposure: the whole memory of automatic exposure
+  double light_factor_;  // exposure x gain over reference exposure: the only state of automatic exposure
 };
 
 }  // namespace mebots::world::camera

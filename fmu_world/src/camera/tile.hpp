@@ -18,7 +18,7 @@ struct Tile {
 /// Draws the tile of a scene's texture. The surface's first axis is u, its second one v.
 Tile make_tile(const scene::Texture& texture);
 
-/// The same, drawn once for all worlds of the process that use it at the time.
+/// Returns a tile that all worlds of the process share while it is in use.
 std::shared_ptr<const Tile> shared_tile(const scene::Texture& texture);
 
 }  // namespace mebots::world::camera

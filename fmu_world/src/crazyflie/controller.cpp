@@ -14,9 +14,9 @@ namespace {
 constexpr double kAttitudePeriod_s = 1e-9 * static_cast<double>(Controller::kAttitudePeriod_ns);
 constexpr double kPositionPeriod_s = 1e-9 * static_cast<double>(Controller::kPositionPeriod_ns);
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-/// Below this speed a braking drone takes the place it is at as the one to hold.
+/// A braking drone below this speed holds its present position.
 constexpr double kStoppedSpeed_m_per_s = 0.05;
-/// Below it the firmware takes a supply for a mistake.
+/// The firmware ignores a supply voltage below this.
 constexpr double kLeastSupply_v = 2.0;
 
 }  // namespace
@@ -69,7 +69,7 @@ void Controller::control_position(const StabiliserGoal& goal, const RigidState& 
   }
   wanted_H.z() = position_z_.update(memory_.altitude_m, state.p_WB_m.z(), kPositionPeriod_s);
 
-  // Nose down flies forward, right side down to the right.
+  // Nose down: forward; right side down: to the right.
   const double forward = velocity_x_.update(wanted_H.x(), velocity_H.x(), kPositionPeriod_s);
   const double left = velocity_y_.update(wanted_H.y(), velocity_H.y(), kPositionPeriod_s);
   memory_.attitude_deg.x() = std::clamp(-left, -gains_.max_tilt_deg, gains_.max_tilt_deg);

@@ -14,12 +14,12 @@
 
 namespace mebots::world::crazyflie {
 
-/// The cascade of PID controllers that a Crazyflie flies with: position -> velocity -> roll, pitch and thrust at 100
-/// Hz; attitude -> rate -> four motors at 500 Hz. It knows neither mass nor inertia.
+/// The cascade of PID controllers of a Crazyflie: position -> velocity -> roll, pitch and thrust at 100 Hz; attitude ->
+/// rate -> four motors at 500 Hz. It does not use mass or inertia.
 ///
-/// A goal with velocities is its hover set-point: level velocity along the heading, yaw rate, altitude. Of a goal that
-/// holds the place it brakes, then holds the place reached by position; the altitude goes to the wanted one at the pace
-/// of Gains.
+/// A goal with velocities is the firmware's hover set-point: horizontal velocity along the heading, yaw rate, altitude.
+/// For a goal that holds the place, it brakes, and then holds that position. The altitude set-point moves to the wanted
+/// one at the speed in Gains.
 class Controller {
  public:
   static constexpr std::int64_t kAttitudePeriod_ns = 2'000'000;
@@ -27,8 +27,8 @@ class Controller {
 
   explicit Controller(Propellers propellers);
 
-  /// Commands (duty cycle, 0..1) for what the drone is taken to do at time_ns; held until the next attitude period.
-  /// With a bus voltage of at least 2 V the firmware's battery compensation makes them, otherwise there is none.
+  /// Returns the commands (duty cycle, 0..1) for the estimated state at time_ns, which are constant until the next
+  /// attitude period. With a bus voltage of at least 2 V they have the firmware's battery compensation, otherwise not.
   const RotorValues& update(const StabiliserGoal& goal, const RigidState& state, std::int64_t time_ns,
                             double bus_voltage_v);
 

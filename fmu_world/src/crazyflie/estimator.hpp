@@ -14,9 +14,9 @@
 
 namespace mebots::world::crazyflie {
 
-/// Feeds a Kalman filter with what the sensors tell, at the firmware's pace: the IMU's samples go through low-passes
-/// (gyroscope 80 Hz, accelerometer 30 Hz), their means make a prediction every 10 ms; flow and distance count as they
-/// come. The filter knows where the drone starts and how it is turned there.
+/// Feeds a Kalman filter with sensor values at the firmware's rates. The IMU's samples pass low-pass filters (gyroscope
+/// 80 Hz, accelerometer 30 Hz); a prediction every 10 ms uses their means. Flow and distance are used when they arrive.
+/// The filter starts with the true position and attitude.
 class Estimator {
  public:
   static constexpr std::int64_t kPredictionPeriod_ns = 10'000'000;
@@ -25,7 +25,7 @@ class Estimator {
 
   void update(std::int64_t time_ns, const Imu& imu, const FlowSensor& flow, const RangeSensor& range, bool flying);
 
-  /// What the drone takes itself to do.
+  /// Returns the estimated state.
   const RigidState& state() const { return state_; }
 
   void visit(state::Visitor& v);
@@ -38,15 +38,15 @@ class Estimator {
   LowPass rate_filter_;
   LowPass force_filter_;
   RigidState state_;
-  Eigen::Vector3d rate_rad_per_s_ = Eigen::Vector3d::Zero();  ///< last, filtered
+  Eigen::Vector3d rate_rad_per_s_ = Eigen::Vector3d::Zero();  ///< last filtered value
   Eigen::Vector3d rate_sum_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
-  std::int64_t samples_ = 0;  ///< in the sums
+  std::int64_t samples_ = 0;  ///< number of samples in the sums
   std::int64_t imu_sample_ = kNoPeriod;
   std::int64_t flow_sample_ = kNoPeriod;
   std::int64_t range_sample_ = kNoPeriod;
-  std::int64_t noise_ns_;       ///< until when process noise is in
-  std::int64_t prediction_ns_;  ///< of the last prediction
+  std::int64_t noise_ns_;       ///< time up to which process noise has been added
+  std::int64_t prediction_ns_;  ///< time of the last prediction
 };
 
 }  // namespace mebots::world::crazyflie

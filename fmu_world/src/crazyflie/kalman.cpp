@@ -13,7 +13,7 @@ constexpr int kPosition = 0;
 constexpr int kVelocity = 3;
 constexpr int kAttitude = 6;
 
-// Standard deviations: at the start, of what acts unseen, of the gyroscope.
+// Standard deviations: at the start, of unmodelled accelerations, of the gyroscope.
 constexpr double kStartPosition_xy_m = 100.0;
 constexpr double kStartPosition_z_m = 1.0;
 constexpr double kStartVelocity_m_per_s = 0.01;
@@ -21,17 +21,17 @@ constexpr double kStartAttitude_rad = 0.01;
 constexpr double kAcceleration_xy_m_per_s2 = 0.5;
 constexpr double kAcceleration_z_m_per_s2 = 1.0;
 constexpr double kGyroscope_rad_per_s = 0.1;
-/// Share of the first attitude that is mixed in on the ground with each prediction.
+/// Share of the first attitude that each prediction mixes in on the ground.
 constexpr double kReversion = 0.001;
 
 constexpr double kLeastVariance = 1e-6;
 constexpr double kMostVariance = 100.0;
 
-/// The flow's prediction takes the ground for not nearer than this.
+/// Least height in the prediction of the flow.
 constexpr double kLeastHeight_m = 0.1;
-/// The distance sensor's cone in the filter's eyes: 15 degrees from edge to edge.
+/// Cone of the distance sensor in the filter: 15 degrees from edge to edge.
 constexpr double kHalfCone_rad = 0.130899693899575;
-/// Its deviation: near (1 + exp(growth (d - from))).
+/// Its standard deviation: near (1 + exp(growth (d - from))).
 constexpr double kRangeDeviation_m = 0.0025;
 constexpr double kRangeFrom_m = 2.5;
 constexpr double kRangeGrowth_per_m = 2.921350978;  // log(0.2 / 0.0025) / (4 - 2.5)
@@ -42,7 +42,7 @@ Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
   return m;
 }
 
-/// How the covariance of an attitude error turns with half the angle, to second order.
+/// Returns the change of an attitude error's covariance with half the angle, to second order.
 Eigen::Matrix3d turned_by(const Eigen::Vector3d& half_rad) {
   const Eigen::Matrix3d d = cross(half_rad);
   return Eigen::Matrix3d::Identity() - d + 0.5 * d.lazyProduct(d);

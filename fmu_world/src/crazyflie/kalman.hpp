@@ -19,25 +19,26 @@ namespace mebots::world::crazyflie {
 /// kalman_core_params_defaults.h, mm_flow.c, mm_tof.c, zranger2.c).
 class Kalman {
  public:
-  /// Begins at rest, at a place and an attitude that are known.
+  /// Starts at rest at a known position and attitude.
   Kalman(const scene::FlowData& flow, const RigidState& start);
 
-  /// Goes on by dt with the mean specific force and body rate meanwhile. In flight the force along x and y is left
-  /// out: it is drag, which says nothing of the attitude; on the ground the attitude is drawn to the first one.
+  /// Predicts dt ahead with the mean specific force and body rate of that time. In flight, the force along x and y is
+  /// ignored, because it is drag and gives no information about the attitude. On the ground, the attitude is drawn
+  /// towards the first one.
   void predict(const Eigen::Vector3d& force_m_per_s2, const Eigen::Vector3d& rate_rad_per_s, bool flying, double dt_s);
-  /// What dt adds to the uncertainty. The deviation grows with dt, so it matters how often: each millisecond.
+  /// Adds the process noise of dt. The deviation grows with dt, so the interval of the calls matters: each millisecond.
   void add_process_noise(double dt_s);
-  /// Of the flow sensor, over dt, at a body rate.
+  /// Uses a flow measurement over dt at a body rate.
   void measure_flow(const std::array<double, 2>& pixels, const Eigen::Vector3d& rate_rad_per_s, double dt_s);
-  /// Of the distance sensor.
+  /// Uses a distance measurement.
   void measure_distance(double distance_m);
-  /// Takes the attitude error into the attitude; after measurements, before anything is read.
+  /// Moves the attitude error into the attitude. Call it after measurements, before the state is read.
   void finish();
 
   const Eigen::Vector3d& position_m() const { return position_m_; }
   const Eigen::Quaterniond& attitude() const { return q_WB_; }
   Eigen::Vector3d velocity_W_m_per_s() const { return q_WB_ * velocity_B_m_per_s_; }
-  /// Standard deviation of a state: position, velocity, attitude error.
+  /// Returns the standard deviation of a state: position, velocity, attitude error.
   double deviation(int state) const;
 
   void visit(state::Visitor& v);

@@ -10,8 +10,8 @@
 
 namespace mebots::world::crazyflie {
 
-/// Butterworth low-pass of second order on three axes (bilinear transform, direct form II), which begins settled on its
-/// first sample.
+/// Second-order Butterworth low-pass on three axes (bilinear transform, direct form II). It starts in the steady state
+/// of its first sample.
 class LowPass {
  public:
   LowPass(double cutoff_hz, double rate_hz) {

@@ -8,7 +8,7 @@
 
 namespace mebots::world::crazyflie {
 
-/// A controller as the Crazyflie's firmware has them: kp e + ki integral(e) - kd d(measured)/dt.
+/// A controller as in the Crazyflie's firmware: kp e + ki integral(e) - kd d(measured)/dt.
 struct PidGains {
   double kp = 0.0;
   double ki = 0.0;

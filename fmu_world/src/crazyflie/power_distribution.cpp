@@ -33,8 +33,8 @@ constexpr ThrustOverVoltage kThrustUpgrade{
     .most_n = 0.18,
 };
 
-/// The cubics rise everywhere and are convex above 1.32 V, so Newton's steps from 4 V come down to the root; a root
-/// below takes more of them.
+/// The cubics rise everywhere and are convex above 1.32 V, so Newton's method from 4 V falls to the root. A root below
+/// 1.32 V takes more steps.
 double motor_voltage_v(double thrust_n, const ThrustOverVoltage& rotor) {
   double v = 4.0;
   constexpr int kSteps = 16;

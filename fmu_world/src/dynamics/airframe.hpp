@@ -11,7 +11,7 @@
 
 namespace mebots::world {
 
-/// Where the drone's body B is in the world W, and how it moves. The body's origin is its centre of mass.
+/// Pose and velocity of the drone's body B in the world W. The body's origin is its centre of mass.
 struct RigidState {
   Eigen::Vector3d p_WB_m = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
@@ -50,21 +50,21 @@ struct Wrench {
   Eigen::Vector3d torque_n_m = Eigen::Vector3d::Zero();
 };
 
-/// Principal moments of inertia about body axes for a drone of `mass_kg`: those of the measured drone.
-/// Added is the mass beyond the measured one spread evenly over `drone.load_size_m` at the centre (a lighter
-/// drone lacks such a load). Throws mebots::Error when that leaves no body (mass or a moment not > 0).
+/// Returns the principal moments of inertia about body axes for a drone of `mass_kg`: those of the measured drone, plus
+/// those of the additional mass spread evenly over `drone.load_size_m` at the centre (a lighter drone lacks such a
+/// load). Throws mebots::Error if the result is no body (mass or a moment not > 0).
 Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg);
 
-/// What the rotors do to the body, in body axes: thrusts along +z at the rotors' places, and reaction torques.
+/// Returns the wrench of the rotors in body axes: thrusts along +z at the rotors' positions, and reaction torques.
 Wrench rotor_wrench(const scene::Drone& drone, const RotorValues& thrust_n, const RotorValues& torque_n_m);
 
-/// Torque on the body from what turns on it, in body axes: the rotors' angular momentum h lies along z, so it is
-/// -dh/dt - w x h. `acceleration` is the rotors' own, towards faster.
+/// Returns the torque of the rotating rotors on the body, in body axes: their angular momentum h is along z, so the
+/// torque is -dh/dt - w x h. `acceleration` is that of the rotors, positive = faster.
 Eigen::Vector3d spin_torque(double rotor_inertia_kg_m2, const RotorValues& speed_rad_per_s,
                             const RotorValues& acceleration_rad_per_s2, const Eigen::Vector3d& rate_B_rad_per_s);
 
-/// By how much a rotor's thrust grows near the ground at the same speed (Cheeseman and Bennett 1955):
-/// 1 / (1 - (R / 4z)^2) for a height z of the rotor's plane, which is taken as R / 2 at least.
+/// Returns the factor of a rotor's thrust near the ground at the same speed (Cheeseman and Bennett 1955): 1 / (1 - (R /
+/// 4z)^2) for a height z of the rotor's plane, with z >= R / 2.
 double ground_effect(double height_m, double rotor_radius_m);
 
 /// Linear drag of the body in moving air, in world axes: F = -R diag(d) R^T (v - wind).

@@ -20,11 +20,11 @@ namespace mebots::world {
 namespace {
 
 constexpr int kMaxContactsPerPair = 8;   // two boxes meet in at most eight points
-constexpr int kMaxContactsPerMesh = 24;  // a box and triangles may meet in more
+constexpr int kMaxContactsPerMesh = 24;  // a box and triangles may have more
 
 std::mutex ode_tables;
 
-/// ODE's tables for the whole process. ODE counts its users and gives back its memory after the last one.
+/// ODE's tables for the whole process. ODE counts its users and frees its memory after the last one.
 class OdeTables {
  public:
   OdeTables() {
@@ -45,7 +45,7 @@ class OdeTables {
   return true;
 }();
 
-/// Each thread that steps needs its own record. No effect if it has one.
+/// Each thread that steps needs its own data. No effect if it has them.
 void prepare_thread() {
   if (dAllocateODEDataForThread(dAllocateMaskAll) == 0) throw Error("ODE has no memory for a thread's data");
 }
@@ -62,7 +62,7 @@ Eigen::Vector3d vector(const dReal* v) {
   return {v[0], v[1], v[2]};
 }
 
-/// A mesh as ODE collides it. ODE keeps pointers to the numbers, so they stay here.
+/// A mesh for ODE's collision. ODE keeps pointers to the numbers, so they stay here.
 class TriangleMesh {
  public:
   explicit TriangleMesh(const scene::Mesh& mesh) : data_(dGeomTriMeshDataCreate()) {
@@ -85,7 +85,7 @@ class TriangleMesh {
   std::vector<dTriIndex> corners_;
 };
 
-/// ODE's routines for triangles share working memory between all worlds of a process, where Debian has built it so.
+/// In Debian's build, ODE's routines for triangles share working memory between all worlds of a process.
 std::mutex mesh_collisions;
 
 }  // namespace
@@ -95,7 +95,7 @@ class RigidWorld::Impl {
   explicit Impl(const scene::Scene& scene) : contact_(scene.contact) {
     prepare_thread();
     world_ = dWorldCreate();
-    // The default of all worlds is one list of jobs that two threads must not share.
+    // By default, all worlds share one list of jobs, which two threads must not use at the same time.
     threading_ = dThreadingAllocateSelfThreadedImplementation();
     dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_), threading_);
     dWorldSetGravity(world_, 0.0, 0.0, -kGravity_m_per_s2);
@@ -177,7 +177,7 @@ class RigidWorld::Impl {
   }
 
  private:
-  /// ODE multiplies a few of such numbers. Where a product is not finite, it ends the process (dxNormalize4).
+  /// ODE multiplies a few such numbers. If a product is not finite, ODE ends the process (dxNormalize4).
   static constexpr double kMost = 1e40;
 
   static void require_moderate(const char* what, double value) {
@@ -190,10 +190,10 @@ class RigidWorld::Impl {
     dGeomID geom;
     Touch::What what;
     std::size_t index;
-    Eigen::Vector3d p_W_m;      ///< now
-    const scene::Solid* solid;  ///< none for the ground
+    Eigen::Vector3d p_W_m;      ///< present position
+    const scene::Solid* solid;  ///< null for the ground
     int most_contacts;
-    dBodyID body = nullptr;  ///< of what moves
+    dBodyID body = nullptr;  ///< of a moving obstacle
   };
 
   dGeomID make_geom(const scene::Solid& solid) {
@@ -229,7 +229,7 @@ class RigidWorld::Impl {
     obstacles_.push_back(obstacle);
   }
 
-  /// What moves has a body with the path's velocity, which no force changes.
+  /// A moving obstacle has a body with the path's velocity, which no force changes.
   void place(Obstacle& obstacle, std::int64_t time_ns) {
     const scene::Displacement now = obstacle.solid->path.at(time_ns);
     obstacle.p_W_m = obstacle.solid->p_W_m + now.offset_W_m;
@@ -273,8 +273,8 @@ class RigidWorld::Impl {
     std::array<dContact, kMaxContactsPerMesh> contacts;
     for (const auto& obstacle : obstacles_) {
       if (!is_near(obstacle, state.p_WB_m)) continue;
-      // ODE's routines for boxes, cylinders and planes keep everything on the stack, so instances in several threads
-      // need no lock; those for triangles do not.
+      // ODE's routines for boxes, cylinders and planes only use the stack, so instances in several threads need no
+      // lock. Those for triangles need one.
       const bool is_mesh = obstacle.solid != nullptr && obstacle.solid->shape == scene::Solid::Shape::mesh;
       const auto lock = is_mesh ? std::unique_lock(mesh_collisions) : std::unique_lock<std::mutex>();
       const int count = dCollide(drone_, obstacle.geom, obstacle.most_contacts, &contacts[0].geom, sizeof(dContact));
@@ -296,7 +296,7 @@ class RigidWorld::Impl {
     touches_.push_back({obstacle.what, obstacle.index, p_W_m, normal_W, contact.geom.depth, -velocity_W.dot(normal_W)});
 
     contact.surface = {};
-    // Approx1 makes mu a coefficient of friction; without it ODE takes mu as a force.
+    // Approx1 makes mu a coefficient of friction; without it, mu is a force.
     contact.surface.mode = dContactBounce | dContactSoftERP | dContactSoftCFM | dContactApprox1;
     contact.surface.mu = contact_.friction;
     contact.surface.bounce = contact_.bounce;
@@ -306,7 +306,7 @@ class RigidWorld::Impl {
     dJointAttach(dJointCreateContact(world_, joints_, &contact), body_, obstacle.body);
   }
 
-  OdeTables tables_;  // before all else of ODE
+  OdeTables tables_;  // before all other members of ODE
   scene::Contact contact_;
   dWorldID world_ = nullptr;
   dThreadingImplementationID threading_ = nullptr;

@@ -13,15 +13,15 @@
 
 namespace mebots::world {
 
-/// What the drone can sense of itself.
+/// The sensors for the drone's state estimate.
 struct Senses {
   const Imu& imu;
-  const FlowSensor* flow;  ///< null: it carries none
+  const FlowSensor* flow;  ///< null: the drone has none
   const RangeSensor& range;
 };
 
-/// Who keeps the drone in the air, and from what: the ideal stabiliser or the Crazyflie's own controller, on the true
-/// state or on an estimate from the sensors.
+/// The drone's controller and its input: the ideal stabiliser or the Crazyflie's own controller, with the true state or
+/// an estimate from the sensors.
 class FlightControl {
  public:
   /// An estimate needs a flow sensor in the drone's file.
@@ -30,12 +30,13 @@ class FlightControl {
 
   void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) { ideal_.set_mass(mass_kg, inertia_kg_m2); }
 
-  /// The body has come to `truth` by time_ns, dt after the last call, and the sensors have seen it.
+  /// Updates the control after the body has reached `truth` at time_ns, dt after the last call, and the sensors are
+  /// updated.
   void update(const StabiliserGoal& goal, const RigidState& truth, const Senses& senses, std::int64_t time_ns,
               double dt_s, double bus_voltage_v);
 
   const RotorValues& command() const;
-  /// What the drone takes itself to do; null where it knows.
+  /// Returns the estimated state; null if the true state is used.
   const RigidState* estimate() const { return estimator_ ? &estimator_->state() : nullptr; }
 
   void visit(state::Visitor& v);

@@ -15,9 +15,9 @@ namespace mebots::world {
 namespace {
 
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
-/// Touches that follow within this time are one contact.
+/// Touches within this time count as one contact.
 constexpr std::int64_t kTouchPause_ns = 500'000'000;
-/// A contact of this length holds the drone.
+/// After a contact of this length, the drone is stuck.
 constexpr std::int64_t kStuckAfter_ns = 10'000'000'000;
 
 }  // namespace

@@ -6,9 +6,9 @@
 namespace mebots::world {
 namespace {
 
-/// About the width of the drone: one that is higher has left the ground.
+/// About the width of the drone: above this height, it has left the ground.
 constexpr double kHop_m = 0.1;
-/// A drone that has touched nothing for this long flies, however low.
+/// After this time without a touch, the drone flies, at any height.
 constexpr std::int64_t kLongestHop_ns = 5'000'000'000;
 
 }  // namespace

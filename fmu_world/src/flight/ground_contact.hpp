@@ -7,12 +7,12 @@
 
 namespace mebots::world {
 
-/// Follows the drone's contact with what is below it. A drone that sinks with almost enough thrust hops: its weight
-/// less its thrust is small, so that a hop is low but lasts for seconds. Hops of less than 10 cm belong to the contact.
+/// Tracks the drone's contact with surfaces below it. A drone that sinks with almost enough thrust hops: its weight
+/// minus its thrust is small, so a hop is low but takes seconds. Hops below 10 cm belong to the contact.
 class GroundContact {
  public:
-  /// `hold_ns`: how long a contact lasts until the drone counts as come down. A drone that starts on the ground, with
-  /// its centre at `start_height_m`, has a contact that did not begin in the air.
+  /// `hold_ns`: duration of a contact after which the drone has landed. A drone that starts on the ground, with its
+  /// centre at `start_height_m`, has a contact that did not begin in the air.
   GroundContact(bool starts_on_ground, double start_height_m, std::int64_t start_ns, std::int64_t hold_ns)
       : hold_ns_(hold_ns),
         in_contact_(starts_on_ground),
@@ -20,12 +20,12 @@ class GroundContact {
         since_ns_(start_ns),
         last_ns_(start_ns) {}
 
-  /// Notes whether the drone touches something below it, and the height of its centre. Times never decrease.
+  /// Reports whether the drone touches a surface below it, and the height of its centre. Times must not decrease.
   void update(bool touches, double height_m, std::int64_t time_ns);
-  /// The drone stands where it started or landed: this contact does not count as a descent.
+  /// The drone stands where it started or landed: this contact does not count as a landing.
   void stand() { from_air_ = false; }
 
-  /// True if the drone came down from the air and still touched something after the hold time.
+  /// True if a contact that began in the air has lasted for the hold time.
   bool has_landed() const { return in_contact_ && from_air_ && last_ns_ - since_ns_ >= hold_ns_; }
   /// First touch of the contact.
   std::int64_t since_ns() const { return since_ns_; }

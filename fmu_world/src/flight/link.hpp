@@ -9,7 +9,7 @@
 
 namespace mebots::world {
 
-/// What the stabiliser is told over the link.
+/// The command to the stabiliser.
 struct Setpoint {
   FlightMode mode = FlightMode::off;
   double forward_m_per_s = 0.0;
@@ -27,15 +27,15 @@ struct Setpoint {
   }
 };
 
-/// The link from whoever commands to the stabiliser: a set-point arrives `latency` after it was sent, in the order of
-/// sending. Before the first one arrives the motors are off.
+/// The link to the stabiliser: a set-point arrives `latency` after it was sent, in the order of sending. Before the
+/// first one arrives, the motors are off.
 class Link {
  public:
   explicit Link(std::int64_t latency_ns) : latency_ns_(latency_ns) {}
 
-  /// What is sent at a time, not before the last one; gives what has arrived by then.
+  /// Sends a set-point at a time, which must not be before the last one. Returns the last set-point that has arrived.
   const Setpoint& exchange(const Setpoint& sent, std::int64_t time_ns);
-  /// How long the last set-point that arrived had travelled; 0 before the first one.
+  /// Returns the travel time of the last set-point that arrived; 0 before the first one.
   std::int64_t travelled_ns() const { return travelled_ns_; }
 
   void visit(state::Visitor& v);

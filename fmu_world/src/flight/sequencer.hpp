@@ -6,9 +6,9 @@
 
 namespace mebots::world {
 
-/// What the sequencer sees of the drone in one inner step.
+/// State of the drone in one inner step, for the sequencer.
 struct Situation {
-  bool supported = false;  ///< touches something below it
+  bool supported = false;  ///< touches a surface below it
   bool crashed = false;    ///< hit something too hard or tipped over
   double altitude_m = 0.0;
   double climb_m_per_s = 0.0;
@@ -16,7 +16,7 @@ struct Situation {
   bool has_landed = false;     ///< GroundContact::has_landed()
 };
 
-/// Take-off and landing: which phase follows from mode and situation, and whether the motors may turn.
+/// Take-off and landing: determines the next phase from mode and situation, and whether the motors may turn.
 ///
 ///   on_ground, landed --take_off--> climbing --altitude reached--> flying
 ///   on_ground, landed, climbing, descending --fly--> flying
@@ -47,7 +47,7 @@ class Sequencer {
   FlightPhase phase_;
   bool motors_on_ = false;
   bool touched_down_ = false;
-  double rest_s_ = 0.0;  ///< how long it has been at rest on something
+  double rest_s_ = 0.0;  ///< time at rest on a surface
 };
 
 }  // namespace mebots::world

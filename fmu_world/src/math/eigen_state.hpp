@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-/// Eigen's types as a state's visitor sees them: their numbers, one by one.
+/// Eigen's types as numbers for a state's visitor.
 namespace mebots::world {
 
 inline std::span<double, 3> numbers(Eigen::Vector3d& v) {

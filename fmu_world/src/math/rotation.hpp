@@ -19,7 +19,7 @@ Attitude attitude_of(const Eigen::Matrix3d& R_WB);
 double wrapped_rad(double angle_rad);
 
 Eigen::Quaterniond yaw_rotation(double yaw_rad);
-/// Axes of what is turned so into the axes that it is turned from.
+/// Returns the rotation from the turned axes to the original axes.
 Eigen::Quaterniond rotation_of(const Attitude& attitude);
 
 }  // namespace mebots::world

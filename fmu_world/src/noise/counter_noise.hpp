@@ -3,18 +3,18 @@
 
 #include <cstdint>
 
-/// Noise without a memory: a sample is a function of (seed, stream, index) alone, so that restoring a
-/// state, splitting a step or running beside other instances cannot shift it.
+/// Stateless noise: a sample is a function of (seed, stream, index) only. So restoring a state, dividing a step or
+/// other instances do not change it.
 namespace mebots::world::noise {
 
-/// Which sensor a number belongs to; two streams of one seed have nothing in common.
+/// The sensor that a number is for. Two streams of one seed are independent.
 enum class Stream : std::uint64_t { range = 1, camera = 2, gust = 3, imu = 4, imu_bias = 5, flow = 6 };
 
 /// Weyl increment of SplitMix64.
 inline constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15ULL;
 
-/// One output of SplitMix64 (Steele, Lea, Flood 2014) for the state `x`: a bijection that leaves no trace of
-/// the order in its input. Stateless, so that any pixel's or lattice point's value is known on its own.
+/// One output of SplitMix64 (Steele, Lea, Flood 2014) for the state `x`: a bijection whose output shows no order of its
+/// input. Stateless, so the value of any pixel or lattice point can be computed alone.
 constexpr std::uint64_t hashed(std::uint64_t x) {
   x += kGolden;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;

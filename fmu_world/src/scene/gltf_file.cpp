@@ -25,21 +25,22 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Nodes in nodes; deeper files are refused.
+/// Maximum depth of nodes.
 constexpr int kDeepest = 64;
-/// Nodes of a scene, each counted as often as it is held: a small file may hold one without end.
+/// Maximum number of nodes of a scene, each counted as often as it is referenced: a small file can contain
+/// exponentially many.
 constexpr int kMostNodes = 10'000;
-/// A position or size beyond this is a mistake in units.
+/// A position or size above this is a mistake in units.
 constexpr double kFarthest_m = 1e4;
 
-/// tinygltf hands over a picture's bytes; they are decoded when a material asks for them.
+/// tinygltf passes a picture's bytes; they are decoded when a material needs them.
 bool keep_bytes(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
                 void*) {
   image->image.assign(bytes, bytes + size);
   return true;
 }
 
-/// Numbers of an accessor, checked to lie inside its buffer.
+/// Numbers of an accessor, checked to be inside its buffer.
 struct Numbers {
   const unsigned char* first = nullptr;
   std::size_t count = 0;
@@ -231,11 +232,11 @@ class GltfReader {
                     const Numbers& tiles) {
     if (mesh_.triangles.size() >= kMostTriangles) refuse(fmt::format("more than {} triangles", kMostTriangles));
     Mesh::Triangle triangle{{first + corners[0], first + corners[1], first + corners[2]}, material, {}};
-    if (mesh_.normal(triangle).isZero()) return;  // a line or a point covers nothing
+    if (mesh_.normal(triangle).isZero()) return;  // a line or a point has no area
     if (tiles.count > 0) {
       triangle.tiles.emplace();
       for (std::size_t k = 0; k < 3; ++k) {
-        // Their v runs down from a picture's upper edge.
+        // In glTF, v goes down from a picture's upper edge.
         (*triangle.tiles)[k] = Vector2d(tiles.at(corners[k], 0), 1.0 - tiles.at(corners[k], 1));
         if (!(*triangle.tiles)[k].allFinite()) refuse("a texture coordinate is not a number");
       }
@@ -243,7 +244,7 @@ class GltfReader {
     mesh_.triangles.push_back(triangle);
   }
 
-  /// Its base colour; a picture times the factor.
+  /// Returns the base colour of a material, multiplied with its picture.
   std::uint32_t material_of(int index) {
     for (const auto& [known, place] : materials_) {
       if (known == index) return place;
@@ -281,7 +282,7 @@ class GltfReader {
   tinygltf::Model model_;
   Mesh mesh_;
   int nodes_ = 0;
-  std::vector<std::pair<int, std::uint32_t>> materials_;  // of the file, and ours
+  std::vector<std::pair<int, std::uint32_t>> materials_;  // index in the file and in the mesh
 };
 
 }  // namespace

@@ -31,7 +31,7 @@ const Limits kTime_s = Limits::between(0.0, 1e6);
 
 using File = std::filesystem::path;
 
-/// A file that a scene names, relative to the scene's folder unless its path begins with a slash.
+/// Returns the path of a file that a scene names, relative to the scene's folder unless it begins with a slash.
 auto file_in(const File& folder) {
   return [folder](const Node& node) {
     const auto text = node.readable_text();
@@ -105,7 +105,7 @@ Path::Point read_point(const Node& node) {
   return point;
 }
 
-/// What points say of each other.
+/// Checks the points of a path against each other.
 void check_path(const Node& node, const Path& path) {
   const auto points = node.at("points").elements();
   if (path.points.size() < 2) {
@@ -140,7 +140,7 @@ Path read_path(const Node& node) {
   return path;
 }
 
-/// Name, place, turn and path of a thing.
+/// Reads name, position, rotation and path of a thing.
 template <typename Thing>
 void read_stand(Object& object, Thing& thing) {
   object.read("name", thing.name, &Node::text);
@@ -217,7 +217,7 @@ Heights read_heights(const Node& node) {
   return rows;
 }
 
-/// White is `height_m` high; the picture's upper edge is the northern one.
+/// White is `height_m` high; the picture's upper edge is north.
 Heights heights_of(const Picture& picture, double height_m) {
   Heights heights(static_cast<std::size_t>(picture.height));
   for (int row = 0; row < picture.height; ++row) {
@@ -264,7 +264,7 @@ auto terrain_in(const File& folder) {
   };
 }
 
-/// A number for both ways, or [width, height] of a rectangle.
+/// Reads one number for both edges, or [width, height] of a rectangle.
 auto edge_of(Gate::Shape shape) {
   return [shape](const Node& node) {
     if (shape == Gate::Shape::rectangle) return Eigen::Vector2d(vector<2>(Limits::positive())(node));

@@ -19,7 +19,7 @@ using data::Node;
 using data::Object;
 using data::quantity;
 
-/// The values of {"values": [x, y, z], "unit": text, "source": text}.
+/// Reads the values of {"values": [x, y, z], "unit": text, "source": text}.
 auto sourced_vector(std::string_view unit, const Limits& limits) {
   return [=](const Node& node) {
     Object object(node);
@@ -89,7 +89,7 @@ RangeData read_range(const Node& node) {
 
 constexpr double kFinestFlow_pixels = 1e-3;
 
-/// More than any sample of the sensor.
+/// Upper bound of a sample of the sensor.
 double most_counts(const FlowData& flow) {
   constexpr double kLongestStep_s = 1.0;  // of physics; a sample may come so much late
   constexpr double kLargestDeviation = 10.0;

@@ -29,7 +29,8 @@ Mesh ring(int sides, double inner_m, double outer_m, double thickness_m, const T
   Mesh mesh;
   mesh.materials = {texture};
   const double half_rad = std::numbers::pi / sides;
-  // Corners stand half a side away from the middle of the bottom. Four to a corner: rear inner and outer, front alike.
+  // Corners are half a side from the middle of the bottom. Four points per corner: rear inner and outer, front inner
+  // and outer.
   for (int i = 0; i < sides; ++i) {
     const double angle_rad = -0.5 * std::numbers::pi + (2 * i - 1) * half_rad;
     const Eigen::Vector3d out{0.0, -std::cos(angle_rad) / std::cos(half_rad), std::sin(angle_rad) / std::cos(half_rad)};
@@ -47,10 +48,10 @@ Mesh ring(int sides, double inner_m, double outer_m, double thickness_m, const T
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t here = 4 * i;
     const std::uint32_t next = 4 * ((i + 1) % count);
-    quad(here, here + 1, next + 1, next);          // what faces who flies towards it
-    quad(here + 2, next + 2, next + 3, here + 3);  // its back
-    quad(here, next, next + 2, here + 2);          // the opening's border
-    quad(here + 1, here + 3, next + 3, next + 1);  // the outside
+    quad(here, here + 1, next + 1, next);          // front, towards the approaching drone
+    quad(here + 2, next + 2, next + 3, here + 3);  // back
+    quad(here, next, next + 2, here + 2);          // border of the opening
+    quad(here + 1, here + 3, next + 3, next + 1);  // outside
   }
   return mesh;
 }

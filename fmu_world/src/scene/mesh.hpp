@@ -25,7 +25,7 @@ struct Texture {
     stripes,  ///< bands of width `scale_m` across the surface's first axis, alternating
     noise,    ///< smooth value noise between `dark` and `light`, lattice of `scale_m`
     bricks,   ///< `light` bricks 2 scale_m x scale_m, every second row shifted by half, joints `dark`
-    picture,  ///< `picture`, its black `dark` and its white `light`, `scale_m` wide and upright, again and again
+    picture,  ///< `picture` with black as `dark` and white as `light`, `scale_m` wide, upright, repeated
   };
   Kind kind = Kind::uniform;
   double light = 200.0;    ///< grey level, 0..255
@@ -46,8 +46,8 @@ struct Mesh {
   struct Triangle {
     std::array<std::uint32_t, 3> corners{};  ///< indices of `points_m`, counter-clockwise seen from outside
     std::uint32_t material = 0;              ///< index of `materials`
-    /// Texture coordinates of the corners in tiles, u to the right and v up. None: the texture lies on the surface in
-    /// metres, along the two axes of the mesh that its normal is farthest from.
+    /// Texture coordinates of the corners in tiles, u to the right and v up. If absent, the texture is in metres, along
+    /// the two axes of the mesh that are most perpendicular to the normal.
     std::optional<std::array<Eigen::Vector2d, 3>> tiles;
   };
 
@@ -55,21 +55,22 @@ struct Mesh {
   std::vector<Triangle> triangles;
   std::vector<Texture> materials;
 
-  /// Unit normal of a triangle, in the mesh's frame; zero for one without an area.
+  /// Returns the unit normal of a triangle in the mesh's frame; zero for a triangle without an area.
   Eigen::Vector3d normal(const Triangle& triangle) const;
-  /// Farthest point from the origin.
+  /// Returns the distance of the farthest point from the origin.
   double radius_m() const;
 };
 
-/// More triangles than a mesh or a terrain may have: a picture would take many milliseconds.
+/// Maximum number of triangles of a mesh or a terrain; with more, a picture would take many milliseconds.
 inline constexpr std::size_t kMostTriangles = 20'000;
 
-/// A frame around an opening with `sides` even sides, one of them at the bottom; flat sides of the opening are
-/// `inner_m` apart, those of the frame `outer_m`. Gate frame: origin in the middle of the opening, x as flown.
+/// Returns a frame around an opening with `sides` equal sides, one of them at the bottom. Flat sides of the opening are
+/// `inner_m` apart, those of the frame `outer_m`. Gate frame: origin in the middle of the opening, x in the direction
+/// of flight.
 Mesh ring(int sides, double inner_m, double outer_m, double thickness_m, const Texture& texture);
 
-/// A surface over a grid: `heights_m[row][column]` above the point (column, row) x `spacing_m`; rows run north,
-/// columns east. All rows are equally long. The origin is the south west corner on z = 0.
+/// Returns a surface over a grid: `heights_m[row][column]` is the height at the point (column, row) x `spacing_m`; rows
+/// go north, columns east. All rows have the same length. The origin is the south-west corner at z = 0.
 Mesh height_field(const std::vector<std::vector<double>>& heights_m, double spacing_m, const Texture& texture);
 
 }  // namespace mebots::world::scene

@@ -18,7 +18,7 @@
 
 namespace mebots::world::scene {
 
-/// Where a thing on a path is at a time, seen from where it stands without one, and how fast it goes.
+/// Displacement and velocity of a thing on a path at a time, relative to its position without a path.
 struct Displacement {
   Eigen::Vector3d offset_W_m = Eigen::Vector3d::Zero();
   double turn_rad = 0.0;  ///< about the vertical through the thing's own origin, positive to the left
@@ -26,38 +26,38 @@ struct Displacement {
   double turn_rate_rad_per_s = 0.0;
 };
 
-/// How an obstacle moves: at even speed from point to point, a function of time alone, so that it has no state.
-/// After the last point it stays there, or begins again when it repeats. Nothing stops it: it has any strength.
+/// The motion of an obstacle: at constant speed from point to point, a function of time only, so it has no state. After
+/// the last point it stays there, or starts again if it repeats. Contacts do not stop it.
 struct Path {
   struct Point {
     std::int64_t time_ns = 0;  ///< rising; the first one is 0
     Eigen::Vector3d offset_W_m = Eigen::Vector3d::Zero();
     double turn_rad = 0.0;
   };
-  std::vector<Point> points;  ///< none: it stands still; otherwise at least two
+  std::vector<Point> points;  ///< none: no motion; otherwise at least two
   bool repeat = false;
 
   bool moves() const { return !points.empty(); }
-  /// Farthest offset.
+  /// Returns the greatest offset.
   double reach_m() const;
-  /// At a time from the start of the run; before it as at it.
+  /// Returns the displacement at a time since the start of the run; before it, that of the start.
   Displacement at(std::int64_t time_ns) const;
 };
 
 }  // namespace mebots::world::scene
 
-/// What stands in the world, as a scene file tells it: plain data, SI units, world frame W
-/// (x east, y north, z up). Read and checked by load_scene() in load.hpp.
+/// The contents of the world, from a scene file: plain data, SI units, world frame W (x east, y north, z up). Read and
+/// checked by load_scene() in load.hpp.
 namespace mebots::world::scene {
 
-/// The plane z = 0, endless for contact; the camera may stop drawing it at `half_size_m`.
+/// The plane z = 0, unlimited for contact; the camera may draw it up to `half_size_m`.
 struct Ground {
   double half_size_m = 10.0;  ///< > 0
   Texture texture;
 };
 
-/// A solid box: a wall, a pillar, a ramp. Its frame has the box's centre as origin and is turned by yaw about z, then
-/// pitch about its y, then roll about its x, as the drone's.
+/// A solid box: a wall, a pillar, a ramp. The origin of its frame is the box's centre. It is rotated by yaw about z,
+/// then pitch about its y, then roll about its x, like the drone.
 struct Box {
   std::string name;
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();   ///< centre
@@ -69,7 +69,7 @@ struct Box {
   Path path = {};
 };
 
-/// A solid cylinder round its own z. The camera and whoever draws it see one of 32 sides.
+/// A solid cylinder around its own z. It is drawn with 32 sides.
 struct Cylinder {
   std::string name;
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();  ///< centre
@@ -82,7 +82,7 @@ struct Cylinder {
   Path path = {};
 };
 
-/// A thing of triangles, from a file or made here.
+/// An object of triangles, from a file or generated.
 struct MeshThing {
   std::string name;
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();  ///< of the mesh's origin
@@ -93,15 +93,15 @@ struct MeshThing {
   Path path = {};
 };
 
-/// How a thing is turned: its own axes into world axes.
+/// Returns the rotation from a thing's own axes to world axes.
 template <typename Thing>
 Eigen::Quaterniond attitude_of(const Thing& thing) {
   return rotation_of({thing.roll_rad, thing.pitch_rad, thing.yaw_rad});
 }
 
-/// A frame to fly through. Gate frame G: origin in the middle of the opening, x along the direction in which it is to
-/// be flown, y left, z up; turned as a box is. A square or a rectangle is made of four beams; the two upright ones
-/// reach over the full outer height. A circle is made, seen and judged as a polygon of 32 sides.
+/// A frame to fly through. Gate frame G: origin in the middle of the opening, x in the direction of flight, y left, z
+/// up; rotated like a box. A square or a rectangle consists of four beams; the two vertical ones have the full outer
+/// height. A circle is treated as a polygon of 32 sides.
 struct Gate {
   enum class Shape { square, rectangle, circle, polygon };
 
@@ -122,11 +122,11 @@ struct Gate {
   bool has_beams() const { return shape == Shape::square || shape == Shape::rectangle; }
   double opening_height_m() const { return shape == Shape::rectangle ? inner_height_m : inner_m; }
   double frame_height_m() const { return shape == Shape::rectangle ? outer_height_m : outer_m; }
-  /// Of a frame that has no beams.
+  /// Number of sides of a frame without beams.
   int side_count() const { return shape == Shape::circle ? 32 : sides; }
-  /// The four beams as boxes in the world: left, right, top, bottom as flown.
+  /// Returns the four beams as boxes in the world: left, right, top, bottom in the direction of flight.
   std::array<Box, 4> beams() const;
-  /// The frame of one that has no beams, in the gate's frame.
+  /// Returns a frame without beams, in the gate's frame.
   Mesh frame() const { return ring(side_count(), inner_m, outer_m, thickness_m, texture); }
 };
 
@@ -142,7 +142,7 @@ struct StartPose {
   double yaw_rad = 0.0;
 };
 
-/// Constants of contact between the drone and everything else. Meanings as in ODE's manual.
+/// Constants of contact between the drone and all other objects, with the meanings of ODE's manual.
 struct Contact {
   double friction = 1.0;               ///< Coulomb coefficient mu, >= 0
   double bounce = 0.5;                 ///< restitution, 0..1
@@ -155,13 +155,13 @@ struct Contact {
   double crash_tilt_rad = 1.309;       ///< angle between body z and world z from which it is a crash
 };
 
-/// One row of the command-thrust curve that the stabiliser believes in.
+/// A row of the command-thrust curve in the stabiliser.
 struct ThrustPoint {
   double command = 0.0;   ///< duty cycle 0..1
   double thrust_n = 0.0;  ///< of one rotor
 };
 
-/// What a time-of-flight sensor with a field of view tells: the nearest surface in its cone, at `period`.
+/// A time-of-flight sensor with a field of view: it measures the nearest surface in its cone, every `period`.
 /// Standard deviation: near_noise (1 + (far_noise / near_noise)^((d - near) / (far - near))).
 struct RangeData {
   double field_of_view_rad = 0.0;  ///< angle of the whole cone
@@ -173,17 +173,17 @@ struct RangeData {
   double far_noise_m = 0.0;
 };
 
-/// An optical flow sensor: how far its picture of the surface below moves in each period.
+/// An optical flow sensor: it measures the motion of its picture of the surface below in each period.
 struct FlowData {
   double pixels_per_rad = 0.0;  ///< of motion in the middle of the picture
   double period_s = 0.0;
   double resolution_pixels = 0.0;  ///< one count
   double noise_pixels = 0.0;       ///< standard deviation of a sample
-  double nearest_m = 0.0;          ///< nearer surfaces are not seen
-  double fastest_rad_per_s = 0.0;  ///< faster motion is not seen
+  double nearest_m = 0.0;          ///< nearer surfaces are invisible
+  double fastest_rad_per_s = 0.0;  ///< faster motion is invisible
 };
 
-/// The drone as a body and what its stabiliser knows of it.
+/// The drone as a body, and the data in its stabiliser.
 struct Drone {
   std::string name;
   Eigen::Vector3d body_size_m{0.092, 0.092, 0.029};  ///< contact box, centred at the body frame's origin
@@ -194,14 +194,14 @@ struct Drone {
   Eigen::Vector3d drag_n_s_per_m{0.0147, 0.0147, 0.0128};  ///< linear drag along body axes
   data::Estimate drag_factor{1, {}};                       ///< multiplies the drag
   data::Estimate dry_mass_factor{1, {}};                   ///< multiplies the mass without the cell
-  double torque_per_thrust_m = 0.00735;                    ///< reaction torque over thrust that the stabiliser expects
-  double rotor_lag_s = 0.1;                                ///< first-order lag of thrust that the stabiliser expects
+  double torque_per_thrust_m = 0.00735;                    ///< reaction torque over thrust in the stabiliser
+  double rotor_lag_s = 0.1;                                ///< first-order lag of thrust in the stabiliser
   double start_command = 1.0;                              ///< greatest command when the motors start on the ground
-  double start_time_s = 0.0;                               ///< it rises to 1 in this time
-  double range_limit_m = 4.0;                              ///< farthest distance that the range sensor sees
+  double start_time_s = 0.0;                               ///< time in which it rises to 1
+  double range_limit_m = 4.0;                              ///< greatest distance of the range sensor
   std::vector<ThrustPoint> thrust_curve;                   ///< rising, from (0, 0) to the greatest command
-  std::optional<RangeData> range;                          ///< absent: the drone's file does not tell
-  std::optional<FlowData> flow;                            ///< likewise
+  std::optional<RangeData> range;                          ///< absent: not in the drone's file
+  std::optional<FlowData> flow;                            ///< absent: not in the drone's file
 };
 
 struct Scene {
@@ -210,31 +210,31 @@ struct Scene {
   Ground ground;
   std::vector<Box> boxes;
   std::vector<Cylinder> cylinders;
-  std::vector<MeshThing> meshes;  ///< the terrain, if there is one, comes last
-  std::vector<Gate> gates;        ///< in the order in which they are to be flown; may be empty
+  std::vector<MeshThing> meshes;  ///< the terrain, if there is one, is the last
+  std::vector<Gate> gates;        ///< in the order of flight; may be empty
   Lighting lighting;
   StartPose start;
   Contact contact;
   Drone drone;
 };
 
-/// What there is to touch and to measure the distance to, besides the ground: one list of all shapes.
+/// A solid for contact and range measurement, apart from the ground. One list contains all shapes.
 struct Solid {
   enum class Shape { box, cylinder, mesh };
   static constexpr std::size_t kNoGate = SIZE_MAX;
 
   Shape shape = Shape::box;
   std::string name;
-  std::size_t gate = kNoGate;  ///< that it belongs to
+  std::size_t gate = kNoGate;  ///< gate that it is part of
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond q_W = Eigen::Quaterniond::Identity();  ///< its own axes into world axes
+  Eigen::Quaterniond q_W = Eigen::Quaterniond::Identity();  ///< from its own axes to world axes
   Eigen::Vector3d size_m = Eigen::Vector3d::Zero();  ///< of a box: edges; of a cylinder: diameter, diameter, height
   std::shared_ptr<const Mesh> mesh;                  ///< of a mesh
-  double radius_m = 0.0;                             ///< of a sphere round p_W_m that holds it
+  double radius_m = 0.0;                             ///< of a sphere around p_W_m that contains it
   Path path;
 };
 
-/// Boxes, cylinders, meshes, then the parts of gates, each kind in the scene's order.
+/// Returns boxes, cylinders, meshes and the parts of gates, each kind in the scene's order.
 std::vector<Solid> solids_of(const Scene& scene);
 
 }  // namespace mebots::world::scene

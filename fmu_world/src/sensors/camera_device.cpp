@@ -26,7 +26,7 @@ void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::
   if (count == 0) return;
   front_ ^= 1U;
   MEBOTS_ASSERT(front_ < buffers_.size());
-  // The noise belongs to the picture's number, not to the number of pictures taken before it.
+  // The noise depends on the picture's number, not on the number of pictures before it.
   const std::uint64_t seed = noise::bits(settings_.seed, noise::Stream::camera, 0);
   const auto index = static_cast<std::uint32_t>(count);
   if (sensor_) {
@@ -66,7 +66,7 @@ void CameraDevice::visit(state::Visitor& v) {
   v("exposure_s", exposure_s_);
   v("gain", gain_);
   if (sensor_) v("sensor", *sensor_);
-  // Into a new buffer, as a picture taken would: the bytes of the one before stay readable.
+  // Into the other buffer, like a new picture: the bytes of the last picture stay readable.
   if (v.restores()) front_ ^= 1U;
   v("picture", std::span(buffers_[front_]));
 }

@@ -14,8 +14,8 @@
 
 namespace mebots::world {
 
-/// Takes a picture when the count of requests changes. Two buffers: a picture's bytes stay in place while the
-/// next one is taken, so a reader may hold them until the next step ends.
+/// Takes a picture when the count of requests changes. With two buffers, a picture's bytes stay valid while the next
+/// one is taken, so a reader may use them until the end of the next step.
 class CameraDevice {
  public:
   struct Settings {
@@ -28,28 +28,29 @@ class CameraDevice {
 
   CameraDevice(const scene::Scene& scene, const Settings& settings);
 
-  /// Of the noise of pictures from now on. No part of the state: who holds the seed says it before every step.
+  /// Sets the seed for the noise of later pictures. The seed is not part of the state: its owner sets it before every
+  /// step.
   void reseed(std::uint64_t seed) { settings_.seed = seed; }
 
-  /// Takes a picture from the body's pose at a time if `count` is new. A count of 0 asks for none.
+  /// Takes a picture from the body's pose at a time if `count` is new. A count of 0 requests none.
   void see_trigger(std::int32_t count, const RigidState& body, std::int64_t time_ns);
 
-  /// The last picture, row by row from the top left; empty before the first.
+  /// Returns the last picture, row by row from the top left; empty before the first.
   std::span<const std::uint8_t> frame() const;
-  /// The count that the last picture answers; 0 before the first.
+  /// Returns the count of the last picture; 0 before the first.
   std::int32_t frame_id() const { return frame_id_; }
-  /// Of the last picture; 0 before the first.
+  /// Exposure and gain of the last picture; 0 before the first.
   double exposure_s() const { return exposure_s_; }
   double gain() const { return gain_; }
 
   void visit(state::Visitor& v);
 
  private:
-  /// The camera's pose some time after `time_ns`, while the body goes on as it does then.
+  /// Returns the camera's pose `after_s` after `time_ns` if the body continues its present motion.
   camera::Pose pose_after(const RigidState& body, std::int64_t time_ns, double after_s) const;
 
   Settings settings_;
-  /// One of the two: the sensor where a parameter asks for what only it does.
+  /// One of the two is set: the sensor if a parameter needs it.
   std::optional<camera::Renderer> renderer_;
   std::optional<camera::Sensor> sensor_;
   std::array<std::vector<std::uint8_t>, 2> buffers_;

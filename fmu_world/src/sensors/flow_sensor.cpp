@@ -20,7 +20,7 @@ void FlowSensor::update(std::int64_t time_ns, const RigidState& state, double di
   if (std::isfinite(distance_m) && distance_m >= data_.nearest_m) {
     const std::array<double, 2> flow_rad_per_s{v_B.x() / distance_m - w_B.y(), v_B.y() / distance_m + w_B.x()};
     for (std::size_t i = 0; i < 2; ++i) {
-      hidden_ = hidden_ || !(std::abs(flow_rad_per_s[i]) <= data_.fastest_rad_per_s);  // 0 / 0 is not seen either
+      hidden_ = hidden_ || !(std::abs(flow_rad_per_s[i]) <= data_.fastest_rad_per_s);  // 0 / 0 also counts as invisible
       moved_pixels_[i] += dt_s * data_.pixels_per_rad * flow_rad_per_s[i];
     }
   } else {

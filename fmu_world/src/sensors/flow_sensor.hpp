@@ -11,17 +11,17 @@
 
 namespace mebots::world {
 
-/// Optical flow sensor at the body's centre that looks along the body's -z axis, after PixArt's PMW3901 on Bitcraze's
-/// flow deck. In its middle the picture of a surface at distance d moves with
+/// Optical flow sensor at the body's centre along the body's -z axis, like PixArt's PMW3901 on Bitcraze's flow deck. In
+/// its middle, the picture of a surface at distance d moves with
 ///
 ///   x: v_x / d - w_y      y: v_y / d + w_x      [rad/s], v and w in body axes
 ///
-/// A sample is this over a period, in pixels, with normal noise, as a whole number of counts; what rounding leaves over
-/// belongs to the next. It is not seen when the surface was too near, too far away to be there, or too fast.
+/// A sample is this motion over a period, in pixels, with normal noise, as a whole number of counts; the rounding error
+/// is carried over to the next sample. A sample is invalid if the surface was too near, out of range, or too fast.
 class FlowSensor {
  public:
   struct Sample {
-    std::int64_t number = 0;  ///< since time 0; that of the start is not seen
+    std::int64_t number = 0;  ///< since time 0; the start has no sample
     std::array<std::int32_t, 2> counts{};
     bool seen = false;
     double period_s = 0.0;  ///< since the sample before
@@ -29,10 +29,11 @@ class FlowSensor {
 
   FlowSensor(const scene::FlowData& data, std::uint64_t seed, std::int64_t start_ns);
 
-  /// No part of the state: who holds the seed says it before every step.
+  /// Sets the seed. It is not part of the state: its owner sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// The body was at `state` for dt until time_ns, `distance_m` along -z before the next surface (infinity: none).
+  /// Updates the sensor: the body was at `state` for dt until time_ns, `distance_m` along -z before the next surface
+  /// (infinity: none).
   void update(std::int64_t time_ns, const RigidState& state, double distance_m, double dt_s);
 
   const Sample& sample() const { return sample_; }
@@ -45,7 +46,7 @@ class FlowSensor {
   std::int64_t period_ns_;
   std::uint64_t seed_;
   Sample sample_;
-  std::array<double, 2> moved_pixels_{};  ///< since the last sample, and what its rounding left
+  std::array<double, 2> moved_pixels_{};  ///< since the last sample, with its rounding error
   double gathered_s_ = 0.0;
   bool hidden_ = false;  ///< since the last sample
 };

@@ -10,13 +10,13 @@
 
 namespace mebots::world {
 
-/// Accelerometer and gyroscope at the body's centre, along its axes: a sample every millisecond, held in between.
+/// Accelerometer and gyroscope at the body's centre along its axes, with a sample every millisecond.
 ///
 ///   reading = truth + bias + normal noise
 ///
-/// Truth is the mean specific force (what acts besides gravity, over the mass) since the last inner step, and the body
-/// rate. Biases are constant, drawn once from the seed with a standard deviation each. Noise depends on seed and time
-/// alone.
+/// The true values are the mean specific force (without gravity, over the mass) since the last inner step, and the body
+/// rate. Biases are constant; each is drawn once from the seed with a standard deviation. Noise depends on seed and
+/// time only.
 class Imu {
  public:
   static constexpr std::int64_t kPeriod_ns = 1'000'000;
@@ -28,17 +28,17 @@ class Imu {
     double rate_bias_rad_per_s = 0.0;
   };
 
-  /// Throws mebots::Error for a negative or endless standard deviation.
+  /// Throws mebots::Error for a standard deviation that is negative or not finite.
   Imu(const Settings& settings, std::uint64_t seed);
 
-  /// No part of the state: who holds the seed says it before every step.
+  /// Sets the seed. It is not part of the state: its owner sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// The body came from one state to another within dt, and time is now time_ns.
+  /// Updates the sensors: the body moved from one state to the other within dt, up to time_ns.
   void update(std::int64_t time_ns, const RigidState& from, const RigidState& to, double dt_s);
 
   const Eigen::Vector3d& acceleration_m_per_s2() const { return acceleration_m_per_s2_; }
-  std::int64_t sample() const { return sample_; }  ///< number of the last one since time 0; kNoPeriod = none yet
+  std::int64_t sample() const { return sample_; }  ///< number of the last sample since time 0; kNoPeriod = none yet
   const Eigen::Vector3d& rate_rad_per_s() const { return rate_rad_per_s_; }
 
   void visit(state::Visitor& v);

@@ -25,7 +25,7 @@ struct Ray {
   Eigen::Vector3d d;
 };
 
-/// Where the ray enters the box; infinity when it passes by or starts inside.
+/// Returns the distance at which the ray enters the box; infinity if it misses the box or starts inside.
 double entry_of_box(const Ray& ray, const Eigen::Vector3d& size_m) {
   double enter = 0.0;
   double leave = kFar;
@@ -44,7 +44,7 @@ double entry_of_box(const Ray& ray, const Eigen::Vector3d& size_m) {
   return enter > 0.0 && enter <= leave ? enter : kFar;
 }
 
-/// The same for a cylinder: |p + t d|^2 = r^2 across its axis, and between its ends.
+/// Does the same for a cylinder: |p + t d|^2 = r^2 across its axis, and between its ends.
 double entry_of_cylinder(const Ray& ray, const Eigen::Vector3d& size_m) {
   double enter = 0.0;
   double leave = kFar;
@@ -72,7 +72,7 @@ double entry_of_cylinder(const Ray& ray, const Eigen::Vector3d& size_m) {
   return enter > 0.0 && enter <= leave ? enter : kFar;
 }
 
-/// The nearest triangle whose front the ray meets (Moeller and Trumbore 1997).
+/// Returns the distance of the nearest triangle whose front the ray meets (Moeller and Trumbore 1997).
 double entry_of_mesh(const Ray& ray, const scene::Mesh& mesh) {
   double nearest = kFar;
   for (const auto& triangle : mesh.triangles) {
@@ -81,7 +81,7 @@ double entry_of_mesh(const Ray& ray, const scene::Mesh& mesh) {
     const Eigen::Vector3d e2 = mesh.points_m[triangle.corners[2]] - corner;
     const Eigen::Vector3d across = ray.d.cross(e2);
     const double determinant = e1.dot(across);
-    if (determinant <= 0.0) continue;  // its back, or edge-on
+    if (determinant <= 0.0) continue;  // back or edge-on
     const Eigen::Vector3d from_corner = ray.p - corner;
     const double u = from_corner.dot(across);
     if (u < 0.0 || u > determinant) continue;
@@ -97,7 +97,7 @@ double entry_of_mesh(const Ray& ray, const scene::Mesh& mesh) {
 double entry(const scene::Solid& solid, std::int64_t time_ns, const Ray& ray_W) {
   const scene::Displacement moved = solid.path.at(time_ns);
   const Eigen::Vector3d p_W_m = solid.p_W_m + moved.offset_W_m;
-  // A sphere round the solid that the ray passes by at a distance, or has behind it.
+  // Test with a sphere around the solid: the ray misses it, or it is behind the start.
   const Eigen::Vector3d to_middle = p_W_m - ray_W.p;
   const double along = to_middle.dot(ray_W.d);
   const double beside_squared = to_middle.squaredNorm() - along * along;
@@ -118,7 +118,7 @@ double entry(const scene::Solid& solid, std::int64_t time_ns, const Ray& ray_W) 
   return kFar;
 }
 
-/// The axis, and eight rays each half way to the cone's edge and on it.
+/// Returns the axis, and eight rays each at half the cone's angle and on its edge.
 std::vector<Eigen::Vector3d> rays_of_cone(double half_angle_rad) {
   std::vector<Eigen::Vector3d> rays{-Eigen::Vector3d::UnitZ()};
   constexpr int kAround = 8;

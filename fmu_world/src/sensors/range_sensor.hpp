@@ -14,13 +14,13 @@
 
 namespace mebots::world {
 
-/// Looks from the body's centre along the body's -z axis and measures how far the next surface is: ground, obstacles,
-/// gates. A sample is held until the next one is due; `range_limit_m` where nothing is nearer. A sample that noise
-/// would make negative reads 0.
+/// Measures the distance from the body's centre along the body's -z axis to the next surface: ground, obstacles, gates.
+/// A sample is constant until the next one; it is `range_limit_m` if no surface is nearer. Samples that noise makes
+/// negative are 0.
 ///
-/// As a ray: a sample every 25 ms (the rate at which Crazyflie's firmware polls its VL53L1X), the same noise
-/// everywhere. As a cone: what the drone's file says of rate, resolution and noise; the nearest surface in the field of
-/// view, of which 17 rays are looked at.
+/// As a ray: a sample every 25 ms (the rate at which Crazyflie's firmware polls its VL53L1X), with constant noise. As a
+/// cone: rate, resolution and noise from the drone's file; measures the nearest surface on 17 rays of the field of
+/// view.
 class RangeSensor {
  public:
   static constexpr std::int64_t kPeriod_ns = 25'000'000;
@@ -30,21 +30,21 @@ class RangeSensor {
     double noise_m = 0.0;  ///< of a ray's samples
   };
 
-  /// Throws mebots::Error for a cone that the drone's file does not describe.
+  /// Throws mebots::Error if a cone is selected that the drone's file does not describe.
   RangeSensor(const scene::Scene& scene, const Settings& settings, std::uint64_t seed);
 
-  /// Of the noise of samples from now on. No part of the state: who holds the seed says it before every step.
+  /// Sets the seed for the noise of later samples. It is not part of the state: its owner sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// The body is at `state` at time_ns; takes a sample when a new one is due.
+  /// Updates the sensor with the body at `state` at time_ns; takes a sample when one is due.
   void update(std::int64_t time_ns, const RigidState& state);
   double reading_m() const { return reading_m_; }
-  std::int64_t sample() const { return sample_; }  ///< its number since time 0; kNoPeriod = none yet
+  std::int64_t sample() const { return sample_; }  ///< number since time 0; kNoPeriod = none yet
   double limit_m() const { return limit_m_; }
 
-  /// Along -z, without noise, at most the limit.
+  /// Returns the distance along -z, without noise, limited to range_limit_m.
   double distance_m(const RigidState& state, std::int64_t time_ns = 0) const;
-  /// The same without a limit: infinity where nothing is.
+  /// Does the same without the limit: infinity if there is no surface.
   double sight_m(const RigidState& state, std::int64_t time_ns) const;
 
   void visit(state::Visitor& v);

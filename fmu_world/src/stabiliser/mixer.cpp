@@ -9,7 +9,7 @@
 namespace mebots::world {
 namespace {
 
-/// Lowest and highest of the four.
+/// Minimum and maximum of four values.
 struct Range {
   double low;
   double high;
@@ -20,7 +20,7 @@ Range range_of(const RotorValues& values) {
   return {*low, *high};
 }
 
-/// The largest share (0..1) of `extra` that keeps every base + share * extra within 0..max.
+/// Returns the largest share (0..1) of `extra` for which every base + share * extra is within 0..max.
 double largest_share(const RotorValues& base, const RotorValues& extra, double max) {
   double share = 1.0;
   for (std::size_t i = 0; i < kRotors; ++i) {
@@ -53,7 +53,7 @@ RotorValues mix(const scene::Drone& drone, double max_thrust_n, double collectiv
   for (std::size_t i = 0; i < kRotors; ++i) thrust[i] = each_n + tilt[i];
   const double share = largest_share(thrust, yaw, max_thrust_n);
   MEBOTS_ASSERT(share >= 0 && share <= 1);
-  // The last clamp only takes off rounding: every value is within the limits but for some 1e-17 N.
+  // The last clamp only removes rounding: every value is within the limits except for about 1e-17 N.
   for (std::size_t i = 0; i < kRotors; ++i) thrust[i] = std::clamp(thrust[i] + share * yaw[i], 0.0, max_thrust_n);
   return thrust;
 }

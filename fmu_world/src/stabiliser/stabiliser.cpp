@@ -10,12 +10,12 @@
 namespace mebots::world {
 namespace {
 
-/// Below this speed a braking drone takes the place it is at as the one to hold.
+/// A braking drone below this speed holds its present position.
 constexpr double kStoppedSpeed_m_per_s = 0.05;
-/// A drone whose underside is lower starts on the ground.
+/// If the drone's underside is lower than this, it starts on the ground.
 constexpr double kOnGround_m = 0.01;
 
-/// The horizontal part shortened to `limit`, the vertical one left alone.
+/// Returns the vector with its horizontal part limited to `limit`.
 Eigen::Vector3d limited_horizontally(const Eigen::Vector3d& v, double limit) {
   const double length = v.head<2>().norm();
   if (length <= limit) return v;
@@ -41,7 +41,7 @@ void Stabiliser::start(const RigidState& state, double yaw_rad) {
   memory_.last_rate_B_rad_per_s = state.body_rate_rad_per_s();
 }
 
-/// Of one rotor. Full commands would make the motors take more current from standstill than a cell can give.
+/// Returns the greatest thrust of one rotor. Full commands at standstill would draw more current than a cell can give.
 double Stabiliser::greatest_thrust_n(double dt_s) {
   if (!memory_.starting) return curve_.max_thrust_n();
   const double share = memory_.since_start_s / drone_.start_time_s;
@@ -72,8 +72,8 @@ Eigen::Vector3d Stabiliser::wanted_velocity(const StabiliserGoal& goal, const Ri
 
 Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
                                                 double dt_s) {
-  // The reference velocity follows the wish like the closed loop can, so that the integrator sees only
-  // what wind, sag and wrong constants do.
+  // The reference velocity follows the wanted one as the closed loop can, so that the integrator only compensates wind,
+  // voltage sag and wrong constants.
   const Eigen::Vector3d follow_per_s{gains_.velocity_p_per_s, gains_.velocity_p_per_s, gains_.climb_p_per_s};
   const Eigen::Vector3d pull_H = limited_horizontally(
       follow_per_s.cwiseProduct(wanted_velocity(goal, state, yaw_rad) - memory_.velocity_H_m_per_s),
@@ -92,7 +92,7 @@ Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, cons
   integral.z() =
       std::clamp(integral.z(), -gains_.max_vertical_integral_m_per_s2, gains_.max_vertical_integral_m_per_s2);
 
-  // In still air the drag at the reference velocity is known; the integrator need not wait for it.
+  // In still air, the drag at the reference velocity is known, so the integrator need not find it.
   const Eigen::Vector3d drag_H = drone_.drag_n_s_per_m.cwiseProduct(memory_.velocity_H_m_per_s) / mass_kg_;
   const Eigen::Vector3d wanted_W = R_WH * (pull_H + turn_H + drag_H) + follow_per_s.cwiseProduct(error_W) + integral;
   return limited_horizontally(wanted_W, kGravity_m_per_s2 * std::tan(gains_.max_tilt_rad));
@@ -106,7 +106,7 @@ Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const Rigi
   memory_.acceleration_B_rad_per_s2 +=
       dt_s / (gains_.acceleration_filter_s + dt_s) * (measured_B - memory_.acceleration_B_rad_per_s2);
 
-  // Shortest rotation from the body's z to the wanted one, as a vector in the body frame.
+  // Shortest rotation from the body's z to the wanted direction, as a vector in the body frame.
   const Eigen::Vector3d up_B = state.q_WB.conjugate() * up_W;
   const Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ().cross(up_B);
   const double sine = axis_B.norm();
@@ -115,8 +115,8 @@ Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const Rigi
       sine > 1e-12 ? Eigen::Vector3d(axis_B * (angle / sine)) : Eigen::Vector3d::Zero();
 
   const double turn_rad_per_s = goal.hold_place ? 0.0 : goal.yaw_rate_rad_per_s;
-  // The loop follows a wanted rate with the lag 1 / pole; a heading that ran ahead of it would be made up for
-  // by an overshoot.
+  // The loop follows a wanted rate with the lag 1 / pole. If the heading reference ran ahead of that, it would
+  // overshoot.
   memory_.yaw_rate_rad_per_s += dt_s * gains_.yaw_pole_per_s * (turn_rad_per_s - memory_.yaw_rate_rad_per_s);
   const double lead_rad = std::clamp(wrapped_rad(memory_.heading_rad + dt_s * memory_.yaw_rate_rad_per_s - yaw_rad),
                                      -gains_.max_yaw_lead_rad, gains_.max_yaw_lead_rad);
@@ -145,7 +145,7 @@ const RotorValues& Stabiliser::update(const StabiliserGoal& goal, const RigidSta
 
   const Eigen::Vector3d lift_W =
       wanted_acceleration(goal, state, yaw_rad, dt_s) + Eigen::Vector3d(0.0, 0.0, kGravity_m_per_s2);
-  // Falling faster than gravity is not asked for; the lower limit also keeps the direction meaningful.
+  // The drone never accelerates downwards faster than gravity; the lower limit also keeps the direction well defined.
   const Eigen::Vector3d held_W{lift_W.x(), lift_W.y(),
                                std::max(lift_W.z(), gains_.min_thrust_share * kGravity_m_per_s2)};
   const Eigen::Vector3d up_W = limited_horizontally(held_W, held_W.z() * std::tan(gains_.max_tilt_rad)).normalized();
@@ -173,15 +173,14 @@ void Stabiliser::visit(state::Visitor& v) {
 }
 
 Gains::Rotation Gains::rotation(double pole_per_s, double lag_s) {
-  // (s + p)^3 = s^3 + 3 p s^2 + 3 p^2 s + p^3 against
-  // s^3 + (1 + k_a) / T s^2 + k_r / T s + k_r k_angle / T.
+  // (s + p)^3 = s^3 + 3 p s^2 + 3 p^2 s + p^3 compared with s^3 + (1 + k_a) / T s^2 + k_r / T s + k_r k_angle / T.
   const double rate = 3.0 * lag_s * pole_per_s * pole_per_s;
   return {pole_per_s / 3.0, rate, std::max(0.0, 3.0 * lag_s * pole_per_s - 1.0)};
 }
 
 Gains Gains::for_lag(double rotor_lag_s) {
   Gains gains{};
-  // Below 1 / (3 p) the rotor is fast enough to be left out of the placement.
+  // Below 1 / (3 p), the rotor's lag can be neglected in the pole placement.
   gains.tilt = rotation(gains.tilt_pole_per_s, std::max(rotor_lag_s, 1.0 / (3.0 * gains.tilt_pole_per_s)));
   gains.yaw = rotation(gains.yaw_pole_per_s, std::max(rotor_lag_s, 1.0 / (3.0 * gains.yaw_pole_per_s)));
   return gains;
@@ -191,7 +190,7 @@ namespace {
 
 using Point = scene::ThrustPoint;
 
-/// Value of `to` where `from` is x, on the table's broken line.
+/// Returns the value of `to` where `from` is x, by linear interpolation in the table.
 double between(const std::vector<Point>& points, double Point::*from, double Point::*to, double x) {
   const auto above = std::upper_bound(points.begin() + 1, points.end() - 1, x,
                                       [from](double value, const Point& point) { return value < point.*from; });

@@ -15,7 +15,7 @@ namespace mebots::world {
 /// The command to the stabiliser.
 struct StabiliserGoal {
   bool motors_on = false;
-  bool hold_place = false;       ///< brake, then hold the place reached; velocity and yaw rate are not used
+  bool hold_place = false;       ///< brake, then hold the position; velocity and yaw rate are not used
   double forward_m_per_s = 0.0;  ///< in the heading frame
   double left_m_per_s = 0.0;
   double yaw_rate_rad_per_s = 0.0;
@@ -29,10 +29,10 @@ struct Gains {
   struct Rotation {
     double angle_per_s;   ///< rad/s of wanted rate per rad of error
     double rate_per_s;    ///< rad/s2 of wanted acceleration per rad/s of error
-    double acceleration;  ///< rad/s2 less per rad/s2 that there is
+    double acceleration;  ///< rad/s2 subtracted per rad/s2 measured
   };
-  /// The three poles of (angle, rate, acceleration) at -pole_per_s, for a torque lag of lag_s.
-  /// acceleration feedback is never negative: a faster rotor than 1 / (3 pole) needs none.
+  /// Places the three poles of (angle, rate, acceleration) at -pole_per_s, for a torque lag of lag_s. Feedback of the
+  /// acceleration is never negative: a rotor faster than 1 / (3 pole) needs none.
   static Rotation rotation(double pole_per_s, double lag_s);
 
   double tilt_pole_per_s = 12.0;
@@ -47,40 +47,40 @@ struct Gains {
   double altitude_per_s = 1.2;
 
   double max_tilt_rad = 0.45;           ///< about 26 degrees
-  double max_rate_rad_per_s = 6.0;      ///< of roll and pitch that the angle loop asks for
-  double max_yaw_lead_rad = 0.5;        ///< heading reference ahead of the heading
-  double max_hold_speed_m_per_s = 0.3;  ///< back to the point that is held
+  double max_rate_rad_per_s = 6.0;      ///< of roll and pitch, limit of the angle loop
+  double max_yaw_lead_rad = 0.5;        ///< of the heading reference over the heading
+  double max_hold_speed_m_per_s = 0.3;  ///< on the way back to the held position
   double max_climb_m_per_s = 0.5;
   double max_descent_m_per_s = 0.3;
   double max_horizontal_integral_m_per_s2 = 3.0;
   double max_vertical_integral_m_per_s2 = 4.0;
-  double min_thrust_share = 0.2;         ///< of the weight, so that roll and pitch keep their grip
+  double min_thrust_share = 0.2;         ///< of the weight, so that roll and pitch keep their effect
   double acceleration_filter_s = 0.005;  ///< lag of the measured angular acceleration
 
-  /// For a drone whose rotors follow with `rotor_lag_s`.
+  /// Returns gains for a drone whose rotors follow with `rotor_lag_s`.
   static Gains for_lag(double rotor_lag_s);
 };
 
-/// Rotor thrusts that give a collective thrust and a torque about the body's axes.
+/// Returns rotor thrusts that give a collective thrust and a torque about the body's axes.
 ///
-/// Inverse of rotor_wrench() with torque = torque_per_thrust * thrust. When a rotor would leave
-/// 0..max_thrust_n, what matters least gives way first: the yaw torque is lowered, then the collective is moved,
-/// then roll and pitch are scaled. Roll and pitch keep the drone in the air; yaw and height can wait.
+/// Inverse of rotor_wrench() with torque = torque_per_thrust * thrust. If a rotor would leave 0..max_thrust_n, the
+/// least important parts are reduced first: the yaw torque, then the collective thrust, then roll and pitch. Roll and
+/// pitch keep the drone in the air; yaw and height are less urgent.
 RotorValues mix(const scene::Drone& drone, double max_thrust_n, double collective_n,
                 const Eigen::Vector3d& torque_B_n_m);
 
-/// Which command gives which thrust of one rotor, as the stabiliser believes: a bench table, linear
-/// between its rows. The true thrust depends on the bus voltage too, which the stabiliser does not know;
-/// the altitude integrator makes up for the difference.
+/// The stabiliser's curve of thrust over command of one rotor: a bench table, linear between its rows. The true thrust
+/// also depends on the bus voltage, which the stabiliser does not measure; the altitude integrator compensates the
+/// difference.
 class ThrustCurve {
  public:
-  /// Rows rise in both columns and begin at (0, 0), as load_scene() makes sure.
+  /// Rows must rise in both columns and begin at (0, 0), which load_scene() checks.
   explicit ThrustCurve(std::vector<scene::ThrustPoint> points) : points_(std::move(points)) {}
 
   double max_thrust_n() const { return points_.back().thrust_n; }
-  /// For a thrust from 0 to max_thrust_n().
+  /// Returns the command for a thrust from 0 to max_thrust_n().
   double command_for(double thrust_n) const;
-  /// The inverse, for a command from 0 to that of max_thrust_n().
+  /// Returns the thrust for a command from 0 to that of max_thrust_n().
   double thrust_for(double command) const;
 
  private:
@@ -96,7 +96,7 @@ class Stabiliser {
 
   void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2);
 
-  /// Commands (duty cycle, 0..1) after dt seconds more; all 0 with the motors off.
+  /// Returns the commands (duty cycle, 0..1) after another dt seconds; all 0 with the motors off.
   const RotorValues& update(const StabiliserGoal& goal, const RigidState& state, double dt_s);
 
   const RotorValues& command() const { return memory_.command; }
@@ -105,7 +105,7 @@ class Stabiliser {
   void visit(state::Visitor& v);
 
  private:
-  /// Everything that the controller remembers.
+  /// The whole state of the controller.
   struct Memory {
     bool running = false;
     bool starting = false;       ///< on the ground, with the motors just switched on

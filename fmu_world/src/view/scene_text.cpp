@@ -35,7 +35,7 @@ Json texture_json(const camera::Tile& tile) {
   return {{"size", size}, {"grey", encode_base64(grey)}};
 }
 
-/// Corners with their texture coordinates (u, v), in tiles.
+/// Returns corners with their texture coordinates (u, v), in tiles.
 Json face_json(const camera::Face& face, const camera::Tile& tile) {
   Json corners = Json::array();
   Json coordinates = Json::array();

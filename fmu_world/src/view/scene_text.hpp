@@ -8,9 +8,9 @@
 
 namespace mebots::world {
 
-/// The scene as JSON for whoever draws it (docs/seeing.md describes the format). Every face with texture, texture
-/// coordinates and light just as the camera renders it; the drone with its rotors and camera. Also the gates' names,
-/// and the names of the variables that move them. SI units, world frame W.
+/// Returns the scene as JSON for drawing (docs/seeing.md describes the format): every face with texture, texture
+/// coordinates and light as in the camera; the drone with its rotors and camera; the gates' names; and the names of the
+/// variables that move them. SI units, world frame W.
 std::string scene_text(const scene::Scene& scene, const camera::Intrinsics& intrinsics,
                        const camera::Mounting& mounting);
 

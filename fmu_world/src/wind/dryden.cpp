@@ -14,11 +14,11 @@ namespace mebots::world {
 namespace {
 
 constexpr std::int64_t kPeriod_ns = 10'000'000;
-/// Of speed / length: beyond them the filters' coefficients are lost in rounding, or no numbers any more.
+/// Limits of speed / length: outside, the filters' coefficients are lost in rounding or not finite.
 constexpr double kSlowest_per_s = 1e-12;
 constexpr double kFastest_per_s = 1e12;
-constexpr int kNormals = 5;  // for a step
-/// Of length [m] and speed [m/s], as description.json says.
+constexpr int kNormals = 5;  // per step
+/// Least length [m] and speed [m/s], as in description.json.
 constexpr double kLeast = 0.001;
 
 }  // namespace
@@ -31,8 +31,8 @@ Dryden::Dryden(const Settings& settings) : settings_(settings) {
   require(settings.intensity_m_per_s, "gust.intensity", settings.intensity_m_per_s >= 0.0, ">= 0");
   require(settings.length_m, "gust.length", settings.length_m >= kLeast, ">= 0.001");
   require(settings.speed_m_per_s, "gust.speed", settings.speed_m_per_s >= kLeast, ">= 0.001");
-  // With tau = L / V and unit variances: x' = (-x + n) / tau, and for the others a second x2' = (-x2 + x1) / tau, put
-  // together as sqrt(3) x1 + (1 - sqrt(3)) x2. White noise n of intensity tau gives that sum a variance of 1.
+  // With tau = L / V and unit variances: x' = (-x + n) / tau; for the others a second state x2' = (-x2 + x1) / tau,
+  // combined to sqrt(3) x1 + (1 - sqrt(3)) x2. White noise n of intensity tau gives this sum a variance of 1.
   const double rate_per_s = settings.speed_m_per_s / settings.length_m;
   if (settings.intensity_m_per_s > 0.0 && !(rate_per_s >= kSlowest_per_s && rate_per_s <= kFastest_per_s)) {
     throw Error(fmt::format("gust.speed = {} m/s over gust.length = {} m is {:g} per s and must be from {:g} to {:g}",
@@ -55,7 +55,7 @@ double Dryden::normal(std::int64_t index, std::size_t which) const {
   return noise::gaussian(settings_.seed, noise::Stream::gust, static_cast<std::uint64_t>(kNormals * index) + which);
 }
 
-/// From what the filters would have after a long time.
+/// Draws the stationary state of the filters.
 void Dryden::begin(std::int64_t index) {
   along_ = normal(index, 0);
   for (std::size_t axis = 0; axis < 2; ++axis) {

@@ -11,14 +11,15 @@
 
 namespace mebots::world {
 
-/// Gusts after Dryden (MIL-STD-1797A): air that the wind carries past with `speed`, frozen, with one length scale L.
+/// Gusts after Dryden (MIL-STD-1797A): frozen turbulence that the wind carries past with `speed`, with one length scale
+/// L.
 ///
 ///   along x:   H(s) = sigma sqrt(2 L / (pi V)) / (1 + L/V s)
 ///   y and z:   H(s) = sigma sqrt(L / (pi V)) (1 + sqrt(3) L/V s) / (1 + L/V s)^2
 ///
-/// Each has the standard deviation sigma. The filters are stepped every 10 ms, exactly for white noise, and held in
-/// between; the noise depends on seed and time alone, so that neither steps nor other instances shift it. It begins as
-/// it goes on.
+/// Each has the standard deviation sigma. The filters are stepped every 10 ms, exactly for white noise, and are
+/// constant in between. The noise depends on seed and time only, so it does not depend on steps or other instances. The
+/// filters start in their stationary distribution.
 class Dryden {
  public:
   struct Settings {
@@ -28,10 +29,10 @@ class Dryden {
     std::uint64_t seed = 1;
   };
 
-  /// Throws mebots::Error for a value outside its limits.
+  /// Throws mebots::Error if a value is out of range.
   explicit Dryden(const Settings& settings);
 
-  /// Goes on to a time, not before the last one, and gives the gust there [m/s], world axes.
+  /// Advances to a time, not before the last one, and returns the gust then [m/s], in world axes.
   const Eigen::Vector3d& at(std::int64_t time_ns);
 
   void visit(state::Visitor& v);
@@ -46,7 +47,7 @@ class Dryden {
   double decay_;                    // exp(-dt V / L)
   double share_;                    // dt V / L
   double spread_x_;                 // of the noise on the first filter's state
-  std::array<double, 3> root_;      // lower Cholesky factor of the noise on the two states of the others
+  std::array<double, 3> root_;      // lower Cholesky factor of the noise on the two states of y and of z
   std::int64_t index_ = kNoPeriod;  // of the last step
   double along_ = 0.0;              // state of x
   std::array<double, 4> across_{};  // states of y, then of z
