@@ -13,15 +13,15 @@
 namespace mebots::battery {
 namespace {
 
-/// Release voltage over cut-off if the file does not state it: within the 0 to 0.7 V that protection circuits offer.
+/// Release voltage above cut-off if the file does not give it. Protection circuits have 0 to 0.7 V.
 constexpr double kUsualHysteresis_v = 0.2;
-/// Less would be within the tolerance of event location: the protection would open and close without end.
+/// Minimum hysteresis. With less, event location could open and close the protection endlessly.
 constexpr double kLeastHysteresis_v = 1e-3;
 
-/// Fine enough to see a wrong sign or a falling stretch of any curve that is meant for a battery.
+/// Number of samples of a curve: enough to find a wrong sign or a falling section.
 constexpr int kSamples = 1000;
 
-/// A curve that is > 0 wherever the model evaluates it.
+/// Reads a curve that must be > 0 wherever the model evaluates it.
 Curve read_positive(const data::Node& node, std::string_view unit, double from_s) {
   const auto mistakes_before = node.noted();
   Curve curve = Curve::read(node, unit);
@@ -137,12 +137,12 @@ Cell load_cell(const std::filesystem::path& path, const CellPositions& positions
 double terminal_current_a(double source_v, double series_ohm, double power_w) {
   const double discriminant = source_v * source_v - 4 * series_ohm * power_w;
   if (discriminant <= 0) return source_v / (2 * series_ohm);
-  // 2 P / (E + sqrt(...)) is (E - sqrt(...)) / (2 R) without the difference of two nearly equal numbers.
+  // Equal to (E - sqrt(...)) / (2 R), but without a difference of nearly equal numbers.
   return 2 * power_w / (source_v + std::sqrt(discriminant));
 }
 
 double power_limit_w(double source_v, double series_ohm, double cut_off_v) {
-  // Below half the source voltage the terminal voltage has no stable point: the most is E^2 / (4 R).
+  // Below half the source voltage the terminal voltage is not stable: the greatest power is E^2 / (4 R).
   const double lowest_v = std::max(cut_off_v, source_v / 2);
   return lowest_v * (source_v - lowest_v) / series_ohm;
 }

@@ -26,11 +26,11 @@ struct Cell {
   double mass_kg = 0;
   double capacity_c = 0;                // charge between s = 1 and s = 0
   double cut_off_voltage_v = 0;         // the protection opens below it
-  double cut_off_delay_s = 0;           // after so long below it
-  double release_voltage_v = 0;         // an open protection closes when a charger lifts the terminals to it
-  double continuous_current_a = 0;      // above it over_current is raised; nothing else happens
+  double cut_off_delay_s = 0;           // the protection opens after this time below it
+  double release_voltage_v = 0;         // an open protection closes when a charger raises the terminal voltage to it
+  double continuous_current_a = 0;      // above it over_current is raised, without other effects
   double self_discharge_current_a = 0;  // flows while s > 0
-  double hold_below_soc = 0;            // R and C keep their value at this s below it
+  double hold_below_soc = 0;            // below this s, R and C keep their values at it
   Curve open_circuit_v;
   Curve series_ohm;
   Curve pair1_ohm;
@@ -45,24 +45,24 @@ struct Cell {
 
 /// Positions in the intervals of the file's quantities, from -1 to 1: 0 is the value.
 struct CellPositions {
-  double resistance = 0;  // of resistance_factor; capacitances change inversely, so that time constants stay
+  double resistance = 0;  // of resistance_factor; capacitances change inversely, so that time constants are unchanged
   double capacity = 0;    // of capacity_factor or, if that has no interval, of capacity
   double cut_off_voltage = 0;
   double cut_off_delay = 0;
 };
 
-/// Reads and checks a cell file. Throws mebots::Error naming file, key, value and limit when a key is missing
-/// or unknown or a type or unit is wrong. So it does when mass, capacity, a resistance or a capacitance is not
-/// positive, the open-circuit voltage falls with rising s, or the cut-off or the release voltage is out of order: it
-/// must be cut-off < release <= voltage of the full cell. Throws for a position outside -1 to 1.
+/// Reads and checks a cell file. Throws mebots::Error that names file, key, value and limit if a key is missing or
+/// unknown, if a type or unit is wrong, or if mass, capacity, a resistance or a capacitance is not positive. Also
+/// throws if the open-circuit voltage falls with rising s, if not cut-off < release <= voltage of the full cell, and
+/// for a position outside -1 to 1.
 Cell load_cell(const std::filesystem::path& path, const CellPositions& positions = {});
 
-/// Current at the terminals [A, positive = discharge] when they give `power_w` (negative = charging) and the
-/// voltage behind the series resistance is `source_v`: the smaller root of R i^2 - E i + P = 0.
-/// Beyond the power that the circuit can give, E^2 / (4 R), it stays at the point of greatest power.
+/// Returns the terminal current [A, positive = discharge] for a terminal power `power_w` (negative = charging) and a
+/// voltage `source_v` before the series resistance: the smaller root of R i^2 - E i + P = 0. If the power exceeds the
+/// maximum, E^2 / (4 R), returns the current of the maximum.
 double terminal_current_a(double source_v, double series_ohm, double power_w);
 
-/// The greatest terminal power [W] at which the terminal voltage is not below `cut_off_v`.
+/// Returns the greatest terminal power [W] for which the terminal voltage is at least `cut_off_v`.
 double power_limit_w(double source_v, double series_ohm, double cut_off_v);
 
 }  // namespace mebots::battery

@@ -8,26 +8,26 @@
 
 namespace mebots::battery {
 
-/// A DC/DC converter between the cell's bus and a load, or between a source and the bus. Its efficiency depends
-/// on its output current: linear between the points of a table, held at the first and last value outside.
+/// A DC/DC converter between the cell's bus and a load, or between a source and the bus. Its efficiency depends on its
+/// output current: linear between the points of a table, constant outside.
 class Converter {
  public:
-  /// No converter at all: efficiency 1.
+  /// A connection without a converter: efficiency 1.
   Converter() = default;
 
-  /// `output_current_a` rises and is not negative, `efficiency` is in (0, 1]; both have the same size >= 1.
+  /// `output_current_a` must rise from a value >= 0; `efficiency` must be in (0, 1]. Both have the same size >= 1.
   Converter(std::string name, double output_voltage_v, std::vector<double> output_current_a,
             std::vector<double> efficiency);
 
   const std::string& name() const { return name_; }
 
-  /// Efficiency when the output gives `output_power_w` >= 0.
+  /// Returns the efficiency at an output power >= 0.
   double efficiency(double output_power_w) const;
 
-  /// Power taken at the input [W] for a given power at the output [W, >= 0].
+  /// Returns the input power [W] for an output power [W, >= 0].
   double input_power_w(double output_power_w) const { return output_power_w / efficiency(output_power_w); }
 
-  /// Power at the output [W] for a given power at the input [W, >= 0]: the inverse of input_power_w.
+  /// Returns the output power [W] for an input power [W, >= 0]: the inverse of input_power_w().
   double output_power_w(double input_power_w) const;
 
  private:
@@ -37,11 +37,11 @@ class Converter {
   std::vector<double> efficiency_;
 };
 
-/// Every converter of a converters.json. Throws mebots::Error naming everything that is wrong in it.
+/// Reads all converters of a converters.json. Throws mebots::Error that lists all mistakes.
 std::map<std::string, Converter> load_converters(const std::filesystem::path& file);
 
-/// The converter called `name` in a converters.json. `variable` is the parameter that asked for it.
-/// Throws mebots::Error naming file, key, value and limit, or the known names.
+/// Reads the converter `name` of a converters.json. `variable` is the parameter that names it, for messages. Throws
+/// mebots::Error that names file, key, value and limit, or the known names.
 Converter load_converter(const std::filesystem::path& file, const std::string& name, const std::string& variable);
 
 }  // namespace mebots::battery

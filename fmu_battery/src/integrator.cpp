@@ -16,8 +16,8 @@
 namespace mebots::battery {
 namespace {
 
-// The vector that SUNDIALS integrates. The ledger part starts at zero in every advance, so that its error
-// control looks at the step's energies and not at the sum since the start.
+// The vector that SUNDIALS integrates. The ledger part starts at zero in every advance, so that error control uses the
+// energies of the step and not those since the start.
 enum Index : int {
   kSoc,
   kPair1,
@@ -36,13 +36,13 @@ enum Index : int {
 constexpr double kSocTolerance = 1e-12;
 constexpr double kVoltageTolerance = 1e-10;
 constexpr double kEnergyTolerance = 1e-10;
-// Of one advance; a piece that has begun may go over it.
+// Limits per advance. A piece that has begun may exceed them.
 constexpr long kMaxSteps = 1'000'000;
 constexpr long kMaxEvaluations = 5 * kMaxSteps;
-// Where a piece of an advance cannot be integrated, one of a tenth is tried, down to this.
+// If a piece of an advance cannot be integrated, a tenth of it is tried, down to this minimum.
 constexpr double kPieceFactor = 10;
 constexpr double kShortestPiece = 1e-15;
-// The detector of a low voltage lets go so far above the cut-off. Less would be within the tolerance of event location.
+// Hysteresis of the detector of a low voltage. It must exceed the tolerance of event location.
 constexpr double kDetectorHysteresis_v = 1e-3;
 
 enum Root : int { kProtectionRoot, kNoPowerRoot, kEmptyRoot, kFullRoot, kRootCount };
@@ -139,7 +139,7 @@ class Integrator::Solver {
   long evaluations() const { return evaluations_; }
 
  private:
-  /// An empty cell leaks as soon as it has a charge, which it gets if the current is above the leak.
+  /// True if an empty cell charges: then the current must exceed the self-discharge.
   bool charges_faster_than_leak(const CellState& state) const {
     if (!charging_) return false;
     const Circuit circuit = cell_.circuit_at(state.soc);
@@ -164,14 +164,14 @@ class Integrator::Solver {
     return margin < 0 ? Event::cut_off : Event::none;
   }
 
-  /// Integrates a piece. Returns ARKODE's flag; a negative one leaves `state` and `ledger` as they are.
+  /// Integrates a piece. Returns ARKODE's flag; if it is negative, `state` and `ledger` are unchanged.
   int evolve(CellState& state, Ledger& ledger, double piece_s, double& reached_s) {
     double* y = N_VGetArrayPointer(y_);
     std::fill(y, y + kSize, 0.0);
     y[kSoc] = state.soc;
     y[kPair1] = state.pair1_v;
     y[kPair2] = state.pair2_v;
-    // Starting afresh, with the whole piece as the first try, leaves no history of earlier calls.
+    // A new start, with the whole piece as the first step size, makes the result independent of earlier calls.
     check(ERKStepReInit(memory_, &Solver::right_hand_side, 0, y_), "ERKStepReInit");
     if (fixed_step_s_ == 0) check(ERKStepSetInitStep(memory_, piece_s), "ERKStepSetInitStep");
     check(ERKStepSetStopTime(memory_, piece_s), "ERKStepSetStopTime");
@@ -189,7 +189,7 @@ class Integrator::Solver {
     return std::all_of(y, y + kSize, [](double value) { return std::isfinite(value); });
   }
 
-  /// Which event it was; the state that root finding left within rounding of a limit is put on it.
+  /// Returns the event that root finding has located, and sets the state exactly to its limit.
   Event settle(CellState& state) {
     int found[kRootCount] = {};
     check(ERKStepGetRootInfo(memory_, found), "ERKStepGetRootInfo");
@@ -215,14 +215,13 @@ class Integrator::Solver {
 
   double series_ohm(double soc) const { return cell_.series_ohm(std::max(soc, cell_.hold_below_soc)); }
 
-  /// Falls through 0 where no current gives the power any more [W].
+  /// Falls through 0 if no current gives the power any more [W].
   double power_margin_w(double soc, double pair1_v, double pair2_v) const {
     return power_limit_w(cell_.open_circuit_v(soc) - pair1_v - pair2_v, series_ohm(soc), 0) - demand_.terminal_w();
   }
 
-  /// Falls through 0 where the protection changes. Closed [W]: the power that may be added before the terminals are at
-  /// the cut-off. Low [W]: the power that must be removed before they are above it. Open [V]: the voltage that the
-  /// terminals lack to the release voltage.
+  /// Falls through 0 at a change of the protection. Closed [W]: margin of power until the terminals reach the cut-off.
+  /// Low [W]: power that must be removed until they are above it. Open [V]: voltage missing to the release voltage.
   double protection_margin(double soc, double pair1_v, double pair2_v) const {
     const double source_v = cell_.open_circuit_v(soc) - pair1_v - pair2_v;
     const double ohm = series_ohm(soc);
@@ -245,8 +244,8 @@ class Integrator::Solver {
     const Cell& cell = solver.cell_;
     const Demand& demand = solver.demand_;
 
-    // A stage of a step that is too long may lie far outside of 0 <= s <= 1, where the curves mean nothing and values
-    // may be no numbers. The error test turns such a step down: it takes only what is within the tolerance.
+    // A stage of a step that is too long may be far outside of 0 <= s <= 1, where the curves have no meaning and values
+    // may be NaN. The error test rejects such a step.
     const Circuit circuit = cell.circuit_at(y[kSoc]);
     const double source_v = circuit.open_circuit_v - y[kPair1] - y[kPair2];
     const double current_a =
@@ -273,7 +272,7 @@ class Integrator::Solver {
   static int root_functions(double /*t*/, N_Vector y_vector, double* g, void* self) {
     const auto& solver = *static_cast<const Solver*>(self);
     const double* y = N_VGetArrayPointer(y_vector);
-    // A constant never crosses zero: it switches a function off.
+    // A constant never crosses zero, so it switches a root function off.
     g[kProtectionRoot] = solver.conducts_ ? solver.protection_margin(y[kSoc], y[kPair1], y[kPair2]) : 1;
     const bool is_low = solver.protection_ == Protection::low;
     g[kNoPowerRoot] = is_low ? solver.power_margin_w(y[kSoc], y[kPair1], y[kPair2]) : 1;
@@ -307,7 +306,7 @@ class Integrator::Solver {
   long evaluations_ = 0;
   std::string message_;
 
-  // Held during one advance.
+  // Constant during one advance.
   Demand demand_;
   Protection protection_ = Protection::closed;
   bool conducts_ = true;

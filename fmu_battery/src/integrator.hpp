@@ -46,7 +46,7 @@ struct Ledger {
   }
 };
 
-/// What hangs on the cell's terminals, held during a step.
+/// The load and the source at the cell's terminals, constant during a step.
 struct Demand {
   double delivered_w = 0;   // at the outputs of the loads' converters
   double drawn_w = 0;       // at their inputs
@@ -58,27 +58,27 @@ struct Demand {
   double converter_loss_w() const { return drawn_w - delivered_w + source_w - source_bus_w; }
 };
 
-/// Why an advance ended before its time.
+/// The reason why an advance ended early.
 enum class Event {
   none,
-  cut_off,    // the terminal voltage would fall under the cut-off, or no current gives that much power
+  cut_off,    // the terminal voltage would fall below the cut-off, or no current gives this power
   no_power,   // while low: no current gives that much power
   recovered,  // while low: the terminal voltage is above the cut-off again
   empty,      // state of charge 0
   full,       // state of charge 1 while charging
-  release,    // a charger has lifted the terminals behind an open protection to the release voltage
+  release,    // a charger has raised the terminals of an open protection to the release voltage
 };
 
 /// The switch between cell and bus.
 enum class Protection {
   closed,
-  low,   // still closed, with the terminal voltage under the cut-off: its delay passes
+  low,   // closed, but the terminal voltage is below the cut-off: its delay runs
   open,  // blocks discharge; a charge passes, as through the body diode of the discharge transistor
 };
 
-/// Integrates the cell's ODEs and its ledger together with SUNDIALS (ARKODE's ERKStep, order 4), adaptive with local
-/// error control, the events located by root finding. Knows no history: what it returns depends on its
-/// arguments alone, so a restored run repeats the same bits. Not thread-safe; one per instance.
+/// Integrates the cell's ODEs together with its ledger, with SUNDIALS (ARKODE's ERKStep, order 4): adaptive, with local
+/// error control, and events located by root finding. It has no memory: results depend on its arguments only, so a
+/// restored run gives the same bits. Not thread-safe; one per instance.
 ///
 ///   ds/dt  = -(i + i_sd) / Q
 ///   dvk/dt = (i - vk / Rk(s)) / Ck(s),   k = 1, 2
@@ -87,7 +87,7 @@ class Integrator {
  public:
   struct Options {
     double relative_tolerance = 1e-9;
-    double fixed_step_s = 0;  // > 0: no error control; for measuring the order of convergence
+    double fixed_step_s = 0;  // > 0: no error control, to measure the order of convergence
   };
 
   explicit Integrator(const Cell& cell) : Integrator(cell, Options{}) {}
@@ -97,17 +97,17 @@ class Integrator {
   Integrator& operator=(const Integrator&) = delete;
 
   struct Result {
-    double reached_s = 0;  // time that went by, <= duration
+    double reached_s = 0;  // time integrated, <= duration
     Event event = Event::none;
   };
 
-  /// Moves `state` on by `duration_s`, or up to the first event, and adds to `ledger`.
-  /// If the protection is closed or low, the cell feeds `demand`. If it is open, only a demand that charges the cell
-  /// acts. A duration that the solver cannot integrate whole is divided. If the smallest part fails too, throws
-  /// mebots::Error with duration, power and remedy, and leaves `state` and `ledger` unchanged.
+  /// Advances `state` by `duration_s`, or to the first event, and adds to `ledger`. If the protection is closed or low,
+  /// the cell supplies `demand`; if it is open, only a demand that charges the cell has an effect. A duration that
+  /// cannot be integrated at once is divided. If the smallest part fails, throws mebots::Error with duration, power and
+  /// remedy; `state` and `ledger` are unchanged then.
   Result advance(CellState& state, Ledger& ledger, const Demand& demand, Protection protection, double duration_s);
 
-  /// Evaluations of the right-hand side so far; a measure of cost.
+  /// Returns the number of evaluations of the right-hand side, as a measure of cost.
   long evaluations() const;
 
  private:

@@ -17,33 +17,34 @@ namespace mebots::battery {
 
 /// Cell, protection, converters, loads and source of one power bus. Plain C++; fmu.cpp binds it to FMI.
 ///
-/// Inputs are powers and are held during a step; outputs are values at the end of the step.
-/// The protection opens for three reasons: the terminal voltage was under the cut-off for the cell's delay, no current
-/// gives the requested power, or the state of charge is 0. An open protection blocks discharge: bus voltage,
-/// current and delivered power are 0, also for the rest of that step. If the source gives more than the loads take, it
-/// supplies them and charges the cell through the open protection. The protection closes at the instant when the
-/// terminal voltage reaches the release voltage. A full cell takes no charge before its state of charge has fallen
-/// under kResumeChargingBelow. Until then the source carries what the loads take and the rest of its power is not
-/// counted as given.
+/// Inputs are powers and are constant during a step; outputs are values at the end of the step.
+///
+/// The protection opens if the terminal voltage was below the cut-off for the cell's delay, if no current gives the
+/// requested power, or if the state of charge is 0. An open protection blocks discharge: bus voltage, current and
+/// delivered power are 0, also for the rest of the step. If the source gives more than the loads take, it supplies
+/// them, and charges the cell through the open protection. The protection closes when the terminal voltage reaches the
+/// release voltage.
+///
+/// A full cell takes no charge until its state of charge is below kResumeChargingBelow. Until then, the source supplies
+/// the loads only, and the rest of its power does not count.
 class Model {
  public:
   static constexpr double kResumeChargingBelow = 0.999;
-  /// A continuous limit is about heat, which a take-off of some tenths of a second does not bring. The log tells of a
-  /// current above it that has flowed this long without a break. The output tells at once.
+  /// The log reports a current above the continuous limit after this time without interruption; the output reports it
+  /// at once. The limit is thermal, and a take-off of some tenths of a second does not heat the cell.
   static constexpr std::int64_t kWarnOverCurrentAfterNs = 1'000'000'000;
 
-  /// Told of events (protection, over-current, full cell), in the order of time.
+  /// Called for each event (protection, over-current, full cell), in the order of time.
   using EventLog = std::function<void(std::string_view)>;
 
-  /// Reads `resources`/cells/<name>.json and `resources`/converters.json.
-  /// Throws mebots::Error naming parameter or file, key, value and limit.
+  /// Reads `resources`/cells/<name>.json and `resources`/converters.json. Throws mebots::Error that names parameter or
+  /// file, key, value and limit.
   Model(const Parameters& parameters, const std::filesystem::path& resources, EventLog log);
 
   /// Writes the outputs at the start.
   void start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs);
 
-  /// Goes from start_ns to start_ns + duration_ns (> 0).
-  /// Throws mebots::Error for a power that is negative or not finite.
+  /// Advances from start_ns to start_ns + duration_ns (> 0). Throws mebots::Error if a power is negative or not finite.
   void step(const Inputs& inputs, std::int64_t start_ns, std::int64_t duration_ns, Outputs& outputs);
 
   void visit(state::Visitor& v);
@@ -75,12 +76,12 @@ class Model {
   bool conducts(const Demand& demand) const { return connected_ || demand.charges(); }
 
   bool connected_ = true;
-  bool low_ = false;  // the terminal voltage is under the cut-off, for low_s_ by now
+  bool low_ = false;  // the terminal voltage is below the cut-off, since low_s_
   double low_s_ = 0;
   bool full_ = false;
   bool over_current_ = false;
   bool over_current_warned_ = false;
-  std::int64_t over_current_since_ns_ = 0;  // while it is
+  std::int64_t over_current_since_ns_ = 0;  // start of the present over-current
 };
 
 }  // namespace mebots::battery

@@ -5,12 +5,12 @@
 
 namespace mebots::motors {
 
-/// Steady speed u [rad/s] of a motor with a propeller: the balance of torques K i = c u^2 at v = K u + R i, where
-/// c = torque_per_thrust k.
+/// Returns the steady speed u [rad/s] of a motor with a propeller: the balance of torques K i = c u^2 at v = K u + R i,
+/// where c = torque_per_thrust k.
 double steady_speed_rad_per_s(const RotorData& rotor, double thrust_coefficient, double voltage_v);
 
-/// Conductance [S] and counter current [A] of one motor as its supply sees them: it draws conductance V - counter
-/// current from a supply of V volts, means over the PWM's period. Both are 0 if `supply_v` drives no current.
+/// Conductance [S] and counter current [A] of one motor for its supply: from a supply of V volts it draws conductance V
+/// - counter current, averaged over the PWM's period. Both are 0 if `supply_v` drives no current.
 struct SupplyLoad {
   double conductance_s = 0;
   double counter_current_a = 0;
@@ -21,8 +21,8 @@ SupplyLoad supply_load(const ElectricMotor& motor, double duty, double speed_rad
 ///   i        = max(0, (v - K w) / R)                  the driver's diode blocks braking currents
 ///   J dw/dt  = K i - c w^2
 ///   P        = v i + g v^2 (1 - d)^2                  v = d V; g: ripple_conductance
-/// v i is the shaft's power K i w and the copper loss R i^2. The second term is the loss by the ripple of the current,
-/// whose amplitude is proportional to V d (1 - d). Speed and energy have a closed form, without a step size.
+/// v i is the shaft's power K i w and the copper loss R i^2. The second term is the loss due to the ripple of the
+/// current, whose amplitude is proportional to V d (1 - d). Speed and energy have closed forms, without a step size.
 RotorStep advance_motor(const RotorData& rotor, const RotorDrive& drive, double speed_rad_per_s, double duration_s);
 
 }  // namespace mebots::motors

@@ -9,9 +9,9 @@ inline constexpr double kGravity = 9.80665;  // standard gravity [m/s^2]
 
 /// The power model of the MEbots paper, in the quantities that the paper names.
 
-/// P_hover = m g p n / eta: each of n turns per second does the work of the weight over the pitch p, as a screw
-/// without slip would. eta is what motor and propeller make of the electrical power. n is the speed at which four
-/// rotors lift the mass at that air density, 4 k (rho / rho_0) (2 pi n)^2 = m g. [W]
+/// P_hover = m g p n / eta: each of n turns per second does the work of the weight over the pitch p, like a screw
+/// without slip. eta is the efficiency of motor and propeller. n is the speed at which four rotors lift the mass at
+/// that air density, 4 k (rho / rho_0) (2 pi n)^2 = m g. [W]
 double hover_power_w(const RotorData& rotor, double mass_kg, double density_kg_per_m3);
 
 /// P_propel = m g v / (eta r), r = lift over drag (D'Andrea 2014). [W]

@@ -14,12 +14,12 @@
 namespace mebots::motors {
 namespace {
 
-/// Up to here the products of a few inputs are finite. The world's forces and motion have the same limit.
+/// Up to this limit, products of a few inputs are finite. The world's forces and motion have the same limit.
 constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
-/// A surge is a current that was less than this share of it in the step before.
+/// A surge is a current whose value in the step before was less than this share of it.
 constexpr double kEarlierShare = 0.1;
-/// A smaller sag does no harm, and other loads may have caused it.
+/// A smaller sag is harmless, and other loads may have caused it.
 constexpr double kLeastSag_v = 0.02;
 
 void check(double value, std::string_view name, std::string_view unit, const data::Limits& limits) {
@@ -98,7 +98,7 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   outputs.bench_power_w = rotor_.power_factor * bench_j / duration_s;
   outputs.hover_power_w = driven ? hover_power_w(rotor_, inputs.body_mass_kg, inputs.air_density_kg_per_m3) : 0;
   outputs.propel_power_w = driven ? propel_power_w(rotor_, inputs.body_mass_kg, inputs.body_speed_m_per_s) : 0;
-  // A rotor never feeds the bus.
+  // A rotor never supplies the bus.
   outputs.inflow_power_w = driven && inflow_ ? std::max(inflow_power_w(inputs), -outputs.bench_power_w) : 0;
   outputs.power_w = power_model_ == PowerModel::bench ? outputs.bench_power_w + outputs.inflow_power_w
                                                       : outputs.hover_power_w + outputs.propel_power_w;
@@ -106,8 +106,8 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   write(inputs, outputs);
 }
 
-/// Motors and battery step at the same time, so that bus.voltage belongs to the current of the step before the last
-/// one. The change of current since then lowers it by bus.resistance.
+/// Motors and battery step at the same time, so bus.voltage belongs to the current of the step before the last one. The
+/// change of current since then lowers it by bus.resistance.
 double Model::supply_voltage_v(const Inputs& inputs) const {
   const double bus_v = inputs.bus_voltage_v;
   if (!rotor_.motor || bus_resistance_ohm_ == 0 || bus_v == 0) return bus_v;
@@ -121,9 +121,8 @@ double Model::supply_voltage_v(const Inputs& inputs) const {
          (1 + bus_resistance_ohm_ * all.conductance_s);
 }
 
-/// bus.resistance lowers the voltage by the change of current that bus.voltage does not contain yet. If bus.voltage
-/// falls by the surge of the step that has just ended, it contains that change already: battery and motors do not step
-/// at the same time.
+/// Warns if bus.resistance counts a change of current that bus.voltage contains already. This is the case if
+/// bus.voltage falls by the surge of the last step: then battery and motors do not step at the same time.
 void Model::warn_of_double_sag(double bus_v) {
   const double surge_a = last_current_a_ - earlier_current_a_;
   const bool is_surge = earlier_current_a_ < kEarlierShare * last_current_a_;
@@ -152,7 +151,8 @@ RotorDrive Model::drive_of(const Inputs& inputs, double supply_v, std::size_t i)
   return drive;
 }
 
-/// Of the rotors that are driven, at the thrust of the step's end; propeller and motor take more than the air gets.
+/// Returns the power of the driven rotors at the thrust at the end of the step. Propeller and motor take more than the
+/// power of the air.
 double Model::inflow_power_w(const Inputs& inputs) const {
   const double coefficient = rotor_.thrust_coefficient_at(inputs.air_density_kg_per_m3);
   double power_w = 0;

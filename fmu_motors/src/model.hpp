@@ -15,20 +15,20 @@ namespace mebots::motors {
 
 /// Four rotors with their motors. Plain C++; fmu.cpp binds it to FMI.
 ///
-/// A rotor's effective voltage is command times bus voltage. Inputs are held during a step; thrust, torque and
-/// speed are values at its end, powers are means over it.
+/// A rotor's effective voltage is command times bus voltage. Inputs are constant during a step. Thrust, torque and
+/// speed are values at its end; powers are means over it.
 class Model {
  public:
   using Log = std::function<void(std::string_view)>;
 
-  /// Reads `resources`/rotors/<name>.json. Throws mebots::Error naming parameter or file, key, value and limit. Reports
-  /// warnings to `log`.
+  /// Reads `resources`/rotors/<name>.json. Throws mebots::Error that names parameter or file, key, value and limit.
+  /// Reports warnings to `log`.
   Model(const Parameters& parameters, const std::filesystem::path& resources, const Log& log = {});
 
-  /// Writes the outputs at the start: standing rotors.
+  /// Writes the outputs at the start, when the rotors stand still.
   void start(const Inputs& inputs, Outputs& outputs);
 
-  /// Moves on by duration_ns > 0. Throws mebots::Error for an input outside its range.
+  /// Advances by duration_ns > 0. Throws mebots::Error if an input is out of range.
   void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
 
   void visit(state::Visitor& v);
@@ -52,7 +52,7 @@ class Model {
 
   std::array<double, rotor::kCount> speed_rad_per_s_{};
   double energy_j_ = 0;
-  // From the bus through the windings, means of the last step and of the one before.
+  // From the bus through the windings: means of the last step and of the step before.
   double last_current_a_ = 0;
   double earlier_current_a_ = 0;
   double last_bus_v_ = 0;

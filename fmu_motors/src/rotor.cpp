@@ -10,9 +10,9 @@
 namespace mebots::motors {
 namespace {
 
-/// Above this speed a slowing rotor's power, divided by its speed
-///   a + b k w + J (u - w) (linear + quadratic (u + w)),
-/// is negative: the positive root of a quadratic that is positive at w = u.
+/// Returns the speed above which the power of a decelerating rotor is negative. Its power divided by its speed is
+/// a + b k w + J (u - w) (linear + quadratic (u + w)); the result is the positive root of this quadratic, which is
+/// positive at w = u.
 double speed_of_zero_power(const RotorData& rotor, const RotorDrive& drive, const SpeedLaw& law) {
   const double u = drive.steady_speed_rad_per_s;
   const double square = rotor.inertia_kg_m2 * law.quadratic_per_rad;  // times -w^2
@@ -31,7 +31,7 @@ double energy_j(const RotorData& rotor, const RotorDrive& drive, const SpeedCour
       rotor.power_per_speed_ws_per_rad * course.speed_integral(duration_s) +
       rotor.power_per_thrust_w_per_n * drive.thrust_coefficient * course.speed_squared_integral(duration_s) +
       0.5 * rotor.inertia_kg_m2 * (to_speed - from_speed) * (to_speed + from_speed);
-  return std::max(energy, 0.0);  // the integrand is not negative, its rounded integral may be by a hair
+  return std::max(energy, 0.0);  // the integrand is not negative, but its integral may be after rounding
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ RotorStep advance_rotor(const RotorData& rotor, const RotorDrive& drive, double 
   MEBOTS_ASSERT(speed_rad_per_s >= 0 && drive.steady_speed_rad_per_s >= 0 && duration_s > 0);
   const SpeedLaw& law = slowing ? rotor.spin_down : rotor.spin_up;
   const SpeedCourse course(law, speed_rad_per_s, drive.steady_speed_rad_per_s);
-  // The closed form may end a rounding error under zero.
+  // Rounding may make the closed form slightly negative.
   const double end = std::max(course.speed(duration_s), 0.0);
   if (!drive.driven) return {end, 0, 0};
 

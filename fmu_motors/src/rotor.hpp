@@ -5,7 +5,7 @@
 
 namespace mebots::motors {
 
-/// What holds during a step for one rotor.
+/// Conditions of one rotor that are constant during a step.
 struct RotorDrive {
   double steady_speed_rad_per_s = 0;
   double thrust_coefficient = 0;  // at the present air density [N s^2/rad^2]
@@ -20,10 +20,10 @@ struct RotorStep {
   double charge_c = 0;         // through the winding of an electric motor, >= 0
 };
 
-/// Moves one rotor on by `duration_s`. The electrical power is
-///   P = max(0, a w + b F + J w dw/dt)
-/// the bench's power at that speed and the power into the rotor's inertia. A rotor that slows down covers part of
-/// its losses from its own kinetic energy, but never feeds the bus. Integrated in closed form, without a step size.
+/// Advances one rotor by `duration_s`. The electrical power is
+/// P = max(0, a w + b F + J w dw/dt)
+/// the power on the bench at that speed, plus the power into the rotor's inertia. A decelerating rotor covers part of
+/// its losses with its kinetic energy, but never supplies the bus. Integrated in closed form, without a step size.
 RotorStep advance_rotor(const RotorData& rotor, const RotorDrive& drive, double speed_rad_per_s, double duration_s);
 
 }  // namespace mebots::motors

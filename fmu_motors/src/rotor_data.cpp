@@ -14,7 +14,7 @@ namespace {
 
 using data::Limits;
 
-/// {"unit", "value": [...]}, rising from 0.
+/// Reads {"unit", "value": [...]}, whose values rise from 0.
 auto table_from_rest(std::string_view unit) {
   return [unit](const data::Node& node) {
     data::Object object(node);
@@ -65,7 +65,7 @@ void read_table_form(data::Object& object, RotorData& rotor) {
   object.read("power_per_thrust", rotor.power_per_thrust_w_per_n, quantity("W/N", Limits::positive()));
 }
 
-/// Speed and power follow from the motor, so that the keys of the table form must be absent.
+/// Reads the motor. Speed and power follow from it, so the keys of the table form must be absent.
 void read_motor_form(data::Object& object, RotorData& rotor) {
   object.visit("motor", [&](const data::Node& node) {
     data::Object member(node);
@@ -85,7 +85,7 @@ void read_motor_form(data::Object& object, RotorData& rotor) {
   }
 }
 
-/// More thrust at the same torque and power. Both are stored per thrust.
+/// Changes the thrust at the same torque and power, which are both stored per thrust.
 void place_thrust(RotorData& rotor, double thrust_coefficient) {
   const double ratio = thrust_coefficient / rotor.thrust_coefficient;
   rotor.thrust_coefficient = thrust_coefficient;
@@ -113,7 +113,7 @@ RotorData read_rotor(const data::Node& node, const RotorPositions& positions) {
   object.read("propeller_pitch", rotor.propeller_pitch_m, quantity("m", positive));
   object.read("propulsion_efficiency", rotor.propulsion_efficiency, quantity("1", {0, 1, false}));
   object.read("lift_to_drag", rotor.lift_to_drag, quantity("1", positive));
-  object.allow({"bench"});  // what the figures come from; for people and tests
+  object.allow({"bench"});  // source of the values; for readers and tests
   object.finish();
   const data::Placement placement("rotor '" + rotor.name + "'", rotor.warnings);
   rotor.power_factor = placement.value(power_factor, positions.power, "power_factor", "calibration.power");

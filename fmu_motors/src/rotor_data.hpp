@@ -8,7 +8,7 @@
 
 namespace mebots::motors {
 
-/// Coefficients of  dw/dt = linear (u - w) + quadratic (u^2 - w^2),  u the steady speed of the held voltage.
+/// Coefficients of  dw/dt = linear (u - w) + quadratic (u^2 - w^2), where u is the steady speed at the present voltage.
 struct SpeedLaw {
   double linear_per_s = 0;
   double quadratic_per_rad = 0;
@@ -43,10 +43,10 @@ struct RotorData {
 
   std::vector<std::string> warnings;  // positions without an interval in the file
 
-  /// Speed [rad/s] that the rotor settles at under a voltage [V, >= 0], by the table of a rotor without `motor`.
+  /// Returns the steady speed [rad/s] at a voltage [V, >= 0], from the table of a rotor without `motor`.
   double steady_speed_rad_per_s(double voltage_v) const;
 
-  /// Thrust [N] over speed squared at an air density.
+  /// Returns thrust [N] over speed squared at an air density.
   double thrust_coefficient_at(double density_kg_per_m3) const {
     return thrust_coefficient * density_kg_per_m3 / reference_density_kg_per_m3;
   }
@@ -54,11 +54,11 @@ struct RotorData {
 
 /// Positions in the intervals of the file's quantities, from -1 to 1: 0 is the value.
 struct RotorPositions {
-  double thrust = 0;  // of thrust_coefficient; torque and power at a speed stay
+  double thrust = 0;  // of thrust_coefficient; torque and power at a speed are unchanged
   double power = 0;   // of power_factor
 };
 
-/// Reads and checks a rotor file. Throws mebots::Error naming file, key, value and limit, and for a position outside -1
+/// Reads and checks a rotor file. Throws mebots::Error that names file, key, value and limit, or a position outside -1
 /// to 1.
 RotorData load_rotor(const std::filesystem::path& path, const RotorPositions& positions = {});
 

@@ -5,9 +5,9 @@
 
 namespace mebots::motors {
 
-/// The course of a rotor's speed while its steady speed u is held, in closed form:
-///   dw/dt = a (u - w) + b (u^2 - w^2)
-/// With e = u - w this is Bernoulli's equation de/dt = -k e + b e^2, k = a + 2 b u. No step size enters.
+/// The speed of a rotor over time at a constant steady speed u, in closed form:
+/// dw/dt = a (u - w) + b (u^2 - w^2)
+/// With e = u - w this is Bernoulli's equation de/dt = -k e + b e^2, k = a + 2 b u. There is no step size.
 class SpeedCourse {
  public:
   /// From `initial` towards `steady` [rad/s, both >= 0]; a, b >= 0.
@@ -19,7 +19,8 @@ class SpeedCourse {
   double speed_integral(double time_s) const;
   /// Integral of w^2 [rad^2/s] over the first `time_s`.
   double speed_squared_integral(double time_s) const;
-  /// Time [s] until the speed is `target`, which lies between the initial and the steady speed and is not the latter.
+  /// Returns the time [s] until the speed is `target`, which must be between the initial and the steady speed, but not
+  /// the latter.
   double time_to(double target_rad_per_s) const;
 
  private:
