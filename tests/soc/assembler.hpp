@@ -12,10 +12,10 @@ namespace mebots::soc::test {
 
 /// Assembles and links assembly text (through the C preprocessor) with Debian's cross compiler; `_start` is the entry.
 Elf assemble(std::string_view text, std::uint32_t address = 0x80000000);
-/// The same as the bytes of the ELF file; with more options for the compiler.
+/// Does the same, and returns the bytes of the ELF file; takes more options for the compiler.
 std::vector<std::uint8_t> assemble_file(std::string_view text, std::uint32_t address = 0x80000000,
                                         std::string_view options = {});
-/// What objdump says of raw code bytes, one line each, at address 0.
+/// Returns objdump's output for raw code bytes at address 0, one line each.
 std::vector<std::string> disassemble_with_objdump(const std::vector<std::uint8_t>& code);
 
 }  // namespace mebots::soc::test

@@ -11,7 +11,7 @@
 
 namespace mebots::soc::test {
 
-/// GAP8 with a program of assembly text, which uses the registers of the firmware's headers. RESULTS is kResults.
+/// GAP8 with a program of assembly text, which can use the registers of the firmware's headers. RESULTS is kResults.
 class Gap8System : public BoardSystem {
  public:
   explicit Gap8System(std::string_view text, const Settings& settings = {}, const BoardDescription& board = gap8())
@@ -62,10 +62,10 @@ inline std::string set_cluster_clock(std::uint32_t factor) {
   return fmt::format("li s0, FLL_BASE\n li a0, 1 << 26 | {}\n sw a0, FLL_BYTES + FLL_CONFIG1_OFFSET(s0)", factor);
 }
 
-/// The cores whose bits are set in `cores` run a program whose exceptions and interrupts all lead to `fault`.
+/// The cores whose bits are set in `cores` run a program whose exceptions and interrupts all go to `fault`.
 inline Gap8System timed_system(unsigned cores, std::string_view code, const Settings& settings = {}) {
   auto board = Gap8System::gap8();
-  board.instruction_caches = {};  // refills would come between the event and what is read
+  board.instruction_caches = {};  // refills would delay the read after the event
   const auto vectors = std::string(kBegin).replace(kBegin.find("j fault"), 7, ".rept 32\n j fault\n .endr");
   return Gap8System(fmt::format("{}{}{}", vectors, start_cluster(cores), code), settings, board);
 }

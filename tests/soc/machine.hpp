@@ -14,7 +14,7 @@
 
 namespace mebots::soc::test {
 
-/// How a machine differs from a CV32E40P that fetches without waiting.
+/// Differences of a machine from a CV32E40P without fetch waits.
 struct MachineSettings {
   CoreKind kind = CoreKind::rv32imc;
   InstructionCacheSettings instruction_cache = {};
@@ -22,7 +22,8 @@ struct MachineSettings {
   bool translate = true;
 };
 
-/// A hart with 1 MiB of RAM at 0x80000000 and 4 KiB at 0x70000000, no devices. A program ends by storing into `tohost`.
+/// A hart with 1 MiB of RAM at 0x80000000 and 4 KiB at 0x70000000, without devices. A store into `tohost` ends a
+/// program.
 class Machine : private Bus {
  public:
   static constexpr std::uint32_t kRam = 0x80000000;
@@ -36,7 +37,7 @@ class Machine : private Bus {
   Stop run(std::uint64_t limit = 10'000'000) { return hart_.run(limit); }
 
   Hart& hart() { return hart_; }
-  /// Null without one.
+  /// Returns null without a cache.
   InstructionCache* instruction_cache() { return instruction_cache_.get(); }
   Memory& memory() { return memory_; }
   const Elf& program() const { return program_; }

@@ -21,7 +21,7 @@ class ClusterAuthor : RandomText {
       if (row.extension != Extension::xpulp || is_hardware_loop(row.op) || is_branch(row.op)) continue;
       (is_load(row.op) || is_store(row.op) ? accesses_ : computing_).push_back(&row);
     }
-    // Each program has a character: how large it is, and how often what happens.
+    // Each program has its own size and frequencies.
     routines_ = 4U << below(3);
     length_ = 10U << below(3);
     patching_ = below(4);
@@ -37,7 +37,7 @@ class ClusterAuthor : RandomText {
   }
 
  private:
-  // t0, t1 and t2, and what has a name of its own below, have their own work.
+  // t0, t1 and t2, and registers with a name below, have fixed purposes.
   static constexpr std::array<std::string_view, 15> kRegisters{"a0", "a1", "a2", "a3", "a4",  "a5",  "a6", "a7",
                                                                "t3", "t4", "s8", "s9", "s10", "s11", "t6"};
   static constexpr std::array<unsigned, 15> kNumbers{10, 11, 12, 13, 14, 15, 16, 17, 28, 29, 24, 25, 26, 27, 31};
@@ -100,7 +100,7 @@ class ClusterAuthor : RandomText {
     }
   }
 
-  /// A word of one of the rows, with registers that may be written to.
+  /// A word of one of the rows, with registers that may be written.
   std::string xpulp(const std::vector<const Encoding*>& rows) {
     for (;;) {
       const auto& row = *rows[below(static_cast<unsigned>(rows.size()))];
@@ -126,7 +126,7 @@ class ClusterAuthor : RandomText {
     return fmt::format("    {} {}, {}({})\n", any(kStores), source(), offset, base);
   }
 
-  /// A branch over some code: taken at random, never, always, or once in many times.
+  /// A branch over some code: taken at random, never, always, or rarely.
   std::string forward(int depth) {
     const auto label = labels_++;
     const auto body = items(1 + (below(4) == 0 ? below(50) : below(6)), depth - 1);
@@ -153,7 +153,7 @@ class ClusterAuthor : RandomText {
   std::string hardware_loop(int depth) {
     const auto label = labels_++;
     if (marks_ > 1 && below(3) == 0) {
-      // From anywhere to anywhere.
+      // Between any two addresses.
       return fmt::format(
           "    la t0, .Lmark{}\n    csrw 0x7B{}, t0\n    la t0, .Lmark{}\n    csrw 0x7B{}, t0\n    csrwi "
           "0x7B{}, {}\n",
@@ -170,7 +170,7 @@ class ClusterAuthor : RandomText {
                          : fmt::format("    addi {}, {}, 1\n", target(), source());
   }
 
-  /// A block as long as blocks get, which takes long.
+  /// A block of maximum length, which takes long.
   std::string straight() {
     std::string text;
     const auto kind = below(3);
@@ -211,7 +211,7 @@ class ClusterAuthor : RandomText {
     }
   }
 
-  /// `body` in one of so many + 1 turns.
+  /// `body` in one of `mask` + 1 iterations.
   std::string sometimes(std::string_view body, unsigned mask) {
     const auto label = labels_++;
     return fmt::format("    srli t0, s4, {}\n    andi t0, t0, {}\n    bnez t0, .L{}\n{}.L{}:\n", below(12), mask, label,
@@ -313,7 +313,7 @@ fabric: li t1, 1664525
     li t1, POWER_MANAGER_BASE
 {}
     j fabric
-    # Everybody who waits for an event gets one now and then.
+    # Each core that waits for an event gets one from time to time.
 fabric_handler: csrr gp, mcause
     bltz gp, 1f
     csrr gp, mepc
@@ -371,7 +371,7 @@ handler: csrr gp, mepc
                        one_bank_ ? 0 : 2 + below(2) * 2, 4 * (routines_ - 1));
   }
 
-  /// What only the fabric controller does.
+  /// Actions of the fabric controller only.
   std::string chip_item() {
     switch (below(5)) {
       case 0:

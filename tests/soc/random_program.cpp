@@ -62,12 +62,12 @@ stack_top:
   }
 
  private:
-  // More than the host has. t0, t1, t2, gp and s0 to s2 have their own work.
+  // More than the host has. t0, t1, t2, gp and s0 to s2 have fixed purposes.
   static constexpr std::array<std::string_view, 18> kRegisters{"a0", "a1", "a2", "a3", "a4", "a5", "a6",  "a7",  "s3",
                                                                "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "tp"};
   static constexpr std::array<std::string_view, 3> kShifts{"slli", "srli", "srai"};
 
-  /// A source: now and then x0.
+  /// A source register; sometimes x0.
   std::string_view source() { return below(12) == 0 ? "zero" : any(kRegisters); }
   std::string_view target() { return below(25) == 0 ? "zero" : any(kRegisters); }
 
@@ -118,7 +118,7 @@ stack_top:
     const auto base = below(4) == 0 ? "s1" : "s0";
     const auto offset = below(500) * 4 + (below(8) == 0 ? below(4) : 0);
     if (below(3) == 0) {
-      // An address from data, sometimes misaligned, and what is loaded used at once.
+      // An address from data, sometimes misaligned; the loaded value is used at once.
       return fmt::format("    andi t0, {}, {}\n    add t0, t0, {}\n    {} {}, {}(t0)\n", source(),
                          below(6) == 0 ? 0x7ff : 0x7fc, base, any(kLoads), any(kRegisters), below(64) * 4);
     }

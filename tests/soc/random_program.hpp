@@ -6,9 +6,9 @@
 
 namespace mebots::soc::test {
 
-/// Assembly text of a program that ends: nested loops over random computing, loads and stores (also misaligned, and in
-/// the small memory), branches, calls, counters, environment calls. The same seed gives the same text. Interrupts are
-/// on, and their handler counts them.
+/// Returns assembly text of a program that ends: nested loops of random arithmetic, loads and stores (also misaligned,
+/// and in the small memory), branches, calls, counters, environment calls. The same seed gives the same text.
+/// Interrupts are on, and their handler counts them.
 std::string random_program(std::uint32_t seed);
 
 }  // namespace mebots::soc::test

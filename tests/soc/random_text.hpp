@@ -9,7 +9,7 @@
 
 namespace mebots::soc::test {
 
-/// What authors of random assembly have in common: chance, and the mnemonics of the standard part.
+/// Common parts of generators of random assembly: random numbers, and the mnemonics of the standard part.
 class RandomText {
  protected:
   explicit RandomText(std::uint32_t seed) : random_(seed) {}

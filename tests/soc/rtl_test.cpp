@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Cycles against those measured on the RTL of CV32E40P and RI5CY (rtl/README.md).
+// Cycles compared with those measured on the RTL of CV32E40P and RI5CY (rtl/README.md).
 #include "machine.hpp"
 
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ std::ostream& operator<<(std::ostream& out, const Measured& value) {
 
 using Table = std::vector<std::pair<std::string, Measured>>;  // in the order of the programs
 
-/// Columns of micro.csv: name, then instructions, cycles and both per repetition for CV32E40P, likewise for RI5CY.
+/// Columns of micro.csv: name; then instructions, cycles and both per repetition for CV32E40P; the same for RI5CY.
 Table reference(CoreKind kind) {
   const auto first = kind == CoreKind::cv32e40p ? 1U : 5U;
   std::ifstream file(MEBOTS_RTL_DIR "/micro.csv");
@@ -47,8 +47,7 @@ Table reference(CoreKind kind) {
   return table;
 }
 
-/// What the micro programs noted about themselves: after a count, 64 bytes each: name, cycles, instructions,
-/// repetitions.
+/// Records of the micro programs: after a count, 64 bytes each: name, cycles, instructions, repetitions.
 Table measured(const Machine& machine) {
   Table table;
   const auto count = machine.word("results");
@@ -65,7 +64,7 @@ Table measured(const Machine& machine) {
   return table;
 }
 
-/// The first programs of the reference, all that the machine has run.
+/// Compares with the first programs of the reference, as many as the machine has run.
 void expect_exact(const Table& found, const Table& expected) {
   ASSERT_LE(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -75,7 +74,7 @@ void expect_exact(const Table& found, const Table& expected) {
 }
 
 TEST(Rtl, StandardMicroProgramsTakeTheCyclesOfCv32e40p) {
-  // The rest of this build is Xpulp in CORE-V encodings, which this platform does not have: it ends in its trap
+  // The rest of this build is Xpulp in CORE-V encodings, which this platform does not have. It ends in its trap
   // handler.
   Machine machine(Elf::read(MEBOTS_RTL_CV32E40P), CoreKind::cv32e40p);
   EXPECT_EQ(machine.run(), Stop::watch);
@@ -84,7 +83,7 @@ TEST(Rtl, StandardMicroProgramsTakeTheCyclesOfCv32e40p) {
   auto found = measured(machine);
   EXPECT_EQ(expected.size(), 149U);
   ASSERT_EQ(found.size(), 139U);
-  constexpr std::size_t kOverwritten = (0x704 - 4) / 64;  // the handler notes mepc where this program's name was
+  constexpr std::size_t kOverwritten = (0x704 - 4) / 64;  // the handler stores mepc over this program's name
   found[kOverwritten].first = expected[kOverwritten].first;
   expect_exact(found, expected);
 }

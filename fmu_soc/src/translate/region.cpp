@@ -25,8 +25,7 @@ void for_successors(const Node& node, Visit visit) {
   if (at->link != 0) visit(at->link);
 }
 
-/// Sets the weights of the nodes from the loops that contain them. A loop is an edge back to a node that leads to the
-/// edge.
+/// Sets the weights of the nodes by loop depth. A loop is an edge to a node from which the edge can be reached.
 class LoopFinder {
  public:
   explicit LoopFinder(Region& region) : region_(region), states_(region.nodes.size(), State::unseen) {

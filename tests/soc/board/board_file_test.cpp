@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What the reader says to a board with these memories and devices; empty when it takes it.
+/// Returns the reader's error for a board with these memories and devices; empty if it accepts the board.
 std::string complaint(std::string_view memories, std::string_view devices, std::string_view more = "") {
   const auto path = std::filesystem::temp_directory_path() / fmt::format("mebots-board-{}.json", getpid());
   std::ofstream(path) << fmt::format(R"({{"name": "b", {} "memories": [{}], "devices": [{}]}})", more, memories,
@@ -48,9 +48,9 @@ TEST(BoardFile, OfTheRepositoryAreGood) {
   }
 }
 
-/// A program for a real GAP8 must not take our devices for its own: neither for one that board gap8 has, nor for one
-/// that it leaves out, whose registers programs write into all the same.
-TEST(BoardFile, DevicesOfOurOwnStandWhereAGap8HasNone) {
+/// A program for a real GAP8 must not access our devices by mistake: neither instead of a device of board gap8, nor
+/// instead of one that board gap8 lacks, because programs write into its registers, too.
+TEST(BoardFile, KeepsOurDevicesAtAddressesThatGap8LeavesFree) {
   const auto board = [](std::string_view path) { return read_board(fmt::format("{}/{}", MEBOTS_SOURCE_DIR, path)); };
   const auto gap8 = board("configs/boards/gap8.json");
   for (const auto* path : {"configs/boards/ai_deck.json", "configs/boards/gap8_bare.json", "examples/rover/board.json",
@@ -59,7 +59,7 @@ TEST(BoardFile, DevicesOfOurOwnStandWhereAGap8HasNone) {
       if (!ours.is_on_bus()) continue;
       for (std::uint32_t offset = 0; offset < ours.size(); offset += 4) {
         EXPECT_FALSE(UnmodelledRegisters::are_at(ours.base + offset))
-            << path << ": " << ours.name << " stands among GAP8's peripherals, " << offset << " bytes behind its base";
+            << path << ": " << ours.name << " is among GAP8's peripherals, " << offset << " bytes after its base";
       }
       for (const auto& theirs : gap8.devices) {
         if (!theirs.is_on_bus()) continue;
@@ -74,7 +74,7 @@ TEST(BoardFile, DevicesOfOurOwnStandWhereAGap8HasNone) {
   }
 }
 
-TEST(BoardFile, TakesOnlyInterruptsThatTheCoreHas) {
+TEST(BoardFile, RefusesInterruptsThatTheCoreLacks) {
   for (const int line : {3, 7, 11, 16, 31}) {
     EXPECT_EQ(complaint(kRam, device(fmt::format("\"interrupt\": {},", line))), "");
   }
@@ -86,14 +86,14 @@ TEST(BoardFile, TakesOnlyInterruptsThatTheCoreHas) {
   EXPECT_THAT(complaint(kRam, device("\"interrupt\": 7.5,")), HasSubstr("whole number"));
 }
 
-TEST(BoardFile, RefusesTwoDevicesOnOneInterruptAndNamesBoth) {
+TEST(BoardFile, NamesBothDevicesThatShareAnInterrupt) {
   const auto left = device("\"interrupt\": 17,", "left", "0x8000");
   EXPECT_THAT(complaint(kRam, left + "," + device("\"interrupt\": 17,", "right", "0x9000")),
               HasSubstr("/devices/1/interrupt: left and right use the same interrupt 17"));
   EXPECT_EQ(complaint(kRam, left + "," + device("\"interrupt\": 18,", "right", "0x9000")), "");
 }
 
-TEST(BoardFile, TakesWhatTheChipLivesOnFromItsInputs) {
+TEST(BoardFile, ReadsTheChipsSupplyFromAnInput) {
   const auto gauge = device(
       R"("variables": [{"name": "pack.voltage", "causality": "input", "unit": "V", "start": 7.4, "text": ""}],)");
   EXPECT_EQ(complaint(kRam, gauge, R"("supply": {"voltage": "pack.voltage", "least": 5},)"), "");
@@ -103,7 +103,7 @@ TEST(BoardFile, TakesWhatTheChipLivesOnFromItsInputs) {
               HasSubstr("/supply/least"));
 }
 
-TEST(BoardFile, TakesLibrariesBesideItOnly) {
+TEST(BoardFile, RefusesLibrariesInOtherFolders) {
   EXPECT_EQ(complaint(kRam, "", R"("libraries": ["wheels.so"],)"), "");
   EXPECT_THAT(complaint(kRam, "", R"("libraries": ["../wheels.so"],)"), HasSubstr("/libraries/0"));
 }
@@ -117,7 +117,7 @@ TEST(BoardFile, NeedsRegistersOfADeviceUnlessItsKindHasThem) {
       HasSubstr("overlaps d"));
 }
 
-TEST(BoardFile, PartsOfTheBoardHaveNoAddress) {
+TEST(BoardFile, RefusesAddressesOfParts) {
   const auto part = [](std::string_view more) {
     return fmt::format(R"({{"name": "p", "supply_voltage": 1.8, "part": {{}} {}}})", more);
   };
@@ -142,7 +142,7 @@ TEST(BoardFile, PartsOfTheBoardHaveNoAddress) {
               HasSubstr("p.power or p.energy"));
 }
 
-TEST(BoardFile, RegulatorsHaveLoadsBeforeThem) {
+TEST(BoardFile, RefusesRegulatorsBeforeTheirLoads) {
   const auto regulator = [&](std::string_view name, std::string_view loads, double efficiency = 1) {
     return fmt::format(R"({{"name": "{}", "regulator": {{"loads": [{}], "efficiency": {}}}}})", name, loads,
                        efficiency);
@@ -174,18 +174,18 @@ TEST(BoardFile, RefusesUnknownAndRepeatedKeysAndNames) {
   EXPECT_THAT(complaint(kRam, "", R"("cluster_cores": 9,)"), HasSubstr("/cluster_cores: 9"));
 }
 
-TEST(BoardFile, RefusesAddressesThatAreNone) {
+TEST(BoardFile, RefusesInvalidAddresses) {
   EXPECT_THAT(complaint(R"({"name": "ram", "base": "0x1001", "size": 4096})", ""), HasSubstr("multiple of 4"));
   EXPECT_THAT(complaint(R"({"name": "ram", "base": "here", "size": 4096})", ""), HasSubstr("32-bit address"));
   EXPECT_THAT(complaint(R"({"name": "ram", "base": "0x1000", "size": 4098})", ""), HasSubstr("/memories/0/size"));
 }
 
-TEST(BoardFile, WantsAVoltageWhereStatesHaveCurrents) {
+TEST(BoardFile, RequiresAVoltageForStatesWithCurrents) {
   EXPECT_THAT(complaint(kRam, device(R"("states": {"on": {"current": 1e-3}},)")),
               HasSubstr("the key 'supply_voltage' is missing"));
 }
 
-TEST(BoardFile, TakesAWayToAMemoryOutsideTheClusterOnly) {
+TEST(BoardFile, AllowsLatenciesOnlyForMemoriesOutsideTheCluster) {
   constexpr auto kWay = R"("way": {"fabric_controller": 8, "cluster": 2, "soc": 17})";
   const auto memory = [&](std::string_view more) {
     return fmt::format(R"({{"name": "ram", "base": "0x1000", "size": 4096, {}}})", more);
@@ -198,7 +198,7 @@ TEST(BoardFile, TakesAWayToAMemoryOutsideTheClusterOnly) {
               HasSubstr("/memories/0/way/fabric_controller"));
 }
 
-TEST(BoardFile, TakesATreeOfTheClustersMemoryOnly) {
+TEST(BoardFile, AllowsAnArbitrationTreeOnlyForTheClustersMemory) {
   const auto memory = [](std::string_view place) {
     return fmt::format(R"({{"name": "ram", "base": "0x1000", "size": 4096, "place": "{}", "arbitration_tree": true}})",
                        place);
@@ -207,7 +207,7 @@ TEST(BoardFile, TakesATreeOfTheClustersMemoryOnly) {
   EXPECT_THAT(complaint(memory("fabric_controller"), ""), HasSubstr("only the cluster's own memory can have it"));
 }
 
-TEST(BoardFile, TakesAQuantumOfTheClustersMemoryOnly) {
+TEST(BoardFile, AllowsAQuantumOnlyForTheClustersMemory) {
   const auto memory = [](std::string_view place, int quantum) {
     return fmt::format(R"({{"name": "ram", "base": "0x1000", "size": 4096, "place": "{}", "quantum": {}}})", place,
                        quantum);
@@ -221,7 +221,7 @@ TEST(BoardFile, TakesAQuantumOfTheClustersMemoryOnly) {
   EXPECT_THAT(complaint(memory("fabric_controller", 64), ""), HasSubstr("only the cluster's own memory can have it"));
 }
 
-TEST(BoardFile, TakesCyclesOfTheSocOfAClustersCacheOnlyWhereTheyCount) {
+TEST(BoardFile, AllowsSocCyclesOnlyForTheClustersCache) {
   const auto caches = [](std::string_view place) {
     return fmt::format(R"("instruction_caches": [{{"place": "{}", "size": 4096, "line": 16, "ways": 4,
                           "refill_cycles": 4, "refill_soc_cycles": 21}}],)",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The skeleton that mebots-boardgen writes of a device, compiled as a library and in a chip: it is a device that lacks
-// only what it does by itself.
+// The skeleton that mebots-boardgen generates for a device, compiled as a library and used in a chip. It only lacks the
+// device's own behaviour.
 #include "board_system.hpp"
 #include "headers.hpp"
 
@@ -13,7 +13,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// The board of the time-of-flight example, whose sensor is not described wholly any more.
+/// The board of the time-of-flight example with a kind of its own for the sensor.
 BoardDescription board_with_kind() {
   auto board = read_board(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
   board.devices.back().kind = "range_finder";
@@ -40,7 +40,7 @@ _start: li s0, 0x1A188000
     j 1b
 )";
 
-TEST(Skeleton, ObeysOpcodesKeepsRegistersAndSpendsItsEnergy) {
+TEST(Skeleton, ImplementsOpcodesRegistersAndEnergy) {
   BoardSystem system(BoardSystem::assembled(kMeasure), with_library(), board_with_kind());
   auto& soc = system.soc;
   soc.advance(10'000'000);
@@ -61,13 +61,13 @@ TEST(Skeleton, ObeysOpcodesKeepsRegistersAndSpendsItsEnergy) {
   EXPECT_EQ(other.soc.power().energy_j(*other.soc.devices().find("range_finder")), soc.power().energy_j(*sensor));
 }
 
-TEST(Skeleton, IsNeededForADeviceThatNothingDescribes) {
+TEST(Skeleton, IsNeededForADeviceWithoutADescription) {
   auto board = board_with_kind();
   board.libraries.clear();
   EXPECT_THROW(BoardSystem(BoardSystem::assembled(kMeasure), with_library(), board), Error);
 }
 
-TEST(KindLibrary, IsRefusedWhenItIsNone) {
+TEST(KindLibrary, IsRefusedIfItIsNotALibraryOfKinds) {
   auto board = board_with_kind();
   const auto complaint = [&] {
     try {
@@ -84,7 +84,7 @@ TEST(KindLibrary, IsRefusedWhenItIsNone) {
   EXPECT_THAT(complaint(), testing::HasSubstr("board.json: cannot be opened as a library of devices"));
 }
 
-TEST(Skeleton, RefusesRegistersAndVariablesThatWouldBeOneMember) {
+TEST(Skeleton, RefusesRegistersAndVariablesThatShareAMember) {
   const auto board = board_with_kind();
   for (const auto& name : {"STATE", "SINCE", "RANGE_FINDER_DISTANCE"}) {
     auto device = board.devices.back();

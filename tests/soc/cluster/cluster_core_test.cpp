@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A core of the cluster without its cluster: turns at shared devices.
+// A cluster core without a cluster: turns at shared devices.
 #include "assembler.hpp"
 #include "cluster/core.hpp"
 
@@ -80,7 +80,7 @@ class LoneClusterCore : public testing::Test, private ClusterBus {
   ClusterCore core{*this, settings_, 0, memory_, code_, soc_port_};
 };
 
-TEST_F(LoneClusterCore, StopsInFrontOfADeviceUntilItHasItsTurn) {
+TEST_F(LoneClusterCore, StopsBeforeADeviceUntilItsTurn) {
   EXPECT_EQ(run(), Stop::turn);
   EXPECT_TRUE(core.waits_for_turn());
   EXPECT_TRUE(accessed.empty());
@@ -91,7 +91,7 @@ TEST_F(LoneClusterCore, StopsInFrontOfADeviceUntilItHasItsTurn) {
   EXPECT_EQ(core.accessed(), tick);
 }
 
-TEST_F(LoneClusterCore, AsksAnewWhereAnInterruptComesBeforeTheAccessThatHadItsTurn) {
+TEST_F(LoneClusterCore, NeedsANewTurnAfterAnInterruptBeforeTheGrantedAccess) {
   ASSERT_EQ(run(), Stop::turn);
   core.set_interrupts(1U << 3, core.tick());
   core.grant_turn();

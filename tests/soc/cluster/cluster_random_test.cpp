@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random programs of fabric controller and cluster, run in every way that must come to the same bits.
+// Random programs of fabric controller and cluster, run in all ways that must give the same bits.
 #include "board_system.hpp"
 #include "hart/observer.hpp"
 #include "random_cluster_program.hpp"
@@ -17,7 +17,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Watches, and does nothing.
+/// An observer without any effect.
 class Onlooker final : public Observer {
  public:
   void retired(const Hart& /*hart*/, const Retired& /*instruction*/) override { ++count_; }
@@ -26,7 +26,7 @@ class Onlooker final : public Observer {
   std::uint64_t count_ = 0;
 };
 
-/// Wants to know of some steps only, so that hot code is translated, and looks whether they come in their order.
+/// An observer that only needs some steps, so that hot code is translated. Checks that they are in order.
 class StepCounter final : public Observer, private FlowMap {
  public:
   const FlowMap* flow() const override { return this; }
@@ -50,8 +50,8 @@ class StepCounter final : public Observer, private FlowMap {
   std::map<const Hart*, Flow> last_;
 };
 
-/// One program four times. Straight on in translated code, interpreted, watched now and then, and restored now and then
-/// from the state of the first, in a fresh system or in one that has run something else.
+/// Runs a program four times: without a break in translated code, interpreted, observed at times, and restored at times
+/// from the state of the first run, in a new system or in one that has run another program.
 class Comparison {
  public:
   explicit Comparison(std::uint32_t seed)
@@ -59,7 +59,7 @@ class Comparison {
     settings_.cluster_cores = below(3) == 0 ? 1 + below(8) : 8;
     for (auto& memory : board_.memories) {
       if (memory.place != Place::cluster) {
-        if (seed % 3 == 1) memory.latency = {.fabric_controller = 3, .cluster = 2, .soc = 17};  // which cores share
+        if (seed % 3 == 1) memory.latency = {.fabric_controller = 3, .cluster = 2, .soc = 17};  // shared by the cores
         continue;
       }
       memory.arbitration_tree = seed % 2 == 0;
@@ -74,7 +74,7 @@ class Comparison {
     settings_.translate = true;
   }
 
-  /// Ends early when the program does: by a trap that comes again for ever.
+  /// Ends early if the program ends with a repeated trap.
   void run(std::int64_t end_ns, unsigned stops) {
     watch(true);
     for (unsigned stop = 0; stop < stops && straight_->soc.running(); ++stop) {
@@ -109,7 +109,7 @@ class Comparison {
     }
   }
 
-  /// To now, in steps of its own.
+  /// Advances to the present time, in steps of its own.
   void go_on(BoardSystem& system) {
     auto time = system.soc.now() / 1000;
     for (auto cuts = below(3) == 0 ? below(20) : 0; cuts-- > 0;) {
@@ -147,8 +147,8 @@ unsigned number_from(const char* variable, unsigned otherwise) {
   return text != nullptr ? static_cast<unsigned>(std::stoul(text)) : otherwise;
 }
 
-/// scripts/random_cluster.sh runs as many as one likes.
-TEST(ClusterRandom, ProgramsKeepTheirBitsInEveryWayToRunThem) {
+/// scripts/random_cluster.sh runs any number of programs.
+TEST(ClusterRandom, ProgramsHaveTheSameBitsInAllRuns) {
   const auto first = number_from("MEBOTS_CLUSTER_FIRST", 1);
   const auto end = first + number_from("MEBOTS_CLUSTER_PROGRAMS", 24);
   std::uint64_t instructions = 0;

@@ -17,9 +17,9 @@
 namespace mebots::soc::test {
 namespace {
 
-constexpr double kClusterHz = 87e6;  // of the settings' start
+constexpr double kClusterHz = 87e6;  // at the start
 
-/// Two runs of one program, at the same time: their states and energies agree at every step up to `end_ns`.
+/// Checks two runs of one program at the same time: their states and energies are equal at every step up to `end_ns`.
 void expect_same_bits(Soc& one, Soc& other, std::int64_t step_ns, std::int64_t end_ns) {
   for (auto t = one.now() / 1000 + step_ns; t < end_ns; t += step_ns) {
     one.advance(t);
@@ -29,8 +29,8 @@ void expect_same_bits(Soc& one, Soc& other, std::int64_t step_ns, std::int64_t e
   }
 }
 
-/// The fabric controller switches the cluster on and sleeps; each core runs `body` with its number in s0, then leaves
-/// the cycles that it took in result(number).
+/// The fabric controller switches the cluster on and sleeps. Each core runs `body` with its number in s0, and stores
+/// its cycles in result(number).
 BoardSystem cores_run(std::string_view body, unsigned cores, bool translate = true,
                       const BoardDescription& board = BoardSystem::without_caches()) {
   Settings settings;
@@ -61,7 +61,7 @@ core: csrr s0, mhartid
                      settings, board);
 }
 
-/// 256 loads that take a cycle each when nobody is in the way.
+/// 256 loads that take a cycle each without conflicts.
 constexpr std::string_view kHammer = ".rept 128\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n";
 
 std::vector<std::uint32_t> cycles_of(std::string_view body, unsigned cores,
@@ -73,8 +73,8 @@ std::vector<std::uint32_t> cycles_of(std::string_view body, unsigned cores,
   return cycles;
 }
 
-/// The store waits for its way to the power manager; the cluster is on when it ends.
-TEST(ClusterEnergy, MayBeAskedInTheMiddleOfTheInstructionThatSwitchesItOn) {
+/// The store waits for the power manager's latency; the cluster is on when it ends.
+TEST(ClusterEnergy, CanBeReadDuringTheInstructionThatSwitchesItOn) {
   auto system = cores_run("", 1);
   double last_j = 0;
   bool was_off = false;
@@ -106,8 +106,8 @@ TEST(ClusterBanks, EightCoresOnOneBankTakeEightTimesAsLong) {
   EXPECT_LE(last, 8 * 256U + 10U);
 }
 
-TEST(ClusterBanks, CoresOnBanksOfTheirOwnDoNotSeeEachOther) {
-  // Neighbouring words lie in neighbouring banks.
+TEST(ClusterBanks, CoresOnSeparateBanksDoNotWait) {
+  // Neighbouring words are in neighbouring banks.
   const auto cycles = cycles_of("slli a0, s0, 2\n add a0, a0, s1\n" + std::string(kHammer), 8);
   for (const auto own : cycles) EXPECT_EQ(own, 256U + 3U);
 }
@@ -122,7 +122,7 @@ BoardDescription with_tree(BoardDescription board) {
   return board;
 }
 
-/// A loop of 16 loads of one word, `turns` times, without any cycle between them.
+/// A loop of 16 loads of one word, `turns` iterations, without any cycle between the loads.
 std::string hammer(unsigned turns) {
   return fmt::format(
       "mv a0, s1\n.balign 4\n.option push\n.option norvc\nli a3, {}\n.insn i 0x7b, 4, x0, a3, 32\n"
@@ -130,8 +130,8 @@ std::string hammer(unsigned turns) {
       turns);
 }
 
-/// What cores take that want one word in every cycle, by the rule of the RTL: the bank counts its grants modulo the
-/// cores, and goes to the core whose number XOR that is the least.
+/// Returns the cycles of cores that load one word in every cycle, by the rule of the RTL: the bank counts its grants
+/// modulo the cores, and serves the core with the least value of number XOR count.
 std::vector<std::uint32_t> cycles_by_tree(unsigned cores, std::uint32_t loads) {
   std::vector<std::uint32_t> left(cores, loads);
   std::vector<std::uint32_t> end(cores, 0);
@@ -146,7 +146,7 @@ std::vector<std::uint32_t> cycles_by_tree(unsigned cores, std::uint32_t loads) {
   return end;
 }
 
-TEST(ClusterBanks, ATreeServesCoresInTurns) {
+TEST(ClusterBanks, ATreeServesCoresInTurn) {
   constexpr unsigned kTurns = 64;
   for (const unsigned cores : {2, 3, 4, 8}) {
     const auto cycles = cycles_of(hammer(kTurns), cores, with_tree(BoardSystem::without_caches()));
@@ -157,8 +157,8 @@ TEST(ClusterBanks, ATreeServesCoresInTurns) {
   }
 }
 
-/// Whoever else sleeps.
-TEST(ClusterBanks, ATreeServesTwoOfEightCoresInTurns) {
+/// Also while the other cores sleep.
+TEST(ClusterBanks, ATreeServesTwoOfEightCoresInTurn) {
   const auto body = "li t0, 2\nblt s0, t0, 4f\n3: wfi\nj 3b\n4:\n" + hammer(64);
   const auto rotating = cycles_of(body, 8, BoardSystem::without_caches());
   const auto by_tree = cycles_of(body, 8, with_tree(BoardSystem::without_caches()));
@@ -175,9 +175,9 @@ BoardDescription with_quantum(std::uint32_t quantum) {
   return board;
 }
 
-/// 256 loads fit into a quantum, so that who is first in it waits for nobody; in short ones it waits every second turn
-/// of the loop.
-TEST(ClusterBanks, AQuantumIsAsLongAsTheBoardHasIt) {
+/// 256 loads fit into a quantum, so the first core of a quantum waits for no other. In short quanta it waits in every
+/// second iteration.
+TEST(ClusterBanks, TheBoardSetsTheLengthOfAQuantum) {
   const auto difference = [](std::uint32_t quantum) {
     const auto cycles = cycles_of(hammer(16), 2, with_quantum(quantum));
     EXPECT_NEAR(std::max(cycles[0], cycles[1]), 512, 8) << quantum;
@@ -188,14 +188,14 @@ TEST(ClusterBanks, AQuantumIsAsLongAsTheBoardHasIt) {
   EXPECT_GE(difference(1024), 240U);
 }
 
-TEST(ClusterCore, WaitsForL2ThatLiesFarAway) {
+TEST(ClusterCore, AddsTheLatencyOfL2) {
   const auto near = cycles_of("li a0, L1_BASE\n.rept 10\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n", 1)[0];
   const auto far = cycles_of("li a0, 0x1C070000\n.rept 10\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n", 1)[0];
   EXPECT_EQ(far, near + 20 * 14) << "14 cycles each: cluster router 2, AXI 12";
 }
 
-/// The fabric controller forks `body` on two cores and sleeps until both are done; the answer is how long it slept and
-/// worked, in nanoseconds of the timer. What the body may use: a0 = argument, s2 = event unit, s3 = DMA, s1 = L1.
+/// The fabric controller forks `body` on two cores, and sleeps until both are done. Returns the time of this in
+/// nanoseconds of the timer. Registers for the body: a0 = argument, s2 = event unit, s3 = DMA, s1 = L1.
 std::uint32_t job_ns(std::string_view body, std::uint32_t argument, std::uint32_t cluster_hz = 87'000'000) {
   Settings settings;
   settings.cluster_clock_hz = cluster_hz;
@@ -250,7 +250,8 @@ job:
 constexpr std::string_view kDelay = "1: addi a0, a0, -1\n bnez a0, 1b\n";
 
 TEST(Fork, TakesAsLongAsItsCoresWork) {
-  // A turn of the delay takes 4 cycles: an addition, and a taken branch of 3. The fabric controller's cycle is 10 ns.
+  // An iteration of the delay takes 4 cycles: an addition, and a taken branch of 3. The fabric controller's cycle is 10
+  // ns.
   const auto longer = job_ns(kDelay, 2000) - job_ns(kDelay, 1000);
   EXPECT_NEAR(longer, 4000 / kClusterHz * 1e9, 10 + 1);
 }
@@ -261,7 +262,7 @@ TEST(Fork, TakesHalfTheTimeAtTwiceTheClock) {
 }
 
 TEST(Barrier, LetsTheFastWaitForTheSlow) {
-  // Core 0 runs 1 turn and waits, core 1 `argument` turns; behind the barrier both run as many again.
+  // Core 0 runs 1 iteration and waits, core 1 `argument` iterations; after the barrier both run as many again.
   constexpr std::string_view kMeet =
       "mv a1, a0\n bnez s0, 1f\n li a0, 1\n1: addi a0, a0, -1\n bnez a0, 1b\n"
       ".insn i 0x03, 6, a2, EVENT_UNIT_BARRIER_WAIT_OFFSET(s2)\n2: addi a1, a1, -1\n bnez a1, 2b\n";
@@ -297,7 +298,7 @@ TEST(Dma, MovesEightBytesACycle) {
 }
 
 TEST(Dma, TakesTwoCyclesForAShortRow) {
-  // 64 rows of 4 bytes: half a beat each, but the latency of 16 over 8 bursts on their way is 2 cycles.
+  // 64 rows of 4 bytes are half a beat each, but the latency of 16 over 8 bursts in flight is 2 cycles.
   const auto longer = job_ns(copy("512", "4"), 0) - job_ns(copy("256", "4"), 0);
   EXPECT_NEAR(longer, 128 / kClusterHz * 1e9, 10 + 1);
 }
@@ -336,8 +337,8 @@ Rivals core_beside_dma(bool copies) {
 }
 
 TEST(Dma, TakesCyclesOfTheBanksFromTheCores) {
-  // Two words a cycle over 16 banks: an eighth of the cycles of each bank. A core that asks for one bank in every cycle
-  // meets the DMA every 8 cycles, and either of them waits a cycle.
+  // Two words per cycle over 16 banks use an eighth of the cycles of each bank. A core that uses one bank in every
+  // cycle conflicts with the DMA every 8 cycles, and one of them waits a cycle.
   const auto alone = core_beside_dma(false);
   const auto beside = core_beside_dma(true);
   EXPECT_EQ(alone.core_cycles, 256U + 2U);
@@ -349,8 +350,8 @@ TEST(Dma, TakesCyclesOfTheBanksFromTheCores) {
   EXPECT_NEAR(static_cast<double>(core_waited + dma_waited), 256.0 / 8, 4) << "a cycle shifts which words meet";
 }
 
-/// Two cores that wait for each other's stores by a loop: what one stores the other one sees a quantum later.
-TEST(Cluster, HandsAWordOnOnceAQuantum) {
+/// Two cores poll for each other's stores: a core sees a store one quantum later.
+TEST(Cluster, SharesStoresOncePerQuantum) {
   constexpr std::uint32_t kTimes = 30;
   const auto body = fmt::format(R"(
     sw zero, 0(s1)
@@ -370,7 +371,7 @@ TEST(Cluster, HandsAWordOnOnceAQuantum) {
   }
 }
 
-/// Who comes first in the cluster's next quantum, out of its state: a core, and whether the DMA is before the cores.
+/// Reads the order of the cluster's next quantum from its state: first core, and whether the DMA is before the cores.
 class Order final : public state::Visitor {
  public:
   explicit Order(Soc& soc) : Visitor(Purpose::save) { soc.visit(*this); }
@@ -398,13 +399,13 @@ std::size_t orders_of(unsigned cores, const BoardDescription& board) {
   return seen.size();
 }
 
-TEST(Dma, MeetsEachFirstCoreOfATreeOnEitherSide) {
+TEST(Dma, IsBeforeAndAfterEachFirstCoreOfATree) {
   const auto board = BoardSystem::without_caches();
   for (const unsigned cores : {2, 3, 8}) EXPECT_EQ(orders_of(cores, with_tree(board)), 2 * cores) << cores;
   EXPECT_EQ(orders_of(8, board), 8U) << "where orders rotate, flights are recorded with a side for each core";
 }
 
-TEST(Cluster, LeavesL1OnlyWhileItIsOn) {
+TEST(Cluster, ConnectsL1OnlyWhileItIsOn) {
   BoardSystem system("_start: li a0, L1_BASE\n lw a1, 0(a0)\n");
   system.soc.advance(1'000'000);
   EXPECT_EQ(system.soc.end(), End::faulted);
@@ -413,7 +414,7 @@ TEST(Cluster, LeavesL1OnlyWhileItIsOn) {
   EXPECT_NE(system.faults[0].find("load from nothing"), std::string::npos) << system.faults[0];
 }
 
-TEST(Cluster, SaysWhichCoreFaulted) {
+TEST(Cluster, ReportsTheFaultedCore) {
   auto system = cores_run("li a1, 2\n bne s0, a1, 1f\n .word 0\n1:\n", 4);
   system.soc.advance(1'000'000);
   EXPECT_EQ(system.soc.end(), End::faulted);
@@ -429,7 +430,7 @@ TEST(Cluster, MoreCoresThanTheBoardHasAreRefused) {
   EXPECT_THROW(BoardSystem("_start: j _start\n", settings), Error);
 }
 
-TEST(Cluster, OfNoCoresIsNone) {
+TEST(Cluster, WithoutCoresDoesNotExist) {
   Settings settings;
   settings.cluster_cores = 0;
   BoardSystem system(R"(
@@ -448,7 +449,7 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_EQ(system.result(0), 1U) << "refused";
 }
 
-/// The runtime's own test on a board: with our devices, and with GAP8's.
+/// The runtime's self-test on boards with our devices and with GAP8's.
 struct RuntimeOn {
   std::string_view board;
   std::string_view program;
@@ -470,7 +471,7 @@ INSTANTIATE_TEST_SUITE_P(Boards, ClusterRuntimeOn,
 constexpr std::int64_t kMiddle = 3'000'000;
 constexpr std::int64_t kEnd = 20'000'000;
 
-TEST_P(ClusterRuntimeOn, ForksMeetsCopiesAndRestarts) {
+TEST_P(ClusterRuntimeOn, ForksSynchronisesCopiesAndRestarts) {
   auto system = selftest();
   system.soc.advance(kEnd);
   EXPECT_EQ(system.soc.end(), End::exited);
@@ -479,7 +480,7 @@ TEST_P(ClusterRuntimeOn, ForksMeetsCopiesAndRestarts) {
   EXPECT_TRUE(system.faults.empty());
 }
 
-TEST_P(ClusterRuntimeOn, ComesToTheSameBitsForEverySplitOfTheTime) {
+TEST_P(ClusterRuntimeOn, GivesTheSameBitsForAllSteps) {
   auto whole = selftest();
   whole.soc.advance(kEnd);
   for (const std::int64_t step : {std::int64_t{777}, std::int64_t{10'000}, std::int64_t{1'999'999}}) {
@@ -491,7 +492,7 @@ TEST_P(ClusterRuntimeOn, ComesToTheSameBitsForEverySplitOfTheTime) {
   }
 }
 
-TEST_P(ClusterRuntimeOn, GoesOnWithTheSameBitsFromAStateInTheMiddleOfAJob) {
+TEST_P(ClusterRuntimeOn, ContinuesWithTheSameBitsFromAStateDuringAJob) {
   auto straight = selftest();
   straight.soc.advance(kMiddle);
   ASSERT_TRUE(straight.soc.cluster()->powered());
@@ -504,8 +505,8 @@ TEST_P(ClusterRuntimeOn, GoesOnWithTheSameBitsFromAStateInTheMiddleOfAJob) {
   EXPECT_TRUE(mebots::test::same_state(other.soc, straight.soc));
 }
 
-/// Eight cores on one bank whose code comes to the same instructions in every way. Into the middle of straight code,
-/// to a jump right behind other code, back from a trap, over the end of a hardware loop that is none any more.
+/// Eight cores on one bank whose code has different blocks in different runs: entered in the middle of straight code,
+/// with a jump directly after other code, after the return from a trap, and over the end of a former hardware loop.
 constexpr std::string_view kMixed = R"(
     mv a0, s1
     la s2, late
@@ -555,8 +556,8 @@ handler: csrr a5, mepc
     mret
 )";
 
-/// A run of `cores` on `board`, saved again and again, goes on from each state with its bits, translated and
-/// interpreted.
+/// Saves a run of `cores` on `board` repeatedly, and continues from each state, translated and interpreted, with the
+/// same bits.
 void expect_same_turns(unsigned cores, const BoardDescription& board) {
   auto straight = cores_run(kMixed, cores, true, board);
   auto interpreted = cores_run(kMixed, cores, false, board);
@@ -574,15 +575,14 @@ void expect_same_turns(unsigned cores, const BoardDescription& board) {
   EXPECT_GT(straight.soc.cluster()->counters().instructions, 10'000U * cores);
 }
 
-TEST(ClusterRuntime, TakesItsTurnsTheSameWithAndWithoutDecodedCode) {
+TEST(ClusterRuntime, HasTheSameOrderWithAndWithoutDecodedCode) {
   expect_same_turns(8, BoardSystem::without_caches());
   for (const unsigned cores : {2, 3, 8}) expect_same_turns(cores, with_tree(BoardSystem::without_caches()));
 }
 
-/// The network on 1, 2, 4 and 8 cores, saved again and again, most of the time in the middle of a layer. What goes on
-/// from the state in another system, which has decoded and translated other code, comes to the bits of the straight
-/// run.
-TEST(ClusterRuntime, GoesOnWithTheSameBitsFromStatesAllOverAnInference) {
+/// Saves the network on 1, 2, 4 and 8 cores repeatedly, mostly in the middle of a layer. A continuation in another
+/// system, which has decoded and translated other code, gives the bits of the straight run.
+TEST(ClusterRuntime, ContinuesWithTheSameBitsFromStatesDuringAnInference) {
   const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/network_bench.elf");
   BoardSystem straight(program);
   constexpr std::int64_t kStep = 1'937'003;
@@ -598,7 +598,7 @@ TEST(ClusterRuntime, GoesOnWithTheSameBitsFromStatesAllOverAnInference) {
   }
 }
 
-/// Eight cores in a loop that one of them, every 997th turn, changes under the others' feet: an instruction, and back.
+/// Eight cores in a loop. In every 997th iteration, one of them changes an instruction, and changes it back.
 constexpr std::string_view kPatching = R"(
     la s2, patched
     lw s3, 0(s2)
@@ -630,7 +630,7 @@ other: addi a3, a3, 3
     .option rvc
 )";
 
-TEST(ClusterRuntime, TranslatedCoresSeeCodeThatOneOfThemChanges) {
+TEST(ClusterRuntime, TranslatedCoresFollowStoresIntoCode) {
   auto translated = cores_run(kPatching, 8);
   auto interpreted = cores_run(kPatching, 8, false);
   expect_same_bits(translated.soc, interpreted.soc, 99'991, 3'000'000);
@@ -641,8 +641,8 @@ TEST(ClusterRuntime, TranslatedCoresSeeCodeThatOneOfThemChanges) {
   EXPECT_TRUE(translated.faults.empty());
 }
 
-/// Blocks of 64 divisions and of loads from L2 go on for thousands of ticks behind a quantum's end, where other cores
-/// ask for banks.
+/// Blocks of 64 divisions and of loads from L2 run for thousands of ticks past the end of a quantum, where other cores
+/// use banks.
 TEST(ClusterRuntime, TranslatedCoresWaitAsInterpretedInTheLongestBlocks) {
   std::string body = "mv a0, s1\nli a1, 0x1C050000\nli a2, 0x7fffffff\nadd a3, s0, s0\nadd a3, a3, s1\nagain:\n";
   for (int i = 0; i < 60; ++i) body += "divu a4, a2, s0\n";
@@ -655,7 +655,7 @@ TEST(ClusterRuntime, TranslatedCoresWaitAsInterpretedInTheLongestBlocks) {
   EXPECT_EQ(translated.soc.cluster()->hart(0).code().is_translated(), translate::can_translate());
 }
 
-/// Somebody who watches every instruction of every hart, and does nothing.
+/// An observer of every instruction of every hart, without any effect.
 class Watcher final : public Observer {
  public:
   explicit Watcher(Soc& soc) {
@@ -668,7 +668,7 @@ class Watcher final : public Observer {
   std::uint64_t retired_ = 0;
 };
 
-/// Both are of the same program, at the same time; only one is watched from now on.
+/// Both systems run the same program at the same time; only one is observed from now on.
 void expect_same_bits_watched(Soc& plain, Soc& watched, std::int64_t step_ns, std::int64_t end_ns) {
   const auto unseen = watched.instructions();
   const Watcher watcher(watched);
@@ -677,7 +677,7 @@ void expect_same_bits_watched(Soc& plain, Soc& watched, std::int64_t step_ns, st
   for (unsigned number = 0; number < watched.harts(); ++number) watched.observe(number, nullptr);
 }
 
-TEST(ClusterRuntime, WatchedKeepsTheBitsOfAnUnwatchedRun) {
+TEST(ClusterRuntime, KeepsItsBitsWithAnObserver) {
   auto plain = cores_run(kMixed, 8);
   auto watched = cores_run(kMixed, 8);
   expect_same_bits_watched(plain.soc, watched.soc, 9'973, 400'000);
@@ -685,7 +685,7 @@ TEST(ClusterRuntime, WatchedKeepsTheBitsOfAnUnwatchedRun) {
 }
 
 /// From the last inferences on four cores to those on eight.
-TEST(ClusterRuntime, WatchedInAnInferenceKeepsItsBits) {
+TEST(ClusterRuntime, KeepsItsBitsWithAnObserverDuringAnInference) {
   const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/network_bench.elf");
   BoardSystem plain(program);
   BoardSystem watched(program);
@@ -716,9 +716,9 @@ std::string works_and(std::string_view end) {
   return fmt::format("li t0, 10000\n3: addi t0, t0, -1\nbnez t0, 3b\n{}\n", end);
 }
 constexpr auto kWork = static_cast<Picoseconds>(39'998 / kClusterHz * kPsPerS);
-constexpr Picoseconds kStart = 10'000 * kPsPerNs;  // more than the controller takes to switch the cluster on
+constexpr Picoseconds kStart = 10'000 * kPsPerNs;  // more time than the controller needs to switch the cluster on
 
-TEST(ClusterAlone, RunTakesAsLongAsTheClusterThoughTheControllerSleeps) {
+TEST(ClusterAlone, RunLastsUntilTheClusterEndsWhileTheControllerSleeps) {
   struct Case {
     std::string_view how;
     std::string_view end;
@@ -770,7 +770,7 @@ TEST(ClusterAlone, RunEndsWithTheCoreThatStopsFirst) {
   EXPECT_GT(both, 4U) << "in one quantum";
 }
 
-TEST(ClusterAlone, RunTakesAsLongAsTheClusterUpToItsLimitOfCycles) {
+TEST(ClusterAlone, RunLastsUntilTheClusterReachesTheLimitOfCycles) {
   auto system = cores_run(works_and(""), 1);
   system.soc.run_cycles(20'000);
   EXPECT_GE(system.soc.now(), static_cast<Picoseconds>(20'000 / kClusterHz * kPsPerS));

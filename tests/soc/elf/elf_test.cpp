@@ -45,7 +45,7 @@ std::vector<std::uint8_t> with_byte(std::size_t at, std::uint8_t value) {
   return bytes;
 }
 
-TEST(Elf, OfAnotherChipsSdkIsKnownByItsHeaders) {
+TEST(Elf, OfAnotherChipsSdkIsRecognisedByItsHeaders) {
   EXPECT_EQ(other_chip_of("\x7f"
                           "ELF /home/somebody/gap_sdk/rtos/pmsis/pmsis_api/include/pmsis/chips/gap9 x"),
             "GAP9");
@@ -75,7 +75,7 @@ std::vector<std::uint8_t> program_with_lines(int version) {
       0x80000000, fmt::format("-gdwarf-{}", version));
 }
 
-TEST(Elf, NamesTheLineOfTheSource) {
+TEST(Elf, ReturnsTheLineOfTheSource) {
   for (const int version : {2, 3, 4, 5}) {
     const auto elf = Elf::parse(program_with_lines(version), "fw.elf");
     EXPECT_EQ(elf.where(0x80000000), "_start (power.c:7)") << version;
@@ -93,11 +93,11 @@ TEST(Elf, WithBrokenLinesHasNone) {
   int without = 0;
   for (int i = 0; i < 3000; ++i) {
     auto bytes = whole;
-    // Behind segments and headers of the program: sections, of which those for lines come first.
+    // After segments and program headers come sections, first those with line numbers.
     for (int k = 0; k < 4; ++k) bytes[0x80 + random() % (bytes.size() - 0x80)] = static_cast<std::uint8_t>(random());
     try {
       if (Elf::parse(bytes, "fw.elf").where(0x80000004).find("power.c:9") == std::string::npos) ++without;
-    } catch (const Error&) {  // refused for something else
+    } catch (const Error&) {  // refused for another reason
     }
   }
   EXPECT_GT(without, 100) << "some of them hit the lines";
@@ -128,12 +128,12 @@ TEST(Elf, TruncatedAtAnyLengthIsAnErrorOrWhole) {
   const auto& whole = program();
   for (std::size_t length = 0; length < whole.size(); ++length) {
     const std::vector<std::uint8_t> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
-    EXPECT_NE(error_of(cut), "no error") << length;  // section headers stand at its end
+    EXPECT_NE(error_of(cut), "no error") << length;  // section headers are at its end
   }
 }
 
 TEST(Elf, WithSegmentsOverEachOtherIsRefused) {
-  // A second program header that repeats the first: GNU ld writes code and data of this program as one segment.
+  // A second program header that repeats the first, because GNU ld writes code and data of this program as one segment.
   auto bytes = program();
   std::uint32_t table = 0;
   std::uint16_t count = 0;
@@ -182,7 +182,7 @@ std::vector<std::uint8_t> with_data_segment(std::uint32_t run, std::uint32_t loa
   return bytes;
 }
 
-TEST(Elf, LoadsAtOneAddressWhatRunsAtAnother) {
+TEST(Elf, SupportsLoadAndRunAddresses) {
   const auto elf = Elf::parse(with_data_segment(0x20000, 0x1010, 16, 64), "fw.elf");
   ASSERT_EQ(elf.segments().size(), 2U);
   EXPECT_EQ(elf.segments()[1].load_address, 0x1010U);
@@ -193,7 +193,7 @@ TEST(Elf, LoadsAtOneAddressWhatRunsAtAnother) {
 }
 
 TEST(Elf, OfASectionWithoutBytesHasNoLoadAddressToOverlap) {
-  EXPECT_EQ(error_of(with_data_segment(0x20000, 0x1008, 0, 4096)), "no error") << "NOLOAD behind data with AT>";
+  EXPECT_EQ(error_of(with_data_segment(0x20000, 0x1008, 0, 4096)), "no error") << "NOLOAD after data with AT>";
   EXPECT_EQ(error_of(with_data_segment(0x20000, 0xfffffff0, 0, 4096)), "no error");
   EXPECT_THAT(error_of(with_data_segment(0xfffffff0, 0x1010, 0, 4096)), HasSubstr("run address 0xfffffff0 passes"));
 }

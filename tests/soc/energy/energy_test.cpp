@@ -19,7 +19,7 @@ constexpr double kRounding = 1e-12;  // relative: sums of doubles
 
 constexpr auto kForEver = "_start: addi a0, a0, 1\nj _start\n";
 
-TEST(EnergyTable, IsLinearBetweenItsPointsAndRefusesWhatLiesOutside) {
+TEST(EnergyTable, InterpolatesLinearlyAndRefusesPointsOutside) {
   const std::string json = R"({"unit": "W", "source": "here", "values": {
       "0": {"1.0": {"any": 1}, "1.2": {"0": 2, "100": 4}}, "50": {"1.0": {"any": 3}, "1.2": {"any": 5}}}})";
   const auto read = [&](std::string_view unit) {
@@ -39,7 +39,7 @@ TEST(EnergyTable, IsLinearBetweenItsPointsAndRefusesWhatLiesOutside) {
 }
 
 TEST(Energy, OfAWorkingCoreIsInstructionsAccessesBackgroundAndLeakage) {
-  // Turns of one load, one store, one addition, one jump.
+  // Iterations of one load, one store, one addition, one jump.
   BoardSystem system(
       BoardSystem::assembled("_start: li s0, 0x1C060000\n1: lw a0, 0(s0)\nsw a1, 4(s0)\naddi a2, a2, 1\nj 1b\n"), {},
       BoardSystem::without_caches());
@@ -62,7 +62,8 @@ TEST(Energy, OfAWorkingCoreIsInstructionsAccessesBackgroundAndLeakage) {
 
 TEST(Energy, OfSiliconGivesTheCurrentsThatItWasCalibratedOn) {
   // A GAPuino at 1.2 V and 250 MHz, in reset and with its cluster off: 1.3 and 9.3 mA of a 1.8 V rail
-  // (bench/silicon/points.json). L2, the fabric controller's memory and its core leak; a sleeping one has its gate.
+  // (bench/silicon/points.json). L2, the fabric controller's memory and its core have leakage; a sleeping core has a
+  // gated clock.
   constexpr double kRailV = 1.8;
   auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
   EXPECT_EQ(board.energy, "gap8_silicon");
@@ -109,7 +110,7 @@ TEST(Energy, OfLeakageDoublesFromRoomTemperatureToFifty) {
   EXPECT_EQ(at_50.soc.energy()[Part::fabric_controller], at_25.soc.energy()[Part::fabric_controller]);
 }
 
-TEST(Energy, ChangesItsPriceWhenTheFirmwareChangesTheVoltage) {
+TEST(Energy, FollowsAChangeOfTheVoltage) {
   BoardSystem system(R"(
 _start: li s0, POWER_MANAGER_BASE
     li a0, 1000
@@ -126,7 +127,7 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_NEAR(spent_j, expected_j, 1e-9 * expected_j) << "difference of two sums";
 }
 
-TEST(Energy, NeverFallsWhereverBetweenTwoInstructionsItIsAskedFor) {
+TEST(Energy, NeverDecreasesBetweenInstructions) {
   BoardSystem system(R"(
 _start: li s0, POWER_MANAGER_BASE
     li a0, 50000000
@@ -145,7 +146,7 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_GT(spent_j, 0);
 }
 
-TEST(Energy, OfTheClusterIsThereOnlyWhileItIsOn) {
+TEST(Energy, OfTheClusterIsZeroWhileItIsOff) {
   BoardSystem system(R"(
 _start: li s0, POWER_MANAGER_BASE
     la a0, core
@@ -161,7 +162,7 @@ _start: li s0, POWER_MANAGER_BASE
 core: wfi
     j core
 )");
-  // 50000 turns of 4 cycles at 100 MHz: 2 ms, and some cycles of the way.
+  // 50000 iterations of 4 cycles at 100 MHz: 2 ms, and some cycles of latency.
   system.soc.advance(5'000'000);
   const auto ledger = system.soc.energy();
   constexpr double kOnS = 2e-3;
@@ -173,7 +174,7 @@ core: wfi
   EXPECT_EQ(system.soc.energy()[Part::cluster_background], ledger[Part::cluster_background]);
 }
 
-/// Counts of one core, at some moment.
+/// Counts of one core at some time.
 void add(Activity& all, unsigned core, const CoreActivity& one) {
   auto& sum = all.of_cores[core];
   sum.instruction_fj += one.instruction_fj;
@@ -187,7 +188,7 @@ void add(Activity& all, unsigned core, const CoreActivity& one) {
   all.far_words += one.far_accesses;
 }
 
-TEST(Energy, OfTheClustersCoresTogetherIsTheLedgersAtAllSettings) {
+TEST(Energy, OfTheClustersCoresAddsUpToTheLedgerAtAllSettings) {
   EnergyMeter meter(gap8().energy, {0, 65536, 2}, {25, 1.2, 100e6, 175e6});
   Activity now;
   add(now, 0, {30'000'000, 1'000, 400, 7});
@@ -196,15 +197,15 @@ TEST(Energy, OfTheClustersCoresTogetherIsTheLedgersAtAllSettings) {
   const auto before_j = meter.core_j(1, now.of_cores[1]);
   add(now, 0, {5'000'000, 170, 30, 2});
   EXPECT_EQ(meter.core_j(1, now.of_cores[1]), before_j) << "it did nothing";
-  // No time has gone by, so that of gated clocks there is only what awake cores do not take.
+  // No time has passed, so gated clocks only contribute the part that awake cores replace.
   const auto ledger = meter.at(now);
   const auto all_j = ledger[Part::cluster_cores] + ledger[Part::l1] + ledger[Part::l2] + ledger[Part::interconnect];
   EXPECT_NEAR(meter.core_j(0, now.of_cores[0]) + before_j, all_j, kRounding * all_j);
   EXPECT_GT(meter.core_j(0, now.of_cores[0]), before_j);
 }
 
-TEST(Retention, SleepsOnTheMemoriesAloneAndTakesItsTimeToWake) {
-  // Asks for retention, sleeps until the timer at 3 ms, and notes when it goes on.
+TEST(Retention, OnlyPowersTheMemoriesAndDelaysTheWakeUp) {
+  // Requests retention, sleeps until the timer at 3 ms, and stores the time of the wake-up.
   BoardSystem system(R"(
 _start: li s0, POWER_MANAGER_BASE
     li s1, TIMER_BASE
@@ -231,7 +232,7 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_NEAR(spent_j, expected_j, 1e-6 * expected_j) << "difference of two sums, and the gated clock of no core";
   system.soc.advance(6'000'000);
   EXPECT_NEAR(system.result(0), 3'000'000 + 1'200'000, 200) << "ns: the timer, and the wake-up of 1.2 ms";
-  EXPECT_EQ(system.result(1), 0U) << "to be asked for again";
+  EXPECT_EQ(system.result(1), 0U) << "must be requested again";
 }
 
 TEST(Retention, IsRefusedWhileTheClusterIsOn) {
@@ -253,7 +254,7 @@ core: wfi
   EXPECT_EQ(system.result(0), 1U);
 }
 
-TEST(Energy, StopsWhenThePowerIsGone) {
+TEST(Energy, StopsWithTheSupply) {
   BoardSystem system("_start: j _start\n");
   system.soc.advance(1'000'000);
   system.soc.power_off();
@@ -267,7 +268,7 @@ TEST(Energy, StopsWhenThePowerIsGone) {
   EXPECT_FALSE(system.soc.running());
 }
 
-TEST(ChipFile, TellsEverythingThatIsWrong) {
+TEST(ChipFile, ReportsAllMistakes) {
   const auto codes_of = [](const std::string& text) {
     std::vector<std::pair<ErrorCode, std::string>> found;
     try {

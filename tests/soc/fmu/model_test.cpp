@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kMs = 1'000'000;
 
-/// A resources folder as the FMU has it: the board and the gate firmware that the build made.
+/// A resources folder as in the FMU: the board and the gate firmware of the build.
 std::filesystem::path resources() {
   static const auto folder = [] {
     const auto path = std::filesystem::temp_directory_path() / fmt::format("mebots-soc-model-{}", getpid());
@@ -34,7 +34,7 @@ std::filesystem::path resources() {
   return folder;
 }
 
-/// The file of a program that lies in L2.
+/// The file of a program in L2.
 std::string program(std::string_view name, std::string_view text) {
   const auto path = resources() / name;
   const auto bytes = assemble_file(text, 0x1C000000);
@@ -43,7 +43,7 @@ std::string program(std::string_view name, std::string_view text) {
   return path.string();
 }
 
-/// Asks for a picture, waits for it, adds up its bytes into the altitude set-point [um], exits with code 9.
+/// Requests a picture, waits for it, adds its bytes into the altitude set-point [um], exits with code 9.
 std::string picture_program() {
   return program("picture.elf", R"(
 #include "board.h"
@@ -103,7 +103,7 @@ TEST(Model, RunsTheGateFirmwareAloneWithInputsAtTheirStartValues) {
   }
 }
 
-TEST(Model, ABareNameIsAProgramInsideTheFmu) {
+TEST(Model, ABareNameSelectsAProgramInsideTheFmu) {
   picture_program();  // writes picture.elf
   Variables variables;
   variables.parameters.firmware = "picture";
@@ -147,7 +147,7 @@ std::filesystem::path resources_with(std::string_view energies) {
   return path;
 }
 
-TEST(Model, SaysBetweenWhichEnergiesTheChecksOfItsFiguresLie) {
+TEST(Model, ReportsTheRangeOfItsEnergyChecks) {
   for (const auto* energies : {"gap8", "gap8_silicon"}) {
     const auto folder = resources_with(energies);
     const auto& checks = chip_of(read_board(folder / "ai_deck.json")).checks;
@@ -189,8 +189,8 @@ TEST(Energies, AreSelectedByNameAndMovedWithinTheirChecks) {
   EXPECT_THROW(joules("gap8", 1.5), Error);
 }
 
-/// Core n of four turns 100 (n + 1) times in a loop, then sleeps.
-TEST(Model, CyclesOfTheClusterAreThoseOfItsCoresEachByItsNumber) {
+/// Core n of four runs 100 (n + 1) iterations of a loop, then sleeps.
+TEST(Model, ReportsTheCyclesOfEachClusterCore) {
   Variables variables;
   variables.parameters.firmware = program("cores.elf", R"(
 #include "board.h"
@@ -240,7 +240,7 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
         answered_at.push_back(static_cast<double>(t + 2 * kMs));
       }
       if (variables.outputs.camera_trigger != variables.inputs.camera_frame_id) {
-        // The world's part: the picture is out a step after the request.
+        // The role of the world: the picture is available a step after the request.
         variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
         if (by_pointer) {
           variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
@@ -256,11 +256,12 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
     EXPECT_FALSE(variables.outputs.core_running);
     EXPECT_FALSE(variables.outputs.core_faulted);
   }
-  // Asked in the first step, out at 2 ms, offered in the step that starts there, + 16.6667 ms: out at 20 ms.
+  // Requested in the first step, visible at 2 ms, provided in the step that starts then, + 16.6667 ms: visible at 20
+  // ms.
   EXPECT_THAT(answered_at, testing::ElementsAre(20e6, 20e6));
 }
 
-TEST(Model, TextThatIsNoBase64IsAnError) {
+TEST(Model, InvalidBase64IsAnError) {
   auto variables = picture_variables();
   Model model(variables, resources(), {});
   model.start(0);
@@ -270,7 +271,7 @@ TEST(Model, TextThatIsNoBase64IsAnError) {
   EXPECT_THROW(model.step(2 * kMs, 2 * kMs), Error);
 }
 
-TEST(Model, LosesPowerUnder2Point5VoltForGood) {
+TEST(Model, SwitchesOffForGoodBelow2Point5Volt) {
   Variables variables;
   std::vector<std::string> faults;
   Model model(variables, resources(), {{}, [&](std::string_view text) { faults.emplace_back(text); }});
@@ -289,7 +290,7 @@ TEST(Model, LosesPowerUnder2Point5VoltForGood) {
   EXPECT_THAT(faults[0], HasSubstr("2.4 V is under 2.5 V"));
 }
 
-TEST(Model, NamesTheParameterWhenTheFirmwareIsNotThere) {
+TEST(Model, NamesTheParameterIfTheFirmwareIsMissing) {
   Variables variables;
   variables.parameters.firmware = "/nowhere/fw.elf";
   try {
@@ -302,7 +303,7 @@ TEST(Model, NamesTheParameterWhenTheFirmwareIsNotThere) {
   }
 }
 
-TEST(Model, InputThatIsNoNumberIsAnError) {
+TEST(Model, NanAsInputIsAnError) {
   Variables variables;
   Model model(variables, resources(), {});
   model.start(0);
@@ -310,7 +311,7 @@ TEST(Model, InputThatIsNoNumberIsAnError) {
   EXPECT_THROW(model.step(0, kMs), Error);
 }
 
-TEST(Model, StepBeyondTheChipsTimeIsAnErrorThatTellsIt) {
+TEST(Model, RefusesAStepBeyondItsLongestTime) {
   Variables variables;
   Model model(variables, resources(), {});
   model.start(0);
@@ -322,7 +323,7 @@ TEST(Model, StepBeyondTheChipsTimeIsAnErrorThatTellsIt) {
   }
 }
 
-/// Flies blind: the gate firmware with one picture again and again.
+/// The gate firmware with one picture repeatedly.
 TEST(Model, TakesNothingFromTheHeapInAStepOnceItsCodeIsTranslated) {
   Variables variables;
   const std::vector<std::uint8_t> picture(320 * 240, 100);
@@ -335,7 +336,7 @@ TEST(Model, TakesNothingFromTheHeapInAStepOnceItsCodeIsTranslated) {
   long before = 0;
   for (std::int64_t step = 0; step < 15'000; ++step) {
     if (step == 10'000) before = mebots::test::allocations();
-    // The drone is off the ground after a second.
+    // The drone has left the ground after a second.
     variables.inputs.flight_phase = step < 500 ? FlightPhase::climbing : FlightPhase::flying;
     variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
     variables.inputs.camera_frame_id = variables.outputs.camera_trigger;

@@ -14,7 +14,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// A handler that notes mcause, mepc and mtval in s2, s3, s4, and goes on after an instruction of 4 bytes.
+/// A handler that stores mcause, mepc and mtval in s2, s3, s4, and continues after an instruction of 4 bytes.
 std::string with_handler(std::string_view body) {
   return fmt::format(R"(
 _start: .option norvc
@@ -39,7 +39,7 @@ struct Expected {
   std::uint32_t value;
 };
 
-TEST(Trap, TellsCauseAddressAndInstructionPrecisely) {
+TEST(Trap, ReportsCauseAddressAndInstruction) {
   const std::vector<Expected> cases{
       {"li a1, 7\nat: ecall\nli a1, 8", cause::kMachineEcall, 0},
       {"li a1, 7\nat: .word 0xffffffff\nli a1, 8", cause::kIllegalInstruction, 0xffffffff},
@@ -56,11 +56,11 @@ TEST(Trap, TellsCauseAddressAndInstructionPrecisely) {
     EXPECT_EQ(machine.reg(18), expected.cause) << expected.body;
     EXPECT_EQ(machine.reg(19), *machine.program().symbol("at")) << expected.body;
     EXPECT_EQ(machine.reg(20), expected.value) << expected.body;
-    EXPECT_EQ(machine.reg(11), 8U) << "went on after it: " << expected.body;
+    EXPECT_EQ(machine.reg(11), 8U) << "continued after it: " << expected.body;
   }
 }
 
-TEST(Trap, OfAFetchFromNothingHasTheTargetAsPc) {
+TEST(Trap, OfAFetchWithoutMemoryHasTheTargetAsPc) {
   Machine machine(fmt::format(R"(
 _start: la t0, handler
     csrw mtvec, t0
@@ -85,7 +85,7 @@ handler: csrr s2, mcause
 TEST(Trap, DoesNotCountTheInstructionAsRetired) {
   Machine machine(with_handler("csrr s5, minstret\necall\ncsrr s6, minstret"));
   ASSERT_EQ(machine.run(), Stop::watch);
-  // First csrr, six of the handler; the ecall itself not.
+  // The first csrr and six instructions of the handler, without the ecall itself.
   EXPECT_EQ(machine.reg(22) - machine.reg(21), 7U);
 }
 
@@ -99,7 +99,7 @@ TEST(Trap, WithoutAHandlerEndsTheCoreWithItsCause) {
   EXPECT_EQ(machine.run(), Stop::fault) << "stays so";
 }
 
-TEST(Trap, InsideItsOwnHandlerForEverEndsTheCore) {
+TEST(Trap, RepeatedInItsOwnHandlerEndsTheCore) {
   Machine machine(
       "_start: la t0, handler\ncsrw mtvec, t0\nli sp, 0x100\nsw a0, 0(sp)\n.balign 4\nhandler: addi sp, sp, -16\n"
       "at: sw a0, 0(sp)\nmret\n");
@@ -109,7 +109,7 @@ TEST(Trap, InsideItsOwnHandlerForEverEndsTheCore) {
   EXPECT_EQ(machine.hart().fault().last.pc, *machine.program().symbol("at"));
 }
 
-TEST(Csr, KeepsItsBitsAndNoOthers) {
+TEST(Csr, KeepsOnlyItsBits) {
   Machine machine(fmt::format(R"(
 _start: li t0, -1
     csrw mstatus, t0
@@ -149,7 +149,7 @@ _start: li t0, -1
   EXPECT_EQ(machine.reg(11), 0U);
 }
 
-TEST(Csr, OfCv32e40pKeepsTheBitsThatItsManualNames) {
+TEST(Csr, OfCv32e40pKeepsTheBitsOfItsManual) {
   Machine machine(fmt::format(R"(
 _start: .option norvc
     csrr s2, mtvec
@@ -193,7 +193,7 @@ end: {}
   EXPECT_EQ(machine.hart().csr_remarks().read_stopped_counter, csr::kMinstret);
 }
 
-/// A handler that leaves without mret, `count` times. `step`: what it does before.
+/// A handler that leaves without mret, `count` times, after executing `step`.
 std::string leaves_without_mret(unsigned count, std::string_view step) {
   return fmt::format(R"(
 _start: la t0, handler
@@ -229,7 +229,7 @@ TEST(Trap, WhoseHandlerLeavesWithoutMretIsNoEndlessLoop) {
   EXPECT_EQ(in_memory.run(), Stop::watch) << "all registers are the same, and memory is not";
 }
 
-TEST(Trap, ThatComesBackWithTheSameStateEndsTheCore) {
+TEST(Trap, RepeatedWithTheSameStateEndsTheCore) {
   Machine machine("_start: la t0, again\ncsrw mtvec, t0\n.balign 4\nagain: li t1, 5\nj at\nnop\nat: lw a0, 0(zero)\n");
   ASSERT_EQ(machine.run(), Stop::fault);
   EXPECT_TRUE(machine.hart().fault().double_trap);
@@ -245,7 +245,7 @@ TEST(Csr, ReadOfAReadOnlyRegisterBySetWithX0IsNoWrite) {
   EXPECT_EQ(machine.reg(11), 4U);
 }
 
-/// From the manuals, written down a second time: numbers that a core has, and which of them an access waits for.
+/// A second transcription of the manuals: numbers of a core's registers, and those with slow accesses.
 struct CsrSet {
   std::vector<std::pair<unsigned, unsigned>> there;  // first and last
   std::vector<std::pair<unsigned, unsigned>> slow;
@@ -271,11 +271,11 @@ CsrSet csrs_of(CoreKind kind) {
   set.there.insert(set.there.end(), {{0x014, 0x014}, {0x780, 0x7a1}, {0x7b0, 0x7b2}, {0x7b4, 0x7b6}, {0xcc0, 0xcc1}});
   set.slow = {{0x300, 0x300}};
   set.after_reset[0x7a1] = set.after_reset[0xcc1] = 3;
-  set.after_reset[0xc10] = 3;  // the privilege, in the place of an event counter
+  set.after_reset[0xc10] = 3;  // the privilege, instead of an event counter
   return set;
 }
 
-TEST(Csr, IsThereReadOnlyAndSlowAsTheManualsHaveIt) {
+TEST(Csr, MatchesTheManualsInPresenceAccessAndCycles) {
   for (const auto kind : {CoreKind::cv32e40p, CoreKind::ri5cy, CoreKind::rv32imc}) {
     const auto expected = csrs_of(kind);
     const Timing timing{kind};
@@ -290,7 +290,7 @@ TEST(Csr, IsThereReadOnlyAndSlowAsTheManualsHaveIt) {
       ASSERT_EQ(timing.csr_cycles(number), CsrSet::contains(expected.slow, number) ? 4U : 1U) << text;
     }
     for (unsigned number = 0; number < 0x1000; ++number) {
-      // PCER and PCMR for user mode have numbers of read-only registers.
+      // PCER and PCMR of user mode have numbers of read-only registers.
       const bool can_be_stored_to = number < 0xc00 || number == 0xcc0 || number == 0xcc1;
       ASSERT_EQ(machine.hart().set_csr(number, 0), expected.has(number) && can_be_stored_to)
           << fmt::format("0x{:03x}", number);
@@ -327,16 +327,16 @@ _start: li t0, 100
 )",
                               kEnd));
   ASSERT_EQ(machine.run(), Stop::watch);
-  EXPECT_EQ(machine.reg(18), 100U) << "a write takes the place of its own increment";
+  EXPECT_EQ(machine.reg(18), 100U) << "a write replaces its own increment";
   EXPECT_EQ(machine.reg(19), machine.reg(20)) << "stands still";
   EXPECT_EQ(machine.reg(21), machine.reg(22));
-  EXPECT_EQ(machine.reg(23), machine.reg(19) + 1) << "goes on where it stood, with the write that let it go";
+  EXPECT_EQ(machine.reg(23), machine.reg(19) + 1) << "continues at its value, from the write that enabled it";
   EXPECT_EQ(machine.reg(24), 0U);
   EXPECT_EQ(machine.reg(25), machine.reg(23) + 2);
 }
 
-TEST(Code, ThatIsWrittenOverRunsAsWritten) {
-  // The loop body changes from "addi a0, a0, 1" to "addi a0, a0, 16" after its first turn.
+TEST(Code, RunsAsWrittenAfterAStore) {
+  // The loop body changes from "addi a0, a0, 1" to "addi a0, a0, 16" after its first iteration.
   Machine machine(fmt::format(R"(
 _start: .option norvc
     la s0, body
@@ -354,7 +354,7 @@ body: addi a0, a0, 1
   EXPECT_EQ(machine.reg(10), 1U + 16 + 16);
 }
 
-TEST(Code, ThatChangesItsOwnNextInstructionRunsAsWritten) {
+TEST(Code, RunsAsWrittenAfterAStoreIntoTheNextInstruction) {
   Machine machine(fmt::format(
       "_start: .option norvc\nla s0, next\nli s1, 0x01050513\nsw s1, 0(s0)\nnext: addi a0, a0, 1\n{}", kEnd));
   ASSERT_EQ(machine.run(), Stop::watch);
@@ -371,7 +371,7 @@ TEST(Code, LargerThanTheBlockCacheRuns) {
   EXPECT_EQ(machine.reg(10), 160000U);
 }
 
-/// 1500 functions with a skip, an if with else, and a loop, all called in turn `turns` times: 25,501 instructions.
+/// 1500 functions with a branch, an if with else, and a loop, all called `turns` times: 25,501 instructions.
 std::string branchy_program(int turns) {
   return fmt::format(R"(
 _start: .option norvc
@@ -407,7 +407,7 @@ done: {})",
                      turns, kEnd);
 }
 
-TEST(Code, IsDecodedAndTranslatedAtMostTwiceHoweverItBranches) {
+TEST(Code, IsDecodedAndTranslatedAtMostTwice) {
   Machine machine(branchy_program(300));
   ASSERT_EQ(machine.run(1'000'000'000), Stop::watch);
   constexpr std::uint64_t kInstructions = 1500 * (14 + 1) + 10;
@@ -418,8 +418,8 @@ TEST(Code, IsDecodedAndTranslatedAtMostTwiceHoweverItBranches) {
   }
 }
 
-TEST(Code, ThatIsStoredOverLeavesOtherCodeDecoded) {
-  // 200 functions run often, and one is changed every time.
+TEST(Code, StaysDecodedWhenOtherCodeChanges) {
+  // 200 functions run often, and one is changed each time.
   Machine machine(fmt::format(R"(
 _start: .option norvc
     li s0, 500
@@ -473,7 +473,7 @@ TEST(Run, EndsAtTheStoreIntoTohost) {
   EXPECT_EQ(machine.reg(10), 3U) << "nothing later is executed";
 }
 
-/// Runs a program at once and in pieces, of which the small ones let most of its instructions run alone.
+/// Runs a program at once and in pieces. In small pieces, most instructions run alone.
 void expect_the_same_in_pieces(const Elf& program, CoreKind kind) {
   Machine straight(program, kind);
   ASSERT_EQ(straight.run(), Stop::watch);
@@ -490,9 +490,9 @@ void expect_the_same_in_pieces(const Elf& program, CoreKind kind) {
   }
 }
 
-TEST(Run, CountsTheSameHoweverItIsSplit) {
-  // Loads, dependent jumps, branches, divisions, misaligned accesses, calls: all that has a delay. A jump behind a
-  // misaligned load hides cycles behind it, also where the limit lies between the two.
+TEST(Run, CountsTheSameForAllSplits) {
+  // Loads, dependent jumps, branches, divisions, misaligned accesses, calls: everything with a delay. A jump after a
+  // misaligned load overlaps with it, also if the limit is between the two.
   const auto program = assemble(fmt::format(R"(
 _start: la s0, data
     li s1, 40
@@ -536,9 +536,9 @@ data: .word 77, 0, 0, 0, 0, 0
   for (const auto kind : {CoreKind::cv32e40p, CoreKind::ri5cy}) expect_the_same_in_pieces(program, kind);
 }
 
-TEST(Run, InPiecesSeesCodeThatIsStoredOverAndALoopThatEndsElsewhere) {
-  // Eight turns through the same instructions. Every other one stores an instruction over `patch`; from the fourth on a
-  // hardware loop ends at `last`.
+TEST(Run, InPiecesFollowsChangedCodeAndLoopEnds) {
+  // Eight iterations of the same instructions. Every second one stores an instruction over `patch`; from the fourth on,
+  // a hardware loop ends at `last`.
   const auto program = assemble(fmt::format(R"(
 _start: .option norvc
     la s0, patch
@@ -576,7 +576,7 @@ words: addi a4, a4, 16
   expect_the_same_in_pieces(program, CoreKind::ri5cy);
 }
 
-TEST(Run, WhatTheLimitCutIsForgottenWhenCodeOrPipelineChange) {
+TEST(Run, DropsTheCutBlockWhenCodeOrPipelineChange) {
   constexpr std::string_view kProgram = R"(
 _start: .option norvc
     la s0, _start
@@ -598,8 +598,8 @@ _start: .option norvc
 
   for (const bool moved : {false, true}) {
     Machine machine(kProgram);
-    EXPECT_EQ(machine.run(5), Stop::limit) << "behind the load";
-    if (moved) machine.hart().set_pc(machine.hart().pc());  // a debugger's: the load is long over
+    EXPECT_EQ(machine.run(5), Stop::limit) << "after the load";
+    if (moved) machine.hart().set_pc(machine.hart().pc());  // as by a debugger: the load has ended long before
     EXPECT_EQ(machine.run(6), Stop::limit);
     EXPECT_EQ(machine.hart().counters().cycles, moved ? 6U : 7U);
   }

@@ -11,7 +11,7 @@ namespace {
 constexpr unsigned kTimer = 7;
 constexpr unsigned kExternal = 11;
 
-/// Counts in a0; a handler notes mcause in s2 and mepc in s3, masks all and returns.
+/// Counts in a0; a handler stores mcause in s2 and mepc in s3, masks all interrupts and returns.
 std::string counting(unsigned mode, std::string_view enable) {
   return fmt::format(R"(
 _start: .option norvc
@@ -46,7 +46,7 @@ TEST(Interrupt, IsTakenAtTheNextInstructionAndReturnsThere) {
   EXPECT_EQ(machine.reg(18), cause::kInterrupt | kTimer);
   EXPECT_EQ(machine.reg(19), pc);
   EXPECT_EQ(machine.reg(20), 1U);
-  EXPECT_GT(machine.reg(10), before) << "goes on counting";
+  EXPECT_GT(machine.reg(10), before) << "continues to count";
 }
 
 TEST(Interrupt, WaitsUntilItIsEnabled) {
@@ -68,7 +68,7 @@ TEST(Interrupt, OfTheHighestPriorityComesFirst) {
   EXPECT_EQ(machine.reg(18), cause::kInterrupt | kExternal);
 }
 
-TEST(Interrupt, InVectoredModeGoesToItsOwnEntry) {
+TEST(Interrupt, InVectoredModeEntersItsOwnVector) {
   const auto program = assemble(fmt::format(R"(
 _start: .option norvc
     la t0, vectors

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Cycles per class, each stated from the table in hart/timing.hpp and README.md, not from what the model gives.
+// Cycles per class, each from the table in hart/timing.hpp and README.md, not from the model's result.
 #include "machine.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ struct Case {
   double cycles;     // of one repetition
 };
 
-/// Cycles from one read of mcycle to the next, less the first read's own.
+/// Returns the cycles from one read of mcycle to the next, minus those of the first read.
 double cycles_of(const std::string& body, CoreKind kind) {
   const auto program = fmt::format(R"(
 _start: .option norvc
@@ -113,8 +113,8 @@ const std::vector<Case> kBoth{
     {"return from a load two before", "jal f_load_gap", 2 + 1 + 1 + 1 + 3},
     {"return from a multiplication just before", "jal f_mul", 2 + 1 + 3},
     {"return hidden behind mulh", "jal f_mulh", 2 + 5 + 1},
-    {"jump hidden behind a division", "div t0, t4, t3\njal zero, 1f\nnop\n1:", 4 + 1},
-    {"jump hidden behind a misaligned load", "lw t0, 34(a0)\njal zero, 1f\nnop\n1:", 2 + 1},
+    {"jump that overlaps with a division", "div t0, t4, t3\njal zero, 1f\nnop\n1:", 4 + 1},
+    {"jump that overlaps with a misaligned load", "lw t0, 34(a0)\njal zero, 1f\nnop\n1:", 2 + 1},
     {"compressed", ".option rvc\nc.addi t0, 1\nc.addi t0, 1\n.option norvc", 2},
     {"mstatus", "csrr t0, mstatus", 4},
     {"mhartid", "csrr t0, mhartid", 1},

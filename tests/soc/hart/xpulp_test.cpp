@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Xpulp v2 by examples: values worked out by hand from the RI5CY user manual, and what hardware loops have to cope
-// with. The words come from Debian's assembler by way of .insn, with the numbers of the manual's tables.
+// Xpulp v2 by examples: values calculated by hand from the RI5CY user manual, and special cases of hardware loops. The
+// words come from Debian's assembler through .insn, with the numbers of the manual's tables.
 #include "hart/observer.hpp"
 #include "machine.hpp"
 #include "mebots/state/save.hpp"
@@ -83,7 +83,7 @@ void expect_examples(const std::vector<Example>& examples) {
   }
 }
 
-TEST(Xpulp, GeneralAluDoesWhatTheManualSays) {
+TEST(Xpulp, GeneralAluComputesAsInTheManual) {
   expect_examples({
       {"alu 0x02, 0, a0, a1, x0", 0xfffffffb, 0, 0, 5},           // p.abs
       {"alu 0x02, 2, a0, a1, a2", 0xffffffff, 0xffffffff, 0, 1},  // p.slet
@@ -109,7 +109,7 @@ TEST(Xpulp, GeneralAluDoesWhatTheManualSays) {
   });
 }
 
-TEST(Xpulp, BitManipulationDoesWhatTheManualSays) {
+TEST(Xpulp, BitManipulationComputesAsInTheManual) {
   expect_examples({
       {"alu 0x60 + 7, 0, a0, a1, x4", 0x00000f80, 0, 0, 0xfffffff8},           // p.extract 8 bits from 4
       {"alu 0x60 + 7, 1, a0, a1, x4", 0x00000f80, 0, 0, 0x000000f8},           // p.extractu
@@ -127,7 +127,7 @@ TEST(Xpulp, BitManipulationDoesWhatTheManualSays) {
   });
 }
 
-TEST(Xpulp, NormalisedArithmeticDoesWhatTheManualSays) {
+TEST(Xpulp, NormalisedArithmeticComputesAsInTheManual) {
   expect_examples({
       {".insn r 0x5b, 2, 0x00 + 1, a0, a1, a2", 5, 2, 0, 3},                             // p.addN
       {".insn r 0x5b, 6, 0x00 + 1, a0, a1, a2", 5, 2, 0, 4},                             // p.addRN
@@ -145,7 +145,7 @@ TEST(Xpulp, NormalisedArithmeticDoesWhatTheManualSays) {
   });
 }
 
-TEST(Xpulp, SimdDoesWhatTheManualSays) {
+TEST(Xpulp, SimdComputesAsInTheManual) {
   expect_examples({
       {"simd 0x00, 0, a0, a1, a2", 0x7fff0001, 0x00010002, 0, 0x80000003},           // pv.add.h
       {"simd 0x00, 5, a0, a1, a2", 0x01020304, 0x99999910, 0, 0x11121314},           // pv.add.sc.b
@@ -158,7 +158,7 @@ TEST(Xpulp, SimdDoesWhatTheManualSays) {
       {"simd 0x24, 4, a0, a1, a2", 0x8000ff00, 4, 0, 0xf800fff0},                    // pv.sra.sc.h
       {"simd 0x28, 1, a0, a1, a2", 0x01020304, 0x01020304, 0, 0x02081840},           // pv.sll.b
       {"simd 0x38, 1, a0, a1, x0", 0x80ff7f01, 0, 0, 0x80017f01},                    // pv.abs.b
-      {"simd 0x38, 1, a0, a1, a2", 0x80ff7f01, 7, 0, 0x80017f01},                    // its rs2 says nothing
+      {"simd 0x38, 1, a0, a1, a2", 0x80ff7f01, 7, 0, 0x80017f01},                    // rs2 has no effect
       {"simd 0x3c, 7, a0, a1, x1", 0x12845678, 0, 0, 0xffffff84},                    // pv.extract.b part 2
       {"simd 0x49, 6, a0, a1, x0", 0x92345678, 0, 0, 0x00009234},                    // pv.extractu.h part 1
       {"simd 0x58, 7, a0, a1, x1", 0x123456ab, 0, 0x11111111, 0x11ab1111},           // pv.insert.b part 2
@@ -216,9 +216,9 @@ room: .word 0, 0, 0, 0
   EXPECT_EQ(machine.reg(18), 0x818283f4U);
 }
 
-/// Whoever watches each instruction has it decoded for itself, with what the pipeline holds; else it stands in a block.
-TEST(Xpulp, JumpBehindALoadAcrossTwoWordsTakesAsLongWatchedAsNot) {
-  // t4 points to the place to which the jump leads; p.lw a3, 0(t4!) writes it, too.
+/// An observed instruction is decoded alone for the present pipeline; otherwise it is in a block.
+TEST(Xpulp, JumpAfterAMisalignedLoadTakesTheSameTimeWithAnObserver) {
+  // t4 points to the jump's target; p.lw a3, 0(t4!) writes it, too.
   constexpr std::string_view kLoads[] = {".insn i 0x0b, 2, a3, t4, 0", "lw a3, 0(t4)", "lw ra, 0(t4)"};
   constexpr std::string_view kJumps[] = {"jalr ra, 0(t4)", "jalr ra, 0(t5)", "jalr a3, 0(t5)", "j there",
                                          "jal a3, there"};
@@ -282,7 +282,7 @@ TEST(Xpulp, ImmediateBranchesCompareWithASignedNumber) {
   EXPECT_EQ(machine.reg(10), 4U);
 }
 
-TEST(Xpulp, OnACoreWithoutItIsAnIllegalInstruction) {
+TEST(Xpulp, IsIllegalOnACoreWithoutIt) {
   for (const char* instruction : {"simd 0x5c, 1, a0, a1, a2", "lp_counti 0, 4", ".insn i 0x0b, 2, a2, a1, 4",
                                   "alu 0x02, 6, a0, a1, a2", "csrr a0, 0x7b0", "csrr a0, 0x780"}) {
     Machine machine(program(instruction), CoreKind::cv32e40p);
@@ -307,7 +307,7 @@ TEST(HardwareLoop, OfOneInstructionWorks) {
   EXPECT_EQ(machine.reg(10), 300U);
 }
 
-TEST(HardwareLoop, TurnsCostNoCycles) {
+TEST(HardwareLoop, IterationsCostNoCycles) {
   const auto cycles = [](unsigned count) {
     auto machine =
         finished(fmt::format("lp_setupi 0, {}, 12\naddi a0, a0, 1\nadd a1, a1, a0\nxor a2, a1, a0\n", count));
@@ -385,8 +385,8 @@ last:
   EXPECT_EQ(machine.reg(8), 6U);
 }
 
-TEST(HardwareLoop, EndThatMovesIntoDecodedCodeIsSeen) {
-  // The function is decoded straight first, then run as a loop's body with two different ends.
+TEST(HardwareLoop, EndMayMoveIntoDecodedCode) {
+  // The function is first decoded straight, then run as a loop's body with two different ends.
   auto machine = finished(R"(
     call f
     la t0, body
@@ -416,8 +416,8 @@ done:
   EXPECT_EQ(machine.reg(12), 1U + 1U + 10U);
 }
 
-TEST(HardwareLoop, GoesOnBehindAStoreThatLeavesItsBlock) {
-  // The last instruction stores into a word of the code's, which takes the slow way out.
+TEST(HardwareLoop, ContinuesAfterAStoreThatLeavesItsBlock) {
+  // The last instruction stores into a word of code, which takes the slow path.
   auto machine = finished(R"(
     la a1, room
     li a2, 5
@@ -475,7 +475,7 @@ handler:
 go:
 )";
 
-TEST(HardwareLoop, GoesOnAfterAnInterruptAtAnyOfItsInstructions) {
+TEST(HardwareLoop, ContinuesAfterAnInterruptAtAnyInstruction) {
   const auto elf = assembled(fmt::format("{}{}", kInterrupted, kNested));
   Machine reference(elf, CoreKind::ri5cy);
   ASSERT_EQ(reference.run(), Stop::watch);
@@ -505,9 +505,9 @@ TEST(HardwareLoop, CountsTheSameWhenItIsStoppedAtEveryCycle) {
   EXPECT_EQ(pieces.reg(11), 35U);
 }
 
-/// What a jump behind a loop's end takes depends on the last instructions of the body. Decoded for itself, at each
-/// cycle, it knows them; in a block and in translated code somebody must.
-TEST(HardwareLoop, JumpRightBehindItTakesAsLongInEveryWayToRunIt) {
+/// The cycles of a jump after a loop's end depend on the last instructions of the body. An instruction decoded alone
+/// uses the pipeline; blocks and translated code must give the same cycles.
+TEST(HardwareLoop, JumpDirectlyAfterItTakesTheSameTimeInAllRuns) {
   constexpr std::string_view kLoops[] = {"lp_setupi 0, 3, 16\n nop\n", "lp_setupi 1, 2, 16\n lp_setupi 0, 2, 8\n"};
   constexpr std::string_view kBefore[] = {"nop", "lw t4, 0(s2)", "lw ra, 0(s2)"};
   constexpr std::string_view kLast[] = {
@@ -529,7 +529,7 @@ TEST(HardwareLoop, JumpRightBehindItTakesAsLongInEveryWayToRunIt) {
     for (const auto before : kBefore) {
       for (const auto last : kLast) {
         for (const auto jump : kJumps) {
-          // In every other turn a jump leads to the last instruction of the body, which ends no loop then.
+          // In every second iteration, a jump leads to the last instruction of the body, which then ends no loop.
           const auto elf = assembled(fmt::format(R"(
     la s2, data
     addi s3, s2, 10
@@ -564,7 +564,7 @@ data: .space 32
   }
 }
 
-TEST(HardwareLoop, GoesOnFromAStateSavedInsideIt) {
+TEST(HardwareLoop, ContinuesFromAStateSavedInsideIt) {
   const auto elf = assembled(kNested);
   Machine whole(elf, CoreKind::ri5cy);
   ASSERT_EQ(whole.run(), Stop::watch);
@@ -580,7 +580,7 @@ TEST(HardwareLoop, GoesOnFromAStateSavedInsideIt) {
   }
 }
 
-TEST(EventCounter, CountsWhenItIsEnabledAndNotItsOwnRead) {
+TEST(EventCounter, CountsWhileEnabledWithoutItsOwnRead) {
   auto machine = finished(R"(
     csrr a0, 0x780
     csrwi 0x7a0, 3
@@ -596,8 +596,8 @@ TEST(EventCounter, CountsWhenItIsEnabledAndNotItsOwnRead) {
   )");
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(10), 0U);
-  EXPECT_EQ(machine.reg(12), machine.reg(11));       // a read takes the place of its own count
-  EXPECT_EQ(machine.reg(13), machine.reg(12) + 0U);  // and the switch-off of its own
+  EXPECT_EQ(machine.reg(12), machine.reg(11));       // a read replaces its own count
+  EXPECT_EQ(machine.reg(13), machine.reg(12) + 0U);  // and the switch-off its own
   EXPECT_EQ(machine.reg(14), machine.reg(11));
 }
 

@@ -20,7 +20,7 @@ std::string full_name(const Encoding& row) {
   return std::string(row.name);
 }
 
-TEST(EncodingTable, HasNoTwoRowsForOneWordOf32Bits) {
+TEST(EncodingTable, HasOneRowPer32BitWord) {
   const auto table = encodings();
   for (std::size_t i = 0; i < table.size(); ++i) {
     EXPECT_EQ(table[i].match & ~table[i].mask, 0U) << table[i].name << ": match has bits outside its mask";
@@ -28,7 +28,7 @@ TEST(EncodingTable, HasNoTwoRowsForOneWordOf32Bits) {
       if (is_compressed(table[i].format) || is_compressed(table[j].format)) continue;
       const auto common = table[i].mask & table[j].mask;
       if ((table[i].match & common) != (table[j].match & common)) continue;
-      // One may be a special case of the other, with operands that the other one calls reserved.
+      // One row may be a special case of another, with operands that are reserved in the other.
       const bool special =
           table[i].mask != common ? is_reserved(table[j], table[i].match) : is_reserved(table[i], table[j].match);
       EXPECT_TRUE(special) << full_name(table[i]) << " overlaps " << full_name(table[j]);
@@ -36,7 +36,7 @@ TEST(EncodingTable, HasNoTwoRowsForOneWordOf32Bits) {
   }
 }
 
-TEST(EncodingTable, HasNoTwoRowsForOneCompressedWord) {
+TEST(EncodingTable, HasOneRowPerCompressedWord) {
   for (std::uint32_t word = 0; word < 0x10000; ++word) {
     if (!is_compressed(word)) continue;
     int rows = 0;
@@ -47,7 +47,7 @@ TEST(EncodingTable, HasNoTwoRowsForOneCompressedWord) {
   }
 }
 
-/// Every word of 32 bits with random operands belongs to one row at most, and decoding finds it.
+/// Every 32-bit word with random operands belongs to at most one row, and decoding finds that row.
 TEST(EncodingTable, IsDecodedRowByRow) {
   std::mt19937 random(2);  // NOLINT: the same words each time
   for (const auto& row : encodings()) {
@@ -119,11 +119,11 @@ TEST(Disassembly, OfEveryCompressedWordIsThatOfBinutils) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto decoded = decode(words[i]);
     auto line = lines[i];
-    // Not in RV32IMC: floating point, and what binutils gives a name without there being an instruction.
-    // Shifts by 32 and more are for 64 bits; binutils shows them here too.
+    // Not in RV32IMC: floating point, and names of binutils without an instruction. Shifts by 32 and more are for 64
+    // bits; binutils prints them here, too.
     const bool long_shift =
         line.starts_with("c.s") && line.find(",0x") != std::string::npos && (words[i] & 0x1000U) != 0;
-    // Reserved by the manual (table 16.6), though binutils gives it a text.
+    // Reserved by the manual (table 16.6), although binutils prints a text.
     const bool reserved = line == "c.addi16sp\tsp,0";
     const bool illegal =
         line.starts_with("c.f") || line.starts_with(".2byte") || line.starts_with("c.unimp") || long_shift || reserved;

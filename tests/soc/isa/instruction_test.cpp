@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What each instruction computes, against a second formulation: bit by bit, or in arithmetic wider than 64 bits.
-// The programs come from Debian's assembler, so that a wrong encoding shows as well.
+// Results of each instruction, compared with a second formulation: bit by bit, or in arithmetic wider than 64 bits. The
+// programs come from Debian's assembler, so that a wrong encoding is found, too.
 #include "machine.hpp"
 
 #include <fmt/format.h>
@@ -114,7 +114,7 @@ std::vector<Operation> register_operations() {
   };
 }
 
-/// Runs "body" once for each pair of operands in a0 and a1; it leaves its result in a2.
+/// Runs "body" once for each pair of operands in a0 and a1; its result is in a2.
 void expect_for_all_pairs(const std::string& name, const std::string& body, const Rule& rule) {
   std::string program = "_start: la s0, results\nla s1, operands\n";
   program += fmt::format(
@@ -136,7 +136,7 @@ void expect_for_all_pairs(const std::string& name, const std::string& body, cons
   }
 }
 
-TEST(Instruction, OnTwoRegistersComputesWhatTheManualSays) {
+TEST(Instruction, OnTwoRegistersComputesAsInTheManual) {
   for (const auto& operation : register_operations()) {
     expect_for_all_pairs(operation.name, ".option norvc\n" + operation.name + " a2, a0, a1\n.option rvc",
                          operation.rule);
@@ -173,7 +173,7 @@ TEST(Instruction, WithAnImmediateComputesLikeItsRegisterForm) {
   }
 }
 
-TEST(Instruction, BranchesGoWhereTheirRelationHolds) {
+TEST(Instruction, BranchesAreTakenIfTheirRelationHolds) {
   const auto relation = [](bool with_sign, int sign, bool inverted) {
     return [=](std::uint32_t a, std::uint32_t b) {
       const auto difference = value_of(a, with_sign) - value_of(b, with_sign);
@@ -189,7 +189,7 @@ TEST(Instruction, BranchesGoWhereTheirRelationHolds) {
   }
 }
 
-TEST(Instruction, LoadsExtendAsTheirNameSays) {
+TEST(Instruction, LoadsExtendByTheirName) {
   Machine machine(fmt::format(R"(
 _start: la s0, data
     lb a0, 1(s0)
@@ -287,7 +287,7 @@ stack: .space 64
   EXPECT_EQ(machine.reg(20), 10U);
 }
 
-TEST(Instruction, RegisterZeroTakesNothing) {
+TEST(Instruction, RegisterZeroStaysZero) {
   Machine machine(
       fmt::format("_start: .option norvc\nli a0, 5\nadd zero, a0, a0\nlui zero, 1\nlw zero, 0(sp)\n"
                   "jal zero, 2f\n2: mv a1, zero\n{}",

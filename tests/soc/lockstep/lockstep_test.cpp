@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Random programs on the platform and on QEMU's RISC-V virt machine, whose RAM is a file. The registers that a program
-// noted every few instructions, its traps and its data have to be the same. MEBOTS_LOCKSTEP_INSTRUCTIONS says how many
-// random instructions; scripts/lockstep.sh asks for many.
+// Random programs on the platform and on QEMU's RISC-V virt machine, whose RAM is a file. Registers stored by the
+// program every few instructions, traps and data must be equal. MEBOTS_LOCKSTEP_INSTRUCTIONS is the number of random
+// instructions; scripts/lockstep.sh runs many.
 #include "program.hpp"
 
 #include "runs/hart.hpp"
@@ -67,7 +67,8 @@ std::vector<std::uint8_t> image_of(const LockstepProgram& program) {
   return ram;
 }
 
-/// The RAM after QEMU ran it. It starts at the RAM's first word and ends by the machine's test device.
+/// Returns the RAM after QEMU has run it. Execution starts at the RAM's first word and ends with the machine's test
+/// device.
 std::vector<std::uint8_t> run_on_qemu(const std::vector<std::uint8_t>& ram, const std::filesystem::path& path) {
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(ram.data()), static_cast<std::streamsize>(ram.size()));
@@ -90,7 +91,7 @@ std::uint32_t word_at(const std::uint8_t* bytes) {
   return value;
 }
 
-/// Where the logs part, in words: what was noted before it, and the difference.
+/// Returns a text about the first difference of the logs: the record before it, and the difference.
 std::string first_difference(const std::uint8_t* ours, const std::uint8_t* theirs, std::uint32_t bytes) {
   for (std::uint32_t at = 0; at < bytes; at += 4) {
     if (word_at(ours + at) == word_at(theirs + at)) continue;
@@ -107,7 +108,7 @@ TEST(Lockstep, RandomProgramsDoTheSameOnQemu) {
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("mebots-lockstep-{}", getpid());
   std::filesystem::create_directories(folder);
   constexpr std::uint32_t kTurns = 60;
-  constexpr std::uint64_t kNotingInstructions = 37;  // that write a record; fewer for a trap
+  constexpr std::uint64_t kNotingInstructions = 37;  // instructions that write a record; fewer for a trap
   const auto wanted = wanted_instructions();
   std::uint64_t compared = 0;
   std::uint64_t executed = 0;

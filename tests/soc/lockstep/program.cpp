@@ -10,7 +10,7 @@
 namespace mebots::soc::test {
 namespace {
 
-// Registers with a task: random instructions only read them.
+// Registers with a fixed purpose: random instructions only read them.
 constexpr std::uint32_t kSp = 2;       // into the data, any alignment
 constexpr std::uint32_t kCounter = 5;  // of a loop
 constexpr std::uint32_t kNowhere = 7;  // an address without memory
@@ -122,7 +122,7 @@ class Maker {
     return index == kSp || index == kCounter || index == kNowhere || index == kPointer || index == kOtherPointer;
   }
 
-  /// One turn: all registers from the table, the random code, and round again.
+  /// One iteration: all registers from the table, the random code, and the next iteration.
   void start(std::uint32_t turns) {
     emit(0);  // becomes a jump over the handler
     emit(0);
@@ -136,7 +136,7 @@ class Maker {
     load_address(5, Layout::kLog);
     emit(csr(1, 0, kMscratch, 5));
     turn_at_ = here();
-    // x31 = start of this turn's registers, and count the turn
+    // x31 = start of this iteration's registers; counts the iteration
     load_address(30, Layout::kControl);
     emit(lw(31, 0, 30));
     emit(addi(29, 31, 1));
@@ -164,7 +164,7 @@ class Maker {
     emit(sw(5, 16, kSp));
     emit(csr(2, 5, kMepc, 0));
     emit(sw(5, 20, kSp));
-    // Over the instruction, of 2 or 4 bytes.
+    // Skips the instruction, of 2 or 4 bytes.
     emit(i_type(0x03, 5, 6, 5, 0));
     emit(i_type(0x13, 7, 6, 6, 3));
     emit(addi(6, 6, static_cast<std::uint32_t>(-3)));
@@ -201,10 +201,10 @@ class Maker {
   }
 
   void finish() {
-    // Round again; a jump reaches further than a branch.
+    // Next iteration; a jump reaches farther than a branch.
     emit(jal(0, turn_at_ - here()));
-    overwrite(leave_at_, branch(4, 31, 28, 8));                // blt turn, turns: over the next
-    overwrite(leave_at_ + 4, jal(0, here() - leave_at_ - 4));  // or here
+    overwrite(leave_at_, branch(4, 31, 28, 8));                // blt turn, turns: skips the next instruction
+    overwrite(leave_at_ + 4, jal(0, here() - leave_at_ - 4));  // end of the program
     load_address(5, Layout::kTohost);
     emit(addi(6, 0, 1));
     emit(sw(6, 0, 5));
@@ -214,7 +214,7 @@ class Maker {
     emit(jal(0, 0));
   }
 
-  /// Called functions: some instructions, and back.
+  /// Functions: some instructions, and a return.
   void functions() {
     for (const auto at : calls_) {
       while (here() % 2 != 0) code_.push_back(0);
@@ -244,14 +244,14 @@ class Maker {
       const bool access = is_load(row.op) || is_store(row.op);
       if (access && decoded.rs1 != kSp && decoded.rs1 != kPointer && decoded.rs1 != kOtherPointer) {
         if (is_compressed(row.format)) continue;
-        // Once in a while an access fault; aligned, because who is at fault in a misaligned one is a matter of taste.
+        // Sometimes an access fault; aligned, because the fault address of a misaligned access may differ.
         const bool faults = below(16) == 0;
         value = (value & ~(31U << 15)) | (faults ? kNowhere : kPointer + below(2)) << 15;
         if (faults) value &= is_store(row.op) ? 0xfffff07fU : 0xff0fffffU;
         decoded = decode(value, Extension::standard);
       }
       const bool writes = !is_store(row.op);
-      // c.addi16sp may move the stack pointer a little.
+      // c.addi16sp may move the stack pointer slightly.
       const bool moves_sp = row.format == Format::c_addi16sp && below(8) == 0;
       if (writes && has_task(decoded.rd) && !moves_sp) continue;
       if (in_function_ && writes && decoded.rd == 1) continue;
@@ -323,7 +323,7 @@ class Maker {
     count(1);
   }
 
-  /// Backwards, a few times.
+  /// A backward branch, taken a few times.
   void loop() {
     emit(addi(kCounter, 0, 1 + below(4)));
     const auto body = here();
@@ -343,7 +343,7 @@ class Maker {
   }
 
   void csr_access() {
-    // Not mstatus: behind an mret QEMU says user mode, which neither machine has. The handler notes it.
+    // Not mstatus: after an mret QEMU reports user mode, which neither machine has. The handler stores it.
     constexpr std::array<std::uint32_t, 3> kReadOnly{kMtvec, kMisa, kMhartid};
     constexpr std::array<std::uint32_t, 3> kMissing{0x5c0, 0x180, 0x7c5};
     auto rd = below(32);

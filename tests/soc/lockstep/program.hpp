@@ -4,15 +4,15 @@
 #include <cstdint>
 #include <vector>
 
-/// Random RV32IMC_Zicsr programs that note all registers every few instructions, and each trap, into a log in RAM.
+/// Random RV32IMC_Zicsr programs that store all registers every few instructions, and each trap, in a log in RAM.
 namespace mebots::soc::test {
 
 struct Layout {
   static constexpr std::uint32_t kCode = 0x80000000;
-  static constexpr std::uint32_t kData = 0x80200000;  // what loads and stores reach
+  static constexpr std::uint32_t kData = 0x80200000;  // target of loads and stores
   static constexpr std::uint32_t kDataBytes = 0x10000;
-  static constexpr std::uint32_t kStarts = 0x80300000;   // registers at the start of each turn
-  static constexpr std::uint32_t kControl = 0x803ff000;  // turns done; tohost
+  static constexpr std::uint32_t kStarts = 0x80300000;   // registers at the start of each iteration
+  static constexpr std::uint32_t kControl = 0x803ff000;  // completed iterations; tohost
   static constexpr std::uint32_t kTohost = kControl + 64;
   static constexpr std::uint32_t kLog = 0x80400000;
   static constexpr std::uint32_t kLogEnd = 0x80d00000;
@@ -26,7 +26,7 @@ struct LockstepProgram {
   std::vector<std::uint8_t> starts;  // at Layout::kStarts
 };
 
-/// A program of about `length` random instructions that are run `turns` times from other registers.
+/// Returns a program of about `length` random instructions that run `turns` times with other registers.
 LockstepProgram make_lockstep_program(std::uint64_t seed, std::size_t length, std::uint32_t turns);
 
 }  // namespace mebots::soc::test

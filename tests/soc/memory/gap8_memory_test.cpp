@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// GAP8's memories as its cores see them: latencies of L2, banks of L1, test and set.
+// GAP8's memories for its cores: latencies of L2, banks of L1, test and set.
 #include "gap8_system.hpp"
 #include "support/same_state.hpp"
 
@@ -25,7 +25,7 @@ struct Factors {
   std::uint32_t cluster;
 };
 
-/// Switches the cluster on; the cores that `who` names load 256 words of L2, each of them, and sleep.
+/// Switches the cluster on; each of the cores in `who` loads 256 words of L2, and sleeps.
 std::string cores_that_load_from_l2(std::uint32_t who, const Factors& factors) {
   const auto clocks = fmt::format(R"(
     li s0, FLL_BASE
@@ -65,12 +65,12 @@ std::uint64_t cycles_of_core(std::uint32_t who, const Factors& factors, unsigned
   return system.soc.hart(1 + core).counters().cycles;
 }
 
-/// An addition and a taken branch, and the load itself, beside what it waits.
+/// An addition, a taken branch, and the load itself, in addition to its wait.
 constexpr std::uint64_t kLoads = 256;
 constexpr std::uint64_t kLoopCycles = 5;
 
-TEST(Gap8Cluster, CountsTheWayToL2InTheClocksOfClusterAndSoc) {
-  // Beginning, end, and the refills of the instruction cache, which wait as long as loads.
+TEST(Gap8Cluster, CountsTheLatencyOfL2InTheClocksOfClusterAndSoc) {
+  // Start, end, and the refills of the instruction cache, which wait as long as loads.
   const auto around = [](double way) { return 20 + 10 * way; };
   const auto expect_way = [&](const Factors& factors, std::uint64_t way) {
     EXPECT_NEAR(static_cast<double>(cycles_of_core(1, factors, 0)), static_cast<double>(kLoads * (kLoopCycles + way)),
@@ -84,8 +84,8 @@ TEST(Gap8Cluster, CountsTheWayToL2InTheClocksOfClusterAndSoc) {
 }
 
 TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
-  // A cycle of the SoC is 8 of the cluster, which each access takes for itself. With the way as it is eight accesses
-  // fit behind each other while one is on its way.
+  // A cycle of the SoC is 8 cycles of the cluster, in which an access occupies the port. With this latency, eight
+  // accesses fit into the time of one.
   const Factors factors{600, 4800};
   EXPECT_LT(cycles_of_core(0xff, factors, 7), cycles_of_core(1, factors, 0) * 5 / 4);
   auto board = Gap8System::gap8();
@@ -96,8 +96,8 @@ TEST(Gap8Cluster, LetsOneCoreAtATimeThroughToL2) {
   EXPECT_GE(cycles_of_core(0xff, factors, 7, board), kLoads * 8 * 8 * 9 / 10) << "eight loads take 64 cycles";
 }
 
-/// Straight code that accesses L2 until no table of banks reaches as far, and then L1, where others are.
-TEST(Gap8Cluster, TranslatedCodeWaitsForL2HoweverLong) {
+/// Straight code that accesses L2 until the end of the table of banks, and then L1, which others use.
+TEST(Gap8Cluster, TranslatedCodeSupportsAnyWaitForL2) {
   struct Mix {
     unsigned far;
     unsigned near;
@@ -223,7 +223,7 @@ TEST(Gap8Cluster, LocksByTestAndSetAndStoresBytesIntoDevicesOfTheSoc) {
   EXPECT_EQ(system.console, std::vector<std::string>{"ok"});
 }
 
-/// Eight cores load one word of L1 256 times each, which they see at `address`; cycles of the slowest.
+/// Eight cores load one word of L1, at `address`, 256 times each. Returns the cycles of the slowest core.
 std::uint64_t cycles_of_one_bank(std::string_view address) {
   const auto loads = fmt::format(R"(
     .option norvc          # the code is as long with either address
@@ -248,9 +248,9 @@ fault: j fault
   return longest;
 }
 
-TEST(Gap8Cluster, WaitsForABankOfL1ByItsAliasAsByItsAddress) {
+TEST(Gap8Cluster, WaitsForABankOfL1AlsoAtItsAlias) {
   constexpr std::uint64_t kOneWordACycle = 8U * 256;
-  // Cores come to the end of a quantum at other instructions, so that they take the bank in another order.
+  // Cores reach the end of a quantum at other instructions, so the order at the bank differs.
   constexpr std::uint64_t kMost = kOneWordACycle * 11 / 10;
   for (const auto* address : {"L1_BASE + 0x1100", "0x1100"}) {
     const auto cycles = cycles_of_one_bank(address);

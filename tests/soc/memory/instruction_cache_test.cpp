@@ -10,7 +10,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// 64 sets of 4 ways with lines of 16 bytes, as GAP8.
+/// 64 sets of 4 ways with lines of 16 bytes, as in GAP8.
 constexpr InstructionCacheSettings kGap8{4096, 16, 4, 9};
 
 TEST(InstructionCache, MissesOnceAndThenHits) {
@@ -20,15 +20,15 @@ TEST(InstructionCache, MissesOnceAndThenHits) {
   EXPECT_EQ(cache.refills(), 1U);
 }
 
-TEST(InstructionCache, ALineOnItsWayForAnotherCoreIsWaitedForButNotFetchedAgain) {
+TEST(InstructionCache, ACoreWaitsForALineThatAnotherCoreFetches) {
   InstructionCache cache(kGap8, InstructionCache::Users::several);
   cache.fetch(5, 100);
   EXPECT_EQ(cache.fetch(5, 103), 6U);
-  EXPECT_EQ(cache.fetch(5, 50), 9U) << "who is behind in time waits no longer than had it asked itself";
+  EXPECT_EQ(cache.fetch(5, 50), 9U) << "an earlier core waits no longer than for a refill of its own";
   EXPECT_EQ(cache.refills(), 1U);
 }
 
-TEST(InstructionCache, ALineHasArrivedForAllWhenNobodyAsksForAnEarlierTick) {
+TEST(InstructionCache, ALineHasArrivedForAllWhenAllCoresArePastItsArrival) {
   Memory memory;
   memory.add("ram", 0, 4096);
   InstructionCache cache(kGap8, InstructionCache::Users::several);
@@ -45,7 +45,7 @@ TEST(InstructionCache, ALineHasArrivedForAllWhenNobodyAsksForAnEarlierTick) {
   EXPECT_TRUE(arrived(5));
   EXPECT_FALSE(arrived(6));
   EXPECT_TRUE(cache.holds(6));
-  // Who is alone has waited for it; who joins has not.
+  // The only user has waited for the line; a core that joins has not.
   cache.settle(200);
   cache.set_alone(true);
   cache.fetch(7, 200);
@@ -59,7 +59,7 @@ TEST(InstructionCache, ALineHasArrivedForAllWhenNobodyAsksForAnEarlierTick) {
   EXPECT_FALSE(arrived(5) || arrived(6) || arrived(7));
 }
 
-TEST(InstructionCache, WhoHasItAloneHasWaitedForEachLineThatIsHere) {
+TEST(InstructionCache, TheOnlyUserHasWaitedForEachPresentLine) {
   InstructionCache cache(kGap8);
   EXPECT_FALSE(cache.is_shared());
   EXPECT_EQ(cache.fetch(5, 100), 9U);
@@ -68,9 +68,9 @@ TEST(InstructionCache, WhoHasItAloneHasWaitedForEachLineThatIsHere) {
   EXPECT_EQ(cache.refills(), 1U);
 }
 
-TEST(InstructionCache, ARefillTakesTheWayOfTheShiftRegister) {
-  // 8 bits, shifted to the left; the new bit 0 is set while an even number of bits 7, 3, 2, 1 is. From 0 it becomes
-  // 1, 3, 6, 0xd, 0x1b: bits 2 and 1 are 0, 1, 3, 2, 1. So the fifth line takes the place of the second.
+TEST(InstructionCache, TheShiftRegisterSelectsTheWayOfARefill) {
+  // 8 bits, shifted to the left; the new bit 0 is set if an even number of bits 7, 3, 2, 1 is set. From 0 the values
+  // are 1, 3, 6, 0xd, 0x1b: bits 2 and 1 are 0, 1, 3, 2, 1. So the fifth line replaces the second.
   InstructionCache cache({64, 16, 4, 9});
   for (std::uint32_t line = 1; line <= 4; ++line) {
     cache.fetch(line, 0);
@@ -81,11 +81,11 @@ TEST(InstructionCache, ARefillTakesTheWayOfTheShiftRegister) {
   EXPECT_TRUE(cache.holds(1) && cache.holds(3) && cache.holds(4) && cache.holds(5));
 }
 
-TEST(InstructionCache, TakesWaysThatHoldNothingFirstWhereTheBoardSaysSo) {
+TEST(InstructionCache, PrefersInvalidWaysIfTheBoardSaysSo) {
   InstructionCache cache({64, 16, 4, 9, 0, true}, InstructionCache::Users::several);
   for (std::uint32_t line = 1; line <= 4; ++line) cache.fetch(line, 0);
   for (std::uint32_t line = 1; line <= 4; ++line) EXPECT_TRUE(cache.holds(line)) << line;
-  EXPECT_EQ(cache.state().shift_register, 0U) << "not asked yet";
+  EXPECT_EQ(cache.state().shift_register, 0U) << "no refill yet";
   cache.fetch(5, 0);  // bits 2 and 1 of 1
   EXPECT_FALSE(cache.holds(1));
   EXPECT_TRUE(cache.holds(5));
@@ -94,14 +94,14 @@ TEST(InstructionCache, TakesWaysThatHoldNothingFirstWhereTheBoardSaysSo) {
   for (std::uint32_t line = 11; line <= 14; ++line) EXPECT_TRUE(cache.holds(line)) << line;
 }
 
-TEST(InstructionCache, HoldsNothingAfterAFlush) {
+TEST(InstructionCache, IsEmptyAfterAFlush) {
   InstructionCache cache(kGap8);
   for (std::uint32_t line = 0; line < 256; ++line) cache.fetch(line, 0);
   cache.flush();
   for (std::uint32_t line = 0; line < 256; ++line) EXPECT_FALSE(cache.holds(line));
 }
 
-/// 64 instructions of 4 bytes: 16 lines, run through `turns` times.
+/// 64 instructions of 4 bytes: 16 lines, executed `turns` times.
 std::string straight_code(int turns, std::string_view end_of_turn = "") {
   return fmt::format(R"(
     .option norvc
@@ -135,7 +135,7 @@ TEST(Fetch, CostsARefillForEveryLineTheFirstTime) {
     free_of_waits.run();
     std::uint64_t refills = 0;
     const auto counters = counters_of(program, &refills);
-    // li and j in one line, 16 lines of the loop, its nop among them, and the 4 words of the end in one.
+    // li and j are in one line, the loop with its nop in 16 lines, and the 4 words of the end in one.
     EXPECT_EQ(refills, 1U + 16U + 1U);
     EXPECT_EQ(counters.fetch_cycles, 9 * refills);
     EXPECT_EQ(counters.cycles, free_of_waits.hart().counters().cycles + counters.fetch_cycles);
@@ -148,11 +148,11 @@ TEST(Fetch, FenceOfInstructionsEmptiesTheCache) {
   std::uint64_t with = 0;
   counters_of(assemble(straight_code(10, "nop")), &without);
   counters_of(assemble(straight_code(10, "fence.i")), &with);
-  // Every turn brings its 16 lines again: the line of the fence is fetched in front of it and again behind it.
+  // Every iteration fetches its 16 lines again. The line of the fence is fetched before and after it.
   EXPECT_EQ(with, without + 10 * 1 + 9 * 15);
 }
 
-TEST(Fetch, OfALoopThatDoesNotFitMissesInEveryTurn) {
+TEST(Fetch, OfALoopThatDoesNotFitMissesInEveryIteration) {
   // 8 KiB of straight code through 4 KiB.
   const auto program = assemble(R"(
     .option norvc
@@ -173,7 +173,7 @@ _start: li s0, 50
   EXPECT_LT(refills, 50U * 513U);
 }
 
-/// Branches over cold code, calls, device-free loads and stores, 32-bit instructions across lines.
+/// Branches over cold code, calls, loads and stores to memory, 32-bit instructions across lines.
 constexpr std::string_view kWanderer = R"(
 _start: li s0, 30
     la s1, data
@@ -200,7 +200,7 @@ far_away: lw a4, 0(s1)
 3:
 )";
 
-TEST(Fetch, ARunCutAnywhereMakesTheSameRefillsInTheSameCycles) {
+TEST(Fetch, HasTheSameRefillsInTheSameCyclesForAllLimits) {
   const auto program = assemble(std::string(kWanderer) + std::string(kEnd) + ".data\n.balign 64\ndata: .zero 64\n");
   for (const std::uint32_t bytes : {64U, 256U, 4096U}) {
     const MachineSettings settings{.instruction_cache = {bytes, 16, 2, 9}};
@@ -217,7 +217,7 @@ TEST(Fetch, ARunCutAnywhereMakesTheSameRefillsInTheSameCycles) {
 }
 
 TEST(Fetch, CoresOfAClusterFetchSharedCodeOnce) {
-  // All eight run the same cold code in step: one asks for a line, the others wait for it to arrive.
+  // All eight cores run the same cold code in step: one fetches a line, the others wait for its arrival.
   constexpr std::string_view kText = R"(
 _start: li s0, POWER_MANAGER_BASE
     la a0, core
@@ -239,17 +239,17 @@ core: .rept 400
   const auto& cluster = *system.soc.cluster();
   ASSERT_NE(cluster.instruction_cache(), nullptr);
   const auto refills = cluster.instruction_cache()->refills();
-  EXPECT_EQ(refills, 101U) << "400 words, and the word behind them";
+  EXPECT_EQ(refills, 101U) << "400 words, and the word after them";
   for (unsigned core = 0; core < cluster.cores(); ++core) {
     const auto& counters = cluster.hart(core).counters();
-    // Nobody gets a line for nothing, and nobody waits longer than for a refill of its own.
+    // No core gets a line without a wait, and none waits longer than for a refill of its own.
     EXPECT_GT(counters.fetch_cycles, 101U * 20U / 2) << core;
     EXPECT_LE(counters.fetch_cycles, 101U * 20U) << core;
   }
 }
 
 TEST(Fetch, RefillsAreAccessesToL2) {
-  // 200 turns through 16 lines: with a flush in each turn, its refills are all that L2 has more to do.
+  // 200 iterations of 16 lines: with a flush in each, the refills are the only additional accesses to L2.
   const auto l2_energy = [](std::string_view end_of_turn) {
     BoardSystem system(fmt::format(R"(
     .option norvc

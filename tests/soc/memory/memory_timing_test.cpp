@@ -7,15 +7,15 @@
 namespace mebots::soc::test {
 namespace {
 
-TEST(Banks, FirstComesFirstAndTheSecondWaitsACycle) {
+TEST(Banks, DelayTheSecondClaimByACycle) {
   Banks banks(16);
   EXPECT_EQ(banks.claim(5, 0x10000000), 0U);
-  EXPECT_EQ(banks.claim(5, 0x10000040), 1U);  // 16 words on: the same bank
+  EXPECT_EQ(banks.claim(5, 0x10000040), 1U);  // 16 words later: the same bank
   EXPECT_EQ(banks.claim(5, 0x10000004), 0U);
-  EXPECT_EQ(banks.claim(6, 0x10000000), 1U);  // 6 is taken by the one that waited
+  EXPECT_EQ(banks.claim(6, 0x10000000), 1U);  // 6 is claimed by the access that waited
 }
 
-TEST(Banks, KeepWhatWasTakenWhenTheWindowMoves) {
+TEST(Banks, KeepClaimsWhenTheWindowMoves) {
   Banks banks(16);
   for (std::uint64_t tick = 0; tick < 100; ++tick) EXPECT_EQ(banks.claim(tick, 0), 0U);
   banks.move_to(40);
@@ -34,7 +34,7 @@ TEST(Banks, ServeALongQueueOneByOne) {
   EXPECT_EQ(banks.claim(1200, 4), 0U);
 }
 
-TEST(Banks, KeepWhatWasTakenWhenTheTableStartsOver) {
+TEST(Banks, KeepClaimsWhenTheTableStartsOver) {
   Banks banks(16);
   std::uint64_t start = 0;
   while (!banks.must_start_over(start)) banks.move_to(++start);
@@ -55,7 +55,7 @@ TEST(Banks, AreFreeAfterALongSleep) {
   for (std::uint64_t tick = 0; tick < 2000; ++tick) EXPECT_EQ(banks.claim(1'000'000'000 + tick, 0), 0U) << tick;
 }
 
-TEST(Banks, StateIsTheSameWhereverTheTableBegan) {
+TEST(Banks, StateDoesNotDependOnTheStartOfTheTable) {
   Banks early(16);
   Banks late(16);
   early.move_to(5000);
@@ -98,14 +98,14 @@ TEST(MemoryPort, MisalignedAccessWaitsTwice) {
   EXPECT_EQ(cycles_with(7, nullptr, kBody), cycles_with(0, nullptr, kBody) + 7 * (2 + 2 + 1));
 }
 
-TEST(MemoryPort, BanksThatNobodyElseUsesCostNothing) {
+TEST(MemoryPort, BanksWithoutOtherUsersCostNothing) {
   Banks banks;
   BankSchedule schedule(banks);
   EXPECT_EQ(cycles_with(0, &schedule), cycles_with(0, nullptr));
 }
 
 TEST(MemoryPort, LimitStopsAtTheSameInstructionWithWaits) {
-  // Wherever a run is cut, the instructions that started before the limit are those of a run in one go.
+  // For any limit, the instructions that started before it are those of a run without a limit.
   const auto program = assemble(std::string(kTwentyWords) + std::string(kEnd) + ".data\n.balign 64\ndata: .zero 64\n");
   for (std::uint64_t limit = 1; limit < 120; ++limit) {
     Machine cut(program);
@@ -120,7 +120,7 @@ TEST(MemoryPort, LimitStopsAtTheSameInstructionWithWaits) {
   }
 }
 
-TEST(MemoryPort, WhatIsNotConnectedIsNotThere) {
+TEST(MemoryPort, AnUnconnectedMemoryIsNotAccessible) {
   Machine machine("li a0, 0x70000000\n lw a1, 0(a0)\n" + std::string(kEnd));
   const MemoryPort port{0, 0, nullptr};
   machine.hart().connect({&port, 1});
@@ -128,7 +128,7 @@ TEST(MemoryPort, WhatIsNotConnectedIsNotThere) {
   EXPECT_EQ(machine.hart().fault().last.value, 0x70000000U);
 }
 
-TEST(CodeGeneration, StoreOfOneCoreIsSeenByAnotherThatDecodedTheSameCode) {
+TEST(CodeGeneration, AStoreInvalidatesTheCodeThatAnotherCoreDecoded) {
   Machine machine(R"(
     li a0, 0
 again:

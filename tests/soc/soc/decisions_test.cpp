@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long a program takes from a picture to set-points, and where that time goes.
+// The time of a program from a picture to set-points, and its parts.
 #include "board_system.hpp"
 #include "support/same_state.hpp"
 
@@ -38,7 +38,7 @@ TEST(Decisions, DivideTheTimeFromTheRequestToTheSetPoints) {
   Decisions decisions("flight");
   decisions.picture_stored(picture(10, 12, 15, 30), work(100, 200));
   decisions.sent("flight", 50 * kPsPerMs, work(111, 203));
-  EXPECT_EQ(decisions.count(), 0U) << "nobody sees it yet";
+  EXPECT_EQ(decisions.count(), 0U) << "not published yet";
   decisions.published(52 * kPsPerMs);
   ASSERT_EQ(decisions.count(), 1U);
   const auto& last = decisions.last();
@@ -53,7 +53,7 @@ TEST(Decisions, DivideTheTimeFromTheRequestToTheSetPoints) {
   EXPECT_EQ(sum_of_parts(last), last.latency);
 }
 
-TEST(Decisions, OfAPictureThatCameDuringAnotherOneBeginWithItsWait) {
+TEST(Decisions, OfAPictureThatArrivesDuringAnotherOneBeginWithItsWait) {
   Decisions decisions("flight");
   decisions.picture_stored(picture(0, 0, 0, 10), work(0, 0));
   decisions.picture_stored(picture(12, 12, 12, 25), work(15, 0));
@@ -85,7 +85,7 @@ TEST(Decisions, NeedAPictureAndTheBoardsSender) {
   EXPECT_EQ(none.count(), 0U);
 }
 
-TEST(Decisions, RefuseTimesThatAreNotInTheirOrder) {
+TEST(Decisions, RefuseTimesOutOfOrder) {
   for (const auto& times : {picture(2, 1, 3, 4), picture(1, 3, 2, 4), picture(1, 2, 4, 3)}) {
     for (const auto* sender : {"flight", ""}) {
       Decisions decisions(sender);
@@ -97,8 +97,8 @@ TEST(Decisions, RefuseTimesThatAreNotInTheirOrder) {
   }
 }
 
-/// Asks for a picture and sleeps until it is there; 20,000 turns of the fabric controller's loop, then 40,000 of two
-/// cores of the cluster while it sleeps; sends.
+/// Requests a picture and sleeps until it arrives; 20,000 iterations of the fabric controller, then 40,000 of two cores
+/// of the cluster while it sleeps; then it sends.
 constexpr std::string_view kDecides = R"(
 _start: li s0, CAMERA_BASE
     li s2, FLIGHT_BASE
@@ -143,7 +143,7 @@ core: li s4, EVENT_UNIT_BASE
     j 5b
 )";
 
-/// Runs to `end_ms` with pictures that come at the first step after their request.
+/// Runs to `end_ms` with pictures that arrive at the first step after their request.
 void fly(BoardSystem& system, std::int64_t end_ms, std::int64_t step_ns) {
   const std::vector<std::uint8_t> bytes(64 * 40, 7);
   for (std::int64_t now = system.soc.now() / kPsPerNs + step_ns; now <= end_ms * kMs; now += step_ns) {
@@ -152,7 +152,7 @@ void fly(BoardSystem& system, std::int64_t end_ms, std::int64_t step_ns) {
   }
 }
 
-TEST(Decisions, OfAProgramAddUpToTheWholeAndSayWhereItsTimeGoes) {
+TEST(Decisions, OfAProgramHavePartsThatAddUpToTheLatency) {
   BoardSystem system(kDecides, {}, BoardSystem::narrow());
   fly(system, 100, 2 * kMs);
   const auto& decisions = system.soc.decisions();
@@ -164,7 +164,7 @@ TEST(Decisions, OfAProgramAddUpToTheWholeAndSayWhereItsTimeGoes) {
   EXPECT_GE(last.latency, 16'666'700'000);
   EXPECT_NEAR(static_cast<double>(part(last, DecisionPart::exposure) + part(last, DecisionPart::read_out)),
               16'666'700'000., 1.);
-  // A turn is an addition and a branch that is taken: 1 + 3 cycles.
+  // An iteration is an addition and a taken branch: 1 + 3 cycles.
   const auto cluster_ps = 40'000 * 4 * 1e12 / 87e6;
   EXPECT_NEAR(static_cast<double>(part(last, DecisionPart::inference)), cluster_ps, 0.01 * cluster_ps);
   const auto controller_ps = 20'000 * 4 * 1e12 / 100e6;
@@ -189,7 +189,7 @@ TEST(Decisions, DependOnStepsInRequestAndSendingOnly) {
   EXPECT_LT(part(b, DecisionPart::request) + part(b, DecisionPart::sending), kPsPerMs / 2);
 }
 
-TEST(Decisions, GoOnFromAState) {
+TEST(Decisions, ContinueFromAState) {
   BoardSystem straight(kDecides, {}, BoardSystem::narrow());
   BoardSystem other(kDecides, {}, BoardSystem::narrow());
   fly(straight, 29, kMs);

@@ -68,8 +68,8 @@ handler: csrr a4, mcause
 
 const std::vector<std::uint8_t> kPicture(64UL * 30, 7);
 
-/// Steps of h to the end; whoever asked for a picture gets it at the next communication point, which is the
-/// same time for every h that divides 10 ms.
+/// Steps of h to the end. A requested picture arrives at the next communication point, which is the same time for every
+/// h that divides 10 ms.
 void run(BoardSystem& system, std::int64_t h_ns, std::int64_t end_ns) {
   for (auto t = system.soc.now() / kPsPerNs; t < end_ns; t += h_ns) {
     auto& camera = system.camera();
@@ -91,7 +91,7 @@ void expect_same(const BoardSystem& a, const BoardSystem& b) {
   EXPECT_EQ(a.result(0), b.result(0));
 }
 
-TEST(State, SavedInMidRunAndRestoredElsewhereGoesOnWithTheSameBits) {
+TEST(State, RestoredInAnotherChipContinuesWithTheSameBits) {
   BoardSystem straight(busy_program(), {}, BoardSystem::narrow());
   BoardSystem first(busy_program(), {}, BoardSystem::narrow());
   BoardSystem second(busy_program(), {}, BoardSystem::narrow());
@@ -108,7 +108,7 @@ TEST(State, SavedInMidRunAndRestoredElsewhereGoesOnWithTheSameBits) {
   EXPECT_GT(straight.result(0), 2U) << "pictures did come";
 }
 
-TEST(State, ComesBackAfterGoingOn) {
+TEST(State, CanBeRestoredAfterTheRunHasContinued) {
   BoardSystem system(busy_program(), {}, BoardSystem::narrow());
   run(system, 1'000'000, 31'000'000);
   const auto bytes = state::save(system.soc);
@@ -119,7 +119,7 @@ TEST(State, ComesBackAfterGoingOn) {
   EXPECT_EQ(state::first_difference(system.soc, state::save(system.soc), later), std::nullopt);
 }
 
-TEST(StepSize, DoesNotChangeWhatHappens) {
+TEST(StepSize, DoesNotChangeTheRun) {
   BoardSystem reference(busy_program(), {}, BoardSystem::narrow());
   run(reference, 10'000'000, 100'000'000);
   for (const std::int64_t h_ns : {2'000'000, 1'000'000, 250'000, 40'000}) {
@@ -130,9 +130,9 @@ TEST(StepSize, DoesNotChangeWhatHappens) {
   }
 }
 
-/// A load right before a device's register is read costs a cycle, whatever of the two begins a block: blocks are cut by
+/// A load directly before an access to a device costs a cycle, whichever of the two begins a block. Blocks are cut by
 /// limits, and after 64 instructions.
-TEST(StepSize, DoesNotChangeTheTimeThatADeviceSeesBehindALoad) {
+TEST(StepSize, DoesNotChangeTheTimeOfADeviceAccessAfterALoad) {
   for (int before = 60; before < 68; ++before) {
     const auto program = BoardSystem::assembled(fmt::format(R"(
 _start: la s1, pointer

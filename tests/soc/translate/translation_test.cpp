@@ -31,12 +31,12 @@ std::string text_of(Machine& machine) {
   return text;
 }
 
-/// Small, so that lines leave it all the time.
+/// Small, so that lines are evicted all the time.
 InstructionCacheSettings small_cache(std::uint32_t bytes) {
   return {bytes, 16, 2, 7};
 }
 
-/// The same program twice.
+/// Two runs of one program.
 struct Pair {
   explicit Pair(const Elf& program, const MachineSettings& settings = {})
       : translated(program, settings), interpreted(program, without_translation(settings)) {}
@@ -48,11 +48,11 @@ struct Pair {
     }
   }
 
-  /// False when they differ, or have ended.
+  /// Returns false if they differ, or have ended.
   bool run(std::uint64_t limit) {
     const auto stop = translated.run(limit);
     EXPECT_EQ(stop, interpreted.run(limit));
-    // The memory is large, and a difference in it stays: now and then is enough.
+    // The memory is large, and a difference in it is permanent, so it is rarely compared.
     const bool with_memory = stop != Stop::limit || ++stops_ % 256 == 0;
     const bool same = state_of(translated, with_memory) == state_of(interpreted, with_memory);
     EXPECT_TRUE(same) << "translated: " << text_of(translated) << "\ninterpreted: " << text_of(interpreted);
@@ -71,7 +71,7 @@ struct Pair {
   int stops_ = 0;
 };
 
-/// Runs to the end with limits of all sizes, interrupts at any time, and states restored.
+/// Runs to the end with limits of all sizes, interrupts at any time, and restored states.
 void compare_at_random_limits(Pair& pair, std::uint32_t seed) {
   std::mt19937 random(seed);
   bool continues = true;
@@ -111,7 +111,7 @@ TEST_P(RandomProgram, RunsTranslatedAsInterpreted) {
   compare_at_random_limits(fetching, seed + 2);
 }
 
-TEST_P(RandomProgram, CountsTheSameWhereverItIsCut) {
+TEST_P(RandomProgram, CountsTheSameForAllLimits) {
   const auto seed = GetParam();
   const auto program = assemble(random_program(seed));
   for (const bool cached : {false, true}) {
@@ -141,8 +141,8 @@ TEST_P(RandomProgram, CountsTheSameWhereverItIsCut) {
 
 INSTANTIATE_TEST_SUITE_P(Translation, RandomProgram, testing::Range(1U, 41U));
 
-/// What is left to the interpreter by name is rare. A new row gets a translation, or stands here.
-TEST(Translation, IsThereForEveryInstructionThatIsNotRare) {
+/// The interpreter executes only rare rows. A new row needs a translation, or an entry here.
+TEST(Translation, ExistsForEveryCommonInstruction) {
   if (!translate::can_translate()) GTEST_SKIP() << "this build or host translates nothing";
   const std::set<Op> rare{Op::illegal, Op::ecall,  Op::ebreak, Op::fence_i, Op::csrrw, Op::csrrs, Op::csrrc,
                           Op::csrrwi,  Op::csrrsi, Op::csrrci, Op::mret,    Op::wfi,   Op::p_elw, Op::p_clb};
@@ -151,10 +151,10 @@ TEST(Translation, IsThereForEveryInstructionThatIsNotRare) {
   }
 }
 
-TEST(Translation, ForgetsWhatCameStraightWhenAJumpLeadsToTheSameBlock) {
-  // The block at 2 follows 64 instructions that end with a load, and every other time a branch from its own end leads
-  // to it. Its first instruction stores into the watched word in every fourth turn only: the interpreter finishes it
-  // then, and leaves the block behind it. What it takes to have come before shows in the state.
+TEST(Translation, ClearsThePipelineStateWhenAJumpEntersTheSameBlock) {
+  // The block at 2 follows 64 instructions that end with a load. In every second iteration, a branch from its own end
+  // leads to it. Its first instruction stores into the watched word in every fourth iteration only: then the
+  // interpreter finishes the block. The state shows which instructions it assumes before the block.
   std::string body = "    .option push\n    .option norvc\n";
   for (int i = 0; i < 63; ++i) body += "    addi a2, a2, 3\n";
   const auto program = assemble(R"(
@@ -179,7 +179,7 @@ _start: la s0, data
     .balign 4
 data: .word 0
 )");
-  // A core of a cluster: a block that starts before the limit is not cut, so that it can stop behind the store.
+  // A core of a cluster: a block that starts before the limit is not cut, so it can stop after the store.
   Pair pair(program, {.kind = CoreKind::ri5cy, .loose_limit = true});
   std::mt19937 random(7);
   bool same = true;
@@ -189,9 +189,9 @@ data: .word 0
   EXPECT_TRUE(same) << "the program, which never ends, ended";
 }
 
-/// A hot block whose rear comes every 64th turn, and is not in the instruction cache then. Translated code begins with
-/// the front, and stops in front of the rest when there is room for that and all its refills, at whatever limit.
-TEST(Translation, FetchesTheRearOfABlockThatIsSeldomReached) {
+/// A hot block whose end is reached in every 64th iteration, when it is not in the instruction cache. Translated code
+/// begins with the first part, and stops before the rest if that with all its refills might exceed the limit.
+TEST(Translation, FetchesTheRareEndOfABlock) {
   const auto program = assemble(R"(
     li a3, 20
 again: addi a0, a0, 1
@@ -220,8 +220,8 @@ done:
   }
 }
 
-TEST(Translation, SeesCodeThatIsStoredOver) {
-  // A hot loop whose body is another one in every turn of the outer loop.
+TEST(Translation, FollowsStoresIntoCode) {
+  // A hot loop whose body changes in every iteration of the outer loop.
   Pair pair(assemble(std::string(R"(
 _start: li s0, 40
     la s1, patch
@@ -255,7 +255,7 @@ done:
 }
 
 TEST(Translation, LeavesFaultsToTheInterpreter) {
-  // The hot loop's load walks out of the memory.
+  // The hot loop's load leaves the memory.
   Pair pair(assemble(R"(
 _start: li s0, 0x800f0000
 1:  lw a0, 0(s0)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Random Xpulp programs on the platform and on a second description of the instruction set (reference.hpp). The number
-// of executed instructions comes from MEBOTS_LOCKSTEP_INSTRUCTIONS; scripts/lockstep.sh asks for many.
+// Random Xpulp programs on the platform and on a second description of the instruction set (reference.hpp).
+// MEBOTS_LOCKSTEP_INSTRUCTIONS is the number of executed instructions; scripts/lockstep.sh runs many.
 #include "random_xpulp.hpp"
 #include "reference.hpp"
 
@@ -120,10 +120,10 @@ TEST(Xpulp, EncodingsAreThoseOfASecondDescription) {
   const auto count = wanted_instructions();
   for (std::uint64_t i = 0; i < count; ++i) {
     auto word = (random.word() & ~0x7fU) | kOpcodes[random.below(kOpcodes.size())];
-    if (random.below(2) == 0) word &= 0xc1ffffffU;  // more of those with few free bits
+    if (random.below(2) == 0) word &= 0xc1ffffffU;  // more words with few free bits
     if (random.below(2) == 0) word &= 0xfe0fffffU;
     if (random.below(2) == 0) word &= 0xfffff0ffU;
-    // Every access reaches the RAM: all registers point there, or are 0 for what is added.
+    // Every access is inside the RAM: all registers point there, or are 0 if they are added.
     reference.x.fill(kRam + 16);
     const auto decoded = decode(word);
     const bool xpulp = decoded.encoding != nullptr && decoded.encoding->extension == Extension::xpulp;

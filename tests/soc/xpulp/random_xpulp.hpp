@@ -14,14 +14,14 @@
 #include <utility>
 #include <vector>
 
-/// Random Xpulp programs, and a hart to run them on.
+/// Random Xpulp programs, and a hart that runs them.
 namespace mebots::soc::test {
 
 inline constexpr std::uint32_t kXpulpRam = 0x80000000;
-inline constexpr std::uint32_t kXpulpRamBytes = 4U << 20;  // further than post-increments get in one program
-inline constexpr std::uint32_t kXpulpSmall = 0x20000000;   // a second memory, which random programs leave alone
+inline constexpr std::uint32_t kXpulpRamBytes = 4U << 20;  // farther than post-increments reach in one program
+inline constexpr std::uint32_t kXpulpSmall = 0x20000000;   // a second memory that random programs do not use
 inline constexpr std::uint32_t kXpulpSmallBytes = 4096;
-inline constexpr std::uint32_t kMiddle = kXpulpRam + kXpulpRamBytes / 2;  // where pointers start
+inline constexpr std::uint32_t kMiddle = kXpulpRam + kXpulpRamBytes / 2;  // start of pointers
 inline constexpr std::uint32_t kLeave = 0xfe002e23;  // sw zero, -4(zero): to a device, which ends the run
 inline constexpr unsigned kFirstPointer = 10;        // x10 to x13
 inline constexpr unsigned kLastPointer = 13;
@@ -36,7 +36,7 @@ class Random {
   explicit Random(std::uint64_t seed) : engine_(seed) {}
   std::uint32_t word() { return static_cast<std::uint32_t>(engine_()); }
   std::uint32_t below(std::uint32_t count) { return word() % count; }
-  /// Numbers as kernels and corners have them.
+  /// Random numbers, and special values.
   std::uint32_t operand() {
     constexpr std::array<std::uint32_t, 12> kCorners{0,          1,          0xffffffff, 0x80000000, 0x7fffffff, 0x8000,
                                                      0x80007fff, 0x7fff8000, 0x80808080, 0x7f7f7f7f, 0x00ff00ff, 31};
@@ -56,12 +56,11 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// Makes words of instructions out of the rows of the encoding table, with operands that keep accesses inside the RAM.
+/// Generates instruction words from the rows of the encoding table, with operands that keep accesses inside the RAM.
 class Generator {
  public:
-  /// `mostly_dots`: half of the instructions are dot products, on registers that all others use less; among these are
-  /// the standard ones that compute.
-  /// `left_out`: words that programs do not have.
+  /// `mostly_dots`: half of the instructions are dot products, on registers that other instructions seldom use;
+  /// standard arithmetic instructions may use them. `left_out`: words that programs must not contain.
   explicit Generator(Random& random, bool mostly_dots = false, std::function<bool(std::uint32_t)> left_out = {})
       : random_(random), mostly_dots_(mostly_dots), left_out_(std::move(left_out)) {
     for (const auto& row : encodings()) {
@@ -72,16 +71,16 @@ class Generator {
     }
   }
 
-  /// One instruction that goes straight on.
+  /// An instruction without a jump.
   std::uint32_t plain() {
     for (;;) {
       const auto word = any_plain();
-      if (decode(word).op == Op::illegal) continue;  // since another register stands in it
+      if (decode(word).op == Op::illegal) continue;  // with this register it is another instruction
       if (!left_out_ || !left_out_(word)) return word;
     }
   }
 
-  /// Likewise, and it may be one that is left out.
+  /// An instruction without a jump; it may be one that is left out.
   std::uint32_t any_plain() {
     if (mostly_dots_ && random_.below(2) == 0) {
       const auto& row = *dots_[random_.below(static_cast<std::uint32_t>(dots_.size()))];
@@ -94,7 +93,7 @@ class Generator {
     }
     auto word = any_row();
     if (!mostly_dots_ || is_store(decode(word).op)) return word;
-    // What dot products work on comes from somewhere, mostly by a load; now and then something else works on it, too.
+    // Operands of dot products usually come from loads; sometimes another instruction changes them, too.
     if (random_.below(8) != 0) {
       word = off_dots(off_dots(word, 15), 20);
     } else if (!is_load(decode(word).op)) {
@@ -149,13 +148,13 @@ class Generator {
     return words;
   }
 
-  /// Standard ones that compute, and go straight on.
+  /// True for standard arithmetic instructions without a jump.
   static bool computes_in_32_bits(const Encoding& row) {
     return row.extension == Extension::standard && (row.match & 3U) == 3 && !ends_block(row.op) && !is_load(row.op) &&
            !is_store(row.op) && !is_branch(row.op) && !is_csr(row.op);
   }
 
-  /// The same word with another register in the place from bit `low` on.
+  /// Returns the word with another register in the field from bit `low` on.
   static std::uint32_t with(std::uint32_t word, unsigned low, std::uint32_t value) {
     return (word & ~(31U << low)) | value << low;
   }
@@ -165,11 +164,11 @@ class Generator {
   std::uint32_t dot_register() { return kFirstDot + random_.below(32 - kFirstDot); }
   /// A pointer, or an offset.
   std::uint32_t address_register() { return kFirstPointer + random_.below(kLastOffset - kFirstPointer + 1); }
-  /// The same word with another register in this place, when that is one of dot products.
+  /// Returns the word with another register in this field if it is one of the dot products' registers.
   static std::uint32_t off_dots(std::uint32_t word, unsigned low) {
     return (word >> low & 31U) >= kFirstDot ? with(word, low, (word >> low & 31U) - 8) : word;
   }
-  /// Not one of those that keep addresses and counts sensible.
+  /// Returns a register other than those that keep addresses and counts valid.
   std::uint32_t free_register() {
     for (;;) {
       const auto index = random_.below(32);
@@ -211,7 +210,7 @@ class Generator {
         }
         [[fallthrough]];
       default:
-        // Three instructions, the end last or first.
+        // Three instructions; the end is set last or first.
         if (random_.below(2) == 0) {
           lp(0, 0, 6);
           lp(3, 0, turns);
@@ -235,7 +234,7 @@ class Generator {
   std::vector<const Encoding*> dots_;
 };
 
-/// A hart that leaves at a store into nothing.
+/// A hart that stops at a store without memory.
 class Platform : public Bus {
  public:
   explicit Platform(bool translate = true)
@@ -265,7 +264,7 @@ class Platform : public Bus {
   Hart hart_;
 };
 
-/// Its assembly text.
+/// Returns the assembly text.
 inline std::string listing(const std::vector<std::uint32_t>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {

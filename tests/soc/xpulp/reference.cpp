@@ -24,7 +24,7 @@ std::uint32_t word_of(std::int64_t value) {
   return static_cast<std::uint32_t>(static_cast<std::uint64_t>(value));
 }
 
-/// Largest whole number not above value / 2^shift.
+/// Returns the largest integer not above value / 2^shift.
 std::int64_t floor_shift(std::int64_t value, unsigned shift) {
   const auto divisor = std::int64_t{1} << shift;
   auto quotient = value / divisor;
@@ -39,7 +39,7 @@ bool XpulpReference::step(std::uint32_t word) {
   if (!execute(word, next_pc)) return false;
   x[0] = 0;
   if (next_pc == pc + 4) {
-    // The end of a body: the inner loop asks first, and only a loop with turns left counts.
+    // End of a body: the inner loop is checked first, and only a loop with iterations left counts.
     for (auto& one : loops) {
       if (pc != one.end || one.count < 2) continue;
       one.count -= 1;
@@ -136,7 +136,7 @@ bool XpulpReference::load(std::uint32_t word, bool post) {
     bytes = kind % 4 == 0 ? 1 : kind % 4 == 1 ? 2 : 4;
     sign = kind < 4;
   } else {
-    if (kind != 6) return false;  // p.elw; the others are of the base instruction set
+    if (kind != 6) return false;  // p.elw; the others belong to the base instruction set
     bytes = 4;
   }
   const auto address = post ? base : base + step;
@@ -208,17 +208,17 @@ bool XpulpReference::alu(std::uint32_t word) {
       if (field2 != 0) return false;
       std::uint32_t result = 32;
       switch (kind) {
-        case 0:  // first one from below
+        case 0:  // position of the first one from below
           for (unsigned i = 32; i-- > 0;) {
             if (bits_of(a, i, i) == 1) result = i;
           }
           break;
-        case 1:  // first one from above
+        case 1:  // position of the first one from above
           for (unsigned i = 0; i < 32; ++i) {
             if (bits_of(a, i, i) == 1) result = i;
           }
           break;
-        case 2:  // equal bits behind the sign
+        case 2:  // equal bits after the sign
           result = 0;
           if (a != 0) {
             while (result < 31 && bits_of(a, 30 - result, 30 - result) == bits_of(a, 31, 31)) ++result;
@@ -285,8 +285,7 @@ bool XpulpReference::bits(std::uint32_t word) {
     switch (kind) {
       case 0:
       case 1: {
-        // Behind the field comes its last bit again (signed), or nothing. What the word has not is its sign, or
-        // nothing.
+        // After the field comes its last bit (signed) or zeros. Bits beyond the word are its sign or zeros.
         const auto from = std::min(i, kind == 0 ? width - 1 : i) + first;
         const bool inside = i < width || kind == 0;
         const auto bit = from < 32 ? bits_of(a, from, from) : kind == 0 ? bits_of(a, 31, 31) : 0;
@@ -308,7 +307,7 @@ bool XpulpReference::bits(std::uint32_t word) {
   return true;
 }
 
-/// Additions and multiplications with a shift behind them, which may round.
+/// Additions and multiplications with a shift, which may round.
 bool XpulpReference::shifted(std::uint32_t word) {
   const auto kind = bits_of(word, 13, 12);
   const bool rounds = bits_of(word, 14, 14) == 1;
@@ -464,7 +463,7 @@ bool XpulpReference::simd(std::uint32_t word) {
       }
       break;
     case 14:
-      if (!vector) return false;  // RTL: it looks at bits 31 to 26 only, and rs2 may say anything
+      if (!vector) return false;  // RTL: it decodes bits 31 to 26 only, and rs2 may have any value
       for (unsigned i = 0; i < count; ++i) put(i, std::max(part(a, i, true), -part(a, i, true)));
       break;
     case 15:
@@ -513,7 +512,7 @@ bool XpulpReference::simd(std::uint32_t word) {
         put(i, part(from < count ? d : a, from % count, false));
       }
       break;
-    case 26: {  // and GAP8's two more forms: low halves, high halves
+    case 26: {  // GAP8's two additional forms: low halves, high halves
       if (bytes) return false;
       const auto half = form == 6 ? 1U : 0U;
       put(0, part(rs2, half, false));

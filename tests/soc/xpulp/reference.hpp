@@ -8,9 +8,9 @@
 
 namespace mebots::soc::test {
 
-/// A second description of Xpulp v2, to compare the platform with. Written from the tables of the RI5CY user
-/// manual 4.45 in the order of its opcodes, decoded field by field, computed on 64-bit numbers part by part. It shares
-/// nothing with the platform's encoding table, decoder or operations.
+/// A second description of Xpulp v2 for comparison with the platform. It follows the tables of the RI5CY user manual
+/// 4.45 in the order of its opcodes, decodes field by field, and computes with 64-bit numbers part by part. It shares
+/// no code with the platform's encoding table, decoder or operations.
 class XpulpReference {
  public:
   struct Loop {
@@ -23,11 +23,12 @@ class XpulpReference {
   std::array<Loop, 2> loops{};
   std::uint32_t ram_base = 0;
   std::vector<std::uint8_t> ram;
-  // Offsets into the RAM between which stores went.
+  // Range of offsets in the RAM that stores have written.
   std::uint32_t written_from = 0;
   std::uint32_t written_to = 0;
 
-  /// Executes one instruction at the pc. False: it is none of Xpulp, or its access leaves the RAM; nothing happened.
+  /// Executes one instruction at the pc. If it is not Xpulp, or if its access leaves the RAM, returns false without
+  /// effect.
   bool step(std::uint32_t word);
 
  private:

@@ -22,7 +22,7 @@ std::uint32_t addi(unsigned rd, unsigned rs1, std::uint32_t imm) {
   return 0x13U | rd << 7 | rs1 << 15 | imm << 20;
 }
 
-/// Turns and turns of a random program, then its end; behind it a handler that only returns.
+/// Iterations of a random program, then its end, followed by a handler that only returns.
 std::vector<std::uint32_t> hot_program(Generator& generator) {
   std::vector<std::uint32_t> words;
   for (auto pointer = kFirstPointer; pointer <= kLastPointer; ++pointer) {
@@ -31,7 +31,7 @@ std::vector<std::uint32_t> hot_program(Generator& generator) {
   const auto body = generator.program(64);
   words.insert(words.end(), body.begin(), body.end());
   words.push_back(addi(kOuterTurns, kOuterTurns, 0xfff));
-  words.push_back(0x00088463U);  // beqz x17, over the jump
+  words.push_back(0x00088463U);  // beqz x17: skips the jump
   const auto back = 0U - 4U * static_cast<std::uint32_t>(words.size());
   words.push_back(0x6fU | (back & 0x7feU) << 20 | (back & 0x800U) << 9 | (back & 0xff000U) | (back & 0x100000U) << 11);
   words.push_back(kLeave);
@@ -56,7 +56,7 @@ void start(Platform& platform, const std::vector<std::uint32_t>& words, Random r
   hart.set_csr(csr::kMstatus, 8);
 }
 
-/// Programs that run until they are hot and beyond, cut at random limits, with interrupts between.
+/// Runs programs until long after they are hot, with random limits and interrupts.
 void compare(std::uint64_t seed, int programs, std::uint32_t pointers, std::set<const Encoding*>& seen,
              bool mostly_dots = false) {
   Random random(seed);
@@ -101,7 +101,7 @@ TEST(XpulpTranslation, RunsAsInterpreted) {
   }
 }
 
-/// Registers that dot products use most live in vector registers, whatever else reads and writes them.
+/// Registers that dot products use most are in vector registers, whatever other instructions use them.
 TEST(XpulpTranslation, RunsDotProductsAsInterpreted) {
   std::set<const Encoding*> seen;
   for (std::uint64_t seed = 101; seed <= 180; ++seed) {
@@ -114,8 +114,8 @@ TEST(XpulpTranslation, RunsDotProductsAsInterpreted) {
   }
 }
 
-/// A call whose return address lives in a vector register leads where it should.
-TEST(XpulpTranslation, CallsThatWriteAnOperandOfDotProducts) {
+/// The return address of a call may be in a vector register.
+TEST(XpulpTranslation, RunsCallsThatWriteAnOperandOfDotProducts) {
   constexpr std::array<std::uint32_t, 10> kWords{0xa83110d7U,  // pv.sdotusp.b x1, x2, x3, and three times more
                                                  0xa83110d7U, 0xa83110d7U, 0xa83110d7U,
                                                  0x00160613U,   // addi x12, x12, 1
@@ -140,7 +140,7 @@ TEST(XpulpTranslation, CallsThatWriteAnOperandOfDotProducts) {
   EXPECT_EQ(states[0], states[1]);
 }
 
-/// What dot products work on is loaded from either memory, and by a step that the load itself writes.
+/// Operands of dot products are loaded from both memories, also with a step that the load itself writes.
 TEST(XpulpTranslation, LoadsOperandsOfDotProductsAsInterpreted) {
   constexpr std::array<std::uint32_t, 10> kWords{0x20e5770bU,  // p.lw x14, x14(x10!): the next step, 4 or 8
                                                  0x20e5f783U,  // p.lw x15, x14(x11), in the small memory
@@ -176,11 +176,11 @@ TEST(XpulpTranslation, LoadsOperandsOfDotProductsAsInterpreted) {
   EXPECT_EQ(states[0], states[1]);
 }
 
-/// A post-increment whose access faults leaves its pointer as it was.
+/// A post-increment whose access faults does not change its pointer.
 TEST(XpulpTranslation, FaultsInAPostIncrementAsInterpreted) {
   constexpr std::uint32_t kEnd = kXpulpRam + kXpulpRamBytes;
   for (const std::uint32_t access : {
-           0x0045250bU,  // p.lw x10, 4(x10!): what is loaded wins
+           0x0045250bU,  // p.lw x10, 4(x10!): the loaded value wins
            0x0045258bU,  // p.lw x11, 4(x10!)
            0x00b5222bU,  // p.sw x11, 4(x10!)
            0x00b5162bU,  // p.sh x11, 12(x10!)
@@ -191,7 +191,7 @@ TEST(XpulpTranslation, FaultsInAPostIncrementAsInterpreted) {
       auto& hart = platform.hart();
       const std::array<std::uint32_t, 3> words{access, 0x00160613U, 0xff9ff06fU};  // addi x12, x12, 1; j back
       platform.memory().write(kXpulpRam, {reinterpret_cast<const std::uint8_t*>(words.data()), sizeof words});
-      // A word that points to the next one, for the load into its own pointer.
+      // Each word points to the next one, for the load into its own pointer.
       for (auto at = kEnd - 4000; at < kEnd; at += 4) {
         const auto next = at + 4;
         std::memcpy(platform.ram() + (at - kXpulpRam), &next, 4);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of the board beside the chip: what memories, pads, camera and regulators consume, by state, time and bytes.
+// Parts of the board outside the chip: energy of memories, pads, camera and regulators by state, time and bytes.
 #include "devices/core/attached_part.hpp"
 #include "board_system.hpp"
 #include "devices/gap8/himax.hpp"
@@ -62,7 +62,7 @@ TEST(BoardPart, WithoutStatesConsumesByBytesOnly) {
   EXPECT_TRUE(part.state_name().empty());
 }
 
-TEST(BoardPart, NeedsTheStatesThatAPlaceUses) {
+TEST(BoardPart, RequiresTheStatesOfItsPlace) {
   auto entry = memory_part();
   entry.states[0].name = "busy";
   AttachedPart part(entry);
@@ -79,12 +79,12 @@ TEST(BoardPart, CameraIsActiveWhileItStreams) {
   };
   set(0x00, 1, 1'000'000'000);
   set(0x00, 1, 2'000'000'000);
-  set(0x03, 1, 4'000'000'000);  // its reset ends it
+  set(0x03, 1, 4'000'000'000);  // its reset ends the sleep
   const auto expected_j = kVolt * (kActiveA * 3e-3 + kIdleA * 7e-3);
   EXPECT_NEAR(part.energy_j(10'000'000'000), expected_j, kSumRounding * expected_j);
 }
 
-/// 4096 bytes out of the HyperRAM, 4096 out of the flash; then a third transfer that is given up when it has begun.
+/// 4096 bytes from the HyperRAM, 4096 from the flash; then a third transfer that is cancelled after its start.
 constexpr auto kMoves = R"(
 _start: li s0, 0x1A102180
     li s1, 0x1C060000
@@ -119,7 +119,7 @@ double joules_of(const BoardSystem& system, std::string_view name) {
   return system.soc.power().energy_j(*system.soc.devices().find(name));
 }
 
-TEST(BoardPart, OfGap8sBoardConsumesWhatPassesTheHyperBus) {
+TEST(BoardPart, OfGap8sBoardConsumesByBytesOnTheHyperBus) {
   auto system = moving();
   system.soc.advance(2 * kMs);
   ASSERT_TRUE(system.faults.empty()) << system.faults.front();
@@ -133,7 +133,7 @@ TEST(BoardPart, OfGap8sBoardConsumesWhatPassesTheHyperBus) {
   const auto& pads = entry("pads");
   const auto pads_j = pads.supply_voltage_v * pads.part->charge_per_byte * 8192;
   EXPECT_NEAR(joules_of(system, "pads"), pads_j, kSumRounding * pads_j);
-  // Of 2 ms, the flash is selected for as long as 4096 bytes take at half of the clock after reset.
+  // In 2 ms, the flash is selected for the time of 4096 bytes at half of the clock after reset.
   const auto& flash = entry("hyperflash");
   const auto active_s = (15 + 4096 / 2) * 2 / (1525 * 32768.0);
   const auto flash_j =
@@ -142,7 +142,7 @@ TEST(BoardPart, OfGap8sBoardConsumesWhatPassesTheHyperBus) {
   EXPECT_NEAR(joules_of(system, "hyperflash"), flash_j, 1e-9 * flash_j) << "whole picoseconds";
 }
 
-TEST(BoardPart, RegulatorsTakeWhatTheirLoadsDoOverTheirEfficiency) {
+TEST(BoardPart, RegulatorsTakeTheirLoadsEnergyOverTheirEfficiency) {
   auto system = moving();
   system.soc.advance(2 * kMs);
   const auto loads_j = system.soc.energy().total_j() + joules_of(system, "hyperram") + joules_of(system, "hyperflash") +
@@ -154,7 +154,7 @@ TEST(BoardPart, RegulatorsTakeWhatTheirLoadsDoOverTheirEfficiency) {
   EXPECT_NEAR(joules_of(system, "board"), loads_j / efficiency, kSumRounding * loads_j);
 }
 
-TEST(BoardPart, EnergyDoesNotDependOnWhoLooksWhenAndStopsWithTheSupply) {
+TEST(BoardPart, EnergyDoesNotDependOnReadsAndStopsWithTheSupply) {
   auto straight = moving();
   auto looked_at = moving();
   straight.soc.advance(2 * kMs);
@@ -171,7 +171,7 @@ TEST(BoardPart, EnergyDoesNotDependOnWhoLooksWhenAndStopsWithTheSupply) {
   EXPECT_EQ(joules_of(straight, "board"), before_j);
 }
 
-TEST(BoardPart, GoesOnFromASavedStateWithTheSameBits) {
+TEST(BoardPart, ContinuesFromAStateWithTheSameBits) {
   auto straight = moving();
   auto first = moving();
   auto second = moving();
@@ -184,7 +184,7 @@ TEST(BoardPart, GoesOnFromASavedStateWithTheSameBits) {
   EXPECT_EQ(joules_of(straight, "board"), joules_of(second, "board"));
 }
 
-/// What board gap8 says when a part is not as it is.
+/// Returns the error of board gap8 after a change of one of its parts.
 std::string complaint_with(void (*change)(BoardDescription&)) {
   auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
   change(board);
@@ -196,7 +196,7 @@ std::string complaint_with(void (*change)(BoardDescription&)) {
   return {};
 }
 
-TEST(BoardPart, IsRefusedWhereNoDeviceHasItsPlace) {
+TEST(BoardPart, IsRefusedIfNoDeviceHasItsPlace) {
   EXPECT_EQ(complaint_with([](BoardDescription&) {}), "");
   EXPECT_THAT(complaint_with([](BoardDescription& board) {
                 std::ranges::find(board.devices, "pads", &BoardDevice::name)->part->attached_to = "udma.hyper_pad";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device that exists in the board file only: the time-of-flight sensor of examples/time_of_flight.
+// A device that exists only in the board file: the time-of-flight sensor of examples/time_of_flight.
 #include "devices/core/described_device.hpp"
 
 #include "mebots/error.hpp"
@@ -28,7 +28,7 @@ std::string board_text() {
   return text_of(MEBOTS_SOURCE_DIR "/examples/time_of_flight/board.json");
 }
 
-/// Nobody around but an ear.
+/// A host that only records complaints.
 class Ear final : public DeviceHost {
  public:
   bool read_memory(std::uint32_t /*address*/, std::span<std::uint8_t> /*bytes*/) const override { return false; }
@@ -56,7 +56,7 @@ std::uint32_t read(DescribedDevice& device, std::uint32_t offset) {
   return value;
 }
 
-TEST(DescribedDevice, ShowsTheVariableAsItIsWhenTheDelayEnds) {
+TEST(DescribedDevice, ShowsTheVariablesValueAtTheEndOfTheDelay) {
   auto device = range_finder();
   EXPECT_EQ(device.next_event(), kNever);
   EXPECT_TRUE(device.store(kCommand, 10 * kMillisecond, 1));
@@ -76,7 +76,7 @@ TEST(DescribedDevice, ShowsTheVariableAsItIsWhenTheDelayEnds) {
   EXPECT_EQ(device.input("range_finder.colour"), nullptr);
 }
 
-TEST(DescribedDevice, RefusesWhatIsNoOpcodeAndASecondMeasurementButStops) {
+TEST(DescribedDevice, RefusesUnknownOpcodesAndASecondMeasurementButNotAStop) {
   auto device = range_finder();
   device.store(kCommand, 0, 7);
   EXPECT_EQ(read(device, kStatus), DescribedDevice::kRefused);
@@ -84,13 +84,13 @@ TEST(DescribedDevice, RefusesWhatIsNoOpcodeAndASecondMeasurementButStops) {
   device.store(kCommand, 0, 1);
   device.store(kCommand, kMillisecond, 1);
   EXPECT_EQ(read(device, kStatus), DescribedDevice::kBusy | DescribedDevice::kRefused);
-  EXPECT_EQ(device.next_event(), 33 * kMillisecond) << "the first goes on";
+  EXPECT_EQ(device.next_event(), 33 * kMillisecond) << "the first one continues";
   device.store(kCommand, 2 * kMillisecond, 2);
   EXPECT_EQ(device.next_event(), kNever);
   EXPECT_FALSE(device.interrupt());
 }
 
-TEST(DescribedDevice, RefusesOtherWaysOfAccess) {
+TEST(DescribedDevice, RefusesOtherKindsOfAccess) {
   auto device = range_finder();
   std::uint32_t value = 0;
   EXPECT_FALSE(device.load(kCommand, 0, value)) << "write only";
@@ -106,7 +106,7 @@ TEST(DescribedDevice, DrawsTheCurrentOfItsStates) {
   EXPECT_NEAR(device.energy_j(100 * kMillisecond), expected_j, 1e-12 * expected_j) << "sums of doubles";
 }
 
-TEST(DescribedDevice, GoesOnFromAState) {
+TEST(DescribedDevice, ContinuesFromAState) {
   auto device = range_finder();
   *device.input("range_finder.distance") = 2;
   device.store(kCommand, 5 * kMillisecond, 1);
@@ -122,7 +122,7 @@ struct Mistake {
   std::string complaint;
 };
 
-TEST(DescribedDevice, WhoseDescriptionDoesNotHoldTogetherIsRefused) {
+TEST(DescribedDevice, IsRefusedIfItsDescriptionIsInconsistent) {
   for (const auto& mistake :
        {Mistake{"\"then\": \"standby\"", "\"then\": \"asleep\"", "the device's state 'asleep' is unknown"},
         Mistake{"\"then\": \"standby\", ", "", "'then' is missing: the state has a delay"},
@@ -153,7 +153,7 @@ TEST(DescribedDevice, WhoseDescriptionDoesNotHoldTogetherIsRefused) {
   }
 }
 
-TEST(BoardFile, RefusesNamesThatNothingHasAlsoInADeviceWithItsOwnModel) {
+TEST(BoardFile, RefusesUnknownNamesAlsoInADeviceWithItsOwnModel) {
   for (const auto& mistake :
        {Mistake{"\"then\": \"standby\"", "\"then\": \"asleep\"", "the device's state 'asleep' is unknown"},
         Mistake{"\"shows\": \"range_finder.distance\"", "\"shows\": \"colour\"",
@@ -182,7 +182,7 @@ TEST(DescribedDevice, SendsWhatIsStoredIntoARegister) {
   EXPECT_EQ(device.output("range_finder.power"), nullptr) << "no register sends it";
 }
 
-/// A link: state in as it is, a parameter, set-points out all together.
+/// A link: shows an input directly and a parameter, sends all set-points at the same time.
 BoardDevice link() {
   return parse_board(R"({
     "name": "b", "memories": [{"name": "ram", "base": "0x1000", "size": 4096}],
@@ -210,7 +210,7 @@ BoardDevice link() {
       .devices.back();
 }
 
-TEST(DescribedDevice, WithoutStatesShowsInputsAndParametersAsTheyAre) {
+TEST(DescribedDevice, WithoutStatesShowsInputsAndParametersDirectly) {
   const auto entry = link();
   DescribedDevice device(entry, ear());
   EXPECT_EQ(read(device, 0xC), 1U) << "true at the start";
@@ -242,7 +242,7 @@ TEST(DescribedDevice, ReportsASetParameterThatTheProgramNeverRead) {
   }
 }
 
-TEST(DescribedDevice, CommitsAllThatItSendsTogetherOrNothing) {
+TEST(DescribedDevice, CommitsAllOutputsOrNone) {
   const auto entry = link();
   DescribedDevice device(entry, ear());
   ear().complaints.clear();
@@ -270,7 +270,7 @@ TEST(DescribedDevice, CommitsAllThatItSendsTogetherOrNothing) {
   EXPECT_EQ(read(other, 4), 100U) << "the draft";
 }
 
-TEST(BoardFile, RefusesAnOutputThatNothingSends) {
+TEST(BoardFile, RefusesAnOutputWithoutASender) {
   auto text = board_text();
   const std::string sends = "\"sends\": \"range_finder.reported\", ";
   text.erase(text.find(sends), sends.size());

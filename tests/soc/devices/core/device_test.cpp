@@ -12,7 +12,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-TEST(Console, HandsOutLines) {
+TEST(Console, PrintsLines) {
   BoardSystem system(R"(
 _start: li s0, CONSOLE_BASE
     la s1, text
@@ -33,7 +33,7 @@ text: .asciz "hello\n\nworld\nrest"
   EXPECT_EQ(system.soc.exit_code(), 42);
 }
 
-TEST(Mission, ShowsTheClocksAndTheVoltageThatTheChipIsGiven) {
+TEST(Mission, ShowsTheChipsClocksAndVoltage) {
   Settings settings;
   settings.clock_hz = 50e6;
   settings.cluster_clock_hz = 25e6;
@@ -52,7 +52,7 @@ _start: li s0, MISSION_BASE
   EXPECT_EQ(system.soc.hart().reg(19), 1'050U);
 }
 
-TEST(PowerManager, ExitEndsTheFirmwareAndTimeGoesOn) {
+TEST(PowerManager, ExitEndsTheFirmwareWhileTimeContinues) {
   BoardSystem system(
       "_start: li s0, POWER_MANAGER_BASE\nli a0, -1\nsw a0, POWER_MANAGER_EXIT_OFFSET(s0)\nli s1, 1\n1: j 1b\n");
   system.soc.advance(5 * kMs);
@@ -105,7 +105,7 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_EQ(system.result(6), 1000U) << "1.25 V is above the limit";
 }
 
-TEST(Clock, GivesCyclesTimesThePeriodWithoutDrift) {
+TEST(Clock, ConvertsCyclesToTimeWithoutDrift) {
   Settings settings;
   settings.clock_hz = 123456789;
   BoardSystem system("_start: j _start\n", settings);
@@ -158,13 +158,13 @@ handler: lw a1, TIMER_TIME_LO_OFFSET(s0)
   system.soc.advance(20 * kMs);
   EXPECT_EQ(system.result(1), 0x80000007U);
   EXPECT_EQ(system.result(2), 1U) << "once: the line falls with the new compare";
-  // 12345678 ns is cycle 1234567.8: woken at the next edge, 12345680 ns. Trap entry takes 4 cycles.
+  // 12345678 ns is cycle 1234567.8: the core wakes at the next edge, 12345680 ns. Trap entry takes 4 cycles.
   EXPECT_EQ(system.result(0), 12345680U + 40U);
   EXPECT_LT(system.soc.hart().counters().cycles, 200U) << "sleep is skipped, not executed";
   EXPECT_NEAR(static_cast<double>(system.soc.sleep_time()), 20e9, 2e6) << "ps: all but some hundred cycles of 10 ns";
 }
 
-TEST(Timer, CountsThroughItsLowWordAndLatchesTheHighOne) {
+TEST(Timer, CarriesIntoItsHighWordAndLatchesIt) {
   BoardSystem system(R"(
 _start: li s0, TIMER_BASE
     li s1, 0x1C060000
@@ -246,13 +246,13 @@ _start: li s0, FLIGHT_BASE
   EXPECT_EQ(system.result(5), 0x7fffffffU) << "more than the register holds: saturated";
 }
 
-TEST(Request, IsOutAtTheFirstCommunicationPointAtOrAfterIt) {
-  // At 100 MHz: 99 instructions of a cycle each before the commit, one of them a store that waits for its way.
+TEST(Request, IsVisibleAtTheNextCommunicationPoint) {
+  // At 100 MHz: 99 instructions of one cycle each before the commit, one of them a store with a latency.
   const auto program = BoardSystem::assembled(
       "_start: .option norvc\nli s0, FLIGHT_BASE\naddi a0, zero, 3\nsw a0, FLIGHT_MODE_OFFSET(s0)\n.rept "
       "95\nnop\n.endr\n"
       "sw zero, FLIGHT_COMMIT_OFFSET(s0)\n1: j 1b\n");
-  // li of FLIGHT_BASE is one lui and one addi, or one lui alone.
+  // li of FLIGHT_BASE is one lui and one addi, or only one lui.
   BoardSystem probe(program, {}, BoardSystem::without_caches());
   std::int64_t at = 0;
   while (probe.output("setpoint.mode") == 0) probe.soc.advance(at += 1);
@@ -266,7 +266,7 @@ TEST(Request, IsOutAtTheFirstCommunicationPointAtOrAfterIt) {
   EXPECT_EQ(late.output("setpoint.mode"), 3);
 }
 
-TEST(Bus, RefusesOtherThanAlignedWords) {
+TEST(Bus, RefusesAccessesOtherThanAlignedWords) {
   BoardSystem system("_start: li s0, TIMER_BASE\nat: lbu a0, 0(s0)\n");
   system.soc.advance(1 * kMs);
   EXPECT_EQ(system.soc.end(), End::faulted);
@@ -337,7 +337,7 @@ handler: csrr a0, mcause
   EXPECT_NEAR(system.result(17), 3e6, 1000);
 }
 
-/// What a chip says to a board; empty when it takes it.
+/// Returns a chip's error for a board; empty if it accepts the board.
 std::string refusal(const BoardDescription& board) {
   try {
     const Soc soc(board, gap8(), Settings{}, BoardSystem::assembled("_start: j _start\n"), {});
@@ -347,7 +347,7 @@ std::string refusal(const BoardDescription& board) {
   return {};
 }
 
-TEST(Board, WithAKindThatThereIsNotIsRefused) {
+TEST(Board, WithAnUnknownKindIsRefused) {
   auto board = with_two_timers();
   EXPECT_EQ(refusal(board), "");
   board.devices.back().kind = "timr";
@@ -357,7 +357,7 @@ TEST(Board, WithAKindThatThereIsNotIsRefused) {
   EXPECT_THAT(refusal(board), HasSubstr("other is a second power manager"));
 }
 
-TEST(Board, WithALibraryThatIsNotThereIsRefused) {
+TEST(Board, WithAMissingLibraryIsRefused) {
   auto board = with_two_timers();
   board.libraries = {"wheels.so"};
   EXPECT_THAT(refusal(board), HasSubstr("its library wheels.so is not there"));

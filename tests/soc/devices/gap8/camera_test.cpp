@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The camera of a GAPuino behind GAP8's uDMA: an HM01B0 that a program sets up by I2C and reads through the camera
-// interface, as the driver of GreenWaves' gap_sdk does.
+// The camera of a GAPuino on GAP8's uDMA: a program configures an HM01B0 over I2C and reads it through the camera
+// interface, like the driver of GreenWaves' gap_sdk.
 #include "board_system.hpp"
 #include "devices/gap8/himax.hpp"
 #include "support/same_state.hpp"
@@ -74,14 +74,14 @@ TEST(Gap8Himax, HasTheFrameTimesThatWereMeasuredOnAnAiDeck) {
   EXPECT_NEAR(static_cast<double>(sensor.frame_at(1'000'001) - 1'000'000), 16.293e9, 1e6);
 }
 
-TEST(Gap8Himax, ReadsTheFirstFrameOutWhenItsRowHasGatheredLight) {
+TEST(Gap8Himax, ReadsOutTheFirstFrameAfterItsExposure) {
   Himax sensor;
   set(sensor, 0x0203, 100);
   set(sensor, 0x0100, 1, 1000);
   EXPECT_EQ(sensor.frame_at(0), 1000 + sensor.lines_time(100));
 }
 
-TEST(Gap8Himax, TakesAsManyFramesAsItIsToldAndStandsBy) {
+TEST(Gap8Himax, TakesTheSelectedNumberOfFramesAndEntersStandby) {
   Himax sensor;
   const auto frame = sensor.lines_time(344);
   set(sensor, 0x3020, 2);
@@ -97,7 +97,7 @@ TEST(Gap8Himax, TakesAsManyFramesAsItIsToldAndStandsBy) {
   EXPECT_EQ(sensor.next_event(), kNever);
 }
 
-TEST(Gap8Himax, ToldSomeFramesInTheMiddleOfOneCountsFromTheNext) {
+TEST(Gap8Himax, CountsFramesFromTheNextOneIfMode3IsSetDuringAFrame) {
   Himax sensor;
   const auto frame = sensor.lines_time(344);
   set(sensor, 0x3020, 1);
@@ -141,7 +141,7 @@ TEST(Gap8Himax, HasTheHighestRateOfEachFormatOfTheTable) {
   }
 }
 
-TEST(Gap8Himax, HalvesAPictureByBinningOrByLeavingOut) {
+TEST(Gap8Himax, HalvesAPictureByBinningOrSubsampling) {
   Himax sensor;
   const auto picture = picture_of(Himax::kHeight);  // (row, column) is row + column
   std::vector<std::uint8_t> pixels;
@@ -172,8 +172,8 @@ TEST(Gap8Himax, ReadsOutTheWindowMirroredAndUpsideDown) {
   EXPECT_EQ(pixels[0], static_cast<std::uint8_t>(283 + 323));
 }
 
-/// Sets the camera up by I2C, in mode 3 for two frames, reads its mode back, takes a picture into L2 and tells when it
-/// is there. The first frame begins before the transfer.
+/// Configures the camera over I2C in mode 3 for two frames, reads its mode back, takes a picture into L2, and reports
+/// its arrival. The first frame begins before the transfer.
 constexpr std::string_view kPictureProgram = R"(
 _start: li s0, 0x1A102000
     li s1, 0x1C060000
@@ -263,7 +263,7 @@ Settings with_pictures(std::size_t count) {
   return settings;
 }
 
-TEST(Gap8Camera, BringsThePictureOfTheRollWhenItsFrameHasBeenReadOut) {
+TEST(Gap8Camera, DeliversThePictureOfTheRollAfterReadOut) {
   BoardSystem system(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
   system.soc.advance(15 * kMs);
   EXPECT_TRUE(system.faults.empty()) << system.faults.front();
@@ -278,14 +278,14 @@ TEST(Gap8Camera, BringsThePictureOfTheRollWhenItsFrameHasBeenReadOut) {
   EXPECT_EQ(taken, picture);
 }
 
-/// The world's answer to the request that is out.
+/// Provides the world's picture for the open request.
 void give(BoardSystem& system, const std::vector<std::uint8_t>& picture) {
   *system.soc.devices().input("camera.frame_id") = system.output("camera.trigger");
   *system.soc.devices().find("udma")->bytes_input("camera.frame") = picture;
   system.soc.begin_step();
 }
 
-TEST(Gap8Camera, AsksTheWorldWhenTheFrameBeginsAndStoresThePictureWithItsLastRow) {
+TEST(Gap8Camera, RequestsThePictureAtTheStartOfTheFrameAndStoresItWithTheLastRow) {
   BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
   *system.soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
   system.soc.advance(15 * kMs);
@@ -307,7 +307,7 @@ TEST(Gap8Camera, AsksTheWorldWhenTheFrameBeginsAndStoresThePictureWithItsLastRow
 class Gap8CameraInMode : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Modes, Gap8CameraInMode, testing::Values(1, 3));
 
-TEST_P(Gap8CameraInMode, StoresAPictureThatComesBehindItsFrameWhenItComes) {
+TEST_P(Gap8CameraInMode, StoresALatePictureAtItsArrival) {
   BoardSystem system(takes_a_picture(GetParam()), {}, gap8_board_of_camera());
   *system.soc.devices().input("camera.frame_height") = 0;
   system.soc.advance(90 * kMs);
@@ -321,7 +321,7 @@ void store(BoardSystem& system, std::uint32_t offset, std::uint32_t value, std::
   system.soc.devices().find("udma")->store(offset, now_ns * 1000, value);
 }
 
-/// By the other I2C master, whose end the program does not hear.
+/// Uses the other I2C master, whose event the program does not handle.
 void write_sensor(BoardSystem& system, std::uint32_t commands, std::int64_t now_ns, std::uint32_t bytes = 10) {
   store(system, 0x290, commands, now_ns);
   store(system, 0x294, bytes, now_ns);
@@ -337,7 +337,7 @@ void expect_row_is_missed(BoardSystem& system) {
   }
 }
 
-/// The frame of the transfer is under way, and has been asked for.
+/// During the frame of the transfer, after its request.
 struct InItsFrame : BoardSystem {
   InItsFrame() : BoardSystem(takes_a_picture(), {}, gap8_board_of_camera()) {
     *soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
@@ -352,15 +352,15 @@ std::vector<std::uint8_t> stored_by(const BoardSystem& system) {
   return taken;
 }
 
-/// Black: not the picture that the other one is.
+/// Black, so that it differs from the other picture.
 std::vector<std::uint8_t> night() {
   return std::vector<std::uint8_t>(picture_of(Himax::kWindowHeight).size());
 }
 
-class Gap8CameraTold : public testing::TestWithParam<std::uint32_t> {};
-INSTANTIATE_TEST_SUITE_P(Commands, Gap8CameraTold, testing::Values(kAllRows, kReset, kStandBy));
+class Gap8CameraCommand : public testing::TestWithParam<std::uint32_t> {};
+INSTANTIATE_TEST_SUITE_P(Commands, Gap8CameraCommand, testing::Values(kAllRows, kReset, kStandBy));
 
-TEST_P(Gap8CameraTold, StoresALateFrameAsItWasReadOutWhateverTheSensorIsToldBehindIt) {
+TEST_P(Gap8CameraCommand, StoresALateFrameWithTheSensorsSettingsOfItsReadOut) {
   InItsFrame system;
   system.soc.advance(60 * kMs);
   write_sensor(system, GetParam(), 60 * kMs);
@@ -371,7 +371,7 @@ TEST_P(Gap8CameraTold, StoresALateFrameAsItWasReadOutWhateverTheSensorIsToldBehi
   EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
-/// Of RGB565, a window of it, weighed by the filter; with one register of the interface cleared behind its last row.
+/// Stores a window of RGB565, weighted by the filter, with one register of the interface cleared after its last row.
 std::vector<std::uint8_t> stored_frame_of_a_window(std::optional<std::uint32_t> cleared_behind_it) {
   BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
   *system.soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
@@ -396,7 +396,7 @@ std::vector<std::uint8_t> stored_frame_of_a_window(std::optional<std::uint32_t> 
 class Gap8CameraInterface : public testing::TestWithParam<std::uint32_t> {};
 INSTANTIATE_TEST_SUITE_P(Registers, Gap8CameraInterface, testing::Values(0x4a0, 0x4a4, 0x4a8, 0x4b0));
 
-TEST_P(Gap8CameraInterface, StoresALateFrameAsItWasReadOutWhateverTheInterfaceIsToldBehindIt) {
+TEST_P(Gap8CameraInterface, StoresALateFrameWithTheInterfacesSettingsOfItsReadOut) {
   EXPECT_EQ(stored_frame_of_a_window(GetParam()), stored_frame_of_a_window(std::nullopt));
 }
 
@@ -409,14 +409,14 @@ TEST(Gap8Camera, ReadsAFrameOutInTheFormatWithWhichItBegan) {
   EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
-/// When the picture comes beside the standby.
+/// Time of the picture relative to the standby.
 enum class Comes : std::uint8_t { before, behind, never };
 class Gap8CameraStandingBy : public testing::TestWithParam<std::tuple<Comes, std::uint32_t>> {};
 INSTANTIATE_TEST_SUITE_P(Pictures, Gap8CameraStandingBy,
                          testing::Combine(testing::Values(Comes::before, Comes::behind, Comes::never),
                                           testing::Values(kStandBy, kReset)));
 
-TEST_P(Gap8CameraStandingBy, LosesTheFrameUnderWayAndTakesTheNextOne) {
+TEST_P(Gap8CameraStandingBy, LosesTheFrameInProgressAndTakesTheNextOne) {
   const auto [comes, command] = GetParam();
   InItsFrame system;
   if (comes == Comes::before) give(system, night());
@@ -435,7 +435,7 @@ TEST_P(Gap8CameraStandingBy, LosesTheFrameUnderWayAndTakesTheNextOne) {
   EXPECT_EQ(stored_by(system)[0], command == kReset ? 0 : 40) << "of all rows, or of the window";
 }
 
-TEST(Gap8Camera, LosesTheFrameUnderWayAlsoWhenItIsWokenInTheSameTransfer) {
+TEST(Gap8Camera, LosesTheFrameInProgressAlsoIfOneTransferWakesIt) {
   InItsFrame system;
   give(system, night());
   write_sensor(system, kStandBy, 30 * kMs, 20);
@@ -448,7 +448,7 @@ TEST(Gap8Camera, LosesTheFrameUnderWayAlsoWhenItIsWokenInTheSameTransfer) {
   EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
-TEST(Gap8Camera, TakesNoPictureThatWasAskedForByAClearedTransfer) {
+TEST(Gap8Camera, IgnoresThePictureOfAClearedTransfer) {
   InItsFrame system;
   store(system, 0x488, 0x30, 25 * kMs);
   *system.soc.devices().input("camera.frame_id") = 1;
@@ -464,7 +464,7 @@ TEST(Gap8Camera, TakesNoPictureThatWasAskedForByAClearedTransfer) {
   EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
-TEST(Gap8Camera, RefusesAPictureThatAClearedTransferLeftWithFewerRows) {
+TEST(Gap8Camera, RefusesAPictureWithFewerRowsAfterAClearedTransfer) {
   BoardSystem system(takes_a_picture(), with_pictures(1), gap8_board_of_camera());
   system.soc.advance(24 * kMs);
   write_sensor(system, kAllRows, 24 * kMs);
@@ -472,7 +472,7 @@ TEST(Gap8Camera, RefusesAPictureThatAClearedTransferLeftWithFewerRows) {
   expect_row_is_missed(system);
 }
 
-TEST(Gap8Camera, RefusesAPictureOfTheWorldsOfAnotherSize) {
+TEST(Gap8Camera, RefusesAPictureOfAnotherSize) {
   BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
   system.soc.advance(24 * kMs);
   try {
@@ -483,7 +483,7 @@ TEST(Gap8Camera, RefusesAPictureOfTheWorldsOfAnotherSize) {
   }
 }
 
-TEST(Gap8Camera, RefusesParametersThatAreNotTheSensorsAtTheStart) {
+TEST(Gap8Camera, RefusesParametersThatDoNotFitTheSensorAtTheStart) {
   struct Size {
     double width;
     double height;
@@ -502,7 +502,7 @@ TEST(Gap8Camera, RefusesParametersThatAreNotTheSensorsAtTheStart) {
   }
 }
 
-TEST(Gap8Camera, WaitsWhenTheRollHasNoPictureAnyMore) {
+TEST(Gap8Camera, WaitsAfterTheLastPictureOfTheRoll) {
   Settings settings = with_pictures(1);
   settings.pictures.front().clear();
   BoardSystem system(takes_a_picture(), settings, gap8_board_of_camera());
@@ -511,7 +511,8 @@ TEST(Gap8Camera, WaitsWhenTheRollHasNoPictureAnyMore) {
   EXPECT_TRUE(system.soc.devices().wait_for_picture());
 }
 
-/// 70 ms, with what a scenario does behind each; at some time another system goes on from the state of the first.
+/// Runs 70 ms with an action of a scenario after each; at some time, another system continues from the state of the
+/// first.
 template <typename Scenario>
 void expect_goes_on_from_states(const Settings& settings, int mode, const Scenario& scenario) {
   const auto run = [&](std::int64_t saved_at_ms) {
@@ -534,11 +535,11 @@ void expect_goes_on_from_states(const Settings& settings, int mode, const Scenar
   }
 }
 
-TEST_P(Gap8CameraInMode, GoesOnFromAStateWithPicturesOfARoll) {
+TEST_P(Gap8CameraInMode, ContinuesFromAStateWithPicturesOfARoll) {
   expect_goes_on_from_states(with_pictures(1), GetParam(), [](BoardSystem&, std::int64_t) {});
 }
 
-TEST_P(Gap8CameraInMode, GoesOnFromAStateWithPicturesOfAWorld) {
+TEST_P(Gap8CameraInMode, ContinuesFromAStateWithPicturesOfAWorld) {
   const auto picture = picture_of(Himax::kWindowHeight);
   expect_goes_on_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
     if (ms == 30) give(system, picture);
@@ -548,7 +549,7 @@ TEST_P(Gap8CameraInMode, GoesOnFromAStateWithPicturesOfAWorld) {
   });
 }
 
-TEST_P(Gap8CameraInMode, GoesOnFromAStateBetweenAFrameAndItsLatePicture) {
+TEST_P(Gap8CameraInMode, ContinuesFromAStateBetweenAFrameAndItsLatePicture) {
   const auto picture = picture_of(Himax::kWindowHeight);
   expect_goes_on_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
     if (ms == 45) store(system, 0x4a0, 0, ms * kMs);
@@ -560,12 +561,12 @@ TEST_P(Gap8CameraInMode, GoesOnFromAStateBetweenAFrameAndItsLatePicture) {
   });
 }
 
-TEST_P(Gap8CameraInMode, GoesOnFromAStateInFrontOfAndBehindAClearedTransfer) {
+TEST_P(Gap8CameraInMode, ContinuesFromAStateBeforeAndAfterAClearedTransfer) {
   const auto picture = picture_of(Himax::kWindowHeight);
   expect_goes_on_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
     if (ms == 25) give(system, picture);
     if (ms == 30) store(system, 0x488, 0x30, ms * kMs);
-    if (ms == 40) write_sensor(system, kStream, ms * kMs);  // as those of mode 3 are over
+    if (ms == 40) write_sensor(system, kStream, ms * kMs);  // when those of mode 3 are complete
     if (ms == 50) {
       EXPECT_EQ(system.output("camera.trigger"), 2);
     }

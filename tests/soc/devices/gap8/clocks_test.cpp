@@ -29,7 +29,7 @@ class Gap8Rtc : public testing::Test {
   void window(std::uint32_t control, Picoseconds now) {
     ASSERT_TRUE(rtc.store(0x04, now, control));
     ASSERT_TRUE(rtc.store(0x18, now, 3));
-    ASSERT_EQ(heard.back().first, 43U) << "each access through the window is told";
+    ASSERT_EQ(heard.back().first, 43U) << "each access through the window raises an event";
     heard.pop_back();
   }
   void set(std::uint32_t number, std::uint32_t value, Picoseconds now) {
@@ -49,7 +49,7 @@ class Gap8Rtc : public testing::Test {
   std::vector<std::pair<unsigned, Picoseconds>> heard;
 };
 
-TEST_F(Gap8Rtc, CalendarGoesOverTheEndOfALeapYearsFebruaryAndOfAYear) {
+TEST_F(Gap8Rtc, CalendarPassesTheEndOfFebruaryInALeapYearAndOfAYear) {
   set(0x13, 0x240228, 0);  // 28 February 2024
   set(0x12, 0x235958, 0);
   EXPECT_EQ(get(0x12, kSecond), 0x235959U);
@@ -58,10 +58,10 @@ TEST_F(Gap8Rtc, CalendarGoesOverTheEndOfALeapYearsFebruaryAndOfAYear) {
   set(0x13, 0x231231, 2 * kSecond);
   set(0x12, 0x235959, 2 * kSecond);
   EXPECT_EQ(get(0x13, 3 * kSecond), 0x240101U);
-  EXPECT_EQ(rtc.next_event(), kNever) << "nobody waits for it";
+  EXPECT_EQ(rtc.next_event(), kNever) << "no one waits for it";
 }
 
-TEST_F(Gap8Rtc, AlarmComesAtItsSecondOnceOrWheneverItsFieldsAgree) {
+TEST_F(Gap8Rtc, AlarmRaisesItsEventOnceOrWheneverItsFieldsMatch) {
   set(0x1A, 0x000003, 0);
   set(0x1B, get(0x13, 0), 0);
   set(0x18, 0, 0);
@@ -81,8 +81,8 @@ TEST_F(Gap8Rtc, AlarmComesAtItsSecondOnceOrWheneverItsFieldsAgree) {
   EXPECT_EQ(heard[2].second, 183 * kSecond);
 }
 
-TEST_F(Gap8Rtc, CountdownTakesOneTickMoreThanItSaysAndAMaskKeepsItQuiet) {
-  set(0x28, 32, 0);  // a tick of 1/1024 s, from the restart on
+TEST_F(Gap8Rtc, CountdownTakesOneTickMoreThanItsValueAndCanBeMasked) {
+  set(0x28, 32, 0);  // a tick of 1/1024 s after the restart
   set(0x01, 1, 0);
   set(0x01, 0, 0);
   set(0x21, 9, 0);
@@ -102,7 +102,7 @@ TEST_F(Gap8Rtc, CountdownTakesOneTickMoreThanItSaysAndAMaskKeepsItQuiet) {
   EXPECT_EQ(get(0x0A, kSecond) & 0x10U, 0x10U);
 }
 
-TEST_F(Gap8Rtc, CountdownThatEndsBehindAllTimesIsNoEvent) {
+TEST_F(Gap8Rtc, CountdownBeyondAllTimesRaisesNoEvent) {
   set(0x21, 0xffffffffU, 0);
   set(0x20, 0, 0);
   EXPECT_EQ(rtc.next_event(), kNever) << "136 years";
@@ -129,7 +129,7 @@ class Gap8AdvancedTimer : public testing::Test {
     EXPECT_TRUE(timer.load(offset, now, value));
     return value;
   }
-  /// Timer 1 from 10 to 19, channel 2 at 13; event 0 listens to it.
+  /// Timer 1 from 10 to 19, channel 2 at 13, which event 0 uses.
   void begin(std::uint32_t config, std::uint32_t operation) {
     set(0x40 + 0x04, config);
     set(0x40 + 0x08, 19U << 16 | 10);
@@ -150,7 +150,7 @@ class Gap8AdvancedTimer : public testing::Test {
   std::vector<std::pair<unsigned, std::int64_t>> heard;
 };
 
-TEST_F(Gap8AdvancedTimer, CountsFromLimitToLimitAndBeginsAgainOrTurnsRound) {
+TEST_F(Gap8AdvancedTimer, CountsBetweenItsLimitsAndRestartsOrReverses) {
   begin(kSaw, kSetThenClear);
   EXPECT_EQ(get(0x40 + 0x2C, 0), 10U);
   EXPECT_EQ(get(0x40 + 0x2C, 9 * kTick), 19U);
@@ -179,7 +179,7 @@ TEST_F(Gap8AdvancedTimer, RaisesTheEventOfAChannelWhoseOutputRises) {
   EXPECT_EQ(timer.next_event(), kNever);
 }
 
-TEST_F(Gap8AdvancedTimer, TogglesRiseEveryOtherTimeAndATriangleMeetsItsThresholdTwice) {
+TEST_F(Gap8AdvancedTimer, TogglesRiseEverySecondTimeAndATriangleMatchesTwice) {
   begin(kSaw, kToggle);
   run(45);
   EXPECT_THAT(heard, ElementsAre(Pair(38U, 3), Pair(38U, 23), Pair(38U, 43)));
@@ -190,7 +190,7 @@ TEST_F(Gap8AdvancedTimer, TogglesRiseEveryOtherTimeAndATriangleMeetsItsThreshold
   EXPECT_THAT(heard, ElementsAre(Pair(38U, 45 + 3), Pair(38U, 45 + 3 + 18), Pair(38U, 45 + 3 + 36)));
 }
 
-TEST_F(Gap8AdvancedTimer, GoesOnWithAnotherClockWhereItIs) {
+TEST_F(Gap8AdvancedTimer, KeepsItsCountAtAChangeOfClock) {
   begin(kSaw | 4U << 16, kSetThenClear);  // a tick in five clocks
   signals.clock_changes(10 * kTick);
   clock_hz = 50e6;
@@ -200,7 +200,7 @@ TEST_F(Gap8AdvancedTimer, GoesOnWithAnotherClockWhereItIs) {
   EXPECT_THAT(heard, ElementsAre(Pair(38U, 20), Pair(38U, 120)));
 }
 
-TEST_F(Gap8AdvancedTimer, GoesOnWithinATickAtAnotherClock) {
+TEST_F(Gap8AdvancedTimer, KeepsTheElapsedPartOfATickAtAChangeOfClock) {
   begin(kSaw | 9U << 16, kSetThenClear);  // a tick in ten clocks
   signals.clock_changes(25 * kTick);
   clock_hz = 1e9;
@@ -209,7 +209,7 @@ TEST_F(Gap8AdvancedTimer, GoesOnWithinATickAtAnotherClock) {
   EXPECT_EQ(get(0x40 + 0x2C, 25 * kTick + 5'000), 13U) << "half of a tick was left";
 }
 
-TEST_F(Gap8AdvancedTimer, RaisesNoEventOfTheTimeBeforeItIsListenedTo) {
+TEST_F(Gap8AdvancedTimer, RaisesNoEventForEdgesBeforeItWasEnabled) {
   begin(kSaw, kSetThenClear);
   set(0x100, 0);
   set(0x40 + 0x0C, 0, 25 * kTick);
@@ -220,18 +220,18 @@ TEST_F(Gap8AdvancedTimer, RaisesNoEventOfTheTimeBeforeItIsListenedTo) {
   EXPECT_THAT(heard, ElementsAre(Pair(38U, 33), Pair(38U, 43)));
 }
 
-TEST_F(Gap8AdvancedTimer, CountsOnUnderStoresMoreOftenThanATick) {
+TEST_F(Gap8AdvancedTimer, CountsDuringStoresMoreFrequentThanItsTicks) {
   begin(kSaw, kSetThenClear);
   for (Picoseconds now = 0; now <= 25 * kTick; now += kTick / 4) {
-    set(0x40 + 0x0C, 0, now);                      // a channel nobody looks at
+    set(0x40 + 0x0C, 0, now);                      // a channel without an event
     set(0x104, 1U << 1 | (now / kTick & 1), now);  // another timer's enable
-    set(0x40, 1, now);                             // starts what runs
+    set(0x40, 1, now);                             // starts a timer that runs already
     ASSERT_EQ(get(0x40 + 0x2C, now), 10 + static_cast<std::uint32_t>(now / kTick % 10)) << now;
   }
   EXPECT_THAT(heard, ElementsAre(Pair(38U, 3), Pair(38U, 13), Pair(38U, 23)));
 }
 
-TEST_F(Gap8AdvancedTimer, TellsThatInputPadsAreNotModelledAndKeepsItsState) {
+TEST_F(Gap8AdvancedTimer, ReportsThatInputPadsAreNotModelledAndKeepsItsState) {
   begin(kSaw | 3U << 8, kSetThenClear);
   EXPECT_EQ(complaints.size(), 1U);
   begin(kSaw | 3U << 8, kSetThenClear);

@@ -26,7 +26,7 @@ namespace {
 
 using gap8_devices::ClusterTimer;
 
-/// The cluster's timer, with what it raises.
+/// The cluster's timer with the events that it raises.
 class ClusterTimerTest : public testing::Test {
  protected:
   std::uint32_t load(std::uint32_t offset, std::uint64_t tick) {
@@ -39,9 +39,9 @@ class ClusterTimerTest : public testing::Test {
   ClusterTimer timer{[this](unsigned counter) { raised.push_back(counter); }};
 };
 
-TEST_F(ClusterTimerTest, CountsTicksAndRaisesAtItsComparisonAgainAndAgain) {
+TEST_F(ClusterTimerTest, CountsTicksAndRaisesAnEventAtEachMatch) {
   timer.store(TIMER_COMPARE_HI_OFFSET, 100, 30);
-  timer.store(TIMER_CONFIG_HI_OFFSET, 100, 0x15);  // the high counter: on, event, begins anew
+  timer.store(TIMER_CONFIG_HI_OFFSET, 100, 0x15);  // the high counter: on, event, restarts
   EXPECT_EQ(load(TIMER_COUNT_HI_OFFSET, 117), 17U);
   EXPECT_EQ(timer.next_tick(), 130U);
   timer.advance(130);
@@ -65,7 +65,7 @@ TEST_F(ClusterTimerTest, StopsAfterOneShotAndCountsInPairsAndByItsPrescaler) {
   EXPECT_EQ(load(TIMER_COUNT_LO_OFFSET, 1002), 1U);
 }
 
-TEST_F(ClusterTimerTest, ComparesBothHalvesOfAPairWhicheverIsStored) {
+TEST_F(ClusterTimerTest, ComparesBothHalvesOfAPairAfterEachStore) {
   timer.store(TIMER_COMPARE_LO_OFFSET, 0, 10);
   timer.store(TIMER_COMPARE_HI_OFFSET, 0, 1);
   timer.store(TIMER_CONFIG_LO_OFFSET, 0, 1U << 31 | 0x05);
@@ -76,7 +76,7 @@ TEST_F(ClusterTimerTest, ComparesBothHalvesOfAPairWhicheverIsStored) {
   EXPECT_EQ(raised, (std::vector<unsigned>{0, 0})) << "the count came to the comparison";
 }
 
-TEST_F(ClusterTimerTest, BeginsACountAnewWhereEitherHalfOfAPairIsStored) {
+TEST_F(ClusterTimerTest, RestartsACountWhenEitherHalfOfAPairIsStored) {
   for (const std::uint32_t half : {TIMER_COUNT_LO_OFFSET, TIMER_COUNT_HI_OFFSET}) {
     timer.reset();
     timer.store(TIMER_CONFIG_LO_OFFSET, 0, 1U << 31 | 0x41 | 2U << 8);  // every third tick
@@ -86,11 +86,11 @@ TEST_F(ClusterTimerTest, BeginsACountAnewWhereEitherHalfOfAPairIsStored) {
   }
 }
 
-TEST_F(ClusterTimerTest, KeepsItsCountsWhereAPairIsSplitAndWhereTwoArePaired) {
+TEST_F(ClusterTimerTest, KeepsItsCountsWhenAPairIsSplitOrFormed) {
   timer.store(TIMER_CONFIG_LO_OFFSET, 0, 1U << 31 | 1);
   timer.store(TIMER_COUNT_LO_OFFSET, 0, 0xfffffff0U);
-  timer.store(TIMER_CONFIG_HI_OFFSET, 0, 1);     // means nothing in a pair
-  timer.store(TIMER_CONFIG_LO_OFFSET, 1000, 1);  // from here on each for itself
+  timer.store(TIMER_CONFIG_HI_OFFSET, 0, 1);     // no effect in a pair
+  timer.store(TIMER_CONFIG_LO_OFFSET, 1000, 1);  // separate counters from here on
   EXPECT_EQ(load(TIMER_COUNT_LO_OFFSET, 1000), 984U);
   EXPECT_EQ(load(TIMER_COUNT_HI_OFFSET, 1000), 1U) << "carried over, and nothing for the time in the pair";
   EXPECT_EQ(load(TIMER_COUNT_HI_OFFSET, 1010), 11U);
@@ -99,7 +99,7 @@ TEST_F(ClusterTimerTest, KeepsItsCountsWhereAPairIsSplitAndWhereTwoArePaired) {
   EXPECT_EQ(load(TIMER_COUNT_HI_OFFSET, 1020), 11U);
 }
 
-TEST_F(ClusterTimerTest, HasNoEventThatNobodyWantsAndStandsAtTheReferenceClock) {
+TEST_F(ClusterTimerTest, RaisesNoMaskedEventAndStopsAtTheReferenceClock) {
   timer.store(TIMER_CONFIG_LO_OFFSET, 0, 1);
   EXPECT_EQ(timer.next_tick(), kNoTick) << "it counts only";
   timer.store(TIMER_CONFIG_LO_OFFSET, 10, 0x85);
@@ -108,8 +108,8 @@ TEST_F(ClusterTimerTest, HasNoEventThatNobodyWantsAndStandsAtTheReferenceClock) 
   EXPECT_EQ(load(TIMER_COUNT_LO_OFFSET, 500), 10U);
 }
 
-/// Core 0 sets the cluster's timer to 1000 ticks and wakes with core 1 by its event; core 2 takes the same as an
-/// interrupt. Each stores what the timer has counted then.
+/// Core 0 sets the cluster's timer to 1000 ticks and wakes with core 1 by its event; core 2 gets it as an interrupt.
+/// Each stores the timer's count at that time.
 constexpr std::string_view kTimed = R"(
 2:  wfi
     j 2b
@@ -157,7 +157,7 @@ TEST(Gap8Cluster, WakesAndInterruptsItsCoresByTheClustersTimer) {
   }
 }
 
-/// The only core that is awake sets the timer to 100 ticks and spins. What comes stores the timer's count.
+/// The only awake core sets the timer to 100 ticks and spins. Its handler stores the timer's count.
 constexpr std::string_view kTimedAlone = R"(
 2:  wfi
     j 2b
@@ -180,7 +180,7 @@ fault: csrr a0, mcause
     j 4b
 )";
 
-TEST(Gap8Cluster, InterruptsInTimeTheCoreThatSetTheTimerAndIsAwakeAlone) {
+TEST(Gap8Cluster, InterruptsInTimeTheOnlyAwakeCore) {
   auto system = timed_system(1, kTimedAlone);
   system.soc.advance(5 * kMs);
   EXPECT_TRUE(system.faults.empty()) << system.faults.front();
@@ -189,9 +189,9 @@ TEST(Gap8Cluster, InterruptsInTimeTheCoreThatSetTheTimerAndIsAwakeAlone) {
   EXPECT_LE(system.result(0), 116U);
 }
 
-/// Cores 0 and 1 loop; the end of a transfer interrupts core 0, which starts the next one, 16 times in all.
+/// Cores 0 and 1 loop; the end of a transfer interrupts core 0, which starts the next transfer, 16 times.
 
-TEST(Gap8Cluster, KeepsTheTimersEventOverASavedState) {
+TEST(Gap8Cluster, KeepsTheTimersEventInAState) {
   const auto program = fmt::format("{}{}{}", kBegin, start_cluster(0b11), kTimed);
   Gap8System straight(program);
   straight.soc.advance(1 * kMs);

@@ -30,7 +30,7 @@ BoardDescription gap8_board() {
   return read_board(MEBOTS_SOURCE_DIR "/configs/boards/gap8.json");
 }
 
-/// A program of the fabric controller with a table of vectors at `vectors` in front of what is given.
+/// A program of the fabric controller with a table of vectors at `vectors` before the given text.
 BoardSystem on_gap8(std::string_view text) {
   return BoardSystem(text, {}, gap8_board());
 }
@@ -63,7 +63,7 @@ _start: li s1, 0x1C060000
   EXPECT_EQ(system.result(4) & 0xffffU, 0x1234U) << "across two words";
 }
 
-TEST(Gap8, CoreTellsItsPrivilegeAndAHandlersReturnClearsTheCause) {
+TEST(Gap8, ShowsThePrivilegeAndClearsTheCauseAtMret) {
   auto system = on_gap8(R"(
 _start: li s1, 0x1C060000
     la t0, vectors
@@ -93,7 +93,7 @@ vectors: .rept 34
   EXPECT_EQ(system.result(2), 0U);
 }
 
-TEST(Gap8, HandlersThatFaultInTurnsBeforeAnythingRetiresEndTheCore) {
+TEST(Gap8, AlternatingFaultsOfHandlersEndTheCore) {
   auto system = on_gap8(R"(
 _start: la t0, vectors
     csrw mtvec, t0
@@ -111,7 +111,7 @@ vectors: .rept 33
   EXPECT_THAT(system.soc.fault_text(), HasSubstr("an exception in its own trap handler"));
 }
 
-TEST(Gap8, RegistersThatNobodyModelsAreToldOnceAndTheProgramGoesOn) {
+TEST(Gap8, RegistersWithoutAModelAreReportedOnceAndTheProgramContinues) {
   auto system = on_gap8(R"(
 _start: li s1, 0x1C060000
     li s0, 0x1A103004      # no device
@@ -139,13 +139,13 @@ _start: li s1, 0x1C060000
   EXPECT_FALSE(system.soc.faulted());
 }
 
-TEST(Gap8, ElsewhereAnAccessIsAFault) {
+TEST(Gap8, AnAccessElsewhereIsAFault) {
   auto system = on_gap8("_start: li s0, 0x1A200000\nlw a0, 0(s0)\n1: j 1b\n");
   system.soc.advance(1 * kMs);
   EXPECT_TRUE(system.soc.faulted());
 }
 
-TEST(Gap8, EventCountersAreChosenByTheirUserNumbersToo) {
+TEST(Gap8, EventCountersHaveUserNumbersToo) {
   auto system = on_gap8(R"(
 _start: li s1, 0x1C060000
     li a0, 3
@@ -170,7 +170,7 @@ _start: li s1, 0x1C060000
   EXPECT_GE(system.result(2), 2U);
 }
 
-TEST(Gap8, RunsWhatTheOpenPulpChipsHelloDoes) {
+TEST(Gap8, RunsTheHelloProgramOfTheOpenPulpChip) {
   BoardSystem system(R"(
 _start: csrw 0xCC1, zero
     li s0, 0x1A109800
@@ -239,7 +239,7 @@ _start: li s1, 0x1C060000
                                          HasSubstr("efuse: a fuse is read while the command is not read")));
 }
 
-TEST(Gap8, CodeThatIsChangedByTheAliasOfItsMemoryRunsAsChanged) {
+TEST(Gap8, CodeChangedThroughAnAliasRunsAsChanged) {
   auto system = on_gap8(R"(
 _start: li s2, 0x1B000200
     li a0, 0x00150513      # addi a0, a0, 1
@@ -261,7 +261,7 @@ _start: li s2, 0x1B000200
   EXPECT_EQ(system.soc.hart().reg(10), 261U);
 }
 
-TEST(Gap8, TellsOfARegisterThatIsNotModelledOnceAndGoesOn) {
+TEST(Gap8, ReportsARegisterWithoutAModelOnceAndContinues) {
   auto system = on_gap8(R"(
 _start: li s0, 0x1A102000
     li a2, 3
@@ -321,8 +321,7 @@ _start: li s0, 0x1A100000
   EXPECT_EQ(system.soc.power().voltage_v(), 1.0);
 }
 
-/// Waits for event 11 of the timer's high counter with interrupts off, lets the interrupt in, and sends itself event 3
-/// of the SoC.
+/// Waits for event 11 of the timer's high counter with interrupts off, enables the interrupt, and raises SoC event 3.
 constexpr std::string_view kEvents = R"(
     .balign 256
     .option push
@@ -405,18 +404,18 @@ TEST(Gap8, WaitsForItsTimerAndTakesTheEventsOfTheSocFromTheirQueue) {
   EXPECT_NEAR(static_cast<double>(system.soc.sleep_time()) * 1e-12, 5e-3, 50e-6) << "asleep but for a few instructions";
 }
 
-TEST(Gap8, GoesOnFromAState) {
+TEST(Gap8, ContinuesFromAState) {
   auto straight = on_gap8(kEvents);
   auto first = on_gap8(kEvents);
   auto second = on_gap8(kEvents);
   straight.soc.advance(2 * kMs);
-  first.soc.advance(500'000);  // in the wait
+  first.soc.advance(500'000);  // during the wait
   state::restore(second.soc, state::save(first.soc));
   second.soc.advance(2 * kMs);
   EXPECT_TRUE(mebots::test::same_state(second.soc, straight.soc));
 }
 
-TEST(Gap8, MovesBytesOverTheHyperBusAndTellsWhenTheyAreThere) {
+TEST(Gap8, CopiesBytesOverTheHyperBusAndRaisesAnEventAtTheEnd) {
   Settings settings;
   settings.flash.resize(0x200);
   for (std::size_t i = 0; i < settings.flash.size(); ++i) settings.flash[i] = static_cast<std::uint8_t>(i * 7);
@@ -483,7 +482,7 @@ wait: .insn i 0x03, 6, a4, 0x38(s2)
     for (std::uint32_t byte = 0; byte < 4; ++byte) expected |= ((0x80 + 4 * i + byte) * 7 & 0xffU) << 8 * byte;
     EXPECT_EQ(system.result(i), expected) << i;
   }
-  EXPECT_EQ(system.result(64), 0x10U) << "runs, and none waits behind it";
+  EXPECT_EQ(system.result(64), 0x10U) << "one runs, none is queued";
   EXPECT_EQ(system.result(65), 0x80000006U);
   EXPECT_EQ(system.result(66), 0U) << "done";
   EXPECT_EQ(system.result(67), 0x80000007U);
@@ -493,7 +492,7 @@ wait: .insn i 0x03, 6, a4, 0x38(s2)
   EXPECT_EQ(system.result(19), 0xffffffffU);
 }
 
-TEST(Gap8, SendsItsUartsBytesToTheTerminalInTheTimeOfTheirBits) {
+TEST(Gap8, SendsBytesOverTheUartAtItsBitRate) {
   BoardSystem system(R"(
 _start: li s0, 0x1A102200
     li s1, 0x1C060000
@@ -521,7 +520,7 @@ text: .ascii "hello\n"
   EXPECT_NEAR(system.result(0), 6 * 10 * 10, 25) << "cycles; a turn of the loop takes some, and its code is fetched";
 }
 
-TEST(Gap8, AReceiverThatNobodySendsToWaitsUntilItsChannelIsCleared) {
+TEST(Gap8, AReceiverWithoutASenderWaitsUntilItsChannelIsCleared) {
   BoardSystem system(R"(
 _start: li s0, 0x1A102200
     li s1, 0x1C060000
@@ -603,7 +602,7 @@ TEST_F(Gap8HyperFlash, ShowsItsStatusOnceAndErasesAll) {
   EXPECT_EQ(read(kSector - 2, 4), std::vector<std::uint8_t>(4, 0xff));
 }
 
-TEST_F(Gap8HyperFlash, ForgetsACommandThatIsNotInItsOrder) {
+TEST_F(Gap8HyperFlash, ResetsASequenceOutOfOrder) {
   EXPECT_FALSE(tell(0x555, 0xA0)) << "not unlocked";
   EXPECT_TRUE(tell(0x555, 0xAA));
   EXPECT_FALSE(tell(0x555, 0x55)) << "another address";
@@ -612,7 +611,7 @@ TEST_F(Gap8HyperFlash, ForgetsACommandThatIsNotInItsOrder) {
   EXPECT_EQ(read(0, 4), std::vector<std::uint8_t>(image.begin(), image.begin() + 4));
 }
 
-TEST_F(Gap8HyperFlash, GoesOnFromAState) {
+TEST_F(Gap8HyperFlash, ContinuesFromAState) {
   EXPECT_TRUE(program(0x10, {0}));
   EXPECT_TRUE(unlock() && tell(0x555, 0xA0));
   gap8_devices::HyperFlash other{image};
@@ -630,7 +629,7 @@ TEST(Gap8, RefusesAFlashImageThatIsTooLarge) {
               testing::ThrowsMessage<Error>(HasSubstr("the flash image has 67108865 bytes")));
 }
 
-TEST(Gap8EventUnit, KeepsTheEventOfItsQueueUpUntilTheLastIsRead) {
+TEST(Gap8EventUnit, KeepsTheQueuesEventSetUntilTheQueueIsEmpty) {
   gap8_devices::Signals signals;
   gap8_devices::EventUnit unit(signals);
   unit.store(0x0C, 0xffffffffU);
@@ -646,7 +645,7 @@ TEST(Gap8EventUnit, KeepsTheEventOfItsQueueUpUntilTheLastIsRead) {
   EXPECT_EQ(unit.take_soc_event(), 0U) << "nothing: not valid";
 }
 
-TEST(Gap8EventUnit, PresentsTheHighestEventThatItsMaskLetsThrough) {
+TEST(Gap8EventUnit, PresentsTheHighestUnmaskedEvent) {
   gap8_devices::Signals signals;
   gap8_devices::EventUnit unit(signals);
   signals.raise_fabric_event(3);
@@ -665,7 +664,7 @@ TEST(Gap8EventUnit, PresentsTheHighestEventThatItsMaskLetsThrough) {
   EXPECT_EQ(buffer, 1U << 3);
 }
 
-TEST(Gap8EventUnit, AnswersAWaitWhenAnEventOfItsMaskIsThere) {
+TEST(Gap8EventUnit, AnswersAWaitWhenAnUnmaskedEventIsPending) {
   gap8_devices::Signals signals;
   gap8_devices::EventUnit unit(signals);
   unit.store(0x00, 1U << 4);
@@ -679,7 +678,7 @@ TEST(Gap8EventUnit, AnswersAWaitWhenAnEventOfItsMaskIsThere) {
   EXPECT_EQ(unit.load_event(0x3C).kind, BusReply::Kind::blocked) << "the load has cleared it";
 }
 
-TEST(Gap8SocEvents, DeliverWhatIsNotMaskedAndTheReferenceClock) {
+TEST(Gap8SocEvents, DeliverUnmaskedEventsAndTheReferenceClock) {
   gap8_devices::Signals signals;
   std::vector<unsigned> heard;
   gap8_devices::SocEvents events(signals, [&](unsigned event) { heard.push_back(event); });
@@ -691,7 +690,7 @@ TEST(Gap8SocEvents, DeliverWhatIsNotMaskedAndTheReferenceClock) {
   EXPECT_THAT(heard, ElementsAre(37U));
   const Picoseconds later = 1'000'000'000;
   events.store(0x04, later, ~(1U << 24));
-  EXPECT_EQ(events.next_event(), gap8_devices::reference_edge_time(33)) << "1 ms lies behind edge 32";
+  EXPECT_EQ(events.next_event(), gap8_devices::reference_edge_time(33)) << "1 ms is after edge 32";
   events.advance(events.next_event());
   EXPECT_THAT(heard, ElementsAre(37U, 56U));
 }
@@ -704,7 +703,7 @@ std::uint32_t read(gap8_devices::Timer& timer, std::uint32_t offset, Picoseconds
   return value;
 }
 
-TEST(Gap8Timer, CountsTheCoresClockAndStartsAnewAtItsComparison) {
+TEST(Gap8Timer, CountsTheCoresClockAndRestartsAtAMatch) {
   gap8_devices::Signals signals;
   std::vector<unsigned> raised;
   signals.raise_fabric_event = [&](unsigned event) { raised.push_back(event); };

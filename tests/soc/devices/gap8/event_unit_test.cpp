@@ -37,7 +37,7 @@ constexpr std::uint32_t kMutex = 0xC0;
 constexpr std::uint32_t kTrigger = 0x100;
 constexpr std::uint32_t kBarrier = EU_BARRIER_OFFSET;
 
-/// The event unit of four cores, which ask by the short way.
+/// The event unit of four cores, with accesses to the demultiplexed range.
 class EventUnitOfFour : public testing::Test {
  protected:
   BusReply store(unsigned core, std::uint32_t offset, std::uint32_t value) {
@@ -50,7 +50,7 @@ class EventUnitOfFour : public testing::Test {
   ClusterEventUnit unit{4};
 };
 
-TEST_F(EventUnitOfFour, WakesThoseWhomASoftwareEventNamesAndWhoLetItThrough) {
+TEST_F(EventUnitOfFour, WakesTheTargetsOfASoftwareEventThatUnmaskIt) {
   store(1, kMaskOr, 1U << 3);
   EXPECT_TRUE(blocks(1, kWaitClear));
   EXPECT_TRUE(blocks(2, kWaitClear));
@@ -63,7 +63,7 @@ TEST_F(EventUnitOfFour, WakesThoseWhomASoftwareEventNamesAndWhoLetItThrough) {
   for (unsigned core = 0; core < 4; ++core) EXPECT_EQ(load(core, kBuffer) & 1U, 1U) << "0 names all, " << core;
 }
 
-TEST_F(EventUnitOfFour, OpensTheBarrierWhenTheLastOfItsTeamComes) {
+TEST_F(EventUnitOfFour, OpensTheBarrierWhenTheLastCoreOfItsTeamArrives) {
   store(0, kBarrier, 0b0111);
   store(0, kBarrier + BARRIER_TARGETS_OFFSET, 0b0111);
   for (unsigned core = 0; core < 4; ++core) store(core, kMaskOr, 1U << 16);
@@ -80,7 +80,7 @@ TEST_F(EventUnitOfFour, OpensTheBarrierWhenTheLastOfItsTeamComes) {
   EXPECT_TRUE(blocks(1, kBarrier + BARRIER_ARRIVE_WAIT_OFFSET)) << "the next round";
 }
 
-TEST_F(EventUnitOfFour, HandsTheMutexToTheLowestWhoWaits) {
+TEST_F(EventUnitOfFour, GivesTheMutexToTheWaitingCoreWithTheLowestNumber) {
   for (unsigned core = 0; core < 4; ++core) store(core, kMaskOr, 1U << 17);
   EXPECT_EQ(wait(2, kMutex).kind, BusReply::Kind::done);
   EXPECT_TRUE(blocks(3, kMutex));
@@ -112,7 +112,7 @@ TEST_F(EventUnitOfFour, DispatchesWordsToTheTeamInTheirOrder) {
   EXPECT_TRUE(blocks(2, kDispatch)) << "not of the team";
 }
 
-TEST_F(EventUnitOfFour, PresentsTheHighestInterruptAndForgetsItWhenItIsTaken) {
+TEST_F(EventUnitOfFour, PresentsTheHighestInterruptAndClearsItWhenTaken) {
   store(3, kMaskIrqOr, 0b1010);
   store(0, kTrigger + 4 * 1, 0b1000);
   store(0, kTrigger + 4 * 3, 0b1000);
@@ -122,7 +122,7 @@ TEST_F(EventUnitOfFour, PresentsTheHighestInterruptAndForgetsItWhenItIsTaken) {
   EXPECT_EQ(unit.lines(0), 0U);
 }
 
-TEST_F(EventUnitOfFour, ShowsAllCoresRegistersByTheLongWay) {
+TEST_F(EventUnitOfFour, ShowsAllCoresRegistersOnThePeripheralBus) {
   const std::uint32_t mask = 0x30;
   EXPECT_EQ(unit.shared(2 * 0x40, &mask).kind, BusReply::Kind::done);
   EXPECT_EQ(load(2, 0), 0x30U);
@@ -133,8 +133,8 @@ TEST_F(EventUnitOfFour, ShowsAllCoresRegistersByTheLongWay) {
   EXPECT_EQ(unit.shared(4 * 0x40, nullptr).kind, BusReply::Kind::none) << "there is no fifth core";
 }
 
-/// Switches the cluster on, lets eight cores begin, and waits for core 0's word. Each core copies 64 bytes of L2 into
-/// L1, adds them up, and meets the others; core 0 adds what they found and sends it out.
+/// Switches the cluster on, starts eight cores, and waits for core 0's result. Each core copies 64 bytes of L2 into L1,
+/// adds them, and waits for the others; core 0 adds all results and sends the sum.
 std::string eight_cores() {
   return fmt::format("{}{}", kBegin, R"(
     li s1, RESULTS
@@ -253,7 +253,7 @@ TEST(Gap8Cluster, GivesTheSameBitsInterpretedAndFromAState) {
   straight.soc.advance(1 * kMs);
   slow.soc.advance(1 * kMs);
   EXPECT_TRUE(mebots::test::same_state(slow.soc, straight.soc));
-  first.soc.advance(15'000);  // cores are on their way
+  first.soc.advance(15'000);  // the cores are running
   state::restore(second.soc, state::save(first.soc));
   second.soc.advance(1 * kMs);
   EXPECT_TRUE(mebots::test::same_state(second.soc, straight.soc));

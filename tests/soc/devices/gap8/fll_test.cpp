@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// GAP8's clock loops while the cluster works: time, energy and bits when a core changes the clock.
+// GAP8's clock loops while the cluster is running: time, energy and bits when a core changes the clock.
 #include "gap8_system.hpp"
 #include "support/same_state.hpp"
 
@@ -29,7 +29,7 @@ struct Others {
   Meanwhile of_cores = Meanwhile::sleeps;
 };
 
-/// Core 0 loops 200,000 times, does what `change` says, and loops as often again. Then it stores into tohost.
+/// Core 0 loops 200,000 times, executes `change`, and loops again. Then it stores into tohost.
 std::string core_that_changes(std::string_view change, const Others& others) {
   return fmt::format(R"({}{}
 2:  {}
@@ -60,7 +60,7 @@ tohost: .word 0, 0
                      others.of_cores == Meanwhile::sleeps ? ".insn i 0x03, 6, a5, EU_WAIT_CLEAR_OFFSET(s0)" : "nop");
 }
 
-/// Cycles of one of its two loops.
+/// Cycles of one of the two loops.
 constexpr double kLoopOfWork = 200'000 * 4.0;
 constexpr double kHzAtReset = 1525 * 32768.0;
 
@@ -69,7 +69,7 @@ void run_to_tohost(Gap8System& system) {
   system.soc.run_cycles(10'000'000);
 }
 
-TEST(Gap8Cluster, ACoreSetsTheClockNowWhateverOthersDo) {
+TEST(Gap8Cluster, ACoreSetsTheClockAtOnce) {
   const auto run = [](std::uint32_t factor, const Others& others) {
     Gap8System system(core_that_changes(set_cluster_clock(factor), others));
     run_to_tohost(system);
@@ -92,7 +92,7 @@ TEST(Gap8Cluster, ACoreSetsTheClockNowWhateverOthersDo) {
   }
 }
 
-TEST(Gap8Cluster, ACoreThatChangesTheClockGivesTheSameBitsInStepsInterpretedAndFromAState) {
+TEST(Gap8Cluster, AChangeOfClockGivesTheSameBitsInStepsInterpretedAndFromAState) {
   const auto program = core_that_changes(set_cluster_clock(762), {Meanwhile::sleeps, 0xfe, Meanwhile::sleeps});
   const auto board = Gap8System::gap8();
   Gap8System straight(program, {}, board);
@@ -121,7 +121,7 @@ TEST(Gap8Cluster, ACoreThatChangesTheClockGivesTheSameBitsInStepsInterpretedAndF
 TEST(Gap8Cluster, RunLastsUntilACoreSwitchesTheClusterOff) {
   Gap8System system(core_that_changes("li s0, SOC_CONTROL_BASE\n sw zero, SOC_CONTROL_CL_BYPASS_OFFSET(s0)", {}));
   run_to_tohost(system);
-  EXPECT_EQ(system.soc.end(), End::none) << "nothing can go on";
+  EXPECT_EQ(system.soc.end(), End::none) << "nothing can continue";
   EXPECT_FALSE(system.soc.cluster()->powered());
   const auto expected_s = kLoopOfWork / kHzAtReset;
   const auto now = system.soc.now();
@@ -130,9 +130,9 @@ TEST(Gap8Cluster, RunLastsUntilACoreSwitchesTheClusterOff) {
   EXPECT_GT(static_cast<double>(system.soc.sleep_time()) / kPsPerS, 0.99 * expected_s);
 }
 
-/// Firmware may change clocks for each picture. What a load from L2 and a cache line take in the cluster's cycles then
-/// changes, and no code does.
-TEST(Gap8Cluster, CodeIsDecodedAndTranslatedOnceWhateverTheClocks) {
+/// Firmware may change clocks for each picture. That changes the cluster's cycles of a load from L2 and of a refill,
+/// but no code.
+TEST(Gap8Cluster, CodeIsDecodedAndTranslatedOnceForAllClocks) {
   const auto program =
       Gap8System::assembled(fmt::format(R"({}{}
 2:  li a2, 200
@@ -178,8 +178,8 @@ fault: j fault
   EXPECT_EQ(controller.instructions_translated() + cluster.instructions_translated(), translated);
 }
 
-/// A core that slept before the clock changed has a tick of the old one.
-TEST(Gap8Cluster, CoresThatSleepHaveATimeThoughTheClockHasChangedSince) {
+/// The tick of a core that fell asleep before the change of clock is one of the old clock.
+TEST(Gap8Cluster, SleepingCoresHaveATimeAfterAChangeOfClock) {
   Gap8System by_core(core_that_changes(set_cluster_clock(762), {Meanwhile::sleeps, 0b10}), {}, Gap8System::gap8());
   run_to_tohost(by_core);
   EXPECT_LE(by_core.soc.core_time(2), by_core.soc.now());

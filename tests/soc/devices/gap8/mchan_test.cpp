@@ -72,7 +72,7 @@ TEST_F(MchanTest, CopiesBytesAndCountsThemInItsCounter) {
   EXPECT_EQ(counter, 0U);
   EXPECT_EQ(load(DMA_STATUS_OFFSET), 1U << 16) << "taken, nothing to come";
   store(DMA_QUEUE_OFFSET, 40 | 1U << 16 | 1U << 17 | 1U << 19);  // 40 bytes into L1, with an event
-  store(DMA_QUEUE_OFFSET, 0x200);                                // L1's address may be that of its alias
+  store(DMA_QUEUE_OFFSET, 0x200);                                // its address in L1 may be that of the alias
   EXPECT_FALSE(dma.busy()) << "the command is not complete";
   store(DMA_QUEUE_OFFSET, (kL2 + 0x100));
   EXPECT_EQ(load(DMA_STATUS_OFFSET), 1U << 16 | 1U);
@@ -84,7 +84,7 @@ TEST_F(MchanTest, CopiesBytesAndCountsThemInItsCounter) {
   EXPECT_EQ(load(DMA_STATUS_OFFSET), 0U);
 }
 
-TEST_F(MchanTest, CopiesRowsOutOfL1WithTheStepOfL2AndTellsOnlyWhenAllHaveCome) {
+TEST_F(MchanTest, CopiesRowsOutOfL1AndRaisesItsEventAfterTheLastOne) {
   fill(kL1, 20);
   load(DMA_QUEUE_OFFSET);
   store(DMA_QUEUE_OFFSET, 20 | 1U << 17 | 1U << 18 | 1U << 19);
@@ -103,7 +103,7 @@ TEST_F(MchanTest, CopiesRowsOutOfL1WithTheStepOfL2AndTellsOnlyWhenAllHaveCome) {
   EXPECT_EQ(bytes((kL2 + 0x800), 4), bytes(kL1, 4));
 }
 
-TEST_F(MchanTest, HasAPlaceForAnyNumberOfCommandsAndNoneForMemoryThatIsNot) {
+TEST_F(MchanTest, QueuesAnyNumberOfCommandsAndRefusesInvalidAddresses) {
   fill(kL2, 256);
   load(DMA_QUEUE_OFFSET);
   for (std::uint32_t i = 0; i < 40; ++i) {
@@ -120,7 +120,7 @@ TEST_F(MchanTest, HasAPlaceForAnyNumberOfCommandsAndNoneForMemoryThatIsNot) {
   EXPECT_EQ(mchan.access(1, DMA_QUEUE_OFFSET, &nowhere, 0).kind, BusReply::Kind::none);
 }
 
-TEST_F(MchanTest, TakesAsLongAsTheSlowerClockNeedsForItsBeats) {
+TEST_F(MchanTest, TakesTheTimeOfItsBeatsInTheSlowerClock) {
   const auto ticks_for = [this](std::uint32_t soc_ticks_of_two_beats) {
     DmaTiming timing;
     timing.beat_ticks = soc_ticks_of_two_beats * DmaTiming::kBeatUnit / 2;
@@ -137,7 +137,7 @@ TEST_F(MchanTest, TakesAsLongAsTheSlowerClockNeedsForItsBeats) {
   EXPECT_EQ(ticks_for(4), 16U + 512 * 2);
 }
 
-/// Cores 0 and 1 loop; the end of a transfer interrupts core 0, which starts the next one, 16 times in all.
+/// Cores 0 and 1 loop; the end of a transfer interrupts core 0, which starts the next transfer, 16 times.
 constexpr std::string_view kTransfers = R"(
 2:  wfi
     j 2b

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// SoC control of GAP8: the end of a program, the number of cores, and registers that are not modelled.
+// SoC control of GAP8: the end of a program, the number of cores, and registers without a model.
 #include "gap8_system.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// A program whose exceptions go to `ends`. The fabric controller continues with `rest`, cores 1 and 5 at `core`.
+/// A program with exceptions to `ends`. The fabric controller continues with `rest`, cores 1 and 5 at `core`.
 std::string with_handler(std::string_view rest) {
   constexpr std::string_view kVectors = R"(
     .balign 256
@@ -61,7 +61,7 @@ ends: csrr a1, mhartid
   EXPECT_THAT(system.faults.front(), testing::HasSubstr("cluster core 5: the program's own handler gave up"));
 }
 
-TEST(Gap8Cluster, BlamesNoCoreWhoseHandlerGoesOnAndEndsNothing) {
+TEST(Gap8Cluster, DoesNotReportACoreWhoseHandlerContinues) {
   Gap8System system(with_handler(R"(
 2:  j 2b
 core: li a1, 1
@@ -83,7 +83,7 @@ ends: csrr a1, mhartid
   EXPECT_EQ(system.soc.gave_up(), 5);
 }
 
-TEST(Gap8Cluster, BlamesNoCoreWhenTheFabricControllerEndsTheProgramWithoutAnException) {
+TEST(Gap8Cluster, DoesNotReportACoreIfTheFabricControllerEndsTheProgramWithoutAnException) {
   Gap8System system(with_handler(R"(
     li a1, 10000
 2:  addi a1, a1, -1
@@ -102,7 +102,7 @@ ends: j ends
   EXPECT_TRUE(system.faults.empty());
 }
 
-/// Core 0 loads 256 times and stores once at `offset` behind `base`, and sleeps.
+/// Core 0 loads 256 times and stores once at `base` + `offset`, and sleeps.
 Gap8System core_that_reads(std::string_view base, std::string_view offset) {
   const auto reads = fmt::format(R"(
 2:  wfi
@@ -122,7 +122,7 @@ fault: j fault
   return Gap8System(fmt::format("{}{}{}", kBegin, start_cluster(1), reads));
 }
 
-TEST(Gap8Cluster, GoesOnWhereNoDeviceStandsAndWaitsAsLongAsForOne) {
+TEST(Gap8Cluster, ContinuesAfterAnAccessWithoutADeviceWithADevicesLatency) {
   auto modelled = core_that_reads("SOC_CONTROL_BASE", "0x70");
   auto nowhere = core_that_reads("0x1A103000", "0x04");
   modelled.soc.advance(5 * kMs);
@@ -135,7 +135,7 @@ TEST(Gap8Cluster, GoesOnWhereNoDeviceStandsAndWaitsAsLongAsForOne) {
   EXPECT_EQ(nowhere.soc.hart(1).counters().cycles, modelled.soc.hart(1).counters().cycles);
 }
 
-TEST(Gap8Cluster, SocControlTellsHowManyCoresThisChipHas) {
+TEST(Gap8Cluster, SocControlShowsTheNumberOfCores) {
   constexpr std::string_view kProgram = R"(
 _start: li s0, SOC_CONTROL_BASE
     lw a0, 0(s0)
@@ -152,7 +152,7 @@ _start: li s0, SOC_CONTROL_BASE
   }
 }
 
-TEST(Gap8Cluster, TellsOnceOfARegisterThatIsNotModelled) {
+TEST(Gap8Cluster, ReportsARegisterWithoutAModelOnce) {
   Gap8System system(R"(
 _start: li s0, SOC_CONTROL_BASE
     li a0, BYPASS_CLUSTER_ON

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kDelayNs = 16'666'700;  // exposure and read-out of the board file
 
-/// Asks for a picture of {} bytes at once, sleeps until the interrupt, then notes STATUS, size, id and time.
+/// Requests a picture of {} bytes at once, sleeps until the interrupt, then stores STATUS, size, id and time.
 constexpr std::string_view kAsk = R"(
 _start: la t0, handler
     csrw mtvec, t0
@@ -60,10 +60,10 @@ std::vector<std::uint8_t> picture(std::size_t size) {
   return bytes;
 }
 
-TEST(Camera, BringsThePictureADelayAfterItCameAndRaisesItsInterruptOnce) {
+TEST(Camera, StoresThePictureAfterTheDelayAndRaisesItsInterruptOnce) {
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, BoardSystem::narrow());
   auto& camera = system.camera();
-  EXPECT_FALSE(camera.wants(0)) << "nothing asked";
+  EXPECT_FALSE(camera.wants(0)) << "no request";
   system.soc.advance(2 * kMs);
   EXPECT_EQ(camera.requests(), 1);
   EXPECT_EQ(system.result(0), Camera::kBusy);
@@ -99,7 +99,7 @@ BoardDescription with_lines(double frame_lines, double exposure_lines) {
   return board;
 }
 
-TEST(Camera, WithLinesTakesTheTimeOfItsExposureAndOfItsRows) {
+TEST(Camera, WithLinesTakesTheTimeOfExposureAndRows) {
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, with_lines(260, 30));
   system.soc.advance(2 * kMs);
   system.camera().offer(picture(64 * 40), system.soc.now());
@@ -111,7 +111,7 @@ TEST(Camera, WithLinesTakesTheTimeOfItsExposureAndOfItsRows) {
   EXPECT_NEAR(system.result(6), static_cast<double>(ready_ns), 1000);
 }
 
-TEST(Camera, WithLinesReadsOutNoMoreThanOnePictureAFrame) {
+TEST(Camera, WithLinesReadsOutAtMostOnePicturePerFrame) {
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, with_lines(344, 30));
   system.soc.advance(2 * kMs);
   auto& camera = system.camera();
@@ -125,7 +125,7 @@ TEST(Camera, WithLinesReadsOutNoMoreThanOnePictureAFrame) {
   EXPECT_NEAR(static_cast<double>(camera.next_event() - first_done), line_ps(344), 2);
 }
 
-TEST(Camera, RefusesLinesInWhichItsPictureHasNoRoom) {
+TEST(Camera, RefusesFewerLinesThanRows) {
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, with_lines(39, 0));
   system.soc.advance(2 * kMs);
   EXPECT_THAT([&] { system.camera().offer(picture(64 * 40), system.soc.now()); },
@@ -135,7 +135,7 @@ TEST(Camera, RefusesLinesInWhichItsPictureHasNoRoom) {
   EXPECT_THROW(exposed.camera().offer(picture(64 * 40), exposed.soc.now()), Error);
 }
 
-TEST(Camera, DropsPicturesOfAnotherSizeThanItsParametersSayAndTellsItOnce) {
+TEST(Camera, DropsPicturesOfAnotherSizeAndReportsItOnce) {
   // 160 x 160 would fill 80 rows of 320 without a remainder.
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 320 * 320, 0));
   system.soc.advance(2 * kMs);
@@ -166,7 +166,7 @@ double seconds_of(const Soc& soc, ChipState state) {
   return static_cast<double>(soc.state_times().total(static_cast<std::size_t>(state))) * 1e-12;
 }
 
-TEST(StateTimes, OfAPictureAreWaitingUntilItIsThereAndAsleepAfterwards) {
+TEST(StateTimes, AreWaitingUntilAPictureArrivesAndAsleepAfterwards) {
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, BoardSystem::narrow());
   system.soc.advance(2 * kMs);
   system.camera().offer(picture(64 * 40), system.soc.now());
@@ -182,7 +182,7 @@ TEST(StateTimes, OfAPictureAreWaitingUntilItIsThereAndAsleepAfterwards) {
   EXPECT_NEAR(seconds_of(system.soc, ChipState::waiting) + seconds_of(system.soc, ChipState::asleep), slept_s, 1e-12);
 }
 
-TEST(StateTimes, OfTheClusterAreThoseThatItIsOnHoweverTheStepsLie) {
+TEST(StateTimes, OfTheClusterDoNotDependOnTheSteps) {
   constexpr std::string_view kTwoMilliseconds = R"(
 _start: li s0, POWER_MANAGER_BASE
     la a0, core
@@ -228,14 +228,14 @@ TEST(Camera, RefusesABufferOutsideTheRam) {
   EXPECT_EQ(system.camera().requests(), 0);
 }
 
-TEST(Camera, DropsAPictureThatDoesNotFitAndSaysSo) {
+TEST(Camera, DropsAPictureThatDoesNotFitAndReportsIt) {
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 100, 0), {}, BoardSystem::narrow());
   system.soc.advance(2 * kMs);
   const auto bytes = picture(64 * 40);
   system.camera().offer(bytes, system.soc.now());
   system.soc.advance(30 * kMs);
   EXPECT_EQ(system.result(2), Camera::kRefused);
-  EXPECT_EQ(system.result(7), 1U) << "interrupt, so that nobody waits for ever";
+  EXPECT_EQ(system.result(7), 1U) << "interrupt, so that the firmware does not wait without end";
   ASSERT_EQ(system.faults.size(), 1U);
   EXPECT_THAT(system.faults[0], testing::HasSubstr("2560 bytes"));
 }
@@ -251,7 +251,7 @@ TEST(Camera, DrawsItsActiveCurrentForTheDelayAndItsIdleCurrentOtherwise) {
 }
 
 TEST(Camera, OverwritesCodeThatThenRunsAsWritten) {
-  // The picture goes over "target", which ran before as "addi a0, a0, 1; ret".
+  // The picture overwrites "target", which ran before as "addi a0, a0, 1; ret".
   BoardSystem system(R"(
 _start: la s2, target
     jalr s2
