@@ -38,6 +38,7 @@ struct TypedOptions {
   std::optional<std::string> stop_time;
   std::optional<std::string> step;
   std::optional<std::string> checkpoint_every;
+  std::optional<std::string> uncertainty;  ///< "calibration" or "none"
 };
 
 /// What is wanted of any run on the command line, new or resumed.
@@ -46,8 +47,7 @@ struct ReportOptions {
   std::filesystem::path junit;      ///< JUnit file to write; empty = none
   bool quiet = false;
   bool verbose = false;
-  bool dry_run = false;                    ///< of a new run
-  std::optional<std::string> uncertainty;  ///< "calibration" or "none", in place of the config's
+  bool dry_run = false;  ///< of a new run
   LiveViewOptions live;
 };
 
@@ -58,6 +58,7 @@ RunOptions options_of(const TypedOptions& typed) {
   if (!typed.record.empty()) options.record = typed.record;
   if (typed.stop_time) options.stop_time_s = master::to_seconds(master::read_time("--stop-time", *typed.stop_time));
   if (typed.step) options.step_s = master::read_step("--step", *typed.step);
+  if (typed.uncertainty) options.draws_calibration = *typed.uncertainty == "calibration";
   if (typed.checkpoint_every) {
     options.checkpoint_every_s =
         master::to_seconds(master::read_duration("--checkpoint-every", *typed.checkpoint_every));
@@ -89,11 +90,6 @@ void show_end(const Run& run, const ReportOptions& options, Console& console) {
   if (interrupted && checkpoint) {
     console.line(fmt::format("resume with: mebots resume {}", shell_word(run.options().out.string())));
   }
-}
-
-bool wants_draws(const Run& run, const ReportOptions& options) {
-  if (run.report().end_reason == EndReason::interrupted) return false;
-  return options.uncertainty ? *options.uncertainty == "calibration" : run.system().draws_calibration;
 }
 
 /// Flies the draws of a run that has ended, and adds their intervals to its summary.
@@ -144,7 +140,7 @@ int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptio
       run->start();
       run->run();
     }
-    if (wants_draws(*run, options)) fly_draws(*run, console);
+    if (master::wants_draws(*run)) fly_draws(*run, console);
     show_end(*run, options, console);
     code = exit_code(*run, options, console);
     if (view) view->end(console);
@@ -241,7 +237,7 @@ void add_run(CLI::App& app, Action& action) {
                    "Write a checkpoint at t = 0 and then at this interval of simulated time [s]")
       ->type_name("SECONDS");
   command
-      ->add_option("--uncertainty", report->uncertainty,
+      ->add_option("--uncertainty", run->uncertainty,
                    "calibration: make 19 more flights with drawn parameters, and report intervals; none: make none")
       ->type_name("KIND")
       ->check(CLI::IsMember({"calibration", "none"}));

@@ -150,7 +150,7 @@ PYBIND11_MODULE(_mebots, module) {
                        bool in_memory, const std::vector<std::filesystem::path>& scenarios,
                        const std::vector<std::filesystem::path>& inputs, std::optional<double> stop_time_s,
                        std::optional<double> step_s, bool isolate, bool statistics,
-                       std::optional<double> checkpoint_every_s) {
+                       std::optional<double> checkpoint_every_s, std::optional<bool> draws_calibration) {
              RunOptions options;
              if (out) options.out = *out;
              options.in_memory = in_memory;
@@ -161,10 +161,11 @@ PYBIND11_MODULE(_mebots, module) {
              options.isolate = isolate;
              options.statistics = statistics;
              options.checkpoint_every_s = checkpoint_every_s;
+             options.draws_calibration = draws_calibration;
              return std::make_unique<Mission>(config, options);
            }),
            "config"_a, "out"_a, "in_memory"_a, "scenarios"_a, "inputs"_a, "stop_time"_a, "step"_a, "isolate"_a,
-           "statistics"_a, "checkpoint_every"_a)
+           "statistics"_a, "checkpoint_every"_a, "draws_calibration"_a)
       .def_static("resume", &Mission::resume, "folder"_a, "in_memory"_a)
       .def("on_message", &on_message)
       .def("on_point", &on_point)

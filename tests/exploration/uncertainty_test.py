@@ -82,10 +82,37 @@ class Calibration(StudyCase):
         self.assertIn("battery: calibration.resistance has no effect: cell 'Bitcraze 250 mAh' has no interval of "
                       "resistance_factor", text)
 
-    def test_a_mission_from_python_flies_once(self):
-        with mebots.Mission(self.folder / "mission.json") as mission:
+    def test_a_mission_from_python_has_the_same_intervals(self):
+        found = self.run_mission()[0]["uncertainty"]
+        with mebots.Mission(self.folder / "mission.json", out=self.folder / "python") as mission:
+            mission.run()
+        self.assertEqual(mission.summary["uncertainty"], found)
+        written = json.loads((self.folder / "python/summary.json").read_text())
+        self.assertEqual(written["uncertainty"], found)
+
+    def test_a_mission_from_python_flies_once_if_it_is_told_to(self):
+        with mebots.Mission(self.folder / "mission.json", uncertainty="none") as mission:
             mission.run()
         self.assertNotIn("uncertainty", mission.summary)
+        with self.assertRaisesRegex(mebots.InputError, "uncertainty='maybe': 'calibration' or 'none' is expected"):
+            mebots.Mission(self.folder / "mission.json", uncertainty="maybe")
+
+    def test_there_are_no_draws_of_what_a_program_wrote_or_began_later(self):
+        with mebots.Mission(self.folder / "mission.json") as mission:
+            mission.run_until(1)
+            state = mission.save_state()
+            mission.write("world.setpoint.altitude", 1.5)
+            mission.run()
+        self.assertIn("a program wrote variables", mission.summary["uncertainty"]["skipped"])
+        with mebots.Mission(self.folder / "mission.json") as mission:
+            mission.start_from(state)
+            mission.run()
+        self.assertIn("began in its middle", mission.summary["uncertainty"]["skipped"])
+
+    def test_a_summary_names_parameters_without_an_interval(self):
+        self.mission(**{"battery.cell.name": "bitcraze_250"})
+        found = self.run_mission()[0]["uncertainty"]["without_effect"]
+        self.assertTrue(any("calibration.resistance has no effect" in text for text in found), found)
 
     def test_mistakes_are_named(self):
         self.calibrated_study()

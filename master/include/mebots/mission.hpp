@@ -73,7 +73,9 @@ class Mission {
   void start();
   /// One communication step. False when no step was taken, because the end was reached.
   bool step();
-  /// To the end.
+  /// To the end. If the config or the options ask for "uncertainty", 19 flights with drawn parameters follow, without
+  /// messages and listeners, and the summary gets their intervals. There are none after write(), start_from() or an
+  /// interrupt: the summary's `uncertainty.skipped` has the reason.
   void run();
   /// Steps until `time_s`, or to the end when that comes first.
   void run_until(double time_s);

@@ -49,6 +49,7 @@ struct RunOptions {
   bool isolate = false;                            ///< every instance in a process of its own
   bool statistics = false;                         ///< measure calls and wall time of every instance, for the summary
   std::optional<double> checkpoint_every_s;        ///< checkpoints in `out`, after each such simulated time
+  std::optional<bool> draws_calibration;           ///< fly the draws of "uncertainty", in place of the config's
 
   void visit(state::Visitor& v);
 };

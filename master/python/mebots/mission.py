@@ -13,6 +13,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from mebots import _mebots
+from mebots.errors import InputError
 
 if TYPE_CHECKING:  # NumPy is imported where an array is asked for: `mebots sweep` asks for none
     import numpy as np
@@ -45,6 +46,8 @@ class Mission:
     :param isolate: every instance in a process of its own.
     :param statistics: measure calls and wall time of every instance, for the summary.
     :param checkpoint_every: simulated time [s] from checkpoint to checkpoint in ``out``; None = no checkpoints.
+    :param uncertainty: "calibration" or "none", in place of the config's: whether ``run()`` makes 19 more flights with drawn
+        parameters, and adds intervals to the summary.
     """
 
     def __init__(
@@ -62,11 +65,14 @@ class Mission:
         isolate: bool = False,
         statistics: bool = False,
         checkpoint_every: float | None = None,
+        uncertainty: str | None = None,
     ) -> None:
         if isinstance(scenarios, (str, os.PathLike)):
             scenarios = [scenarios]
         if isinstance(inputs, (str, os.PathLike)):
             inputs = [inputs]
+        if uncertainty not in (None, "calibration", "none"):
+            raise InputError(f"uncertainty={uncertainty!r}: 'calibration' or 'none' is expected", "invalid_value")
         file = _file_of(config, self) if isinstance(config, Mapping) else config
         self._run = _mebots.Mission(
             file,
@@ -79,6 +85,7 @@ class Mission:
             isolate,
             statistics,
             checkpoint_every,
+            None if uncertainty is None else uncertainty == "calibration",
         )
         if set is not None and not isinstance(set, Mapping):
             raise TypeError(f"set is a dict of variables and their values, not {set!r}")
@@ -165,7 +172,11 @@ class Mission:
 
     def run(self) -> None:
         """Steps to the end. Ctrl-C ends the run between two calls to FMUs, writes its reports and raises
-        KeyboardInterrupt."""
+        KeyboardInterrupt.
+
+        If the config or ``uncertainty`` asks for "calibration", 19 flights with drawn parameters follow, without messages
+        and listeners; ``summary["uncertainty"]`` has their intervals. There are none after ``write()`` or
+        ``start_from()``, which the draws would lack: ``summary["uncertainty"]["skipped"]`` has the reason."""
         self._run.run()
 
     def run_until(self, time_s: float) -> None:

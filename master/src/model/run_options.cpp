@@ -31,6 +31,7 @@ void RunOptions::visit(state::Visitor& v) {
   v("isolate", isolate);
   v("statistics", statistics);
   v("checkpoint_every_s", checkpoint_every_s);
+  v("draws_calibration", draws_calibration);
 }
 
 namespace {

@@ -75,7 +75,7 @@ std::vector<std::string> calibration_parameters(const std::filesystem::path& con
   return calibration_parameters(resolve(system, library));
 }
 
-DrawnFlights::DrawnFlights(const Run& run) : run_(&run), parameters_(calibration_parameters(run.resolved())) {
+DrawnFlights::DrawnFlights(Run& run) : run_(&run), parameters_(calibration_parameters(run.resolved())) {
   if (!parameters_.empty()) return;
   throw InputError(ErrorCode::unknown_name,
                    "uncertainty: no FMU of this system has a parameter calibration.* that can be drawn");
@@ -85,7 +85,7 @@ bool DrawnFlights::fly(const Progress& progress) {
   for (int flight = 1; flight <= kFlights; ++flight) {
     progress(flight);
     fly_one(flight);
-    if (interrupted_) return false;
+    if (interrupted_ || run_->interrupt_flag()) return false;
   }
   return true;
 }
@@ -123,8 +123,27 @@ Json DrawnFlights::json() const {
   Json intervals;
   for (const auto& summary : summaries_) widen(intervals, summary);
   remove_empty(intervals);
-  return {{"kind", "calibration"},     {"flights", kFlights},   {"level", kLevel},       {"seed", kSeed},
-          {"parameters", parameters_}, {"outcomes", outcomes_}, {"intervals", intervals}};
+  Json found = {{"kind", "calibration"},     {"flights", kFlights},   {"level", kLevel},       {"seed", kSeed},
+                {"parameters", parameters_}, {"outcomes", outcomes_}, {"intervals", intervals}};
+  if (!without_effect_.empty()) found["without_effect"] = without_effect_;
+  return found;
+}
+
+bool wants_draws(const Run& run) {
+  if (run.report().end_reason == EndReason::interrupted) return false;
+  return run.options().draws_calibration.value_or(run.system().draws_calibration);
+}
+
+void add_draws(Run& run) {
+  if (!wants_draws(run)) return;
+  const auto skip = [&run](std::string_view reason) {
+    run.report_uncertainty({{"kind", "calibration"}, {"skipped", reason}});
+  };
+  if (!run.report().writes.empty()) return skip("a program wrote variables during the run, which the draws would lack");
+  if (run.began_later()) return skip("the run began in its middle, where no draw can begin");
+  DrawnFlights draws(run);
+  if (!draws.fly([](int) {})) return skip("interrupted");
+  run.report_uncertainty(draws.json());
 }
 
 }  // namespace mebots::master

@@ -39,25 +39,33 @@ class DrawnFlights {
   using Progress = std::function<void(int flight)>;
 
   /// `run` has ended. Throws InputError if no FMU has calibration parameters.
-  explicit DrawnFlights(const Run& run);
-  /// Flies all. A flight that fails counts as an outcome. Returns false if a signal interrupted it.
+  explicit DrawnFlights(Run& run);
+  /// Flies all. A flight that fails counts as an outcome. Returns false if a signal, or the interrupt flag of the run
+  /// that has ended, interrupted it.
   bool fly(const Progress& progress);
 
   /// Warnings of FMUs about calibration parameters whose data file has no interval.
   const std::set<std::string>& without_effect() const { return without_effect_; }
 
-  /// For summary.json: parameters, outcomes, and the interval of each number of the summary.
+  /// For summary.json: parameters, outcomes, the interval of each number of the summary, and the warnings.
   nlohmann::ordered_json json() const;
 
  private:
   void fly_one(int flight);
 
-  const Run* run_;
+  Run* run_;
   std::vector<std::string> parameters_;
   std::vector<nlohmann::ordered_json> summaries_;
   std::map<std::string, int> outcomes_;
   std::set<std::string> without_effect_;
   bool interrupted_ = false;
 };
+
+/// True if the options or the config of a run that has ended ask for drawn flights. An interrupted run has none.
+bool wants_draws(const Run& run);
+
+/// Flies the draws of a run that has ended, if it wants them, and adds them to its summary. Draws begin at t = 0 with
+/// the settings alone. Therefore there are none if a program wrote variables or began the run in its middle.
+void add_draws(Run& run);
 
 }  // namespace mebots::master

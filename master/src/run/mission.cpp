@@ -7,6 +7,7 @@
 #include "mebots/nearest_names.hpp"
 #include "mebots/version.hpp"
 #include "message/message_text.hpp"
+#include "run/draws.hpp"
 #include "run/run.hpp"
 
 #include <fmt/format.h>
@@ -115,6 +116,7 @@ bool Mission::step() {
 
 void Mission::run() {
   door_->run->run();
+  add_draws(*door_->run);
 }
 
 void Mission::run_until(double time_s) {

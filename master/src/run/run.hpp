@@ -112,6 +112,8 @@ class Run {
   std::vector<std::byte> save_state();
   /// For observers of add(): variables may be read in `work`.
   void at_point(const std::function<void()>& work);
+  /// True if it began with start_from() in place of t = 0.
+  bool began_later() const { return past_.has_value(); }
   /// True in a call that steps, so also for the listeners that it calls.
   bool busy() const { return busy_; }
 
