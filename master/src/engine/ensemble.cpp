@@ -4,9 +4,11 @@
 #include "base/signal_guard.hpp"
 #include "base/time.hpp"
 #include "mebots/assert.hpp"
+#include "mebots/fmu/binary_ref.hpp"
 #include "message/message_text.hpp"
 
 #include "engine/initial_values.hpp"
+#include "fmi/call/fmi2_callbacks.hpp"
 #include "slave/isolation/child_process.hpp"
 #include "slave/isolation/isolated_slave.hpp"
 #include "slave/process_watch.hpp"
@@ -16,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <set>
 
 namespace mebots::master {
@@ -184,7 +187,60 @@ SignalId Ensemble::watch(const ResolvedVariable& variable) {
           slot_in(members_[variable.instance].outputs, *variable.variable)};
 }
 
+/// Between a Binary and an OSMP binary.
+void Ensemble::connect_binary(const ResolvedConnection& connection) {
+  const bool from_triple = connection.from.variable->type != Type::binary;
+  const auto& triple = from_triple ? connection.from : connection.to;
+  if (!triple.variable->name.ends_with(kOsmpEndings[0])) return;  // all parts are connected by the first
+  const auto& model = *system_->instances[triple.instance].model;
+  auto& target = members_[connection.to.instance];
+  BytesOfTriple bytes{{}, 0};
+  TripleOfBytes parts{{}, {}};
+  for (std::size_t i = 0; i < bytes.parts.size(); ++i) {
+    const auto prefix = triple.variable->name.substr(0, triple.variable->name.size() - std::strlen(kOsmpEndings[0]));
+    const auto* part = model.find(prefix + kOsmpEndings[i]);
+    MEBOTS_ASSERT(part != nullptr);
+    if (from_triple) {
+      bytes.parts[i] = watch({triple.instance, part});
+    } else {
+      parts.slots[i] = slot_in(target.inputs, *part);
+    }
+  }
+  if (from_triple) {
+    bytes.slot = slot_in(target.inputs, *connection.to.variable);
+    target.bytes_of_triples.push_back(bytes);
+  } else {
+    parts.binary = watch(connection.from);
+    target.triples_of_bytes.push_back(std::move(parts));
+  }
+}
+
+void Ensemble::convert_binaries(Member& member) const {
+  for (const auto& [parts, slot] : member.bytes_of_triples) {
+    const auto part = [&](std::size_t i) { return static_cast<std::int32_t>(integer(parts[i])); };
+    const auto bytes = fmu::BinaryRef{part(0), part(1), part(2)}.bytes();
+    if (!is_readable(bytes)) {
+      throw SlaveError(
+          fmt::format("instance '{}' gives the address {} for {} bytes of the input '{}' of '{}', which "
+                      "cannot be read",
+                      members_[parts[0].instance].slave->name(), fmt::ptr(bytes.data()), bytes.size(),
+                      member.inputs.binaries.variables[slot]->name, member.slave->name()));
+    }
+    member.inputs.binaries.values[slot].assign(bytes.begin(), bytes.end());
+  }
+  for (auto& triple : member.triples_of_bytes) {
+    triple.bytes = string(triple.binary);
+    const auto ref =
+        fmu::BinaryRef::to({reinterpret_cast<const std::uint8_t*>(triple.bytes.data()), triple.bytes.size()});
+    auto& values = member.inputs.integers.values;
+    values[triple.slots[0]] = triple.bytes.empty() ? 0 : ref.base_lo;
+    values[triple.slots[1]] = triple.bytes.empty() ? 0 : ref.base_hi;
+    values[triple.slots[2]] = ref.size;
+  }
+}
+
 void Ensemble::connect(const ResolvedConnection& connection) {
+  if (connection.converts) return connect_binary(connection);
   const auto from = watch(connection.from);
   auto& target = members_[connection.to.instance];
   const auto to = slot_in(target.inputs, *connection.to.variable);
@@ -499,6 +555,7 @@ void Ensemble::collect_inputs(std::size_t instance) {
   move_all(member.boolean_copies);
   move_all(member.string_copies);
   move_all(member.binary_copies);
+  convert_binaries(member);
   for (const auto& copy : member.flag_copies) *copy.to = *copy.from == 0 ? 0 : 1;
   for (const auto& mapping : member.mappings) {
     const auto value = *mapping.copy.from;

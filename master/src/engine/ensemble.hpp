@@ -139,6 +139,19 @@ class Ensemble {
     const std::vector<ValuePair>* map;
   };
 
+  /// A Binary input that takes the bytes of an OSMP binary.
+  struct BytesOfTriple {
+    std::array<SignalId, 3> parts;
+    std::size_t slot;
+  };
+
+  /// The three Integer inputs of an OSMP binary that take a Binary. `bytes` live until the next step.
+  struct TripleOfBytes {
+    SignalId binary;
+    std::array<std::size_t, 3> slots;
+    std::string bytes = {};
+  };
+
   /// Time derivatives of several variables. Those of one variable are adjacent, of orders 1 and up.
   struct Derivatives {
     std::vector<ValueReference> references;
@@ -188,6 +201,8 @@ class Ensemble {
     std::vector<Copy<std::int64_t>> boolean_copies;
     std::vector<Copy<std::string>> string_copies;
     std::vector<Copy<std::string>> binary_copies;
+    std::vector<BytesOfTriple> bytes_of_triples;
+    std::vector<TripleOfBytes> triples_of_bytes;
     std::vector<Conversion> conversions;
     std::vector<Mapping> mappings;
     std::vector<DerivativeLink> derivatives;
@@ -212,6 +227,8 @@ class Ensemble {
   void check_items_of(const ResolvedConnection& connection, std::size_t slot);
   void collect_inputs(std::size_t instance);
   void connect_real(const ResolvedConnection& connection, SignalId from, std::size_t to);
+  void connect_binary(const ResolvedConnection& connection);
+  void convert_binaries(Member& member) const;
   void connect_mapped(const ResolvedConnection& connection, SignalId from, std::size_t to);
   void convert(Member& member) const;
   void hand_inputs(std::size_t instance);

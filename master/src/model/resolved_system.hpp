@@ -46,8 +46,9 @@ struct ValuePair {
   bool operator==(const ValuePair&) const = default;
 };
 
-/// One scalar connection; a connection of OSMP binaries becomes three. The input gets factor * value + offset,
-/// conversion of units included; anything but 1 and 0 only where the input is a Real.
+/// One scalar connection; a connection of OSMP binaries becomes three, and so does one from a Binary to an OSMP binary.
+/// The input gets factor * value + offset, conversion of units included; anything but 1 and 0 only where the input is a
+/// Real.
 struct ResolvedConnection {
   ResolvedVariable from;
   ResolvedVariable to;
@@ -55,6 +56,7 @@ struct ResolvedConnection {
   double factor = 1;
   double offset = 0;
   bool inner = false;               ///< within a continuous system, which evaluates it; not moved at points
+  bool converts = false;            ///< between a Binary and an OSMP binary, whose `base.lo` stands for all
   bool sum = false;                 ///< one of several whose values the input gets added up
   std::vector<ValuePair> map = {};  ///< ordered by `from`; other values pass as they are
 

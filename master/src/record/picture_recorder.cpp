@@ -14,9 +14,7 @@ namespace mebots::master {
 namespace {
 
 struct Source {
-  ResolvedVariable base_lo;
-  ResolvedVariable base_hi;
-  ResolvedVariable size;
+  std::vector<ResolvedVariable> frame;  // a Binary, or the three parts of an OSMP binary
   ResolvedVariable id;
 };
 
@@ -32,7 +30,12 @@ Source find_source(const ResolvedSystem& system, const PictureDescription& pictu
   const auto part = [&](const char* ending) {
     return find({pictures.frame.instance, pictures.frame.variable + ending});
   };
-  return {part(".base.lo"), part(".base.hi"), part(".size"), find(pictures.id)};
+  const auto& model = system.instances[system.find(pictures.id, pictures.place).instance].model;
+  const auto* whole = pictures.frame.instance == pictures.id.instance ? model->find(pictures.frame.variable) : nullptr;
+  if (whole != nullptr && whole->type == modeldesc::Type::binary) {
+    return {{system.find(pictures.frame, pictures.place)}, find(pictures.id)};
+  }
+  return {{part(kOsmpEndings[0]), part(kOsmpEndings[1]), part(kOsmpEndings[2])}, find(pictures.id)};
 }
 
 }  // namespace
@@ -51,9 +54,7 @@ PictureRecorder::PictureRecorder(const ResolvedSystem& system, Ensemble& ensembl
                                  std::filesystem::path folder)
     : ensemble_(&ensemble), pictures_(pictures), grid_(system.description->grid()), folder_(std::move(folder)) {
   const auto source = find_source(system, pictures_);
-  base_lo_ = ensemble.watch(source.base_lo);
-  base_hi_ = ensemble.watch(source.base_hi);
-  size_ = ensemble.watch(source.size);
+  for (const auto& part : source.frame) frame_.push_back(ensemble.watch(part));
   id_ = ensemble.watch(source.id);
 }
 
@@ -88,10 +89,17 @@ std::optional<std::string> PictureRecorder::reached(const Point& point) {
   return std::nullopt;
 }
 
+std::span<const std::uint8_t> PictureRecorder::pixels() const {
+  if (frame_.size() == 1) {
+    const auto& bytes = ensemble_->string(frame_[0]);
+    return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
+  }
+  const auto part = [&](std::size_t i) { return static_cast<std::int32_t>(ensemble_->integer(frame_[i])); };
+  return fmu::BinaryRef{part(0), part(1), part(2)}.bytes();
+}
+
 void PictureRecorder::write(const Point& point) const {
-  const auto part = [&](SignalId id) { return static_cast<std::int32_t>(ensemble_->integer(id)); };
-  const fmu::BinaryRef frame{part(base_lo_), part(base_hi_), part(size_)};
-  const auto pixels = frame.bytes();
+  const auto pixels = this->pixels();
   if (pixels.empty()) return;
   const auto width = static_cast<std::size_t>(pictures_.width);
   if (pixels.size() % width != 0) {

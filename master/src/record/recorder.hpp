@@ -96,15 +96,14 @@ class PictureRecorder final : public Observer {
  private:
   void make_folder() const;
   void remove_pictures() const;
+  std::span<const std::uint8_t> pixels() const;
   void write(const Point& point) const;
 
   const Ensemble* ensemble_;
   PictureDescription pictures_;
   TimeGrid grid_;
   std::filesystem::path folder_;
-  SignalId base_lo_;
-  SignalId base_hi_;
-  SignalId size_;
+  std::vector<SignalId> frame_;  // a Binary, or the three parts of an OSMP binary
   SignalId id_;
   bool has_folder_ = false;
   std::int64_t last_id_ = 0;

@@ -117,6 +117,7 @@ class ConnectionCheck {
   }
 
   void check_types() {
+    if (connection_.converts) return;
     if (!description_.map.empty()) {
       read_map();
     } else if (from_.type != to_.type) {
@@ -321,6 +322,25 @@ std::vector<ResolvedConnection> array_connections(const ResolvedSystem& system,
   return result;
 }
 
+/// The connections between a Binary and the parts of an OSMP binary; empty for any other pair.
+std::vector<ResolvedConnection> converted(const ResolvedSystem& system, const ConnectionDescription& connection,
+                                          const std::optional<std::vector<ResolvedVariable>>& from_parts,
+                                          const std::optional<std::vector<ResolvedVariable>>& to_parts) {
+  const auto is_binary = [](const ResolvedVariable& variable) { return variable.variable->type == Type::binary; };
+  std::vector<ResolvedConnection> result;
+  if (from_parts && !to_parts) {
+    const auto to = system.find(connection.to, connection.place);
+    if (is_binary(to)) result.push_back(plain_connection(from_parts->front(), to, true));
+  } else if (to_parts && !from_parts) {
+    const auto from = system.find(connection.from, connection.place);
+    if (!is_binary(from)) return {};
+    for (const auto& part : *to_parts) result.push_back(plain_connection(from, part, false));
+  }
+  for (auto& one : result) one.converts = true;
+  if (!result.empty()) check_picture_sizes(system, connection);
+  return result;
+}
+
 std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const ConnectionDescription& connection) {
   if (auto elements = array_connections(system, connection); !elements.empty()) return elements;
   const bool from_scalar = is_scalar(system, connection.from);
@@ -335,6 +355,7 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
     }
     return result;
   }
+  if (auto connections = converted(system, connection, from_parts, to_parts); !connections.empty()) return connections;
   if (from_parts || to_parts) {
     const auto& binary = from_parts ? connection.from : connection.to;
     const auto& other = from_parts ? connection.to : connection.from;

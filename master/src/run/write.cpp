@@ -31,9 +31,15 @@ bool is_settable(const modeldesc::Variable& variable) {
 }
 
 const ResolvedConnection* connection_to(const ResolvedSystem& system, const ResolvedVariable& target) {
-  const auto found = std::ranges::find_if(
-      system.connections, [&](const ResolvedConnection& connection) { return connection.to == target; });
-  return found == system.connections.end() ? nullptr : &*found;
+  const auto found_in = [&](const std::vector<ResolvedConnection>& connections) -> const ResolvedConnection* {
+    const auto found = std::ranges::find(connections, target, &ResolvedConnection::to);
+    return found == connections.end() ? nullptr : &*found;
+  };
+  if (const auto* const found = found_in(system.connections); found != nullptr) return found;
+  for (const auto& group : system.clock_groups) {
+    if (const auto* const found = found_in(group.connections); found != nullptr) return found;
+  }
+  return nullptr;
 }
 
 void check_settable(const Run& run, const ResolvedVariable& target, std::string_view name) {
