@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Events of GAP8's SoC: ends of uDMA transfers, and of changes of power and clocks. They share one interrupt of the
 // fabric controller.
+#pragma once
 
 #include "runtime/interrupt.h"
 
