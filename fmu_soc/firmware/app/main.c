@@ -194,8 +194,8 @@ static void print_summary(int code) {
   print("vision took %m ms at most; %u pictures were exposed during it.\n",
         (int32_t)(statistics.look_most_ns / NS_PER_US), statistics.overlapped);
   if (statistics.pictures > 0) {
-    print("controller instructions per picture: mean %u, most %u\n",
-          (uint32_t)(statistics.instructions / statistics.pictures), statistics.instructions_most);
+    print("FC instructions per picture: mean %u, max %u\n", (uint32_t)(statistics.instructions / statistics.pictures),
+          statistics.instructions_most);
   }
   print("battery: %m V, charge %M\n", (int32_t)battery_voltage_mv(), (int32_t)battery_charge_ppm());
 }
