@@ -27,7 +27,7 @@ class Calibration(StudyCase):
         (self.folder / "mission.json").write_text(json.dumps(content))
 
     def run_mission(self, *words):
-        command = [MEBOTS, "run", str(self.folder / "mission.json"), "--out", str(self.folder / "run"), *words]
+        command = [MEBOTS, "run", "--verbose", str(self.folder / "mission.json"), "--out", str(self.folder / "run"), *words]
         done = subprocess.run(command, capture_output=True, text=True, timeout=170)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return json.loads((self.folder / "run/summary.json").read_text()), done.stdout + done.stderr

@@ -168,9 +168,9 @@ TEST(CallbacksOfTheProgram, ControlCharactersAreEscapedAndErrorsThrottled) {
   };
   const auto bytes = run("log_bytes");
   EXPECT_EQ(bytes.code, 0);
-  EXPECT_THAT(bytes.err, AllOf(HasSubstr("\\x1b[2J two\\nlines"), Not(HasSubstr("\x1b"))));
+  EXPECT_THAT(bytes.err, AllOf(HasSubstr("\\x1b[2J two\n    lines"), Not(HasSubstr("\x1b"))));
   EXPECT_THAT(test::read_file(folder.path() / "out" / "log.txt"),
-              AllOf(HasSubstr("\\x1b[2J two\\nlines"), Not(HasSubstr("\x1b"))));
+              AllOf(HasSubstr("\\x1b[2J two\n    lines"), Not(HasSubstr("\x1b"))));
   const auto errors = run("log_errors");
   EXPECT_EQ(errors.code, 0);
   std::size_t shown = 0;
