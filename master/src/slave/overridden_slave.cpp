@@ -198,8 +198,9 @@ void OverriddenSlave::set_free_inputs() {
       if (target.kind == ValueKind::real) put(reals_, target, std::get<double>(value));
       if (target.kind == ValueKind::integer) put(integers_, target, std::get<std::int64_t>(value));
       if (target.kind == ValueKind::boolean) put(booleans_, target, std::get<std::int64_t>(value));
-      if (target.kind == ValueKind::string) put(strings_, target, std::get<std::string>(std::move(value)));
-      if (target.kind == ValueKind::binary) put(binaries_, target, std::get<std::string>(std::move(value)));
+      if (target.kind == ValueKind::string || target.kind == ValueKind::binary) {
+        put(target.kind == ValueKind::string ? strings_ : binaries_, target, std::get<std::string>(std::move(value)));
+      }
     }
     target.fresh = false;
   }

@@ -93,13 +93,13 @@ StepResult ClockGroup::advance(double end_s) {
   if (ended_) return not_done(true, members_.front().time_s);
   int idle = 0;
   while (true) {
-    const double before_s = std::ranges::min(members_, {}, &Member::time_s).time_s;
+    const double before_s = std::ranges::min_element(members_, {}, &Member::time_s)->time_s;
     double target_s = steps_vary_ ? std::min(end_s, next_tick_s()) : end_s;
     if (end_s - target_s <= kSameTime_s) target_s = end_s;
-    const auto result = step_members(target_s);
+    auto result = step_members(target_s);
     if (!result.done) return result;
     if (is_anything_due(target_s) && !handle_events(target_s)) return not_done(true, target_s);
-    const double reached_s = std::ranges::min(members_, {}, &Member::time_s).time_s;
+    const double reached_s = std::ranges::min_element(members_, {}, &Member::time_s)->time_s;
     if (reached_s >= end_s && !is_anything_due(end_s)) return result;
     idle = reached_s > before_s ? 0 : idle + 1;
     if (idle == kMostInstants) {

@@ -15,7 +15,7 @@ using modeldesc::Causality;
 
 /// The start value, or zero, false or an empty text.
 LinkValue start_of(const modeldesc::Variable& variable) {
-  const auto value_or = [&]<typename T>(T none) {
+  const auto value_or = [&]<typename T>(const T& none) {
     const auto* const start = std::get_if<T>(&variable.start);
     return start == nullptr ? none : *start;
   };

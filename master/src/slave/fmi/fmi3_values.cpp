@@ -116,10 +116,10 @@ void Fmi3Values::with_functions(Type type, Action action) {
     MEBOTS_CASE(uint16, std::uint16_t, "UInt16", get_uint16, set_uint16)
     MEBOTS_CASE(integer, std::int32_t, "Int32", get_int32, set_int32)
     MEBOTS_CASE(uint32, std::uint32_t, "UInt32", get_uint32, set_uint32)
-    MEBOTS_CASE(int64, std::int64_t, "Int64", get_int64, set_int64)
-    MEBOTS_CASE(enumeration, std::int64_t, "Int64", get_int64, set_int64)
-    MEBOTS_CASE(uint64, std::uint64_t, "UInt64", get_uint64, set_uint64)
-    MEBOTS_CASE(boolean, bool, "Boolean", get_boolean, set_boolean)
+    case Type::enumeration:
+      MEBOTS_CASE(int64, std::int64_t, "Int64", get_int64, set_int64)
+      MEBOTS_CASE(uint64, std::uint64_t, "UInt64", get_uint64, set_uint64)
+      MEBOTS_CASE(boolean, bool, "Boolean", get_boolean, set_boolean)
     case Type::string:
     case Type::binary:
     case Type::clock:
@@ -142,6 +142,7 @@ Fmi3Values::CallResult Fmi3Values::get_numbers(const Plan& plan, std::span<Value
       if constexpr (std::is_same_v<Number, bool>) {  // an FMU may store any byte, which must not be read as bool
         for (const auto& move : call.moves) values[move.slot] = buffer_[move.value] != std::byte{0} ? 1 : 0;
       } else {
+        // An Int8 is a number with a sign. NOLINTNEXTLINE(bugprone-signed-char-misuse)
         for (const auto& move : call.moves) values[move.slot] = static_cast<Value>(numbers[move.value]);
       }
     });
