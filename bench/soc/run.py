@@ -131,7 +131,7 @@ def run(command):
 
 
 def counts_of(text):
-    """What mebots-soc says it counted: the lines of instructions, cycles and the chip's energy."""
+    """Returns the counts that mebots-soc prints: the lines of instructions, cycles and the chip's energy."""
     return [line for line in text.splitlines() if line.startswith(("instructions ", "cycles ", "chip "))]
 
 

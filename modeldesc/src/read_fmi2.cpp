@@ -54,19 +54,7 @@ class Fmi2Reader {
  private:
   void read_root() {
     result_.fmi_version = "2.0";
-    result_.model_name = root_.required_text("modelName");
-    result_.guid = root_.required_text("guid");
-    result_.text = root_.text("description");
-    result_.author = root_.text("author");
-    result_.version = root_.text("version");
-    result_.copyright = root_.text("copyright");
-    result_.license = root_.text("license");
-    result_.generation_tool = root_.text("generationTool");
-    result_.generation_date_and_time = root_.text("generationDateAndTime");
-    const std::string naming = root_.text("variableNamingConvention");
-    if (!naming.empty() && naming != "flat" && naming != "structured")
-      root_.fail(fmt::format("variableNamingConvention is \"{}\", but flat or structured is expected", naming));
-    result_.structured_names = naming == "structured";
+    read_head(root_, "guid", result_);
     result_.number_of_event_indicators = count(root_, "numberOfEventIndicators");
   }
 
@@ -116,12 +104,7 @@ class Fmi2Reader {
     type.text = element.text("description");
     const auto [kind, details] = type_child(element);
     type.type = kind;
-    type.quantity = details.text("quantity");
-    type.unit = details.text("unit");
-    type.display_unit = details.text("displayUnit");
-    type.min = details.real("min");
-    type.max = details.real("max");
-    type.nominal = details.real("nominal");
+    read_quantities(details, type);
     details.each_child("Item", [&](const Element& item) {
       item.required_text("value");
       type.items.push_back({item.required_text("name"),
@@ -154,12 +137,7 @@ class Fmi2Reader {
     if (!variable.initial) variable.initial = default_initial(variable.causality, variable.variability);
 
     variable.declared_type = details.text("declaredType");
-    variable.quantity = details.text("quantity");
-    variable.unit = details.text("unit");
-    variable.display_unit = details.text("displayUnit");
-    variable.min = details.real("min");
-    variable.max = details.real("max");
-    variable.nominal = details.real("nominal");
+    read_quantities(details, variable);
     variable.relative_quantity = details.flag("relativeQuantity", false);
     variable.reinit = details.flag("reinit", false);
     variable.start = read_start(details, type);
@@ -223,33 +201,11 @@ class Fmi2Reader {
     return std::nullopt;
   }
 
-  /// The dependencies of an unknown; none (it may depend on everything) if one of them has no variable.
-  std::optional<std::vector<std::size_t>> read_dependencies(const Element& element) {
-    if (!element.has("dependencies")) return std::nullopt;
-    std::vector<std::size_t> dependencies;
-    bool all_known = true;
-    for (const std::string& word : words_of(element.text("dependencies"))) {
-      if (const auto variable = index(element, word)) {
-        dependencies.push_back(*variable);
-      } else {
-        all_known = false;
-      }
-    }
-    if (!all_known) return std::nullopt;
-    return dependencies;
-  }
-
   std::vector<Unknown> read_unknowns(const Element& list) {
     std::vector<Unknown> unknowns;
     list.each_child("Unknown", [&](const Element& element) {
       const auto variable = index(element, element.required_text("index"));
-      Unknown unknown;
-      unknown.dependencies = read_dependencies(element);
-      unknown.dependency_kinds = words_of(element.text("dependenciesKind"));
-      if (!unknown.dependency_kinds.empty() &&
-          unknown.dependency_kinds.size() != words_of(element.text("dependencies")).size())
-        element.fail("dependenciesKind and dependencies have different lengths");
-      if (!unknown.dependencies) unknown.dependency_kinds.clear();
+      auto unknown = read_dependencies(element, [&](std::string_view word) { return index(element, word); });
       if (!variable) return;
       unknown.variable = *variable;
       unknowns.push_back(std::move(unknown));

@@ -56,19 +56,7 @@ class Fmi3Reader {
  private:
   void read_root() {
     result_.fmi_version = "3.0";
-    result_.model_name = root_.required_text("modelName");
-    result_.guid = root_.required_text("instantiationToken");
-    result_.text = root_.text("description");
-    result_.author = root_.text("author");
-    result_.version = root_.text("version");
-    result_.copyright = root_.text("copyright");
-    result_.license = root_.text("license");
-    result_.generation_tool = root_.text("generationTool");
-    result_.generation_date_and_time = root_.text("generationDateAndTime");
-    const std::string naming = root_.text("variableNamingConvention");
-    if (!naming.empty() && naming != "flat" && naming != "structured")
-      root_.fail(fmt::format("variableNamingConvention is \"{}\", but flat or structured is expected", naming));
-    result_.structured_names = naming == "structured";
+    read_head(root_, "instantiationToken", result_);
   }
 
   /// What <ModelExchange> and <CoSimulation> have in common.
@@ -115,12 +103,7 @@ class Fmi3Reader {
     definition.name = element.required_text("name");
     definition.text = element.text("description");
     definition.type = *type;
-    definition.quantity = element.text("quantity");
-    definition.unit = element.text("unit");
-    definition.display_unit = element.text("displayUnit");
-    definition.min = element.real("min");
-    definition.max = element.real("max");
-    definition.nominal = element.real("nominal");
+    read_quantities(element, definition);
     element.each_child("Item", [&](const Element& item) {
       item.required_text("value");
       definition.items.push_back({item.required_text("name"),
@@ -205,12 +188,7 @@ class Fmi3Reader {
 
   void read_quantity(const Element& element, Variable& variable) const {
     variable.declared_type = element.text("declaredType");
-    variable.quantity = element.text("quantity");
-    variable.unit = element.text("unit");
-    variable.display_unit = element.text("displayUnit");
-    variable.min = element.real("min");
-    variable.max = element.real("max");
-    variable.nominal = element.real("nominal");
+    read_quantities(element, variable);
     variable.relative_quantity = element.flag("relativeQuantity", false);
     variable.reinit = element.flag("reinit", false);
     if (variable.declared_type.empty()) return;
@@ -330,13 +308,8 @@ class Fmi3Reader {
     structure.each_child(name, [&](const Element& element) {
       element.required_text("valueReference");
       const auto variable = find(element, *element.number<std::uint32_t>("valueReference", "a value reference"));
-      Unknown unknown;
-      unknown.dependencies = read_dependencies(element);
-      unknown.dependency_kinds = words_of(element.text("dependenciesKind"));
-      if (!unknown.dependency_kinds.empty() &&
-          unknown.dependency_kinds.size() != words_of(element.text("dependencies")).size())
-        element.fail("dependenciesKind and dependencies have different lengths");
-      if (!unknown.dependencies) unknown.dependency_kinds.clear();
+      auto unknown =
+          read_dependencies(element, [&](std::string_view word) { return find(element, reference(element, word)); });
       if (!variable) return;
       unknown.variable = *variable;
       unknowns.push_back(std::move(unknown));
@@ -352,22 +325,6 @@ class Fmi3Reader {
     result_.structure_faults.push_back(
         element.located(fmt::format("{} is not the value reference of a variable", value_reference)));
     return std::nullopt;
-  }
-
-  /// The dependencies of an unknown; none (it may depend on everything) if one of them has no variable.
-  std::optional<std::vector<std::size_t>> read_dependencies(const Element& element) {
-    if (!element.has("dependencies")) return std::nullopt;
-    std::vector<std::size_t> dependencies;
-    bool all_known = true;
-    for (const auto& word : words_of(element.text("dependencies"))) {
-      if (const auto variable = find(element, reference(element, word))) {
-        dependencies.push_back(*variable);
-      } else {
-        all_known = false;
-      }
-    }
-    if (!all_known) return std::nullopt;
-    return dependencies;
   }
 
   Element root_;

@@ -64,6 +64,22 @@ std::string model_identifier(const Element& element) {
   return text;
 }
 
+void read_head(const Element& root, const char* guid, ModelDescription& result) {
+  result.model_name = root.required_text("modelName");
+  result.guid = root.required_text(guid);
+  result.text = root.text("description");
+  result.author = root.text("author");
+  result.version = root.text("version");
+  result.copyright = root.text("copyright");
+  result.license = root.text("license");
+  result.generation_tool = root.text("generationTool");
+  result.generation_date_and_time = root.text("generationDateAndTime");
+  const std::string naming = root.text("variableNamingConvention");
+  if (!naming.empty() && naming != "flat" && naming != "structured")
+    root.fail(fmt::format("variableNamingConvention is \"{}\", but flat or structured is expected", naming));
+  result.structured_names = naming == "structured";
+}
+
 void read_common(const Element& root, ModelDescription& result) {
   std::set<std::string> names;
   root.child("UnitDefinitions").each_child("Unit", [&](const Element& element) {

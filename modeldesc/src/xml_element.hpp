@@ -155,8 +155,43 @@ std::optional<Initial> default_initial(Causality causality, Variability variabil
 /// The modelIdentifier, which becomes part of a path. Throws Error for text that is not a C name.
 std::string model_identifier(const Element& element);
 
+/// Reads the attributes of the root that all versions have. `guid` names the one for ModelDescription::guid.
+void read_head(const Element& root, const char* guid, ModelDescription& result);
+
 /// Reads what all versions write alike: <UnitDefinitions>, <LogCategories>, <DefaultExperiment>.
 void read_common(const Element& root, ModelDescription& result);
+
+/// Reads the attributes that a type and a variable share. `Target` is TypeDefinition or Variable.
+template <typename Target>
+void read_quantities(const Element& element, Target& target) {
+  target.quantity = element.text("quantity");
+  target.unit = element.text("unit");
+  target.display_unit = element.text("displayUnit");
+  target.min = element.real("min");
+  target.max = element.real("max");
+  target.nominal = element.real("nominal");
+}
+
+/// Reads the dependencies of an unknown of <ModelStructure>: none (it may depend on all) if one of them has no
+/// variable. `find` returns the index of the variable that a word names, or nothing.
+template <typename Find>
+Unknown read_dependencies(const Element& element, Find find) {
+  Unknown unknown;
+  const auto words = words_of(element.text("dependencies"));
+  if (element.has("dependencies")) unknown.dependencies.emplace();
+  bool all_known = true;
+  for (const auto& word : words) {
+    const std::optional<std::size_t> variable = find(word);
+    all_known = all_known && variable;
+    if (all_known) unknown.dependencies->push_back(*variable);
+  }
+  if (!all_known) unknown.dependencies.reset();
+  unknown.dependency_kinds = words_of(element.text("dependenciesKind"));
+  if (!unknown.dependency_kinds.empty() && unknown.dependency_kinds.size() != words.size())
+    element.fail("dependenciesKind and dependencies have different lengths");
+  if (!unknown.dependencies) unknown.dependency_kinds.clear();
+  return unknown;
+}
 
 /// Fills in what a variable does not state and its declared type does. Throws Error if they are of different types.
 void take_declared_type(const Element& element, const TypeDefinition& type, Variable& variable);

@@ -102,10 +102,7 @@ StepResult ClockGroup::advance(double end_s) {
     const double reached_s = std::ranges::min_element(members_, {}, &Member::time_s)->time_s;
     if (reached_s >= end_s && !is_anything_due(end_s)) return result;
     idle = reached_s > before_s ? 0 : idle + 1;
-    if (idle == kMostInstants) {
-      throw SlaveError(fmt::format("instance '{}': the clocks of its group tick at {:.9g} s without end",
-                                   members_.front().slave->name(), reached_s));
-    }
+    if (idle == kMostInstants) fail_to_rest(reached_s);
   }
 }
 
@@ -213,6 +210,11 @@ void ClockGroup::propagate(double time_s) {
                                members_.front().slave->name(), kMostClockSweeps, time_s));
 }
 
+void ClockGroup::fail_to_rest(double time_s) const {
+  throw SlaveError(fmt::format("instance '{}': the clocks of its group tick at {:.9g} s without end",
+                               members_.front().slave->name(), time_s));
+}
+
 /// Ends the instant. Returns true if a member asks for another.
 bool ClockGroup::update_members(double time_s, bool& terminated) {
   bool needs_another = false;
@@ -238,10 +240,7 @@ bool ClockGroup::handle_events(double time_s) {
   }
   bool terminated = false;
   for (int instant = 0;; ++instant) {
-    if (instant == kMostInstants) {
-      throw SlaveError(fmt::format("instance '{}': the clocks of its group tick at {:.9g} s without end",
-                                   members_.front().slave->name(), time_s));
-    }
+    if (instant == kMostInstants) fail_to_rest(time_s);
     tick_timed_clocks(time_s);
     propagate(time_s);
     const bool needs_another = update_members(time_s, terminated);

@@ -85,6 +85,7 @@ class ClockGroup {
   void propagate(double time_s);
   bool propagate_ticks(double time_s);
   bool propagate_values();
+  [[noreturn]] void fail_to_rest(double time_s) const;
   bool update_members(double time_s, bool& terminated);
 
   TimeGrid grid_;
