@@ -72,7 +72,7 @@ SystemDescription system_of(const Shape& shape, const std::filesystem::path& fmu
 
 /// ns per instance and step of the bare calls that the master must make: set u, step, get y.
 double bare(const Shape& shape, Fmu& fmu, std::int64_t steps) {
-  const auto& f = fmu.fmi2_functions();
+  const auto& f = fmu.functions<Fmi2Functions>();
   fmi2CallbackFunctions callbacks{};
   callbacks.allocateMemory = &std::calloc;
   callbacks.freeMemory = &std::free;
@@ -123,7 +123,7 @@ CallCosts call_costs(const std::shared_ptr<Fmu>& fmu) {
   slave.setup_experiment({});
   slave.enter_initialization();
   slave.exit_initialization();
-  const auto& f = fmu->fmi2_functions();
+  const auto& f = fmu->functions<Fmi2Functions>();
   fmi2CallbackFunctions callbacks{};
   callbacks.allocateMemory = &std::calloc;
   callbacks.freeMemory = &std::free;

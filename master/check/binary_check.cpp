@@ -129,8 +129,8 @@ void check_platforms(const ModelDescription& model, const fs::path& folder, Find
     const auto* const platform =
         std::ranges::find(kPlatforms, name, [](const Platform& p) { return std::string_view(p.name); });
     if (platform == std::end(kPlatforms)) {
-      findings.warning(fmt::format("binaries/{} is not a platform that FMI 2.0 names", name),
-                       "FMI 2.0 names win32, win64, linux32, linux64, darwin32, darwin64");
+      findings.warning(fmt::format("binaries/{} is not a platform that FMI {} names", name, model.fmi_version),
+                       "it names win32, win64, linux32, linux64, darwin32, darwin64");
     } else if (!is_there(entry.path() / (identifier + platform->suffix))) {
       findings.error(fmt::format("binaries/{} holds no {}{}", name, identifier, platform->suffix),
                      "name the library after modelIdentifier");

@@ -3,6 +3,7 @@
 
 #include "behaviour_check.hpp"
 #include "checks.hpp"
+#include "fmi1_check.hpp"
 #include "fmi3_probes.hpp"
 
 #include "mebots/file_kind.hpp"
@@ -41,7 +42,10 @@ class FmuCheck {
     report_.fmu = fmu_.string();
     report_.level = options_.level;
     if (archive()) {
-      if (text_is_fmi3())
+      const auto version = text_version();
+      if (version == "1.0")
+        run_fmi1();
+      else if (version.starts_with("3."))
         run_fmi3();
       else if (description() && options_.run && binaries())
         behaviour();
@@ -81,11 +85,55 @@ class FmuCheck {
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   }
 
-  /// The version first: each standard has its own rules. A file that is no XML is for those of FMI 2.0.
-  bool text_is_fmi3() const {
+  /// The version that the file states: each standard has its own rules. A file that is no XML is judged by those of
+  /// FMI 2.0.
+  std::string text_version() const {
     pugi::xml_document document;
     document.load_file((folder_.path() / "modelDescription.xml").c_str());
-    return std::string_view(document.document_element().attribute("fmiVersion").value()).starts_with("3.");
+    return document.document_element().attribute("fmiVersion").value();
+  }
+
+  void run_fmi1() {
+    if (!fmi1_description()) return;
+    const auto& flags = model_.co_simulation;
+    Check& platforms = add(Group::binaries, "every platform has its library", Level::interoperable);
+    if (!flags) {
+      platforms.skipped = "the FMU is for model exchange only";
+      return;
+    }
+    check_platforms(model_, folder_.path(), platforms);
+    const auto library = library_path(model_, folder_.path());
+    if (!options_.run || has_error(platforms) || !is_there(library)) return;
+    Check& symbols = add(Group::binaries, "the functions of FMI 1.0 are exported", Level::interoperable);
+    check_fmi1_symbols(model_, library, symbols);
+    Check& needed = add(Group::binaries, "all libraries it needs can be found", Level::interoperable);
+    check_needed_libraries(library, needed);
+    if (has_error(symbols) || has_error(needed)) return;
+    const auto run = [&](int instances) {
+      return [&, instances](Witness& witness) { run_fmi1_plainly(fmu_, folder_.path(), instances, witness); };
+    };
+    Check& one = add(Group::behaviour, "a plain run of 20 steps succeeds, with finite outputs");
+    run_in_child(crash_rule(), one, run(1));
+    Check& two = add(Group::behaviour, "two instances run in one process");
+    if (flags->can_be_instantiated_only_once_per_process) two.skipped = "the FMU allows one instance per process";
+    if (has_error(one)) two.skipped = "a plain run fails";
+    if (two.skipped.empty()) run_in_child(crash_rule(), two, run(2));
+  }
+
+  bool fmi1_description() {
+    const auto text = description_text();
+    Check& schema = add(Group::description, "modelDescription.xml has the elements and attributes of FMI 1.0");
+    check_schema(text, schema);
+    try {
+      model_ = modeldesc::read_xml_text(text, "modelDescription.xml");
+    } catch (const Error& error) {
+      if (!has_error(schema)) Findings(schema).error(error.what(), "mend what the message names");
+      return false;
+    }
+    report_.summary = fmt::format("FMI 1.0 {}, {} variables", model_.co_simulation ? "co-simulation" : "model exchange",
+                                  model_.variables.size());
+    check_fmi1_variables(model_, add(Group::description, "variables have unique names and start values"));
+    return true;
   }
 
   void run_fmi3() {

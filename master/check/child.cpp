@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "child.hpp"
 
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 #include "mebots/error.hpp"
 #include "slave/isolation/child_process.hpp"
 

@@ -40,7 +40,8 @@ class SchemaCheck {
                                       line(node.offset_debug()), grammar_->version),
                           "remove it: careful tools refuse such files");
       const std::string encoding = node.type() == pugi::node_declaration ? node.attribute("encoding").value() : "";
-      if (!encoding.empty() && encoding != "UTF-8" && encoding != "utf-8")
+      const bool is_free = grammar_->version == "1.0";  // which encoding, FMI 1.0 does not say
+      if (!encoding.empty() && !is_free && encoding != "UTF-8" && encoding != "utf-8")
         findings_.error(
             fmt::format("the file declares the encoding {}; FMI {} requires UTF-8", encoding, grammar_->version),
             "write it in UTF-8");
@@ -129,7 +130,7 @@ class SchemaCheck {
       last = std::max(last, position);
       if (++counts[name] == found->most + 1)
         error(child, fmt::format("it is there twice in <{}>", node.name()), "keep one");
-      if (rule.alternatives && name != "Annotations") ++chosen;
+      if (rule.alternatives && name != "Annotations" && name != "DirectDependency") ++chosen;
       check_element(child, *found->element);
     }
     for (const auto& child : rule.children)

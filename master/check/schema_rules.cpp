@@ -139,6 +139,11 @@ Rules read_rows(std::span<const RuleRow> rows) {
   return rules;
 }
 
+const Rules& fmi1_rules() {
+  static const Rules kRules = read_rows(fmi1_rule_rows());
+  return kRules;
+}
+
 const Rules& fmi3_rules() {
   static const Rules kRules = read_rows(fmi3_rule_rows());
   return kRules;
@@ -148,6 +153,7 @@ const Rules& fmi3_rules() {
 
 Grammar grammar_of(std::string_view fmi_version) {
   static const Rules kRules = read_rows(kRows);
+  if (fmi_version == "1.0") return {"1.0", &fmi1_rules().at("fmiModelDescription"), false};
   if (fmi_version.starts_with("3.")) return {"3.0", &fmi3_rules().at("fmiModelDescription"), true};
   return {"2.0", &kRules.at("fmiModelDescription"), false};
 }

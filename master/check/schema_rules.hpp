@@ -43,7 +43,7 @@ struct ChildRule {
 struct ElementRule {
   std::vector<AttributeRule> attributes;
   std::vector<ChildRule> children;
-  bool alternatives = false;  // exactly one of `children` but for Annotations
+  bool alternatives = false;  // exactly one of `children` but for Annotations and DirectDependency
   bool unordered = false;     // at least one of `children`, in any order
   bool anything = false;      // a vendor's own contents
 };
@@ -57,7 +57,8 @@ struct RuleRow {
   std::string_view children;
 };
 
-/// The grammar of FMI 3.0.
+/// The grammars of FMI 1.0 for co-simulation, and of FMI 3.0.
+std::span<const RuleRow> fmi1_rule_rows();
 std::span<const RuleRow> fmi3_rule_rows();
 
 /// A version of FMI, as its files name it.
@@ -67,7 +68,7 @@ struct Grammar {
   bool foreign_attributes;   // attributes of other name spaces may be there
 };
 
-/// Returns the grammar of modelDescription.xml in this version: that of 3.0 for 3.x, else that of 2.0.
+/// Returns the grammar of modelDescription.xml in this version: that of 1.0, that of 3.0 for 3.x, else that of 2.0.
 Grammar grammar_of(std::string_view fmi_version);
 Grammar grammar_of_terminals();
 

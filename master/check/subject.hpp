@@ -3,7 +3,7 @@
 
 #include "child.hpp"
 
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/process/process_state.hpp"
 #include "mebots/error.hpp"

@@ -8,22 +8,6 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// The child that says the type, <Real> and so on.
-std::pair<Type, Element> type_child(const Element& parent) {
-  std::optional<std::pair<Type, Element>> found;
-  parent.each_child([&](const Element& child) {
-    const auto* const word = std::ranges::find(fmi::kTypeWords2, child.name());
-    if (word == std::end(fmi::kTypeWords2)) return;
-    if (found) child.fail(fmt::format("\"{}\" has two types", parent.text("name")));
-    found = {static_cast<Type>(word - std::begin(fmi::kTypeWords2)), child};
-  });
-  if (!found)
-    parent.fail(
-        fmt::format("\"{}\" has no type: one of <Real>, <Integer>, <Boolean>, <String>, <Enumeration> is expected",
-                    parent.text("name")));
-  return *found;
-}
-
 class Fmi2Reader {
  public:
   explicit Fmi2Reader(const Document& document) : root_(document, document.root()) {}
@@ -153,14 +137,6 @@ class Fmi2Reader {
     if (variable.causality == Causality::parameter || variable.causality == Causality::calculated_parameter)
       return Variability::fixed;
     return variable.type == Type::real ? Variability::continuous : Variability::discrete;
-  }
-
-  static Value read_start(const Element& details, Type type) {
-    if (!details.has("start")) return {};
-    if (type == Type::real) return *details.real("start");
-    if (type == Type::boolean) return *details.parse_flag("start");
-    if (type == Type::string) return details.text("start");
-    return std::int64_t{*details.number<std::int32_t>("start", "a whole number of 32 bits")};
   }
 
   void take_declared_type(const Element& element, Variable& variable) const {

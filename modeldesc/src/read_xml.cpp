@@ -95,6 +95,29 @@ void read_common(const Element& root, ModelDescription& result) {
                                  experiment.real("tolerance"), experiment.real("stepSize")};
 }
 
+std::pair<Type, Element> type_child(const Element& variable) {
+  std::optional<std::pair<Type, Element>> found;
+  variable.each_child([&](const Element& child) {
+    const auto* const word = std::ranges::find(fmi::kTypeWords2, child.name());
+    if (word == std::end(fmi::kTypeWords2)) return;
+    if (found) child.fail(fmt::format("\"{}\" has two types", variable.text("name")));
+    found = {static_cast<Type>(word - std::begin(fmi::kTypeWords2)), child};
+  });
+  if (!found)
+    variable.fail(
+        fmt::format("\"{}\" has no type: one of <Real>, <Integer>, <Boolean>, <String>, <Enumeration> is expected",
+                    variable.text("name")));
+  return *found;
+}
+
+Value read_start(const Element& details, Type type) {
+  if (!details.has("start")) return {};
+  if (type == Type::real) return *details.real("start");
+  if (type == Type::boolean) return *details.parse_flag("start");
+  if (type == Type::string) return details.text("start");
+  return std::int64_t{*details.number<std::int32_t>("start", "a whole number of 32 bits")};
+}
+
 void take_declared_type(const Element& element, const TypeDefinition& type, Variable& variable) {
   if (type.type != variable.type)
     element.fail(fmt::format("\"{}\" is of type {}, but its declared type \"{}\" is of type {}", variable.name,
@@ -115,9 +138,10 @@ ModelDescription read_utf8(std::string text, std::string_view source) {
   const Element root(document, document.root());
   if (root.name() != "fmiModelDescription") root.fail("the root element must be <fmiModelDescription>");
   const auto version = root.required_text("fmiVersion");
+  if (version == "1.0") return read_fmi1(document);
   if (version == "2.0") return read_fmi2(document);
   if (version == "3.0" || version.starts_with("3.0.") || version.starts_with("3.0-")) return read_fmi3(document);
-  root.fail(fmt::format("the FMU is of FMI version {}; only 2.0 and 3.0 can be used", version));
+  root.fail(fmt::format("the FMU is of FMI version {}; only 1.0, 2.0 and 3.0 can be used", version));
 }
 
 std::string bytes_of(const std::filesystem::path& file) {

@@ -78,6 +78,8 @@ class Element {
   bool has(const char* name) const { return static_cast<bool>(node_.attribute(name)); }
   std::string text(const char* name) const { return node_.attribute(name).value(); }  // empty when missing
 
+  std::string_view content() const { return node_.child_value(); }
+
   std::string required_text(const char* name) const {
     if (!has(name)) fail(fmt::format("the attribute {} is missing", name));
     return text(name);
@@ -193,9 +195,16 @@ Unknown read_dependencies(const Element& element, Find find) {
   return unknown;
 }
 
+/// Returns the type of a variable of FMI 1.0 or 2.0 and the child that states it, <Real> and so on.
+std::pair<Type, Element> type_child(const Element& variable);
+
+/// Reads the start value from that child; empty if it has none.
+Value read_start(const Element& details, Type type);
+
 /// Fills in what a variable does not state and its declared type does. Throws Error if they are of different types.
 void take_declared_type(const Element& element, const TypeDefinition& type, Variable& variable);
 
+ModelDescription read_fmi1(const Document& document);
 ModelDescription read_fmi2(const Document& document);
 ModelDescription read_fmi3(const Document& document);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "child.hpp"
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 #include "support.hpp"
 #include "support/sanitizer.hpp"
 

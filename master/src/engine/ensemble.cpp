@@ -8,7 +8,7 @@
 #include "message/message_text.hpp"
 
 #include "engine/initial_values.hpp"
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 #include "slave/isolation/child_process.hpp"
 #include "slave/isolation/isolated_slave.hpp"
 #include "slave/process_watch.hpp"

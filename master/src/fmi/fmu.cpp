@@ -2,10 +2,8 @@
 #include "fmi/fmu.hpp"
 
 #include "base/own_threads.hpp"
-#include "fmi/call/fmi2_callbacks.hpp"
-#include "fmi/call/foreign_call.hpp"
+#include "fmi/call/library_call.hpp"
 #include "fmi/process/process_state.hpp"
-#include "mebots/assert.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
@@ -49,25 +47,6 @@ std::string_view way_out(std::string_view why) {
   return "Install the missing library, or put it into binaries/linux64 of the FMU";
 }
 
-/// Calls code of the library that belongs to no instance; `doing` completes "while the library was".
-template <typename Work>
-auto call_library(const std::filesystem::path& archive, const char* doing, Work work) {
-  const auto name = archive.filename().string();
-  const LibraryScope scope(name.c_str(), doing);
-  try {
-    return call_foreign(work);
-  } catch (const ForeignException& exception) {
-    throw InputError(ErrorCode::fmu_failed, fmt::format("{}: the FMU's library {} while it was {}", archive.string(),
-                                                        exception.what(), doing));
-  }
-}
-
-/// "'2.0'", for messages.
-std::string shown_text(const std::optional<std::string>& text, const char* address) {
-  if (text) return fmt::format("'{}'", *text);
-  return address == nullptr ? "nothing" : "an address where nothing can be read";
-}
-
 /// True if the process has a library from the folder, as it may after dlclose(): by its path the loader would give it
 /// to the next FMU of that path.
 bool has_loaded_from(const std::filesystem::path& folder) {
@@ -97,8 +76,7 @@ void Fmu::unload() {
   const auto handlers = handlers_in_libraries();
   call_library(archive_, "unloaded", [&] { dlclose(library); });
   reset_unloaded_handlers(handlers);
-  fmi2_functions_.reset();
-  fmi3_functions_.reset();
+  functions_ = {};
   at_load_.reset();
   if (own_folder_ && !has_loaded_from(folder_)) own_folder_->release_path();
 }
@@ -126,18 +104,6 @@ std::shared_ptr<const modeldesc::ModelDescription> Fmu::model(const modeldesc::S
   return model;
 }
 
-const Fmi2Functions& Fmu::fmi2_functions() {
-  require_library();
-  MEBOTS_ASSERT(fmi2_functions_ != nullptr, "the caller looks at the version");
-  return *fmi2_functions_;
-}
-
-const Fmi3Functions& Fmu::fmi3_functions() {
-  require_library();
-  MEBOTS_ASSERT(fmi3_functions_ != nullptr, "the caller looks at the version");
-  return *fmi3_functions_;
-}
-
 void Fmu::require_library() {
   if (library_ != nullptr) return;
   // The C++ library records in its own memory that it has initialised itself, if the process has had threads. So it
@@ -157,6 +123,13 @@ void Fmu::require_library() {
 FmuKind Fmu::kind() const {
   const auto usual = description_.co_simulation ? FmuKind::co_simulation : FmuKind::model_exchange;
   const auto kind = wish_.value_or(usual);
+  if (description_.is_fmi1() && kind == FmuKind::model_exchange) {
+    throw InputError(
+        ErrorCode::fmu_unsupported,
+        fmt::format("{}: this FMU is for model exchange of FMI 1.0, which mebots does not support; export it "
+                    "for co-simulation, or for model exchange of FMI 2.0 or 3.0",
+                    archive_.string()));
+  }
   if (implementation_of(description_, kind) != nullptr) return kind;
   if (!description_.co_simulation && !description_.model_exchange) {
     throw InputError(
@@ -187,7 +160,7 @@ std::optional<std::string> Fmu::difference() const {
     if (!difference_elsewhere_.empty()) return difference_elsewhere_;
   }
   if (!at_load_ || !used()) return std::nullopt;
-  if (corrupted_) return "it returned fmi2Fatal";
+  if (corrupted_) return "it returned a fatal status";
   if (at_load_->owned_memory()) return at_load_->owned_memory();
   return at_load_->difference();
 }
@@ -235,39 +208,7 @@ void Fmu::load() {
     throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: the FMU's shared library cannot be loaded: {}. {}",
                                                               archive_.string(), why, way_out(why)));
   }
-  find_functions();
-}
-
-void Fmu::find_functions() {
-  if (description_.is_fmi3()) {
-    fmi3_functions_ =
-        std::make_unique<Fmi3Functions>(load_fmi3_functions(library_, archive_.string(), description_, kind()));
-    return check_fmi3_version();
-  }
-  fmi2_functions_ = std::make_unique<Fmi2Functions>(load_functions(library_, archive_.string(), kind()));
-  check_fmi2_version();
-}
-
-void Fmu::check_fmi3_version() const {
-  const char* const version = call_library(archive_, "asked for its version", fmi3_functions_->get_version);
-  const auto text = read_text(version);
-  if (text && text->starts_with("3.0")) return;
-  throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: fmi3GetVersion returns {} instead of '3.0'",
-                                                            archive_.string(), shown_text(text, version)));
-}
-
-void Fmu::check_fmi2_version() const {
-  const char* const version = call_library(archive_, "asked for its version", fmi2_functions_->get_version);
-  if (const auto text = read_text(version); text != "2.0") {
-    throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: fmi2GetVersion returns {} instead of '2.0'",
-                                                              archive_.string(), shown_text(text, version)));
-  }
-  const char* const platform = call_library(archive_, "asked for its platform", fmi2_functions_->get_types_platform);
-  if (const auto text = read_text(platform); text != kTypesPlatform) {
-    throw InputError(ErrorCode::fmu_unsupported,
-                     fmt::format("{}: fmi2GetTypesPlatform returns {} instead of '{}': its numbers have other sizes",
-                                 archive_.string(), shown_text(text, platform), kTypesPlatform));
-  }
+  functions_ = load_functions(library_, {archive_, description_, kind()});
 }
 
 std::filesystem::path Fmu::library_file() const {
@@ -284,6 +225,10 @@ std::string Fmu::resource_uri() const {
   return file_uri(folder_ / "resources");
 }
 
+std::string Fmu::location_uri() const {
+  return file_uri(folder_);
+}
+
 std::string file_uri(const std::filesystem::path& path) {
   std::string uri = "file://";
   for (const char c : std::filesystem::absolute(path).string()) {
@@ -292,44 +237,6 @@ std::string file_uri(const std::filesystem::path& path) {
     uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return uri;
-}
-
-Fmi3Functions load_fmi3_functions(void* library, const std::string& archive,
-                                  const modeldesc::ModelDescription& description, FmuKind kind) {
-  using fmi3::Need;
-  const bool integrates = kind == FmuKind::model_exchange;
-  const bool has_event_mode = !integrates && description.co_simulation->has_event_mode;
-  const auto is_needed = [&](Need need) {
-    return need == Need::to_run || need == (integrates ? Need::to_integrate : Need::to_step) ||
-           (need == Need::events && (integrates || has_event_mode)) || (need == Need::event_mode && has_event_mode);
-  };
-  const auto functions = fmi3::find_functions(library);
-  std::vector<std::string> missing;
-  fmi3::for_each_function([&](const char* name, auto member, Need need) {
-    if (is_needed(need) && functions.*member == nullptr) missing.emplace_back(name);
-  });
-  if (!missing.empty()) {
-    throw InputError(ErrorCode::fmu_inconsistent,
-                     fmt::format("{}: the FMU's shared library lacks functions that FMI 3.0 demands: {}", archive,
-                                 fmt::join(missing, ", ")));
-  }
-  return functions;
-}
-
-Fmi2Functions load_functions(void* library, const std::string& archive, FmuKind kind) {
-  const auto functions = fmi2::find_functions(library);
-  std::vector<std::string> missing;
-  fmi2::for_each_function([&](const char* name, auto member, fmi2::Need need) {
-    const auto to_run_kind = kind == FmuKind::co_simulation ? fmi2::Need::to_step : fmi2::Need::to_integrate;
-    const bool is_needed = need == fmi2::Need::to_run || need == to_run_kind;
-    if (is_needed && functions.*member == nullptr) missing.emplace_back(name);
-  });
-  if (!missing.empty()) {
-    throw InputError(ErrorCode::fmu_inconsistent,
-                     fmt::format("{}: the FMU's shared library lacks functions that FMI 2.0 demands: {}", archive,
-                                 fmt::join(missing, ", ")));
-  }
-  return functions;
 }
 
 }  // namespace mebots::master

@@ -2,11 +2,10 @@
 #pragma once
 
 #include "fmi/call/foreign_call.hpp"
+#include "fmi/fmu_functions.hpp"
 #include "fmi/library_state.hpp"
 #include "fmi/process/process_state.hpp"
 #include "fmi/unpack_folder.hpp"
-#include "mebots/fmi2/library.hpp"
-#include "mebots/fmi3/library.hpp"
 #include "mebots/modeldesc/array_elements.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 #include "model/fmu_kind.hpp"
@@ -24,15 +23,12 @@
 
 namespace mebots::master {
 
-using Fmi2Functions = fmi2::Functions;
-using Fmi3Functions = fmi3::Functions;
-
 /// An FMU archive unpacked into a folder of its own, which goes with this object: description at once,
 /// shared library when first asked for. The library's code goes too, unless a thread may still run in it.
 class Fmu {
  public:
   /// `wish` is the kind of its instances; if absent, co-simulation if the FMU offers it. Throws InputError for anything
-  /// that is not an FMU of version 2.0 or 3.0.
+  /// that is not an FMU of version 1.0, 2.0 or 3.0.
   explicit Fmu(std::filesystem::path archive, std::optional<FmuKind> wish = {});
   /// One that another process has unpacked into `folder`, and will remove.
   Fmu(std::filesystem::path archive, std::filesystem::path folder);
@@ -52,9 +48,12 @@ class Fmu {
   /// Loads the shared library; no effect the second time. Throws InputError naming the library or function that is
   /// missing.
   void require_library();
-  /// The functions of an FMU of FMI 2.0, or of FMI 3.0. As require_library().
-  const Fmi2Functions& fmi2_functions();
-  const Fmi3Functions& fmi3_functions();
+  /// The functions of the FMU's library. `Functions` is the table of its version. As require_library().
+  template <typename Functions>
+  const Functions& functions() {
+    require_library();
+    return std::get<Functions>(functions_);
+  }
   /// The kind of its instances. Throws InputError if the FMU does not offer the wished one.
   FmuKind kind() const;
   /// The shared library for this platform, whether it is there or not.
@@ -65,7 +64,7 @@ class Fmu {
   void unload();
   /// The shared library stays loaded until the process ends.
   void keep_loaded() { kept_loaded_ = true; }
-  /// After an fmi2Fatal no instance of this FMU may be called any more.
+  /// After a fatal status no instance of this FMU may be called any more.
   bool corrupted() const { return corrupted_; }
   void set_corrupted() { corrupted_ = true; }
   /// What loading the library changed in this process, as ProcessState has it; to whoever asks first.
@@ -102,6 +101,8 @@ class Fmu {
   bool first_to_tell_of_floats() { return !told_of_floats_.exchange(true); }
   /// Where the FMU finds its files, as fmi2Instantiate wants it: a `file:///` URI.
   std::string resource_uri() const;
+  /// The folder where the FMU is unpacked, as fmiInstantiateSlave (FMI 1.0) wants it: a `file:///` URI.
+  std::string location_uri() const;
   /// The same as fmi3Instantiate... wants it: a path that ends with a separator; empty if the FMU has no such folder.
   std::string resource_path() const;
 
@@ -109,9 +110,6 @@ class Fmu {
   static constexpr int kMostWatched = 32;
 
   void load();
-  void find_functions();
-  void check_fmi2_version() const;
-  void check_fmi3_version() const;
   std::size_t threads_left() const;
 
   std::filesystem::path archive_;
@@ -134,8 +132,7 @@ class Fmu {
   mutable std::mutex elsewhere_mutex_;
   std::string difference_elsewhere_;
   std::atomic<bool> told_of_floats_{false};
-  std::unique_ptr<Fmi2Functions> fmi2_functions_;
-  std::unique_ptr<Fmi3Functions> fmi3_functions_;
+  FmuFunctions functions_;  // empty: not loaded
   std::mutex models_mutex_;
   std::map<modeldesc::StructuralValues, std::weak_ptr<const modeldesc::ModelDescription>> models_;
 };
@@ -143,7 +140,7 @@ class Fmu {
 /// Opens each archive once, however many instances come from it, in however many runs one after the other.
 class FmuLibrary {
  public:
-  /// As it was when it was opened first, whatever became of the file since; anew after an fmi2Fatal. The two kinds of
+  /// As it was when it was opened first, whatever became of the file since; anew after a fatal status. The two kinds of
   /// one archive may have different libraries, so they are two FMUs.
   std::shared_ptr<Fmu> open(const std::filesystem::path& archive, std::optional<FmuKind> wish = {});
   /// Forgets the FMUs that were used and are not clean: open() unpacks and loads them again.
@@ -155,15 +152,5 @@ class FmuLibrary {
 
 /// A path as a `file:///` URI, everything unusual percent-encoded.
 std::string file_uri(const std::filesystem::path& path);
-
-/// What fmi2GetTypesPlatform must say: the sizes of the standard's own header.
-inline constexpr const char* kTypesPlatform = "default";
-
-/// Looks the functions up in a library from dlopen. Throws InputError listing those that are missing and without which
-/// no simulation of this kind runs (`mebots check` asks for all); `archive` names the FMU in it.
-Fmi2Functions load_functions(void* library, const std::string& archive, FmuKind kind = FmuKind::co_simulation);
-/// As load_functions(), for FMI 3.0.
-Fmi3Functions load_fmi3_functions(void* library, const std::string& archive,
-                                  const modeldesc::ModelDescription& description, FmuKind kind);
 
 }  // namespace mebots::master

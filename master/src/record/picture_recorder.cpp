@@ -2,7 +2,7 @@
 #include "record/recorder.hpp"
 
 #include "base/time.hpp"
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 #include "mebots/fmu/binary_ref.hpp"
 #include "model/picture_size.hpp"
 #include "record/sink/png_file.hpp"

@@ -85,13 +85,13 @@ void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& not
   }
 }
 
-/// Notes the parts of ModelStructure that the reader left out; the first of them, as a file may have any number.
+/// Notes the parts of modelDescription.xml that the reader left out; the first of them, as a file may have any number.
 void note_structure_faults(const ResolvedInstance& instance, std::vector<std::string>& notices) {
   const auto& faults = instance.model->structure_faults;
   if (faults.empty()) return;
   const auto others = faults.size() == 1 ? "" : fmt::format(" ({} more by `mebots check`)", faults.size() - 1);
-  notices.push_back(fmt::format("{}: parts of ModelStructure in its modelDescription.xml are ignored: {}{}",
-                                instance.description->name, faults.front(), others));
+  notices.push_back(fmt::format("{}: parts of its modelDescription.xml are ignored: {}{}", instance.description->name,
+                                faults.front(), others));
 }
 
 /// Passes on what the archives of the FMUs gave notice of.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an FMU hands to the functions that it was given is never trusted.
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 #include "message/message_text.hpp"
 #include "test_system.hpp"
 

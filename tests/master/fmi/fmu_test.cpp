@@ -85,8 +85,8 @@ TEST(Fmu, MissingFunctionsAreListed) {
 }
 
 TEST(Fmu, AnotherVersionOfFmiIsRefused) {
-  const ChangedProbe probe([](std::string& xml) { replace(xml, "fmiVersion=\"2.0\"", "fmiVersion=\"1.0\""); });
-  EXPECT_THAT(load_error(probe.path()), HasSubstr("FMI version 1.0; only 2.0 and 3.0"));
+  const ChangedProbe probe([](std::string& xml) { replace(xml, "fmiVersion=\"2.0\"", "fmiVersion=\"4.0\""); });
+  EXPECT_THAT(load_error(probe.path()), HasSubstr("FMI version 4.0; only 1.0, 2.0 and 3.0"));
 }
 
 TEST(Fmu, ModelExchangeNeedsItsFunctions) {

@@ -2,7 +2,7 @@
 #include "fmi/call/exit_guard.hpp"
 
 #include "base/time.hpp"
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi/call/foreign_call.hpp"
 
+#include "fmi/call/callbacks.hpp"
 #include "fmi/call/exit_guard.hpp"
-#include "fmi/call/fmi2_callbacks.hpp"
 #include "message/message_text.hpp"
 
 #include <fmt/format.h>

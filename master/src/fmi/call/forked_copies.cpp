@@ -2,7 +2,7 @@
 #include "fmi/call/forked_copies.hpp"
 
 #include "base/signal_guard.hpp"
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

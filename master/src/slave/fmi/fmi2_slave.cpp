@@ -4,13 +4,11 @@
 #include "mebots/assert.hpp"
 #include "mebots/fmi2/types.hpp"
 
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -32,14 +30,14 @@ std::string_view fmi2_status_name(int status) {
 
 Fmi2Slave::Fmi2Slave(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
                      MessageSink& messages, const TimeGrid& grid)
-    : functions_(&fmu->fmi2_functions()),
+    : functions_(&fmu->functions<Fmi2Functions>()),
       calls_(std::move(name), std::move(fmu), std::move(log_categories), messages, grid, fmi2_status_name),
       states_(calls_, *functions_, kFmi2StateNames,
               implementation_of(calls_.description(), kind)->can_get_and_set_fmu_state,
               implementation_of(calls_.description(), kind)->can_serialize_fmu_state) {
   const bool is_stepped = kind == FmuKind::co_simulation;
   callbacks_ = calls_.target().functions(is_stepped && description().co_simulation->can_run_asynchronuously);
-  calls_.on_step_finished([this](int status) { step_finished(status); });
+  calls_.on_step_finished([this](int status) { pending_.finished(status); });
   // Logging is on from the start: many FMUs say nothing about a failing instantiation otherwise.
   calls_.instantiate("fmi2Instantiate", [&] {
     return functions_->instantiate(this->name().c_str(), is_stepped ? fmi2CoSimulation : fmi2ModelExchange,
@@ -57,7 +55,8 @@ Fmi2Slave::~Fmi2Slave() {
 
 std::optional<std::string> Fmi2Slave::free_instance() {
   return calls_.free_instance("fmi2FreeInstance", [&] {
-    if (pending_ && functions_->cancel_step != nullptr) calls_.call("fmi2CancelStep", functions_->cancel_step);
+    if (pending_.is_going_on() && functions_->cancel_step != nullptr)
+      calls_.call("fmi2CancelStep", functions_->cancel_step);
     calls_.call("fmi2FreeInstance", functions_->free_instance);
   });
 }
@@ -85,10 +84,7 @@ void Fmi2Slave::exit_initialization() {
 StepResult Fmi2Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   calls_.set_time_ns(start_ns);
   step_end_ns_ = start_ns + duration_ns;
-  if (callbacks_.stepFinished != nullptr) {
-    const std::lock_guard lock(step_mutex_);
-    step_status_.reset();
-  }
+  if (callbacks_.stepFinished != nullptr) pending_.begin();
   const bool never_back = states_.promise_at(start_ns);
   const int status = calls_.watched_step("fmi2DoStep", [&]() -> int {
     return calls_.call("fmi2DoStep", functions_->do_step, calls_.grid().time_s(start_ns),
@@ -98,52 +94,22 @@ StepResult Fmi2Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   if (functions_->get_status == nullptr && callbacks_.stepFinished == nullptr) {
     calls_.fail("fmi2DoStep", "answered fmi2Pending, but the FMU has no fmi2GetStatus to ask when the step is over");
   }
-  pending_ = true;
-  StepResult result;
-  result.done = false;
-  result.pending = true;
-  return result;
+  return pending_.goes_on();
 }
 
-void Fmi2Slave::step_finished(int status) {
-  {
-    const std::lock_guard lock(step_mutex_);
-    step_status_ = status;
-  }
-  step_over_.notify_all();
-}
-
-/// Returns the status of a pending step after its end; fmi2Pending if it was cancelled. An FMU reports the end by its
-/// callback, by fmi2GetStatus, or by both. fmi2GetStatus is called every 20 us at first, every 2 ms later.
-int Fmi2Slave::wait_for_step(const std::atomic<bool>& cancel) {
-  constexpr std::chrono::microseconds kLongestPause{2000};
-  std::chrono::microseconds pause{20};
-  while (!cancel.load(std::memory_order_relaxed)) {
-    {
-      std::unique_lock lock(step_mutex_);
-      if (step_over_.wait_for(lock, pause, [this] { return step_status_.has_value(); })) return *step_status_;
-    }
-    pause = std::min(2 * pause, kLongestPause);
-    if (functions_->get_status == nullptr) continue;
-    fmi2Status status = fmi2Pending;
-    if (calls_.call("fmi2GetStatus", functions_->get_status, fmi2DoStepStatus, &status) == fmi2OK &&
-        status != fmi2Pending) {
-      return status;
-    }
-  }
-  return fmi2Pending;
+int Fmi2Slave::step_status() {
+  if (functions_->get_status == nullptr) return fmi2Pending;
+  fmi2Status status = fmi2Pending;
+  const int answer = calls_.call("fmi2GetStatus", functions_->get_status, fmi2DoStepStatus, &status);
+  return answer == fmi2OK ? status : fmi2Pending;
 }
 
 StepResult Fmi2Slave::finish_step(const std::atomic<bool>& cancel) {
-  if (!pending_) return Slave::finish_step(cancel);
-  const auto status = wait_for_step(cancel);
-  pending_ = false;
+  if (!pending_.is_going_on()) return Slave::finish_step(cancel);
+  const int status = pending_.wait(cancel, [this] { return step_status(); });
   if (status != fmi2Pending) return step_ended(status);
   if (functions_->cancel_step != nullptr) calls_.require("fmi2CancelStep", functions_->cancel_step);
-  StepResult result;
-  result.done = false;
-  result.cancelled = true;
-  return result;
+  return PendingStep::cancelled();
 }
 
 StepResult Fmi2Slave::step_ended(int status) {
@@ -213,22 +179,7 @@ void Fmi2Slave::get_booleans(std::span<const ValueReference> references, std::sp
 void Fmi2Slave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {
   texts_.assign(references.size(), nullptr);
   calls_.require("fmi2GetString", functions_->get_string, references.data(), references.size(), texts_.data());
-  for (std::size_t i = 0; i < texts_.size(); ++i) {
-    const auto text = read_text(texts_[i], std::numeric_limits<std::size_t>::max());
-    if (!text && texts_[i] != nullptr) {
-      calls_.fail("fmi2GetString", fmt::format("gave the address {} for the text of {}, and nothing can be read there",
-                                               fmt::ptr(texts_[i]), string_name(references[i])));
-    }
-    values[i] = text.value_or("");
-  }
-}
-
-std::string Fmi2Slave::string_name(ValueReference reference) const {
-  const auto& variables = description().variables;
-  const auto found = std::ranges::find_if(variables, [&](const modeldesc::Variable& variable) {
-    return variable.type == modeldesc::Type::string && variable.value_reference == reference;
-  });
-  return found == variables.end() ? fmt::format("reference {}", reference) : found->name;
+  calls_.copy_texts("fmi2GetString", references, texts_, values);
 }
 
 void Fmi2Slave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {

@@ -4,11 +4,10 @@
 #include "model/fmu_kind.hpp"
 #include "slave/fmi/fmu_states.hpp"
 #include "slave/fmi/instance_calls.hpp"
+#include "slave/fmi/pending_step.hpp"
 #include "slave/slave.hpp"
 
 #include <atomic>
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -71,22 +70,16 @@ class Fmi2Slave : public Slave {
 
  private:
   StepResult step_ended(int status);
-  void step_finished(int status);
-  int wait_for_step(const std::atomic<bool>& cancel);
-  std::string string_name(ValueReference reference) const;
+  int step_status();
   std::span<const std::int32_t> narrowed(std::span<const std::int64_t> values);
 
   const Fmi2Functions* functions_;
   fmi2CallbackFunctions callbacks_{};
   std::int64_t step_end_ns_ = 0;
-  bool pending_ = false;  // a step continues in the FMU
   std::vector<const char*> texts_;
   std::vector<std::int32_t> numbers_;  // of the current call
 
-  // An asynchronous FMU reports the end of its step from a thread of its own.
-  std::mutex step_mutex_;
-  std::condition_variable step_over_;
-  std::optional<int> step_status_;
+  PendingStep pending_;
 
   InstanceCalls calls_;  // after all that callbacks use
   FmuStates<Fmi2Functions> states_;

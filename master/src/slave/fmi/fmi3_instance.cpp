@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/fmi/fmi3_instance.hpp"
 
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 
 #include <utility>
 
@@ -27,7 +27,7 @@ Fmi3Instance::Fmi3Instance(FmuKind kind, std::string name, std::shared_ptr<Fmu> 
                            std::shared_ptr<const modeldesc::ModelDescription> model,
                            const modeldesc::StructuralValues& structural, std::vector<std::string> log_categories,
                            MessageSink& messages, const TimeGrid& grid)
-    : functions_(&fmu->fmi3_functions()),
+    : functions_(&fmu->functions<Fmi3Functions>()),
       model_(std::move(model)),
       calls_(std::move(name), std::move(fmu), std::move(log_categories), messages, grid, fmi3_status_name),
       values_(calls_, *functions_, *model_),

@@ -3,7 +3,7 @@
 
 #include "mebots/assert.hpp"
 
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 
 #include <fmt/format.h>
 

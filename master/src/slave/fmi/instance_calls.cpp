@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 
 namespace mebots::master {
 namespace {
@@ -54,10 +55,14 @@ void InstanceCalls::instantiate(const char* function, const std::function<void*(
   watched_step_ = is_watched_ ? 1 : 0;
   if (const auto found = fmu_->floats_at_load()) report_floats(*found, "loading its library");
   report_process_changes(at_load, "loading its library");
-  watched(function, [&] { instance_ = in_scope(function, [&] { return make(); }); });
-  if (instance_ == nullptr) fail(function, "returned no instance");
+  instantiate_again(function, make);
   MEBOTS_ASSERT(!unusable_);
   deliver_held();
+}
+
+void InstanceCalls::instantiate_again(const char* function, const std::function<void*()>& make) {
+  watched(function, [&] { instance_ = in_scope(function, [&] { return make(); }); });
+  if (instance_ == nullptr) fail(function, "returned no instance");
 }
 
 /// A crash takes the whole process down.
@@ -179,6 +184,26 @@ std::string InstanceCalls::with_names(std::string_view text) const {
     at = end + 1;
   }
   return result;
+}
+
+std::string InstanceCalls::string_name(std::uint32_t reference) const {
+  const auto& variables = description().variables;
+  const auto found = std::ranges::find_if(variables, [&](const modeldesc::Variable& variable) {
+    return variable.type == modeldesc::Type::string && variable.value_reference == reference;
+  });
+  return found == variables.end() ? fmt::format("reference {}", reference) : found->name;
+}
+
+void InstanceCalls::copy_texts(const char* function, std::span<const std::uint32_t> references,
+                               std::span<const char* const> addresses, std::span<std::string> values) {
+  for (std::size_t i = 0; i < addresses.size(); ++i) {
+    const auto text = read_text(addresses[i], std::numeric_limits<std::size_t>::max());
+    if (!text && addresses[i] != nullptr) {
+      fail(function, fmt::format("gave the address {} for the text of {}, and nothing can be read there",
+                                 fmt::ptr(addresses[i]), string_name(references[i])));
+    }
+    values[i] = text.value_or("");
+  }
 }
 
 void InstanceCalls::deliver_held() {

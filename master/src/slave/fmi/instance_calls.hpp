@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/time_grid.hpp"
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/fmu.hpp"
 #include "message/message_hub.hpp"
@@ -61,6 +61,8 @@ class InstanceCalls final : public CallbackListener {
   /// Reports what loading the FMU's library changed, and makes the instance by `make`, which returns null on failure.
   /// Throws SlaveError.
   void instantiate(const char* function, const std::function<void*()>& make);
+  /// Replaces an instance that the caller has freed by another one.
+  void instantiate_again(const char* function, const std::function<void*()>& make);
   /// Frees the instance by `free`; no effect the second time. Returns the error if the FMU failed, which has been
   /// logged as well.
   std::optional<std::string> free_instance(const char* function, const std::function<void()>& free);
@@ -92,6 +94,11 @@ class InstanceCalls final : public CallbackListener {
   template <typename Work>
   [[gnu::always_inline]] int watched_step(const char* where, Work work);
 
+  /// Copies the texts at the addresses that `function` returned for these String variables; a null becomes an empty
+  /// text. Throws SlaveError for an address where nothing can be read.
+  void copy_texts(const char* function, std::span<const std::uint32_t> references,
+                  std::span<const char* const> addresses, std::span<std::string> values);
+
   /// Throws SlaveError unless the status is OK or Warning.
   void check(int status, const char* function);
   /// Throws SlaveError: instance, time, function, `what` and what the FMU logged.
@@ -119,6 +126,7 @@ class InstanceCalls final : public CallbackListener {
   void report_process_changes(const std::vector<std::string>& changes, const char* where);
   bool is_shown(Severity severity, std::string_view category) const;
   std::string with_names(std::string_view text) const;
+  std::string string_name(std::uint32_t reference) const;
   void deliver_all_but(std::size_t last);
 
   std::string name_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slave/fmi/make_slave.hpp"
 
+#include "slave/fmi/fmi1_slave.hpp"
 #include "slave/fmi/fmi2_model_exchange.hpp"
 #include "slave/fmi/fmi2_slave.hpp"
 #include "slave/fmi/fmi3_model_exchange.hpp"
@@ -12,6 +13,8 @@ namespace mebots::master {
 
 std::unique_ptr<Slave> make_slave_here(InstanceRequest request, MessageSink& messages) {
   auto& [name, fmu, structural, log_categories, grid] = request;
+  if (fmu->description().is_fmi1())
+    return std::make_unique<Fmi1Slave>(std::move(name), fmu, std::move(log_categories), messages, grid);
   if (!fmu->description().is_fmi3()) {
     return std::make_unique<Fmi2Slave>(std::move(name), fmu, std::move(log_categories), messages, grid);
   }

@@ -3,7 +3,7 @@
 
 #include "base/signal_guard.hpp"
 #include "base/time.hpp"
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 #include "fmi/fmu.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/input_error.hpp"

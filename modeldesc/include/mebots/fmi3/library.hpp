@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/fmi/find_functions.hpp"
 #include "mebots/fmi3/functions.hpp"
-
-#include <dlfcn.h>
-
-#include <type_traits>
 
 /// The functions of the shared library of an FMI 3.0 FMU as a table of pointers, and what the standard says about each.
 namespace mebots::fmi3 {
@@ -162,12 +159,7 @@ void for_each_function(Action action) {
 
 /// Looks all functions up in a library from dlopen; those that it lacks stay null.
 inline Functions find_functions(void* library) {
-  Functions functions;
-  for_each_function([&](const char* name, auto member, Need) {
-    auto& function = functions.*member;
-    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, name));
-  });
-  return functions;
+  return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }
 
 }  // namespace mebots::fmi3

@@ -16,7 +16,7 @@
 #include <variant>
 #include <vector>
 
-/// The content of a modelDescription.xml of FMI 2.0 or 3.0 as plain data: ours and foreign ones alike.
+/// The content of a modelDescription.xml of FMI 1.0, 2.0 or 3.0 as plain data: ours and foreign ones alike.
 namespace mebots::modeldesc {
 
 using fmi::Causality;
@@ -129,9 +129,9 @@ class Fmi3Holder {
   std::shared_ptr<const Fmi3Part> part_;
 };
 
-/// A <ScalarVariable> of FMI 2.0, or a variable of FMI 3.0. Unit, quantity, min, max and nominal of its declared type
-/// are already filled in where the variable itself has none, and so are FMI's defaults for causality, variability and
-/// initial.
+/// A <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. Unit, quantity, min, max and nominal of its declared
+/// type are already filled in where the variable itself has none, and so are FMI's defaults for causality, variability
+/// and initial.
 struct Variable {
   std::string name;
   std::uint32_t value_reference = 0;
@@ -153,6 +153,9 @@ struct Variable {
   bool can_handle_multiple_set_per_time_instant = true;
   std::string text;
   std::optional<OsmpPart> osmp;
+  /// Of a negated alias (FMI 1.0): value reference in the FMU of the variable whose negated value this is. The alias
+  /// has a value reference of its own, which no other variable has.
+  std::optional<std::uint32_t> negated_reference;
   Fmi3Holder fmi3;
   bool operator==(const Variable&) const = default;
 };
@@ -248,7 +251,7 @@ class NameIndex {
 };
 
 struct ModelDescription {
-  std::string fmi_version;  // "2.0" or "3.0", without the third number that FMI 3.0 may write
+  std::string fmi_version;  // "1.0", "2.0" or "3.0", without the third number that FMI 3.0 may write
   std::string model_name;
   std::string guid;  // instantiationToken in FMI 3.0
   std::string text;
@@ -276,6 +279,7 @@ struct ModelDescription {
   std::vector<std::string> structure_faults;  // of ModelStructure: what is wrong and where; these parts are left out
   bool operator==(const ModelDescription&) const = default;
 
+  bool is_fmi1() const { return fmi_version == "1.0"; }
   bool is_fmi3() const { return fmi_version == "3.0"; }
 
   /// Indexes variables, units and types by name. Readers of descriptions call it last. Lists that change afterwards

@@ -15,7 +15,8 @@
 
 namespace mebots::modeldesc {
 
-/// Reads a modelDescription.xml of FMI 2.0. Throws mebots::Error naming file, line, element, attribute and value.
+/// Reads a modelDescription.xml of FMI 1.0, 2.0 or 3.0. Throws mebots::Error naming file, line, element, attribute and
+/// value.
 ModelDescription read_xml(const std::filesystem::path& file);
 
 /// The same from text; `source` names it in messages.

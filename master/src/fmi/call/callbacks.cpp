@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fmi/call/fmi2_callbacks.hpp"
+#include "fmi/call/callbacks.hpp"
 
 #include "fmi/call/forked_copies.hpp"
 #include "message/message_text.hpp"
@@ -104,16 +104,10 @@ std::string message_text(const std::optional<std::string>& text, const char* add
   return address == nullptr ? "(a message without a text)" : "(a message whose text cannot be read)";
 }
 
-// The C interface of the standard: printf-like and called by foreign code, so nothing may be thrown out of it.
-void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
-         fmi2String message, ...) {
-  if (deaf.load(std::memory_order_relaxed)) return;
-  const InCallback here({"logger", false});
-  std::va_list arguments;
-  va_start(arguments, message);
+/// Throws nothing: foreign code calls it.
+void log_formatted(LoggerCall call, const void* environment, const char* instance, const char* category,
+                   const char* message, std::va_list arguments) noexcept {
   try {
-    LoggerCall call;
-    call.status = status;
     call.instance = clean_text(instance);
     call.category = clean_text(category).value_or("");
     auto text = read_text(message);
@@ -122,6 +116,30 @@ void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status s
     pass_on(std::move(call), environment);
   } catch (...) {  // NOLINT(bugprone-empty-catch): a message is lost, the simulation is not
   }
+}
+
+void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
+         fmi2String message, ...) {
+  if (deaf.load(std::memory_order_relaxed)) return;
+  const InCallback here({"logger", false});
+  std::va_list arguments;
+  va_start(arguments, message);
+  LoggerCall call;
+  call.status = status;
+  log_formatted(std::move(call), environment, instance, category, message, arguments);
+  va_end(arguments);
+}
+
+/// FMI 1.0 has no environment: on a thread of the FMU, the instance is found by its name.
+void log_fmi1(fmiComponent /*component*/, fmiString instance, fmiStatus status, fmiString category, fmiString message,
+              ...) {
+  if (deaf.load(std::memory_order_relaxed)) return;
+  const InCallback here({"logger", false});
+  std::va_list arguments;
+  va_start(arguments, message);
+  LoggerCall call;
+  call.status = status;
+  log_formatted(std::move(call), nullptr, instance, category, message, arguments);
   va_end(arguments);
 }
 
@@ -145,6 +163,11 @@ void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
                 [&](CallbackTarget& target, bool /*in_call*/) { target.listener().step_finished(status); });
   } catch (...) {  // NOLINT(bugprone-empty-catch): the master asks fmi2GetStatus too
   }
+}
+
+/// As log_fmi1(), without a name: the end is known from fmiGetStatus if several instances live.
+void step_finished_fmi1(fmiComponent /*component*/, fmiStatus status) {
+  step_finished(nullptr, static_cast<fmi2Status>(status));
 }
 
 void* allocate_memory(std::size_t count, std::size_t size) {
@@ -174,6 +197,10 @@ CallbackTarget::~CallbackTarget() {
 
 fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
   return {&log, &allocate_memory, &free_memory, asynchronous ? &step_finished : nullptr, this};
+}
+
+fmiCallbackFunctions CallbackTarget::fmi1_functions(bool asynchronous) {
+  return {&log_fmi1, &allocate_memory, &free_memory, asynchronous ? &step_finished_fmi1 : nullptr};
 }
 
 Fmi3Callbacks CallbackTarget::fmi3_callbacks() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/fmi1/types.hpp"
 #include "mebots/fmi2/types.hpp"
 #include "mebots/fmi3/types.hpp"
 
@@ -52,6 +53,8 @@ class CallbackTarget {
   CallbackTarget(const CallbackTarget&) = delete;
   CallbackTarget& operator=(const CallbackTarget&) = delete;
 
+  /// For fmiInstantiateSlave of FMI 1.0.
+  static fmiCallbackFunctions fmi1_functions(bool asynchronous);
   /// For fmi2Instantiate; must not be used after this object is gone.
   fmi2CallbackFunctions functions(bool asynchronous);
   /// For fmi3Instantiate...; must not be used after this object is gone.

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fmi/fmu_functions.hpp"
+
+#include "fmi/call/library_call.hpp"
+#include "mebots/input_error.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mebots::master {
+namespace {
+
+/// "'2.0'", for messages.
+std::string shown_text(const std::optional<std::string>& text, const char* address) {
+  if (text) return fmt::format("'{}'", *text);
+  return address == nullptr ? "nothing" : "an address where nothing can be read";
+}
+
+/// What a function of the library must return.
+struct Expected {
+  const char* function;
+  const char* doing;  ///< for crash messages: "the library was ..."
+  const char* text;
+  const char* consequence = "";
+  bool may_continue = false;  ///< more text may follow: "3.0.2"
+};
+
+/// Throws InputError if the function returns another text.
+template <typename Function>
+void require_text(const LibraryOwner& owner, const Expected& expected, Function* function) {
+  const char* const answer = call_library(owner.archive, expected.doing, function);
+  const auto text = read_text(answer);
+  if (text && (expected.may_continue ? text->starts_with(expected.text) : text == expected.text)) return;
+  throw InputError(*expected.consequence == 0 ? ErrorCode::fmu_inconsistent : ErrorCode::fmu_unsupported,
+                   fmt::format("{}: {} returns {} instead of '{}'{}", owner.archive.string(), expected.function,
+                               shown_text(text, answer), expected.text, expected.consequence));
+}
+
+constexpr const char* kVersionAsked = "asked for its version";
+constexpr const char* kPlatformAsked = "asked for its platform";
+constexpr const char* kOtherSizes = ": its numbers have other sizes";
+
+/// Throws InputError if a function that `is_needed` is null. `for_each` is the version's for_each_function.
+template <typename Functions, typename ForEach, typename IsNeeded>
+void require_functions(const LibraryOwner& owner, const Functions& functions, ForEach for_each, IsNeeded is_needed) {
+  std::vector<std::string> missing;
+  for_each([&](const char* name, auto member, auto need) {
+    if (is_needed(need) && functions.*member == nullptr) missing.emplace_back(name);
+  });
+  if (missing.empty()) return;
+  throw InputError(ErrorCode::fmu_inconsistent,
+                   fmt::format("{}: the FMU's shared library lacks functions that FMI {} demands: {}",
+                               owner.archive.string(), owner.description.fmi_version, fmt::join(missing, ", ")));
+}
+
+Fmi1Functions load_fmi1(void* library, const LibraryOwner& owner) {
+  const auto functions = fmi1::find_functions(library, owner.description.co_simulation->model_identifier);
+  require_functions(
+      owner, functions, [](auto action) { fmi1::for_each_function(action); },
+      [](fmi1::Need need) { return need == fmi1::Need::to_run; });
+  require_text(owner, {"fmiGetVersion", kVersionAsked, "1.0"}, functions.get_version);
+  require_text(owner, {"fmiGetTypesPlatform", kPlatformAsked, "standard32", kOtherSizes}, functions.get_types_platform);
+  return functions;
+}
+
+Fmi2Functions load_fmi2(void* library, const LibraryOwner& owner) {
+  using fmi2::Need;
+  const auto functions = fmi2::find_functions(library);
+  const auto to_run_kind = owner.kind == FmuKind::co_simulation ? Need::to_step : Need::to_integrate;
+  require_functions(
+      owner, functions, [](auto action) { fmi2::for_each_function(action); },
+      [&](Need need) { return need == Need::to_run || need == to_run_kind; });
+  require_text(owner, {"fmi2GetVersion", kVersionAsked, "2.0"}, functions.get_version);
+  require_text(owner, {"fmi2GetTypesPlatform", kPlatformAsked, "default", kOtherSizes}, functions.get_types_platform);
+  return functions;
+}
+
+Fmi3Functions load_fmi3(void* library, const LibraryOwner& owner) {
+  using fmi3::Need;
+  const bool integrates = owner.kind == FmuKind::model_exchange;
+  const bool has_event_mode = !integrates && owner.description.co_simulation->has_event_mode;
+  const auto functions = fmi3::find_functions(library);
+  require_functions(
+      owner, functions, [](auto action) { fmi3::for_each_function(action); },
+      [&](Need need) {
+        return need == Need::to_run || need == (integrates ? Need::to_integrate : Need::to_step) ||
+               (need == Need::events && (integrates || has_event_mode)) || (need == Need::event_mode && has_event_mode);
+      });
+  require_text(owner, {"fmi3GetVersion", kVersionAsked, "3.0", "", true}, functions.get_version);
+  return functions;
+}
+
+}  // namespace
+
+FmuFunctions load_functions(void* library, const LibraryOwner& owner) {
+  if (owner.description.is_fmi1()) return load_fmi1(library, owner);
+  if (owner.description.is_fmi3()) return load_fmi3(library, owner);
+  return load_fmi2(library, owner);
+}
+
+}  // namespace mebots::master

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/fmi1/library.hpp"
+#include "mebots/fmi2/library.hpp"
+#include "mebots/fmi3/library.hpp"
+#include "mebots/modeldesc/model_description.hpp"
+#include "model/fmu_kind.hpp"
+
+#include <filesystem>
+#include <variant>
+
+namespace mebots::master {
+
+using Fmi1Functions = fmi1::Functions;
+using Fmi2Functions = fmi2::Functions;
+using Fmi3Functions = fmi3::Functions;
+
+/// The functions of an FMU's shared library, in the table of its version of FMI.
+using FmuFunctions = std::variant<std::monostate, Fmi1Functions, Fmi2Functions, Fmi3Functions>;
+
+/// The FMU that a library belongs to.
+struct LibraryOwner {
+  const std::filesystem::path& archive;
+  const modeldesc::ModelDescription& description;
+  FmuKind kind;  ///< of its instances
+};
+
+/// Looks the functions up in a library from dlopen. Throws InputError that lists those that are missing and without
+/// which no simulation of this kind runs (`mebots check` asks for all), and for a library of another version or with
+/// other sizes of its numbers.
+FmuFunctions load_functions(void* library, const LibraryOwner& owner);
+
+}  // namespace mebots::master

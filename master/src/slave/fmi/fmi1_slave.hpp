@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/fmi1/library.hpp"
+#include "slave/fmi/instance_calls.hpp"
+#include "slave/fmi/negated_values.hpp"
+#include "slave/fmi/pending_step.hpp"
+#include "slave/slave.hpp"
+
+#include <atomic>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// An instance of FMI 1.0 for co-simulation inside this process. The version has one call for the whole initialisation,
+/// fmiInitializeSlave, and outputs can be read only after it. If an input gets another value between
+/// enter_initialization() and exit_initialization(), this class instantiates the FMU again with all values set
+/// so far, and initialises it, before the next value is read. So inputs from connections take part in the
+/// initialisation, as they do in FMI 2.0.
+class Fmi1Slave final : public Slave {
+ public:
+  /// Instantiates. The arguments are those of InstanceCalls.
+  Fmi1Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories, MessageSink& messages,
+            const TimeGrid& grid = {});
+  ~Fmi1Slave() override;
+  Fmi1Slave(const Fmi1Slave&) = delete;
+  Fmi1Slave& operator=(const Fmi1Slave&) = delete;
+
+  const std::string& name() const override { return calls_.name(); }
+  const modeldesc::ModelDescription& description() const override { return calls_.description(); }
+
+  void setup_experiment(const Experiment& experiment) override;
+  void enter_initialization() override;
+  void exit_initialization() override;
+  StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  StepResult finish_step(const std::atomic<bool>& cancel) override;
+  void terminate() override;
+  std::optional<std::string> free_instance() override;
+
+  std::uint32_t output_derivative_order() const override;
+  bool takes_input_derivatives() const override;
+  void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                              std::span<double> values) override;
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override;
+
+  void get_reals(std::span<const ValueReference> references, std::span<double> values) override;
+  void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) override;
+  void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) override;
+  void get_strings(std::span<const ValueReference> references, std::span<std::string> values) override;
+  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
+  void set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
+  void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
+  void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
+
+  // FMI 1.0 has no states: these throw Error.
+  std::unique_ptr<SlaveState> save_state() override;
+  void restore_state(const SlaveState& state) override;
+  std::vector<std::byte> serialize(const SlaveState& state) override;
+  std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
+
+ private:
+  enum class Phase { instantiated, initializing, running };
+  /// All values set before the first step, by the FMU's references and with its signs.
+  struct StartValues {
+    std::map<ValueReference, double> reals;
+    std::map<ValueReference, fmiInteger> integers;
+    std::map<ValueReference, fmiBoolean> booleans;
+    std::map<ValueReference, std::string> strings;
+  };
+
+  void* instantiate();
+  void initialize();
+  void initialize_anew();
+  void set_start_values();
+  /// Returns true if the values are kept for the initialisation, and nothing is to be passed to the FMU now.
+  template <typename Value, typename Get>
+  bool keep(std::map<ValueReference, Value>& kept, std::span<const ValueReference> references,
+            std::span<const Value> values, Get get);
+  template <typename Value, typename Function>
+  Value present(const char* name, Function* function, ValueReference reference);
+  StepResult step_ended(int status);
+  int step_status();
+
+  const Fmi1Functions* functions_;
+  fmiCallbackFunctions callbacks_{};
+  Experiment experiment_;
+  Phase phase_ = Phase::instantiated;
+  StartValues start_;
+  bool is_stale_ = false;  // start_ has values that the FMU was not initialised with
+  std::int64_t step_end_ns_ = 0;
+  NegatedValues negated_;
+
+  // Of the current call.
+  std::vector<const char*> texts_;
+  std::vector<fmiInteger> numbers_;
+  std::vector<fmiBoolean> flags_;
+  std::vector<double> reals_;
+
+  PendingStep pending_;
+  InstanceCalls calls_;  // after all that callbacks use
+};
+
+}  // namespace mebots::master

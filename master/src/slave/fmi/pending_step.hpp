@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "slave/slave.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+
+namespace mebots::master {
+
+/// A step of FMI 1.0 or 2.0 that goes on in the FMU after DoStep has returned fmiPending. The FMU reports its end by
+/// the callback stepFinished, by GetStatus, or by both.
+class PendingStep {
+ public:
+  /// Forgets the step before. To be called before DoStep, whose callback may come before it returns.
+  void begin();
+  /// The step goes on: returns the result of Slave::step().
+  StepResult goes_on();
+  bool is_going_on() const { return is_going_on_; }
+  /// The callback. From any thread.
+  void finished(int status);
+  /// Returns the status at the end of the step; fmiPending if `cancel` turned true before. Calls `ask` for the status
+  /// every 20 us at first, every 2 ms later.
+  int wait(const std::atomic<bool>& cancel, const std::function<int()>& ask);
+  /// Returns the result of Slave::finish_step() for a cancelled step.
+  static StepResult cancelled();
+
+ private:
+  int wait_for_status(const std::atomic<bool>& cancel, const std::function<int()>& ask);
+
+  bool is_going_on_ = false;
+  std::mutex mutex_;
+  std::condition_variable over_;
+  std::optional<int> status_;
+};
+
+}  // namespace mebots::master
