@@ -159,6 +159,7 @@ void Ensemble::for_each_input_list(Member& member, Action action) {
   action(member.conversions);
   action(member.mappings);
   action(member.item_checks);
+  action(member.range_checks);
 }
 
 /// After initialisation, continuous systems evaluate the connections between their members. These were added last.
@@ -245,6 +246,7 @@ void Ensemble::connect(const ResolvedConnection& connection) {
   auto& target = members_[connection.to.instance];
   const auto to = slot_in(target.inputs, *connection.to.variable);
   if (!connection.map.empty()) return connect_mapped(connection, from, to);
+  if (connection.narrows) target.range_checks.push_back({&connection, to});
   switch (kind_of(connection.to.variable->type)) {
     case ValueKind::real:
       connect_real(connection, from, to);
@@ -438,8 +440,8 @@ void Ensemble::lay_out() {
 
 void Ensemble::choose_input_path(Member& member) {
   member.input_kinds = kinds_in(member.inputs);
-  member.takes_reals_as_they_are =
-      member.input_kinds == bit(ValueKind::real) && member.conversions.empty() && member.derivatives.empty();
+  member.takes_reals_as_they_are = member.input_kinds == bit(ValueKind::real) && member.conversions.empty() &&
+                                   member.derivatives.empty() && member.range_checks.empty();
 }
 
 void Ensemble::initialize(std::int64_t stop_ns) {
@@ -458,6 +460,11 @@ void Ensemble::initialize_slaves(std::int64_t stop_ns) {
     members_[i].slave->enter_initialization();
   }
   InitialValues(*this).settle();
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (members_[i].range_checks.empty()) continue;
+    collect_inputs(i);
+    check_ranges(members_[i], start_ns);
+  }
   for (auto& member : members_) {
     stop_if_interrupted(*interrupted_);
     member.slave->exit_initialization();
@@ -592,6 +599,7 @@ void Ensemble::write_inputs(std::size_t instance, std::int64_t time_ns) {
   collect_inputs(instance);
   if (member.takes_reals_as_they_are) return hand_inputs(instance);
   if (!member.item_checks.empty()) check_items(member, time_ns);
+  if (!member.range_checks.empty()) check_ranges(member, time_ns);
   if (!member.derivatives.empty()) start_on_lines(member, time_ns);
   hand_inputs(instance);
   if (!member.derivatives.empty()) write_derivatives(member, time_ns);
@@ -607,6 +615,54 @@ void Ensemble::check_items(const Member& member, std::int64_t time_ns) const {
                     member.slave->name(), to_seconds(time_ns), check.connection->to.variable->name, value,
                     check.connection->to.variable->declared_type, fmt::join(check.items, ", "),
                     system_->text(check.connection->from)));
+  }
+}
+
+namespace {
+
+constexpr double kLargestFloat = std::numeric_limits<float>::max();
+
+/// The nearest value that a type of whole numbers has. `is_unsigned`: the 64 bits are those of a UInt64.
+std::int64_t nearest_in(Type type, std::int64_t value, bool is_unsigned) {
+  const auto [low, high] = fmi::limits_of(type);
+  if (is_unsigned || value >= 0) return static_cast<std::int64_t>(std::min(static_cast<std::uint64_t>(value), high));
+  return std::max(value, low);
+}
+
+}  // namespace
+
+void Ensemble::keep_in_ranges(Member& member) {
+  for (const auto& [connection, slot] : member.range_checks) {
+    const auto type = connection->to.variable->type;
+    if (type == Type::float32) {
+      auto& value = member.inputs.reals.values[slot];
+      value = std::clamp(value, -kLargestFloat, kLargestFloat);
+    } else if (!fmi::is_float(type)) {
+      auto& value = member.inputs.integers.values[slot];
+      value = nearest_in(type, value, connection->from.variable->type == Type::uint64);
+    }
+  }
+}
+
+void Ensemble::check_ranges(const Member& member, std::int64_t time_ns) const {
+  for (const auto& [connection, slot] : member.range_checks) {
+    const auto type = connection->to.variable->type;
+    const bool is_unsigned = connection->from.variable->type == Type::uint64;
+    std::string value;
+    if (fmi::is_float(type)) {
+      const double real = member.inputs.reals.values[slot];
+      if (type == Type::real || std::abs(real) <= kLargestFloat) continue;
+      value = fmt::format("{}", real);
+    } else {
+      const auto whole = member.inputs.integers.values[slot];
+      if (nearest_in(type, whole, is_unsigned) == whole) continue;
+      value = is_unsigned ? fmt::format("{}", static_cast<std::uint64_t>(whole)) : fmt::format("{}", whole);
+    }
+    throw Error(
+        fmt::format("instance '{}' at {} s: the input '{}' would be {}, which is not in the range of {}; it comes "
+                    "from {}",
+                    member.slave->name(), to_seconds(time_ns), connection->to.variable->name, value,
+                    modeldesc::to_string(type), system_->text(connection->from)));
   }
 }
 

@@ -183,6 +183,12 @@ class Ensemble {
     std::vector<std::int64_t> items;
   };
 
+  /// An input whose type may lack values of the output's.
+  struct RangeCheck {
+    const ResolvedConnection* connection;
+    std::size_t slot;  // among the Real or the Integer inputs
+  };
+
   struct Member {
     std::unique_ptr<Slave> slave;
     // Which banks hold anything, and whether inputs are copies of Reals and nothing else. One look instead of one per
@@ -211,6 +217,7 @@ class Ensemble {
     Derivatives output_derivatives;  // read with the outputs, so that the order of instances is nothing to them
     Derivatives input_derivatives;
     std::vector<ItemCheck> item_checks;
+    std::vector<RangeCheck> range_checks;
     std::vector<std::size_t> outer_sizes;  // of the lists of inputs, without inner connections
     bool told_of_texts = false;            // a text that is not UTF-8 has had its notice
   };
@@ -233,6 +240,9 @@ class Ensemble {
   void convert(Member& member) const;
   void hand_inputs(std::size_t instance);
   void check_items(const Member& member, std::int64_t time_ns) const;
+  void check_ranges(const Member& member, std::int64_t time_ns) const;
+  /// Sets inputs out of their range to its end: before initial values have settled, they may be anywhere.
+  static void keep_in_ranges(Member& member);
   void start_on_lines(Member& member, std::int64_t time_ns) const;
   void write_derivatives(Member& member, std::int64_t time_ns);
   void read_derivatives(Member& member, std::int64_t time_ns) const;

@@ -157,6 +157,7 @@ void InitialValues::write(std::size_t instance, bool hold_cuts) {
       }
     }
   }
+  Ensemble::keep_in_ranges(ensemble_.members_[instance]);
   ensemble_.hand_inputs(instance);
 }
 

@@ -57,6 +57,7 @@ struct ResolvedConnection {
   double offset = 0;
   bool inner = false;               ///< within a continuous system, which evaluates it; not moved at points
   bool converts = false;            ///< between a Binary and an OSMP binary, whose `base.lo` stands for all
+  bool narrows = false;             ///< each value is checked to be in the range of the input's type
   bool sum = false;                 ///< one of several whose values the input gets added up
   std::vector<ValuePair> map = {};  ///< ordered by `from`; other values pass as they are
 

@@ -105,6 +105,7 @@ struct ConnectionDescription {
   double factor = 1;
   double offset = 0;
   bool convert_units = true;     ///< false: x is the output's value as it is, whatever the units
+  bool narrow = false;           ///< the input's type may lack values of the output's
   bool sum = false;              ///< the input gets the sum over all connections that end at it
   std::vector<MappedValue> map;  ///< of Integers, Enumerations and Booleans; other values pass as they are
 };

@@ -57,6 +57,11 @@ class ConnectionCheck {
     check_clocks();
     check_causalities();
     check_types();
+    if (description_.narrow && !connection_.narrows) {
+      fail(
+          "\"narrow\" is for an input whose type lacks values of the output's type, and this one has them all. Leave "
+          "it out");
+    }
     check_units();
     apply_transformation();
     return connection_;
@@ -123,11 +128,13 @@ class ConnectionCheck {
     } else if (from_.type != to_.type) {
       const auto from_type = modeldesc::to_string(from_.type);
       const auto to_type = modeldesc::to_string(to_.type);
-      if (connection_.pointer || !widens()) {
-        fail(
-            fmt::format("the types differ: {} and {}; an input must have every value of the output's type: Boolean and "
-                        "Enumeration go into an Integer, Integer into an Enumeration, all of these into a Real",
-                        from_type, to_type));
+      const bool is_wider = !connection_.pointer && widens();
+      connection_.narrows = !is_wider && description_.narrow && can_narrow();
+      if (!is_wider && !connection_.narrows) {
+        fail(fmt::format(
+            "the types differ: {} and {}; an input must have every value of the output's type: Boolean and "
+            "Enumeration go into an Integer, Integer into an Enumeration, all of these into a Real{}",
+            from_type, to_type, can_narrow() ? ". \"narrow\": true takes the nearest value of the input's type" : ""));
       }
       notice_ = fmt::format("{}: {} becomes {}", names(), from_type, to_type);
     } else if (from_.type == Type::enumeration && items(connection_.from) != items(connection_.to)) {
@@ -148,6 +155,19 @@ class ConnectionCheck {
     if (!from_whole || !fmi::is_whole(to_.type)) return false;
     if (to_.type == Type::enumeration) return fmi::is_whole(from_.type);
     return is_within(range_of(model(connection_.from), from_), fmi::limits_of(to_.type));
+  }
+
+  /// True for types between which `narrow` allows a connection. The values of a Clock, and those that a solver passes
+  /// between instances of model exchange, are not checked one by one.
+  bool can_narrow() const {
+    const auto is_integrated = [&](const ResolvedVariable& end) {
+      return system_.instances[end.instance].kind == FmuKind::model_exchange;
+    };
+    if (connection_.pointer || is_clocked(from_) || is_clocked(to_)) return false;
+    if (is_integrated(connection_.from) && is_integrated(connection_.to)) return false;
+    if (fmi::is_float(to_.type))
+      return from_.type != Type::uint64 && (fmi::is_float(from_.type) || fmi::is_whole(from_.type));
+    return fmi::is_whole(from_.type) && fmi::is_whole(to_.type) && to_.type != Type::enumeration;
   }
 
   void read_map() {

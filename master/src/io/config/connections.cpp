@@ -33,6 +33,7 @@ ConnectionDescription read_connection(const Node& node, const SystemDescription&
   });
   object.read_if("offset", connection.offset, data::number());
   object.read_if("convert_units", connection.convert_units, &Node::flag);
+  object.read_if("narrow", connection.narrow, &Node::flag);
   object.read_if("sum", connection.sum, &Node::flag);
   object.read_if("map", connection.map, read_map);
   object.comment("text");

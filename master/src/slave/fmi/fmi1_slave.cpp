@@ -49,7 +49,7 @@ Fmi1Slave::~Fmi1Slave() {
 
 std::optional<std::string> Fmi1Slave::free_instance() {
   return calls_.free_instance("fmiFreeSlaveInstance", [&] {
-    if (pending_.is_going_on() && functions_->cancel_step != nullptr)
+    if (pending_.is_under_way() && functions_->cancel_step != nullptr)
       calls_.call("fmiCancelStep", functions_->cancel_step);
     calls_.call("fmiFreeSlaveInstance", functions_->free_slave_instance);
   });
@@ -128,7 +128,7 @@ StepResult Fmi1Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   if (status != fmiPending) return step_ended(status);
   if (functions_->get_status == nullptr && callbacks_.stepFinished == nullptr)
     calls_.fail("fmiDoStep", "answered fmiPending, but the FMU has no fmiGetStatus to ask when the step is over");
-  return pending_.goes_on();
+  return pending_.continues();
 }
 
 int Fmi1Slave::step_status() {
@@ -139,7 +139,7 @@ int Fmi1Slave::step_status() {
 }
 
 StepResult Fmi1Slave::finish_step(const std::atomic<bool>& cancel) {
-  if (!pending_.is_going_on()) return Slave::finish_step(cancel);
+  if (!pending_.is_under_way()) return Slave::finish_step(cancel);
   const int status = pending_.wait(cancel, [this] { return step_status(); });
   if (status != fmiPending) return step_ended(status);
   if (functions_->cancel_step != nullptr) calls_.require("fmiCancelStep", functions_->cancel_step);

@@ -55,7 +55,7 @@ Fmi2Slave::~Fmi2Slave() {
 
 std::optional<std::string> Fmi2Slave::free_instance() {
   return calls_.free_instance("fmi2FreeInstance", [&] {
-    if (pending_.is_going_on() && functions_->cancel_step != nullptr)
+    if (pending_.is_under_way() && functions_->cancel_step != nullptr)
       calls_.call("fmi2CancelStep", functions_->cancel_step);
     calls_.call("fmi2FreeInstance", functions_->free_instance);
   });
@@ -94,7 +94,7 @@ StepResult Fmi2Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   if (functions_->get_status == nullptr && callbacks_.stepFinished == nullptr) {
     calls_.fail("fmi2DoStep", "answered fmi2Pending, but the FMU has no fmi2GetStatus to ask when the step is over");
   }
-  return pending_.goes_on();
+  return pending_.continues();
 }
 
 int Fmi2Slave::step_status() {
@@ -105,7 +105,7 @@ int Fmi2Slave::step_status() {
 }
 
 StepResult Fmi2Slave::finish_step(const std::atomic<bool>& cancel) {
-  if (!pending_.is_going_on()) return Slave::finish_step(cancel);
+  if (!pending_.is_under_way()) return Slave::finish_step(cancel);
   const int status = pending_.wait(cancel, [this] { return step_status(); });
   if (status != fmi2Pending) return step_ended(status);
   if (functions_->cancel_step != nullptr) calls_.require("fmi2CancelStep", functions_->cancel_step);

@@ -13,8 +13,8 @@ void PendingStep::begin() {
   status_.reset();
 }
 
-StepResult PendingStep::goes_on() {
-  is_going_on_ = true;
+StepResult PendingStep::continues() {
+  is_under_way_ = true;
   StepResult result;
   result.done = false;
   result.pending = true;
@@ -38,7 +38,7 @@ void PendingStep::finished(int status) {
 
 int PendingStep::wait(const std::atomic<bool>& cancel, const std::function<int()>& ask) {
   const int status = wait_for_status(cancel, ask);
-  is_going_on_ = false;
+  is_under_way_ = false;
   return status;
 }
 

@@ -11,15 +11,15 @@
 
 namespace mebots::master {
 
-/// A step of FMI 1.0 or 2.0 that goes on in the FMU after DoStep has returned fmiPending. The FMU reports its end by
+/// A step of FMI 1.0 or 2.0 that continues in the FMU after DoStep has returned fmiPending. The FMU reports its end by
 /// the callback stepFinished, by GetStatus, or by both.
 class PendingStep {
  public:
   /// Forgets the step before. To be called before DoStep, whose callback may come before it returns.
   void begin();
-  /// The step goes on: returns the result of Slave::step().
-  StepResult goes_on();
-  bool is_going_on() const { return is_going_on_; }
+  /// Notes that the step continues, and returns the result of Slave::step().
+  StepResult continues();
+  bool is_under_way() const { return is_under_way_; }
   /// The callback. From any thread.
   void finished(int status);
   /// Returns the status at the end of the step; fmiPending if `cancel` turned true before. Calls `ask` for the status
@@ -31,7 +31,7 @@ class PendingStep {
  private:
   int wait_for_status(const std::atomic<bool>& cancel, const std::function<int()>& ask);
 
-  bool is_going_on_ = false;
+  bool is_under_way_ = false;
   std::mutex mutex_;
   std::condition_variable over_;
   std::optional<int> status_;
