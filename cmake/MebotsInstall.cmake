@@ -113,7 +113,7 @@ install(DIRECTORY master/new_folder/templates DESTINATION ${share})
 install(PROGRAMS scripts/plot_mission.py scripts/plot_profile.py DESTINATION ${share}/scripts)
 install(FILES scripts/figure_style.py DESTINATION ${share}/scripts)
 if(MEBOTS_PAGES)
-  install(DIRECTORY ${PROJECT_BINARY_DIR}/web/ DESTINATION ${share}/web FILES_MATCHING REGEX "page\\.(html|js|css)$|LICENSES\\.txt$"
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/web/ DESTINATION ${share}/web FILES_MATCHING REGEX "(page|report)\\.(html|js|css)$|LICENSES\\.txt$"
     PATTERN CMakeFiles EXCLUDE)
 endif()
 foreach(fmu fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_world fmu_world_fmi3 fmu_soc fmu_soc_fmi3 fmu_gap8

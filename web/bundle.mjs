@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bundles src/ into page.js and page.css, beside page.html and the licences of what is in the bundle.
+// Bundles src/ into page.js and page.css for runs, and report.js and report.css for studies and replayed flights, with the
+// frame page.html and the licences of what is in the bundles.
 //
 // Usage: node bundle.mjs OUT_DIR
 import { build } from "esbuild";
@@ -12,26 +13,21 @@ const out = process.argv[2];
 if (!out) throw new Error("usage: node bundle.mjs OUT_DIR");
 mkdirSync(out, { recursive: true });
 
-const result = await build({
-  absWorkingDir: here,
-  entryPoints: { page: "src/main.ts" },
-  outdir: out,
-  bundle: true,
-  minify: true,
-  format: "iife",
-  target: "es2022",
-  charset: "utf8",
-  legalComments: "none", // their licences are in LICENSES.txt
-  metafile: true,
-  logLevel: "warning",
-});
-const styles = await build({
-  absWorkingDir: here, entryPoints: { page: "src/page.css" }, outdir: out, bundle: true, minify: true, charset: "utf8", metafile: true, logLevel: "warning",
-});
+const common = { absWorkingDir: here, outdir: out, bundle: true, minify: true, charset: "utf8", metafile: true, logLevel: "warning" };
+const bundles = await Promise.all([
+  build({
+    ...common,
+    entryPoints: { page: "src/main.ts", report: "src/report/main.ts" },
+    format: "iife",
+    target: "es2022",
+    legalComments: "none", // their licences are in LICENSES.txt
+  }),
+  build({ ...common, entryPoints: { page: "src/page.css", report: "src/report/report.css" } }),
+]);
 copyFileSync(join(here, "page.html"), join(out, "page.html"));
 
 const packages = new Set();
-for (const file of [...Object.keys(result.metafile.inputs), ...Object.keys(styles.metafile.inputs)]) {
+for (const file of bundles.flatMap(({ metafile }) => Object.keys(metafile.inputs))) {
   const found = /^node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(file);
   if (found) packages.add(found[1]);
 }

@@ -9,6 +9,7 @@
 #include "io/study/study_file.hpp"
 #include "mebots/data/csv.hpp"
 #include "record/sink/hdf5_tables.hpp"
+#include "report/page.hpp"
 #include "run/draws.hpp"
 #include "run/variable_units.hpp"
 
@@ -273,6 +274,10 @@ PYBIND11_MODULE(_mebots, module) {
       .def(py::init<std::string, std::vector<mebots::master::TableColumn>>());
   module.def("read_csv", &read_csv, "file"_a, "errors"_a = "strict");
   module.def("write_hdf5", &mebots::master::write_hdf5);
+  namespace report = mebots::master::report;
+  module.def("data_page", [](const std::string& title, const std::string& data) {
+    return py::bytes(report::make_data_page(report::read_data_page_parts(), title, data));
+  });
   py::class_<study::BaseConfig>(module, "BaseConfig")
       .def(py::init(&study::read_base_config), "mission"_a, "text"_a = std::nullopt)
       .def_property_readonly("config", [](const study::BaseConfig& base) { return base.config.dump(); })

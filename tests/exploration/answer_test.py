@@ -13,7 +13,7 @@ import mebots
 from mebots.exploration import answer, answers, figures, front, live_page
 from mebots.exploration.comparison import Estimate, Evidence
 from mebots.exploration.study import Objective, read_study
-from support import StudyCase
+from support import StudyCase, page_content
 
 
 class Figures(unittest.TestCase):
@@ -157,24 +157,24 @@ class Answers(StudyCase):
         self.assertRegex(said, r"Highest top: gain 1, ")
         self.assertIn("Pareto front by means: #0 gain 0.2; #1 gain 1.", said)
         self.assertNotIn("undecided", said)
-        page = (self.folder / "out" / "report.html").read_text()
-        data = json.loads(page.split('id="data">')[1].split("</script>")[0])
-        self.assertEqual([data["designs"][one]["rank"] for one in range(2)], [1, 2])
+        data = self.report()
+        self.assertEqual(data["designs"]["rank"], [1, 2])
         self.assertIn(data["answer"]["headlines"][0], said)
+        for text in data["objectives"][0]["text"]:
+            self.assertIn(text, said)
 
     def test_a_page_shows_the_designs_while_it_runs_and_goes_at_the_end(self):
         seen, page = [], self.folder / "out" / "live.html"
 
         def look(now):
             self.assertIn("missions", now.standings().rows[0].__dict__)
-            seen.append(page.read_text() if page.exists() else "")
+            seen.append(page_content(page) if page.exists() else None)
 
         with unittest.mock.patch.object(live_page, "_EVERY_S", 0.0), unittest.mock.patch.object(live_page, "_SHARE", 0.0):
             mebots.sweep(self.study(draws=self.DRAWS), self.folder / "out", jobs=1, progress=look)
-        self.assertIn('http-equiv="refresh"', seen[-1])
-        data = json.loads(seen[-1].split('id="data">')[1].split("</script>")[0])
-        self.assertGreater(sum(one["missions"] for one in data["designs"]), 0)
-        self.assertRegex(data["answer"]["headlines"][0], r"\d+ flown, .* left")
+        self.assertEqual(seen[-1]["refresh_s"], 0.0)
+        self.assertGreater(seen[-1]["missions_of"], 0)
+        self.assertRegex(seen[-1]["answer"]["headlines"][0], r"\d+ flown, .* left")
         self.assertFalse(page.exists())
 
     def test_facts_and_percentiles_are_objectives(self):

@@ -130,7 +130,7 @@ class Rounds(StudyCase):
         self.study()
         self.sweep()
         page = self.bytes_of("report.html").decode()
-        self.assertIn("--set a.gain=0.2", page)
+        self.assertEqual(self.report()["replay"]["designs"], ["--set a.gain=0.2", "--set a.gain=1"])
         self.assertNotRegex(page, r"(src|href)\s*=\s*[\"']?http")
         self.assertLess(len(page), 100_000)
 

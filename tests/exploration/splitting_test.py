@@ -119,14 +119,13 @@ class RareEvents(WalkCase):
     def test_the_report_tells_it_and_a_single_run_repeats_a_mission_that_came_to_the_end(self):
         self.rare(24, 40, 4)
         self.sweep()
-        page = (self.folder / "out" / "report.html").read_text()
-        data = json.loads(page.split('<script type="application/json" id="data">')[1].split("</script>")[0])
-        (design,) = data["designs"]
+        (design,) = self.report()["designs"]
         (answer,) = self.rows("designs.csv")
         self.assertEqual(design["answer"], [float(answer[name]) for name in ("probability", "probability: low", "probability: high", "relative_error")])
         self.assertEqual(design["levels"][-1], 24)
         self.assertGreater(len(design["levels"]), 1)
         self.assertEqual([len(reached) for reached in design["reached"]], [len(design["levels"])] * 4)
+        self.assertAlmostEqual(design["mean_shares"][-1], design["answer"][0], 12)
         words = shlex.split(design["command"])
         done = subprocess.run([MEBOTS, *words[1:], "--quiet"], capture_output=True, text=True, timeout=100)
         self.assertEqual(done.returncode, 0, done.stderr)

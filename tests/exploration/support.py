@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -13,6 +14,10 @@ BUILD = pathlib.Path(os.environ["MEBOTS_BUILD"])
 SOURCE = pathlib.Path(os.environ["MEBOTS_SOURCE"])
 MEBOTS = str(BUILD / "bin" / "mebots")
 PROBE = str(BUILD / "test_fmus" / "probe.fmu")
+sys.path.insert(0, str(SOURCE / "tests" / "support"))
+
+from page_content import page_content  # noqa: E402 - the path has to be known first
+
 STEADY = str(BUILD / "test_fmus" / "steady.fmu")
 
 
@@ -59,6 +64,10 @@ class StudyCase(unittest.TestCase):
 
     def bytes_of(self, name, out="out"):
         return (self.folder / out / name).read_bytes()
+
+    def report(self, out="out", name="report.html"):
+        """The content of the study's page."""
+        return page_content(self.folder / out / name)
 
     def rows(self, name, out="out"):
         with open(self.folder / out / name, newline="", encoding="utf-8") as stream:

@@ -63,32 +63,30 @@ class Tables(StudyCase):
     def test_the_report_links_to_the_page_of_a_mission_that_was_flown_again_as_it_says(self):
         self.study()
         self.sweep()
-        found = self.report()["designs"]
-        self.assertIsNone(found[1]["replay"])
-        words = shlex.split(found[1]["command"])
-        subprocess.run([MEBOTS, *words[1:]], check=True, capture_output=True)
-        subprocess.run([MEBOTS, "report", words[words.index("--out") + 1]], check=True, capture_output=True)
-        self.sweep()  # from the journal
-        found = self.report()["designs"]
-        self.assertIsNone(found[0]["replay"])
-        self.assertTrue((self.folder / "out" / found[1]["replay"]).is_file(), found[1])
+        replay = self.report()["replay"]
+        self.assertEqual(replay["pages"], [])
+        folder = f"{replay['folder']}/design_1_mission_4"
+        for line in (f"{replay['run']} --out {folder} {replay['designs'][1]} {replay['draws'][4]}", f"mebots report {folder}"):
+            subprocess.run([MEBOTS, *shlex.split(line)[1:]], check=True, capture_output=True)
+        self.sweep()
+        (page,) = self.report()["replay"]["pages"]
+        self.assertEqual(page, "replays/design_1_mission_4/flight.html")
+        self.assertTrue((self.folder / "out" / page).is_file())
 
     def test_the_report_can_bring_a_mission_of_each_design_onto_one_page(self):
         self.study()
         self.sweep()
-        report = self.report()
-        for design in report["designs"]:
-            words = shlex.split(design["command"])
-            self.assertEqual(words[words.index("--out") + 1], shlex.split(design["folder"])[0])
+        replay = self.report()["replay"]
+        folders = [f"{replay['folder']}/{design}" for design in range(2)]
+        for design, folder in enumerate(folders):
+            words = shlex.split(f"{replay['run']} --out {folder} {replay['designs'][design]} {replay['draws'][3]}")
             subprocess.run([MEBOTS, *words[1:]], check=True, capture_output=True)
-        folders = [design["folder"] for design in report["designs"]]
-        subprocess.run([MEBOTS, *shlex.split(f"report {' '.join(folders)} --out {report['beside']['out']}")], check=True, capture_output=True)
-        self.assertTrue((self.folder / "out" / report["beside"]["page"]).is_file())
-
-    def report(self):
-        """The data that stands in the report."""
-        page = (self.folder / "out" / "report.html").read_text()
-        return json.loads(page.split('id="data">')[1].split("</script>")[0])
+            with open(pathlib.Path(shlex.split(folder)[0]) / "summary.json", encoding="utf-8") as file:
+                row = next(row for row in self.rows("missions.csv") if (row["design"], row["replicate"]) == (str(design), "3"))
+                self.assertAlmostEqual(json.load(file)["integral"], float(row["integral"]), 12)
+        page = f"{replay['folder']}/compared.html"
+        subprocess.run([MEBOTS, *shlex.split(f"report {' '.join(folders)} --out {page}")], check=True, capture_output=True)
+        self.assertTrue(pathlib.Path(shlex.split(page)[0]).is_file())
 
     def test_objectives_come_from_summary_final_values_series_and_expressions(self):
         self.study(objectives={

@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -18,6 +19,10 @@ import mebots
 from mebots.flight.motion import GRAVITY_M_PER_S2
 
 SOURCE = pathlib.Path(os.environ["MEBOTS_SOURCE"])
+sys.path.insert(0, str(SOURCE / "tests" / "support"))
+
+from page_content import page_content  # noqa: E402 - the path has to be known first
+
 MEBOTS = str(pathlib.Path(os.environ["MEBOTS_BUILD"]) / "bin" / "mebots")
 
 
@@ -125,8 +130,9 @@ class Commands(FlightCase):
         content = json.loads((out / "replay.json").read_text())
         self.assertEqual(len(content["errors"]), 15)
         self.assertIn("30.0 g", content["mass"]["source"])
-        page = (out / "replay.html").read_text()
-        self.assertIn("vertical thrust", page)
+        page = page_content(out / "replay.html")
+        self.assertEqual(page["kind"], "replay")
+        self.assertIn("vertical thrust", page["answer"])
         self.assertTrue((out / "traces.csv").read_text().startswith("time [s],battery.voltage model [V]"))
         again = subprocess.run([MEBOTS, "run", str(out / "mission.json"), "--out", str(self.folder / "again")], capture_output=True, text=True)
         self.assertEqual(again.returncode, 0, again.stderr)

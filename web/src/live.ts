@@ -45,7 +45,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
     if (![...pace.options].some((one) => one.value === value)) pace.append(element("option", { value }, `${value}\u00d7`));
     if (document.activeElement !== pace) pace.value = value;
   };
-  // One request at a time: two answers to the same request would contain the same rows.
+  // Sends one request at a time: two replies to the same request would contain the same rows.
   let looking: Promise<void> = Promise.resolve();
   const look = () => (looking = looking.catch(() => {}).then(lookOnce));
   const lookOnce = async () => {

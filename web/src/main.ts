@@ -114,7 +114,7 @@ function makeHeading(runs: Run[]): HTMLElement {
   const show = () => {
     const { summary } = run;
     outcome.textContent = String(summary.outcome ?? "no summary").replaceAll("_", " ");
-    // Of several runs the table tells it, and a run that is under way has no outcome yet.
+    // The table of several runs has it, and an unfinished run has none.
     outcome.hidden = runs.length > 1 || (run.header.live != null && !run.header.live.ended);
     facts.replaceChildren();
     if (runs.length > 1) return;

@@ -58,9 +58,7 @@ std::string title_of(std::span<const RunFolder> runs) {
   return title;
 }
 
-}  // namespace
-
-PageParts read_page_parts() {
+PageParts read_parts(const std::string& name) {
   std::filesystem::path folder;
   try {
     folder = own_data("web");
@@ -69,11 +67,25 @@ PageParts read_page_parts() {
                 "this mebots was built without pages: run scripts/setup.sh, which installs npm, and build with "
                 "-DMEBOTS_PAGES=ON");
   }
-  return {text_of(folder / "page.html"), text_of(folder / "page.js"), text_of(folder / "page.css")};
+  return {text_of(folder / "page.html"), text_of(folder / (name + ".js")), text_of(folder / (name + ".css"))};
+}
+
+}  // namespace
+
+PageParts read_page_parts() {
+  return read_parts("page");
+}
+
+PageParts read_data_page_parts() {
+  return read_parts("report");
 }
 
 std::string make_page(const PageParts& parts, std::span<const RunFolder> runs) {
   return fill(parts, title_of(runs), "'none'", base64(deflated(payload_of(runs), Packing::small)));
+}
+
+std::string make_data_page(const PageParts& parts, const std::string& title, std::string_view data) {
+  return fill(parts, title, "'none'", base64(deflated(data, Packing::small)));
 }
 
 std::string make_live_page(const PageParts& parts, const std::string& name) {

@@ -12,12 +12,16 @@ namespace mebots::master::report {
 /// The parts of the page, which the build makes from web/.
 struct PageParts {
   std::string frame;   ///< page.html, with the places of the others in it
-  std::string script;  ///< page.js
-  std::string style;   ///< page.css
+  std::string script;  ///< page.js or report.js
+  std::string style;   ///< page.css or report.css
 };
 
-/// Reads the parts. Throws Error for an installation that was built without them (MEBOTS_PAGES).
+/// Reads the parts of the page of runs. Throws Error for an installation that was built without them (MEBOTS_PAGES).
 PageParts read_page_parts();
+
+/// Reads the parts of the page that shows the data of `make_data_page`: a study, or a replayed flight. Throws as
+/// `read_page_parts`.
+PageParts read_data_page_parts();
 
 /// Returns an HTML document that shows the first run in full and compares the others with it. It needs no network.
 /// Script and data are deflated (RFC 1950) and in base64.
@@ -25,6 +29,9 @@ std::string make_page(const PageParts& parts, std::span<const RunFolder> runs);
 
 /// Returns the page of a run in progress. It fetches its data only from the server that it came from.
 std::string make_live_page(const PageParts& parts, const std::string& name);
+
+/// Returns a page that shows `data`, which is JSON (web/src/report/content.ts). It needs no network.
+std::string make_data_page(const PageParts& parts, const std::string& title, std::string_view data);
 
 /// The runs as bytes for the page. The length of a header (32 bits, little-endian), the header, which is JSON, and then
 /// blocks of bytes of which the header tells offset and length. web/src/data/payload.ts reads it.

@@ -18,7 +18,7 @@ export interface Curve {
   isRate: boolean;
   variable: string;
   /**
-   * One value per row. A rate is a mean over at least `mean` seconds, or from row to row if rows are further apart. It is
+   * Returns one value per row. A rate is a mean over at least `mean` seconds, or from row to row if their distance is larger. It is
    * exact, because it is a difference of counts.
    */
   values(mean: number): Float64Array;

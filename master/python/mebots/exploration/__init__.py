@@ -35,7 +35,9 @@ A mission never knows that it is part of a study. Each module has one subject:
 ``front``      which designs are dominated, and how sure that is
 ``tables``     missions.csv, designs.csv
 ``columns``    the same as HDF5 and Parquet
-``report``     report.html of a study that compares designs; ``rare_report`` of a rare event's; ``report_page`` is their page
+``report``     the content of report.html of a study that compares designs; ``rare_report`` of a rare event's
+``report_missions`` its missions and the commands that fly them again; ``report_page`` writes the page of ``web/src/report``
+``effects``    main effects, interactions and importances of factors
 ``extras``     packages of the extra mebots[sweep]
 ``campaign``   all of it in order
 ``command``    the command line

@@ -31,6 +31,7 @@ from mebots.exploration.missions import build
 from mebots.exploration.objectives import Measurer, has_all
 from mebots.exploration.orders import Order, Orders
 from mebots.exploration.replies import Reply
+from mebots.exploration.report_missions import Replay
 from mebots.exploration.results import Results
 from mebots.exploration.rounds import Flights, Rounds
 from mebots.exploration.search import Search
@@ -49,6 +50,8 @@ _MOST_COMPARED = 300
 
 FLIGHTS = "flights"
 """Folder of the missions' results, each by its hash."""
+REPLAYS = "replays"
+"""Folder of missions that fly again by the commands of the report."""
 
 
 def is_done(folder: pathlib.Path) -> bool:
@@ -252,7 +255,7 @@ class Campaign:
             self.study.write(folder)
             if self.study.splitting is not None:
                 bring = functools.partial(self._bring, journal, others, on_progress)
-                return Sweep(folder, *splitting.fly(self.space, folder, bring), notices=self.notices)
+                return Sweep(folder, *splitting.fly(self.space, folder, bring, self.units), notices=self.notices)
             return self._fly_rounds(folder, journal, others, on_progress)
         finally:
             if self._live_page is not None:
@@ -475,33 +478,21 @@ class Campaign:
 
     def _write_report(self, folder: pathlib.Path, results: Results, rounds: Rounds | Search, answer: Answer) -> None:
         space = self.space
-        ranks = {row.design: row for row in answer.rows}
-        told = [
-            {
-                "failed": results.failures[number],
-                "status": rounds.status[number],
-                "front": self._places[number],
-                "rank": ranks[number].rank,
-                "name": ranks[number].name,
-                "note": ranks[number].note,
-            }
-            for number in range(len(space.designs))
-        ]
-        commands = [
-            space.missions.shell_line(space.values((number, 0)), str(report.replay_folder(folder, number))) for number in range(len(space.designs))
-        ]
-        report.write(
-            folder / "report.html",
-            self.study,
-            space.factors,
-            space.designs,
-            results.evidence,
-            told,
-            commands,
-            space.provenance(self.example()),
-            answer,
-            self.units,
+        content = report.Content(
+            study=self.study,
+            factors=space.factors,
+            designs=space.designs,
+            evidence=results.evidence,
+            answer=answer,
+            units=self.units,
+            places=self._places,
+            status=rounds.status,
+            failed=[results.failures[number] for number in range(len(space.designs))],
+            provenance=space.provenance(self.example()),
+            replay=Replay(space, folder / REPLAYS),
+            outcomes=results.outcomes(),
         )
+        report.write(folder / "report.html", content)
 
     def _design_rows(self, results: Results, rounds: Rounds | Search) -> Iterator[list[str]]:
         yield tables.design_head(self.space.factors, self.study)

@@ -158,6 +158,12 @@ class Evidence:
         values = self._measures[design][self.index[objective.label] :: len(self.index)]
         return _estimated(objective, values, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
+    def course(self, design: int, objective: Objective, counts: Sequence[int]) -> list[Estimate]:
+        """Returns what ``shown`` was after the first missions of a design, for each of these numbers of missions."""
+        values = self.column(design, self.index[objective.label])
+        methods = SEQUENCES if self.study.looks else SHOWN
+        return [_estimated(objective, values[:count], self.study.error, methods) for count in counts]
+
     def shown(self, design: int, objective: Objective) -> Estimate:
         """As the tables show it: at level 1 - ``error`` for each number by itself."""
         return self.estimate(design, objective, self.study.error, SEQUENCES if self.study.looks else SHOWN)

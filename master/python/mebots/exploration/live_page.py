@@ -35,24 +35,20 @@ class LivePage:
         if begun_s < self._next_s or now.standings is None:
             return
         so_far = now.standings()
-        rows = {row.design: row for row in so_far.rows}
-        told = [
-            {"failed": 0, "status": status[number], "front": "", "rank": rows[number].rank, "name": rows[number].name, "note": rows[number].note}
-            for number in range(len(self._space.designs))
-        ]
-        report.write(
-            self._file,
-            self._evidence.study,
-            self._space.factors,
-            self._space.designs,
-            self._evidence,
-            told,
-            [""] * len(told),
-            {"mission": self._evidence.study.mission.name},
-            Answer([now.line()], so_far.titles, so_far.rows, []),
-            self._units,
+        content = report.Content(
+            study=self._evidence.study,
+            factors=self._space.factors,
+            designs=self._space.designs,
+            evidence=self._evidence,
+            answer=Answer([now.line()], so_far.titles, so_far.rows, []),
+            units=self._units,
+            places=[""] * len(self._space.designs),
+            status=status,
+            failed=[0] * len(self._space.designs),
+            provenance={"mission": self._evidence.study.mission.name},
             refresh_s=_EVERY_S,
         )
+        report.write(self._file, content)
         self._next_s = time.monotonic() + max(_EVERY_S, _SHARE * (time.monotonic() - begun_s))
 
     def remove(self) -> None:

@@ -205,18 +205,23 @@ class Missions:
         return known[1]
 
     def shell_line(self, values: Values, out: str) -> str:
-        """The command that flies the mission again, with all its results and pictures; "" where only another config
+        """Returns the command that flies the mission again, with all its results and pictures; "" where only another config
         could."""
+        settings = self.settings_words(values)
+        if settings is None:
+            return ""
+        return " ".join(filter(None, (shlex.join(["mebots", "run", str(self._study.mission), "--out", out]), settings)))
+
+    def settings_words(self, values: Values) -> str | None:
+        """Returns the options of `mebots run` that set these values; None where only another config could."""
         pointers, settings = self._divide(values)
         stop_time = pointers.pop("/stop_time", None)
         if pointers or self._study.fork is not None:
-            return ""
-        words = ["mebots", "run", str(self._study.mission), "--out", out]
-        for name, value in settings.items():
-            words += ["--set", f"{name}={_as_typed(value)}"]
+            return None
+        words = ["--set", *(f"{name}={_as_typed(value)}" for name, value in settings.items())] if settings else []
         if stop_time is not None:
             words += ["--stop-time", _as_typed(stop_time)]
-        return " ".join(shlex.quote(word) for word in words)
+        return shlex.join(words)
 
     def replay(self, values: Values, folder: pathlib.Path, name: str, text: str, scenario: list[Values]) -> str:
         """The command that flies a mission again whose course is written as a scenario, into the folder; "" where only

@@ -1,23 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report of a study of a rare event: what ``rare_report.js`` draws."""
+"""report.html of a study of a rare event: its numbers, which web/src/report/rare.ts draws."""
 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 import pathlib
 from collections.abc import Sequence
 from typing import Any
 
 from mebots.exploration import report_page
+from mebots.exploration.figures import Units, design_names
 from mebots.exploration.study import Study
 
 
 @dataclasses.dataclass(frozen=True)
 class Design:
-    """``values`` of its factors. ``answer``: probability, its interval and its relative error; None where there is none.
-    ``reached``: for each estimate how many missions came to each of its ``levels``. ``command``: the line that flies one
-    again that came to the last."""
+    """A design with the ``values`` of its factors. ``answer``: probability, its interval and its relative error; None where
+    there is none. ``reached``: for each estimate the number of missions that reached each of its ``levels``. ``command``: the
+    line that flies a mission again that reached the last level."""
 
     values: list[Any]
     missions: int
@@ -29,22 +31,42 @@ class Design:
     command: str
 
 
-def write(file: pathlib.Path, study: Study, factors: Sequence[str], designs: Sequence[Design], provenance: dict[str, str]) -> None:
+def write(file: pathlib.Path, study: Study, factors: Sequence[str], designs: Sequence[Design], provenance: dict[str, str], units: Units) -> None:
+    """Writes the page."""
     rare = study.rare
+    names = design_names(factors, [dict(zip(factors, one.values, strict=True)) for one in designs], units)
     data = {
+        "kind": "rare",
         "factors": list(factors),
+        "factor_units": [units.of_factor(name) for name in factors],
+        "unit": units.of_factor(rare.score),
         "score": rare.score,
         "rises": rare.sign > 0,
         "each": rare.missions,
         "found": not rare.levels,
         "estimates": study.replicates,
-        "designs": [dataclasses.asdict(one) | {"counting": counting(one)} for one in designs],
+        "designs": [_content(one, name, rare.missions) for one, name in zip(designs, names, strict=True)],
     }
-    report_page.write(file, study, "rare_report.js", data, provenance)
+    answer = "\n".join(f"{name}: {one.answer[0]}" for one, name in zip(designs, names, strict=True))
+    report_page.write(file, study, data, provenance, answer)
+
+
+def _content(design: Design, name: str, missions: int) -> dict[str, Any]:
+    shares = [_shares(counts, missions) for counts in design.reached]
+    means = [
+        sum(own[level] if level < len(own) else 0.0 for own in shares) / len(shares) if shares else 0.0
+        for level in range(len(design.levels))
+    ]
+    return dataclasses.asdict(design) | {"name": name, "counting": counting(design), "shares": shares, "mean_shares": means}
+
+
+def _shares(reached: Sequence[int], missions: int) -> list[float]:
+    """Returns the probability of reaching each level, by one estimate."""
+    return list(itertools.accumulate((count / missions for count in reached), lambda share, one: share * one))
 
 
 def counting(design: Design) -> float | None:
-    """How many missions would have to be counted, each flown whole, for the same relative error: (1 - p)/(p e^2)."""
+    """Returns how many missions would have to be counted, each flown whole, for the same relative error: (1 - p)/(p e^2)."""
     probability, _, _, relative = design.answer
     if not probability or not relative:
         return None

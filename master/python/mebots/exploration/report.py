@@ -1,93 +1,186 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report of a study that compares designs: what ``report.js`` draws."""
+"""report.html of a study that compares designs: all its numbers as one JSON, which the page of web/src/report draws."""
 
 from __future__ import annotations
 
+import dataclasses
+import itertools
 import math
 import pathlib
-import shlex
 from collections.abc import Sequence
 from typing import Any
 
-from mebots.exploration import report_page
+import numpy as np
+
+from mebots.exploration import report_page, sensitivity
 from mebots.exploration.answer import Answer
 from mebots.exploration.comparison import Estimate, Evidence
-from mebots.exploration.figures import Units
-from mebots.exploration.study import Study, Values
+from mebots.exploration.effects import Factor, factors_of, importances, level_means, pair_means, pairs_of
+from mebots.exploration.figures import Units, scale_of
+from mebots.exploration.report_missions import Replay, missions_of, quantiles_of
+from mebots.exploration.study import Objective, Study, Values
 
-MOST_MISSIONS = 50_000
-"""Of more missions the report shows the designs alone."""
-BESIDE = "replays/beside.html"
-"""The page of a mission of each of several designs."""
+MOST_DESIGNS = 5_000
+"""If there are more designs, the page has the best ones, those on the front, and every n-th of the others."""
+_BEST_DESIGNS = 1_000
+_MOST_CURVES = 50
+"""Designs, best first, of which the page shows how their estimates became narrower."""
+_POINTS_OF_CURVES = 14
 
 
-def write(
-    file: pathlib.Path,
-    study: Study,
-    factors: Sequence[str],
-    designs: Sequence[Values],
-    evidence: Evidence,
-    rows: Sequence[dict[str, Any]],
-    commands: Sequence[str],
-    provenance: dict[str, str],
-    answer: Answer,
-    units: Units,
-    *,
-    refresh_s: float | None = None,
-) -> None:
-    """``rows``: status, place on the front, rank and failed missions of each design; ``commands``: the line that flies its
-    first mission again, into ``replay_folder``; ``provenance``: what was flown. ``refresh_s``: the study is under way, and the
-    page of what is known so far loads itself again."""
-    estimate = evidence.shown if refresh_s is None else evidence.so_far
-    data = {
-        "factors": list(factors),
-        "objectives": [
-            {"label": one.label, "unit": _shown_unit(units.of(one)), "sense": one.sense, "share": one.is_share} for one in study.objectives
-        ],
-        "factor_units": [_shown_unit(units.of_factor(name)) for name in factors],
-        "answer": {"headlines": answer.headlines, "remarks": answer.remarks},
-        "constraints": [{"label": one.label, "above": one.above, "bound": one.bound} for one in study.constraints],
+@dataclasses.dataclass(frozen=True)
+class Content:
+    """Results of a study. ``places`` on the front, ``status`` and number of ``failed`` missions are lists by design.
+    ``outcomes``: all names, and by design the number of each mission's; None while the study runs. ``refresh_s``: set while the
+    study runs: its page reloads after this time."""
+
+    study: Study
+    factors: Sequence[str]
+    designs: Sequence[Values]
+    evidence: Evidence
+    answer: Answer
+    units: Units
+    places: Sequence[str]
+    status: Sequence[str]
+    failed: Sequence[int]
+    provenance: dict[str, str]
+    replay: Replay | None = None
+    outcomes: tuple[list[str], list[np.ndarray]] | None = None
+    refresh_s: float | None = None
+
+    def estimate(self, design: int, objective: Objective) -> Estimate:
+        return self.evidence.shown(design, objective) if self.refresh_s is None else self.evidence.so_far(design, objective)
+
+
+def write(file: pathlib.Path, content: Content) -> None:
+    report_page.write(file, content.study, _data(content), content.provenance, str(content.answer))
+
+
+def _data(content: Content) -> dict[str, Any]:
+    study = content.study
+    factors = factors_of(content.factors, content.designs, content.units)
+    estimates = [[content.estimate(design, one) for design in range(len(content.designs))] for one in study.objectives]
+    kept = _kept_designs(content)
+    ranks = {row.design: row for row in content.answer.rows}
+    values = [np.array([math.nan if one.mean is None else one.mean for one in own]) for own in estimates]
+    return {
+        "kind": "study",
+        "answer": {"headlines": content.answer.headlines, "remarks": content.answer.remarks},
+        "refresh_s": content.refresh_s,
         "sequence": study.looks,
-        "beside": {"out": shlex.quote(str(file.parent / BESIDE)), "page": BESIDE},
-        "designs": [
-            {
-                "values": [values[name] for name in factors],
-                "missions": max([evidence.missions_of(number), *(estimate(number, one).count for one in study.objectives)]),
-                "estimates": [_numbers(estimate(number, one)) for one in study.objectives],
-                "command": commands[number],
-                "replay": _replay(file.parent, number),
-                "folder": shlex.quote(str(replay_folder(file.parent, number))),
-                "flights": _flights(evidence, number),
-            }
-            | rows[number]
-            for number, values in enumerate(designs)
+        "constraints": [{"objective": content.evidence.index[one.label], "above": one.above, "bound": one.bound} for one in study.constraints],
+        "factors": [_factor(one, kept) for one in factors],
+        "objectives": [
+            _objective(one, content.units.of(one), own, kept) | {"text": [ranks[design].cells[at] for design in kept]}
+            for at, (one, own) in enumerate(zip(study.objectives, estimates, strict=True))
         ],
+        "designs": {
+            "of": len(content.designs),
+            "number": kept,
+            "name": [ranks[design].name for design in kept],
+            "rank": [ranks[design].rank for design in kept],
+            "note": [ranks[design].note for design in kept],
+            "front": [content.places[design] for design in kept],
+            "status": [content.status[design] for design in kept],
+            "failed": [content.failed[design] for design in kept],
+            "missions": [ranks[design].missions for design in kept],
+        },
+        "missions_of": sum(row.missions for row in content.answer.rows),
+        "failed_of": sum(content.failed),
+        "effects": _effects(content, factors, values),
+        "indices": _indices(content),
+        "quantiles": quantiles_of(content.evidence, kept) if content.refresh_s is None else None,
+        "missions": missions_of(content.evidence, kept, content.outcomes) if content.refresh_s is None else None,
+        "replay": None if content.replay is None else content.replay.texts(kept, max(content.evidence.counts, default=0)),
+        "courses": _courses(content) if content.refresh_s is None else [],
+        "best": _best(content),
     }
-    report_page.write(file, study, "report.js", data, provenance, refresh_s)
 
 
-def _shown_unit(unit: str) -> str:
-    return "" if unit == "1" else unit
+def _kept_designs(content: Content) -> list[int]:
+    count = len(content.designs)
+    if count <= MOST_DESIGNS:
+        return list(range(count))
+    best = [row.design for row in content.answer.rows[:_BEST_DESIGNS]]
+    every = math.ceil(count / (MOST_DESIGNS - _BEST_DESIGNS))
+    front = [design for design, place in enumerate(content.places) if place == "on"]
+    return sorted({*best, *front[:_BEST_DESIGNS], *range(0, count, every)})
 
 
-def replay_folder(study: pathlib.Path, design: int) -> pathlib.Path:
-    """Where the first mission of a design goes when somebody flies it again to see it."""
-    return study / "replays" / f"design_{design}"
+def _factor(factor: Factor, kept: Sequence[int]) -> dict[str, Any]:
+    return {
+        "name": factor.name, "label": factor.label, "unit": factor.unit, "scale": factor.scale, "number": factor.is_number,
+        "values": [factor.values[design] for design in kept], "levels": factor.levels, "level": factor.level[list(kept)].tolist(),
+    }  # fmt: skip
 
 
-def _replay(study: pathlib.Path, design: int) -> str | None:
-    """The page of that mission, once it is there: an address relative to the report."""
-    page = replay_folder(study, design) / "flight.html"
-    return page.relative_to(study).as_posix() if page.exists() else None
+def _objective(objective: Objective, unit: str, estimates: Sequence[Estimate], kept: Sequence[int]) -> dict[str, Any]:
+    scale, shown = scale_of(unit, [abs(one.mean) for one in estimates if one.mean is not None])
+    if objective.is_share:
+        scale, shown = 100.0, "%"
+    own = [estimates[design] for design in kept]
+    return {
+        "label": objective.label, "unit": shown, "scale": scale, "sense": objective.sense, "share": objective.is_share,
+        "statistic": objective.statistic, "where": objective.where,
+        "mean": [one.mean for one in own],
+        "low": [_finite(one.interval[0]) for one in own],
+        "high": [_finite(one.interval[1]) for one in own],
+        "count": [one.count for one in own],
+    }  # fmt: skip
 
 
-def _numbers(estimate: Estimate) -> list[float | None]:
-    low, high = (None if math.isinf(one) else one for one in estimate.interval)
-    return [estimate.mean, low, high, estimate.count]
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
-def _flights(evidence: Evidence, design: int) -> list[list[float | None]]:
-    """For each objective the values of all missions."""
-    if sum(evidence.counts) > MOST_MISSIONS:
+def _effects(content: Content, factors: Sequence[Factor], values: Sequence[np.ndarray]) -> dict[str, Any]:
+    pairs = pairs_of(factors)
+    found = [importances(content.study, factors, pairs, one) if content.refresh_s is None else None for one in values]
+    return {
+        "pairs": pairs,
+        "means": [[level_means(factor, one) for factor in factors] for one in values],
+        "pair_means": [[pair_means((factors[a], factors[b]), one) for a, b in pairs] for one in values],
+        "importances": [None if one is None else dataclasses.asdict(one) for one in found],
+    }
+
+
+def _indices(content: Content) -> dict[str, Any] | None:
+    """Sensitivity indices, of a study that asks for them."""
+    if content.study.design["kind"] != "sensitivity" or content.refresh_s is not None:
+        return None
+    titles, *rows = sensitivity.rows(content.study, content.evidence)
+    return {"method": content.study.design["method"], "titles": titles, "rows": rows}
+
+
+def _courses(content: Content) -> list[dict[str, Any]]:
+    """How the estimates of the best designs changed with the number of missions."""
+    result = []
+    for row in content.answer.rows[:_MOST_CURVES]:
+        count = content.evidence.counts[row.design]
+        counts = _points_up_to(count)
+        if len(counts) < 2:
+            continue
+        curves = [content.evidence.course(row.design, one, counts) for one in content.study.objectives]
+        result.append({
+            "design": row.design, "counts": counts,
+            "mean": [[one.mean for one in curve] for curve in curves],
+            "low": [[_finite(one.interval[0]) for one in curve] for curve in curves],
+            "high": [[_finite(one.interval[1]) for one in curve] for curve in curves],
+        })  # fmt: skip
+    return result
+
+
+def _points_up_to(count: int) -> list[int]:
+    """Returns numbers of missions from 2 to ``count``, at equal ratios."""
+    return sorted({round(one) for one in np.geomspace(2, count, _POINTS_OF_CURVES)}) if count >= 2 else []
+
+
+def _best(content: Content) -> list[int]:
+    """The designs of a search that were the best one when their round ended, in their order."""
+    if content.study.design["kind"] != "search":
         return []
-    return list(map(list, zip(*(evidence.row(design, one) for one in range(evidence.counts[design])), strict=True)))
+    ranks = {row.design: row.rank for row in content.answer.rows if row.rank is not None}
+    best = itertools.accumulate(sorted(ranks), lambda a, b: b if ranks[b] < ranks[a] else a)
+    return list(dict.fromkeys(best))
+
+

@@ -140,6 +140,12 @@ class Results:
         times = tables.number_texts(self._times_s[design][begin:end])
         return Rows(missions, [names[number] for number in numbers], measures, times, [""] * (end - begin), failed)
 
+    def outcomes(self) -> tuple[list[str], list[np.ndarray]]:
+        """Returns the names of all outcomes, and of each design the numbers of its missions' outcomes."""
+        for design, count in enumerate(self.evidence.counts):
+            self._extend(design, count)
+        return self._names, [np.array(self._outcomes[design]) for design in range(len(self.evidence.counts))]
+
     def settle(self, most_failures: int | None) -> int:
         """Moves the end of the missions that count up to the first one without a result, or with which there are too many
         failures. Returns the failures up to there."""

@@ -24,18 +24,23 @@ def sample(study: Study) -> Any:
 
 
 def write(file: pathlib.Path, study: Study, evidence: Evidence) -> None:
-    """A row for each objective and factor. An objective that some design has no value of is left out."""
+    """Writes ``rows`` as CSV."""
+    write_csv(file, rows(study, evidence))
+
+
+def rows(study: Study, evidence: Evidence) -> list[list[str]]:
+    """Returns titles, and a row for each objective and factor. An objective that some design has no value of is left out."""
     method = study.design["method"]
-    rows = [["objective", "factor", *_COLUMNS[method]]]
+    found = [["objective", "factor", *_COLUMNS[method]]]
     points = sample(study)
     for objective in study.objectives:
         means = [evidence.shown(design, objective).mean for design in range(len(points))]
         if None in means:
             continue
-        found = _analysed(study, points, means)
+        indices = _analysed(study, points, means)
         for number, factor in enumerate(study.design["factors"]):
-            rows.append([objective.label, factor, *(tables.cell(float(found[column][number])) for column in _COLUMNS[method])])
-    write_csv(file, rows)
+            found.append([objective.label, factor, *(tables.cell(float(indices[column][number])) for column in _COLUMNS[method])])
+    return found
 
 
 def _analysed(study: Study, points: Any, means: list[Any]) -> Any:

@@ -20,6 +20,7 @@ import pathlib
 from collections.abc import Callable, Iterator, Sequence
 from mebots.exploration import chance, columns, rare_report, tables
 from mebots.exploration.answers import Moments, student
+from mebots.exploration.figures import Units
 from mebots.exploration.files import write_csv
 from mebots.exploration.journal import Journal, Record
 from mebots.exploration.missions import Course, Turn
@@ -64,7 +65,7 @@ class Estimate:
         self.simulated_s.append(record.get("simulated_time", 0.0))
 
 
-def fly(space: Space, folder: pathlib.Path, bring: Bring) -> tuple[int, int]:
+def fly(space: Space, folder: pathlib.Path, bring: Bring, units: Units) -> tuple[int, int]:
     """Flies level by level, and writes levels.csv, designs.csv and report.html. Returns how many missions there were,
     and how many of them failed."""
     study = space.study
@@ -83,7 +84,7 @@ def fly(space: Space, folder: pathlib.Path, bring: Bring) -> tuple[int, int]:
         if _too_many(study, everybody):
             answered = False
             break
-    _write(space, folder, everybody, answered=answered)
+    _write(space, folder, everybody, units, answered=answered)
     return sum(one.flown for one in everybody), sum(one.failed for one in everybody)
 
 
@@ -234,7 +235,7 @@ def next_level(bests: Sequence[float], floor: float | None, goal: float, found: 
 # What came of it.
 
 
-def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], *, answered: bool) -> None:
+def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], units: Units, *, answered: bool) -> None:
     """Without an answer where too many missions had failed on the way to the last level."""
     study = space.study
     levels = [["design", "estimate", "level", "missions", "reached"]]
@@ -264,7 +265,7 @@ def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], *, ans
             command=_write_replay(space, folder, design, counted)))
     write_csv(folder / "designs.csv", rows)
     columns.write(folder)
-    rare_report.write(folder / "report.html", study, space.factors, told, space.provenance(space.values((0, 0))))
+    rare_report.write(folder / "report.html", study, space.factors, told, space.provenance(space.values((0, 0))), units)
 
 
 def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""replay.html: the pictures and tables of a replay, drawn by ``replay.js``."""
+"""replay.html: curves and tables of a replay, which web/src/report/replay.ts draws."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ _DIGITS = 5
 def write_replay_page(file: pathlib.Path, result: Replay) -> None:
     summary = result.summary
     data = {
+        "kind": "replay",
         "fields": [field.name for field in dataclasses.fields(ErrorRow)],
         "errors": [[_number(cell) for cell in dataclasses.astuple(one)] for one in result.errors],
         "findings": [str(one) for one in result.findings],
@@ -38,7 +39,7 @@ def write_replay_page(file: pathlib.Path, result: Replay) -> None:
         "cell": summary["cell"],
     }
     title = f"{result.log.file.name} on {summary['airframe']}"
-    write_page(file, title, [pathlib.Path(__file__).parent / "replay.js"], data, provenance)
+    write_page(file, title, data, provenance, data["answer"])
 
 
 def answer(result: Replay) -> str:

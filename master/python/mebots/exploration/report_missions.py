@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The missions of a study in its report: their values, quantiles of each design, and the commands that fly them again."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import pathlib
+import shlex
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from mebots.exploration.comparison import Evidence
+from mebots.exploration.space import Space
+
+MOST_MISSIONS = 50_000
+"""If there are more, the page has the values of every n-th of each design. Quantiles are of all."""
+MOST_COMMANDS = 10_000
+"""Replicates of which the page has commands; they are the same for each design."""
+QUANTILES = (0, 0.05, 0.25, 0.5, 0.75, 0.95, 1)
+_DIGITS = 6
+
+
+def quantiles_of(evidence: Evidence, designs: Sequence[int]) -> list[list[list[float] | None]]:
+    """Returns ``QUANTILES`` of the missions of each design, for each objective; None for a design without a value."""
+    return [[_quantiles(np.array(evidence.column(design, at))) for design in designs] for at in range(len(evidence.index))]
+
+
+def _quantiles(values: np.ndarray) -> list[float] | None:
+    known = values[~np.isnan(values)]
+    return [_rounded(one) for one in np.quantile(known, QUANTILES)] if len(known) else None
+
+
+def missions_of(evidence: Evidence, designs: Sequence[int], outcomes: tuple[list[str], list[np.ndarray]] | None) -> dict[str, Any]:
+    """Returns every n-th mission of each design: ``counts`` of them, and one after the other their outcomes and values of each
+    objective. Outcomes are counted over all missions."""
+    every = max(1, math.ceil(sum(evidence.counts[design] for design in designs) / MOST_MISSIONS))
+    counts = [len(range(0, evidence.counts[design], every)) for design in designs]
+    values = [
+        [_known(one) for design in designs for one in evidence.column(design, at)[::every]]
+        for at in range(len(evidence.index))
+    ]
+    names, numbers = outcomes or ([], [])
+    return {
+        "every": every,
+        "counts": counts,
+        "values": values,
+        "outcome": [int(one) for design in designs for one in numbers[design][: evidence.counts[design] : every]] if names else [],
+        "outcomes": names,
+        "outcome_counts": [np.bincount(numbers[design][: evidence.counts[design]], minlength=len(names)).tolist() for design in designs] if names else [],
+    }
+
+
+def _known(value: float) -> float | None:
+    return _rounded(value) if value == value else None  # not NaN
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")
+
+
+@dataclasses.dataclass(frozen=True)
+class Replay:
+    """Commands that fly missions again, into folders below ``folder``, which is in the report's folder."""
+
+    space: Space
+    folder: pathlib.Path
+
+    def texts(self, designs: Sequence[int], replicates: int) -> dict[str, Any] | None:
+        """Returns the parts of the commands: what all begin with, the settings of each design (None where only another config
+        could fly it), and those of each replicate's draws. None if no mission can fly by a command."""
+        missions = self.space.missions
+        own = [missions.settings_words(self.space.designs[design]) for design in designs]
+        draws = [missions.settings_words(self.space.draw(one)) for one in range(min(replicates, MOST_COMMANDS))]
+        if None in draws or all(one is None for one in own):
+            return None
+        return {
+            "run": f"mebots run {shlex.quote(str(self.space.study.mission))}",
+            "folder": shlex.quote(str(self.folder)),
+            "designs": own,
+            "draws": draws,
+            "pages": sorted(page.relative_to(self.folder.parent).as_posix() for page in self.folder.glob("*/flight.html")),
+            "name": self.folder.name,
+        }

@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Usage: make_studies.py CONFIGS OUT [DESIGNS MISSIONS]. Pages of studies for report_test.mjs: the statistics, names and units
+are those of `mebots sweep` on the shipped mission, the values of the missions are computed here, so that nothing flies."""
+
+import json
+import math
+import pathlib
+import random
+import sys
+
+import numpy as np
+
+from mebots.exploration import front, rare_report, report
+from mebots.exploration.answer import Judge
+from mebots.exploration.comparison import Evidence
+from mebots.exploration.figures import Units, design_names
+from mebots.exploration.report_missions import Replay
+from mebots.exploration.space import Space
+from mebots.exploration.study import read_study
+
+CELLS = {"bitcraze_250_flights": 1.0, "ufx_250_scaled": 0.95, "cyclone_300_scaled": 1.07, "lipol_350_scaled": 1.12}
+OUTCOMES = ["missing", "passed", "touched_passed", "crashed"]
+OBJECTIVES = {
+    "success": {"outcome": ["passed", "touched_passed"]},
+    "energy": {"summary": "energy.delivered", "unit": "J", "where": "success", "minimize": True},
+    "time": {"summary": "simulated_time", "where": "success", "minimize": True},
+}
+DRAWS = {"world.start.yaw_offset": {"uniform": [-0.3, 0.3]}, "world.sensors.seed": {"integer": [1, 1000000]}}
+
+
+def grid(configs, replicates=12):
+    return {
+        "mission": str(configs / "gate_easy.json"), "text": "Which battery, speed and clock need least energy?",
+        "design": {"kind": "grid", "factors": {
+            "battery.cell.name": list(CELLS), "soc.mission.cruise_speed": [0.3, 0.6, 1.0, 1.5], "soc.core.clock": [102.7e6, 175e6]}},
+        "draws": {"replicates": replicates, "seed": 1, "variables": DRAWS}, "objectives": OBJECTIVES, "constraints": {"success": {"above": 0.3}},
+    }  # fmt: skip
+
+
+def large(configs, designs, replicates):
+    factors = {
+        "battery.cell.name": list(CELLS), "soc.mission.cruise_speed": {"uniform": [0.3, 1.5]}, "soc.core.clock": {"log_uniform": [50e6, 250e6]},
+        "battery.ambient_temperature": {"uniform": [263, 313]}, "world.payload.mass": {"uniform": [0, 0.005]},
+    }
+    return grid(configs, replicates) | {"text": f"{designs} designs", "design": {"kind": "latin_hypercube", "points": designs, "seed": 1, "factors": factors}}
+
+
+def mission(values, lot):
+    """Success, energy [J] and time [s] of one mission of a made-up drone, whose faster flights crash more often."""
+    speed, clock = values["soc.mission.cruise_speed"], values["soc.core.clock"]
+    passed = lot.random() > 0.45 * max(0.0, speed - 0.8) * (1.3 if clock < 120e6 else 0.8)
+    time_s = 1.5 + 7 / speed + 0.05 * lot.gauss(0, 1)
+    watts = 8 + 2.2 * speed**2 + clock / 4e8 + 900 * values.get("world.payload.mass", 0)
+    energy_j = CELLS[values["battery.cell.name"]] * watts * time_s * (1 + 0.01 * lot.gauss(0, 1))
+    outcome = (1 if lot.random() > 0.05 else 2) if passed else 3
+    return outcome, [float(passed), energy_j if passed else math.nan, time_s if passed else math.nan]
+
+
+def write_study(file, content):
+    study = read_study(content)
+    space = Space(study)
+    evidence = Evidence(study, len(space.designs))
+    lot = random.Random(1)
+    outcomes = []
+    for design, values in enumerate(space.designs):
+        found = [mission(values, lot) for _ in range(study.replicates)]
+        evidence.put_rows(design, 0, np.array([row for _, row in found]))
+        evidence.count_to(design, study.replicates)
+        outcomes.append(np.array([outcome for outcome, _ in found]))
+    units = Units(study, space.missions.config.get("summary", {}))
+    places = front.places(evidence)
+    status = ["all flown"] * len(space.designs)
+    answer = Judge(evidence, units, design_names(space.factors, space.designs, units), status).answer(places)
+    report.write(file, report.Content(
+        study=study, factors=space.factors, designs=space.designs, evidence=evidence, answer=answer, units=units, places=places, status=status,
+        failed=[0] * len(space.designs), provenance={"mission": study.mission.name, "draws": json.dumps(study.draws)},
+        replay=Replay(space, file.parent / "replays"), outcomes=(OUTCOMES, outcomes)))  # fmt: skip
+
+
+def write_rare(file, configs):
+    content = grid(configs) | {"design": {"kind": "grid", "factors": {"soc.mission.cruise_speed": [0.3, 0.6]}}, "text": "How likely is a turn?"}
+    del content["objectives"], content["constraints"]
+    content["splitting"] = {"score": "world.drone.yaw", "levels": [0.05, 0.1, 0.14], "missions": 50, "reseed": ["world.sensors.seed"]}
+    study = read_study(content)
+    designs = [
+        rare_report.Design([speed], 600, 0, 7200.0, [p, p / 3, 3 * p, 0.4], [0.05, 0.1, 0.14], [[13, 11, count] for count in (6, 9, 12, 8)], "mebots run x.json")
+        for speed, p in ((0.3, 0.011), (0.6, 0.0004))
+    ]
+    rare_report.write(file, study, ["soc.mission.cruise_speed"], designs, {"mission": study.mission.name}, Units(study, {}))
+
+
+def main():
+    configs, out = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    designs, missions = map(int, sys.argv[3:] or ("1000", "10000"))
+    write_study(out / "study.html", grid(configs))
+    write_study(out / "large.html", large(configs, designs, max(1, missions // designs)))
+    write_rare(out / "rare.html", configs)
+
+
+if __name__ == "__main__":
+    main()

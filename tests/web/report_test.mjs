@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// Usage: report_test.mjs PAGES [CHROMIUM]. The pages that make_studies.py writes, in a browser.
+import assert from "node:assert/strict";
+import { join } from "node:path";
+import { launch, open } from "./browser.mjs";
+
+const [, , pages, chromium] = process.argv;
+if (!chromium || chromium.endsWith("NOTFOUND")) {
+  console.log("skipped: there is no Chromium; scripts/setup.sh installs it");
+  process.exit(77);
+}
+const MOST_OPENING_MS = 4000;
+const MOST_FRAME_MS = 100; // of all panels after a brush, with 1,000 designs, on a busy machine
+
+const frame = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))));
+const state = (page) => page.evaluate(() => {
+  const { selection } = window.mebots;
+  return { count: selection.count, chosen: selection.chosen, ticked: selection.ticked, rows: [...document.querySelectorAll(".space .row")].map((row) => Number(row.dataset.design)) };
+});
+const panelOf = (page, title) => page.evaluateHandle((wanted) => [...document.querySelectorAll(".panel")].find((one) => one.querySelector("h2").textContent === wanted), title);
+
+/** Drags along an axis of the parallel coordinates, between places from 0 to 1. */
+async function brush(page, label, from, to) {
+  const canvas = await (await panelOf(page, "Parallel coordinates")).$("canvas");
+  await canvas.scrollIntoView();
+  const [a, b] = await canvas.evaluate((one, name, low, high) => {
+    const { left, top } = one.getBoundingClientRect();
+    const axis = one.scales.find((each) => each.label === name);
+    return [low, high].map((place) => axis.point(place)).map(([x, y]) => [left + x, top + y]);
+  }, label, from, to);
+  await page.mouse.move(...a);
+  await page.mouse.down();
+  await page.mouse.move(...b, { steps: 4 });
+  await page.mouse.up();
+  await frame(page);
+}
+
+/** Texts of canvases that overlap or leave their canvas, and elements of the page wider than it. */
+const misplaced = (page) => page.evaluate(() => {
+  const found = [];
+  for (const canvas of document.querySelectorAll(".plot canvas")) {
+    const { texts, width, height } = canvas.plot;
+    texts.forEach((a, i) => {
+      if (a.left < -0.5 || a.right > width + 0.5 || a.top < -0.5 || a.bottom > height + 0.5) found.push(`outside: ${a.text}`);
+      for (const b of texts.slice(i + 1)) {
+        if (a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom) found.push(`${a.text} over ${b.text}`);
+      }
+    });
+    if (texts.length < 4) found.push(`${canvas.getAttribute("aria-label")}: ${texts.length} texts`);
+  }
+  if (document.documentElement.scrollWidth > innerWidth) found.push(`the page is ${document.documentElement.scrollWidth} pixels wide`);
+  return found;
+});
+
+const tests = {
+  async "the page begins with the answer and the ranked table"({ page }) {
+    const [headline] = await page.$$eval(".headline", (all) => all.map((one) => one.textContent));
+    assert.match(headline, /^Lowest energy among 32 designs with success above 0\.3: .* J \(.* to .*\)/);
+    const first = await page.$eval(".space .row", (row) => [...row.children].map((cell) => cell.textContent));
+    assert.equal(first[1], "1");
+    assert.ok(headline.includes(first[3]), `${headline} does not name ${first[3]}`);
+    assert.match(first.join(" "), /1\.5 m\/s, (102\.7|175) MHz/);
+  },
+
+  async "the table sorts by each column, both ways"({ page }) {
+    const heads = await page.$$(".head button");
+    for (const head of heads) {
+      const values = async () => {
+        await head.click();
+        return (await state(page)).rows;
+      };
+      const [up, down] = [await values(), await values()];
+      assert.equal(up.length, down.length);
+    }
+    const energy = heads[await page.$$eval(".head button", (all) => all.findIndex((one) => one.textContent.startsWith("energy")))];
+    await energy.click();
+    const means = await page.evaluate(() => {
+      const { objectives, designs } = window.mebots.study;
+      return [...document.querySelectorAll(".space .row")].map((row) => objectives[1].mean[designs.number.indexOf(Number(row.dataset.design))]);
+    });
+    assert.deepEqual(means, [...means].sort((a, b) => a - b));
+    await (await page.$(".head button")).click();
+  },
+
+  async "a brush along an axis filters the table and all panels"({ page }) {
+    const titles = ["Front", "Main effects", "Interactions", "Distributions", "Convergence"];
+    const read = (body) => Promise.all(titles.map(async (title) => (await panelOf(page, title)).evaluate(body)));
+    const look = () => read((one) => one.innerText + [...one.querySelectorAll("canvas")].map((canvas) => canvas.toDataURL()).join());
+    const texts = () => read((one) => one.innerText);
+    const [before, beginning] = [await look(), await texts()];
+    await brush(page, "cruise_speed [m/s]", -0.05, 0.4);
+    const { count, rows } = await state(page);
+    assert.equal(count, 16);
+    const speeds = await page.evaluate((shown) => shown.map((i) => window.mebots.study.factors[1].values[i]), rows);
+    assert.ok(speeds.length > 0 && speeds.every((speed) => speed <= 0.6), speeds.join(" "));
+    const after = await look();
+    titles.forEach((title, i) => assert.ok(after[i] !== before[i], `${title} did not change`));
+    await brush(page, "clock [MHz]", 0.8, 1.05);
+    assert.equal((await state(page)).count, 8);
+    assert.match(await page.$eval(".toolbar .status", (one) => one.textContent), /^8 of 32 designs selected$/);
+    await page.click(".toolbar button");
+    await frame(page);
+    assert.equal((await state(page)).count, 32);
+    assert.deepEqual(await texts(), beginning);
+  },
+
+  async "means of a selection of all designs are those that Python computed"({ page }) {
+    const differences = await page.evaluate(() => {
+      const { study, selection } = window.mebots;
+      selection.filter("test", () => true);
+      return study.factors.flatMap((factor, number) => factor.levels.map((_, level) => {
+        const own = study.objectives[1].mean.filter((mean, i) => factor.level[i] === level && mean !== null);
+        return Math.abs(own.reduce((a, b) => a + b, 0) / own.length - study.effects.means[1][number][level]);
+      }));
+    });
+    await frame(page);
+    const shown = await page.$$eval(".effect td.number", (cells) => cells.map((cell) => cell.textContent));
+    await page.evaluate(() => window.mebots.selection.reset());
+    await frame(page);
+    assert.deepEqual(await page.$$eval(".effect td.number", (cells) => cells.map((cell) => cell.textContent)), shown);
+    assert.ok(Math.max(...differences) < 1e-9, differences.join(" "));
+  },
+
+  async "the keyboard alone chooses a design, shows its missions and closes it"({ page }) {
+    await page.focus(".view");
+    await page.keyboard.press("ArrowDown");
+    await page.keyboard.press("ArrowDown");
+    await frame(page);
+    assert.match(await page.$eval(".details h2", (one) => one.textContent), /rank 2$/);
+    await page.keyboard.press("Space");
+    await frame(page);
+    assert.equal((await state(page)).ticked.length, 1);
+    await page.keyboard.press("Escape");
+    await frame(page);
+    assert.equal((await state(page)).chosen, -1);
+    await page.evaluate(() => window.mebots.selection.clearTicks());
+  },
+
+  async "a click on a mission shows the command that replays it, and ticked ones the comparison"({ page }) {
+    await page.evaluate(() => window.mebots.selection.choose(3));
+    await frame(page);
+    await page.click(".missions tbody tr:nth-child(5)");
+    const command = await page.$eval(".details .command code", (one) => one.textContent);
+    const { run, folder, designs, draws } = await page.evaluate(() => window.mebots.study.replay);
+    assert.equal(command, `${run} --out ${folder}/design_3_mission_4 ${designs[3]} ${draws[4]} && mebots report ${folder}/design_3_mission_4`);
+    assert.equal(await page.$eval(".details a", (one) => one.getAttribute("href")), "replays/design_3_mission_4/flight.html");
+    for (const row of [2, 5]) await page.click(`.missions tbody tr:nth-child(${row}) input`);
+    await frame(page);
+    await page.click(".compare-bar .primary");
+    const lines = (await page.$eval("dialog[open] code", (one) => one.textContent)).split("\n");
+    assert.equal(lines.length, 3);
+    assert.equal(lines[2], `mebots report ${folder}/design_3_mission_1 ${folder}/design_3_mission_4 --out ${folder}/compared.html`);
+    await page.keyboard.press("Escape");
+    await page.evaluate(() => { window.mebots.selection.clearTicks(); window.mebots.selection.choose(-1); });
+  },
+
+  async "a click on a point of the front chooses its design"({ page }) {
+    const canvas = await (await panelOf(page, "Front")).$("canvas");
+    await canvas.scrollIntoView();
+    const [x, y, nearest] = await canvas.evaluate((one) => {
+      const { objectives } = window.mebots.study;
+      const { left, top } = one.getBoundingClientRect();
+      const slowest = objectives[2].mean.indexOf(Math.max(...objectives[2].mean.filter((mean) => mean !== null)));
+      return [left + one.plot.x(objectives[1].mean[slowest]), top + one.plot.y(objectives[2].mean[slowest]), slowest];
+    });
+    await page.mouse.click(x, y);
+    await frame(page);
+    assert.equal((await state(page)).chosen, nearest);
+    await page.evaluate(() => window.mebots.selection.choose(-1));
+  },
+};
+
+const browser = await launch(chromium);
+let failures = 0;
+async function check(name, body) {
+  try {
+    await body();
+    console.log(`passed: ${name}`);
+  } catch (error) {
+    ++failures;
+    console.log(`FAILED: ${name}\n  ${error.message}`);
+  }
+}
+
+try {
+  const main = await open(browser, join(pages, "study.html"), { width: 1440 });
+  for (const [name, body] of Object.entries(tests)) await check(name, () => body(main));
+  await check("it needs no network and reports no error", () => {
+    assert.deepEqual(main.problems, []);
+    assert.deepEqual(main.requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
+  });
+  for (const name of ["study", "large", "rare"]) {
+    for (const [width, dark] of [[1440, false], [390, true]]) {
+      await check(`${name} at ${width} pixels: no text lies over another one, and nothing is cut off`, async () => {
+        const { page, problems } = await open(browser, join(pages, `${name}.html`), { width, height: 900, dark, touch: width < 500 });
+        assert.deepEqual(problems, []);
+        assert.deepEqual(await misplaced(page), []);
+        await page.close();
+      });
+    }
+  }
+  await check("1,000 designs and 10,000 missions open and follow a brush without delay", async () => {
+    const begin = performance.now();
+    const { page } = await open(browser, join(pages, "large.html"), { width: 1440 });
+    const opening_ms = performance.now() - begin;
+    assert.match(await page.$eval(".answer .faint", (one) => one.textContent), /^1,000 designs, 10,000 missions/);
+    const times = await page.evaluate(async () => {
+      const { selection } = window.mebots;
+      const canvas = [...document.querySelectorAll("canvas")].find((one) => one.setBrush);
+      const found = [];
+      for (let i = 1; i <= 20; ++i) {
+        canvas.setBrush(1, [0, i / 20]);
+        await new Promise(requestAnimationFrame);
+        await new Promise(requestAnimationFrame);
+        found.push(selection.lastFrame_ms);
+      }
+      return found.sort((a, b) => a - b);
+    });
+    console.log(`opened in ${opening_ms.toFixed(0)} ms; a brush: median ${times[10].toFixed(1)} ms, longest ${times[19].toFixed(1)} ms`);
+    assert.ok(opening_ms < MOST_OPENING_MS, `${opening_ms} ms`);
+    assert.ok(times[10] < MOST_FRAME_MS, times.join(" "));
+    assert.ok((await state(page)).rows.length < 40, "the table has all rows in the document");
+    await page.close();
+  });
+} finally {
+  await browser.close();
+}
+console.log(`${failures} failed`);
+process.exit(failures ? 1 : 0);

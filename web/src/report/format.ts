@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers as people read them.
+import type { Factor, Objective } from "./content";
+
+/** A number with this many significant digits, without trailing zeros, and with a real minus sign. */
+export function digits(value: number, most = 4): string {
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  const text = size >= 1e7 || size < 1e-4 ? value.toExponential(Math.min(most, 3) - 1) : String(Number(value.toPrecision(most)));
+  return text.replace("-", "\u2212");
+}
+
+export const joined = (text: string, unit: string) => (unit === "" ? text : `${text} ${unit}`);
+
+export function factorText(factor: Factor, value: number | string | boolean): string {
+  return factor.number ? joined(digits(Number(value) * factor.scale), factor.unit) : String(value);
+}
+
+export function objectiveText(objective: Objective, value: number | null): string {
+  return value === null ? "\u2013" : joined(digits(value * objective.scale), objective.unit);
+}
+
+/** "energy [J]", or "energy (percentile 90) [J]". */
+export function titleOf({ label, statistic, unit }: Objective): string {
+  const name = statistic === "mean" ? label : `${label} (${statistic})`;
+  return unit === "" ? name : `${name} [${unit}]`;
+}
+
+/** A share in per cent. Digits are added next to 100, so that no other share reads as all. */
+export function percent(share: number): string {
+  if (share > 0 && share < 0.001) return "< 0.1 %";
+  return `${digits(100 * share, share > 0.99 && share < 1 ? 4 : 2)} %`;
+}
+
+export const counted = (count: number, what: string) => `${count.toLocaleString("en")} ${what}${count === 1 ? "" : "s"}`;
+
+/** A probability: 2.1 %, or 1.4e-5 where that is easier to read. */
+export function chanceText(value: number | null): string {
+  if (value === null) return "\u2013";
+  return value !== 0 && value < 1e-3 ? value.toExponential(1).replace("-", "\u2212") : percent(value);
+}

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which designs and missions the panels show: filters from brushes, one chosen design, and missions to compare. Designs are
+// named by their places in the page.
+
+type Test = (design: number) => boolean;
+
+export interface Mission {
+  design: number;
+  replicate: number;
+}
+
+export class Selection {
+  readonly isIn: Uint8Array;
+  count: number;
+  chosen = -1;
+  ticked: Mission[] = [];
+  /** Time that the panels needed to follow the last change [ms]. */
+  lastFrame_ms = 0;
+  private readonly filters = new Map<string, Test>();
+  private readonly listeners: (() => void)[] = [];
+  private readonly resets: (() => void)[] = [];
+  private waits = false;
+
+  constructor(readonly size: number) {
+    this.isIn = new Uint8Array(size).fill(1);
+    this.count = size;
+  }
+
+  get isFiltered(): boolean {
+    return this.filters.size > 0;
+  }
+
+  /** The designs that pass all filters. */
+  get designs(): number[] {
+    return Array.from({ length: this.size }, (_, i) => i).filter((i) => this.isIn[i]);
+  }
+
+  onChange(listener: () => void): void {
+    this.listeners.push(listener);
+  }
+
+  /** Calls back when all filters are removed. */
+  onReset(listener: () => void): void {
+    this.resets.push(listener);
+  }
+
+  /** Sets the filter of one brush; null removes it. */
+  filter(key: string, test: Test | null): void {
+    if (test) this.filters.set(key, test);
+    else if (!this.filters.delete(key)) return;
+    const tests = [...this.filters.values()];
+    this.count = 0;
+    for (let i = 0; i < this.size; ++i) {
+      this.isIn[i] = tests.every((each) => each(i)) ? 1 : 0;
+      this.count += this.isIn[i];
+    }
+    this.changed();
+  }
+
+  reset(): void {
+    for (const listener of this.resets) listener();
+    for (const key of [...this.filters.keys()]) this.filter(key, null);
+  }
+
+  choose(design: number): void {
+    if (design === this.chosen) return;
+    this.chosen = design;
+    this.changed();
+  }
+
+  isTicked({ design, replicate }: Mission): boolean {
+    return this.ticked.some((one) => one.design === design && one.replicate === replicate);
+  }
+
+  /** Adds a mission to the comparison, or removes it. */
+  tick(mission: Mission): void {
+    this.ticked = this.isTicked(mission)
+      ? this.ticked.filter(({ design, replicate }) => design !== mission.design || replicate !== mission.replicate)
+      : [...this.ticked, mission];
+    this.changed();
+  }
+
+  clearTicks(): void {
+    this.ticked = [];
+    this.changed();
+  }
+
+  /** Lets all panels draw before the next frame, once for all changes until then. */
+  changed(): void {
+    if (this.waits) return;
+    this.waits = true;
+    requestAnimationFrame(() => {
+      this.waits = false;
+      const begin = performance.now();
+      for (const listener of this.listeners) listener();
+      this.lastFrame_ms = performance.now() - begin;
+    });
+  }
+}

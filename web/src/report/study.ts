@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page of a study that compares designs: headline, ranked table, and panels that follow one selection.
+import { element } from "../dom";
+import type { Study } from "./content";
+import { makeConvergence } from "./convergence";
+import { makeComparison, makeDetails } from "./details";
+import { makeDistributions } from "./distributions";
+import { makeEffects } from "./effects";
+import { counted, titleOf } from "./format";
+import { makeFronts } from "./fronts";
+import { makeImportances } from "./importances";
+import { makeInteractions } from "./interactions";
+import { makeParallel } from "./parallel";
+import { Selection } from "./selection";
+import { Shown } from "./shown";
+import { makeTable } from "./table";
+import { makeChoice, makeColumns } from "./widgets";
+
+export function makeStudy(study: Study): HTMLElement[] {
+  const selection = new Selection(study.designs.number.length);
+  const shown = new Shown(study);
+  Object.assign(window.mebots, { study, selection, shown }); // for scripts and tests
+  const hasMeans = study.objectives.length > 0 && study.factors.some(({ levels }) => levels.length > 1);
+  const fronts = study.objectives.length > 0 ? makeFronts(study, selection) : null;
+  const effects = hasMeans ? makeEffects(study, selection, shown) : null;
+  const distributions = study.quantiles && study.objectives.length > 0 ? makeDistributions(study, selection, shown) : null;
+  const left = [fronts, effects, distributions];
+  const panels = [
+    fronts,
+    study.objectives.length > 0 ? makeParallel(study, selection) : null,
+    effects,
+    hasMeans ? makeInteractions(study, selection, shown) : null,
+    distributions,
+    hasMeans && study.refresh_s === null ? makeImportances(study, shown) : null,
+    makeConvergence(study, selection, shown),
+  ].filter((one) => one !== null);
+  listenToEscape(selection);
+  if (study.refresh_s !== null) setTimeout(() => location.reload(), 1000 * study.refresh_s);
+  return [
+    makeAnswer(study),
+    element("section", { class: "panel table-panel" }, element("h2", {}, "Designs"), makeTable(study, selection)),
+    makeToolbar(study, selection, shown),
+    makeColumns(panels, (one) => !left.includes(one)),
+    makeDetails(study, selection),
+    makeComparison(study, selection),
+  ];
+}
+
+function makeAnswer(study: Study): HTMLElement {
+  const { headlines, remarks } = study.answer;
+  const failed = study.failed_of ? `${study.failed_of.toLocaleString("en")} failed` : "none failed";
+  const facts = `${counted(study.designs.of, "design")}, ${counted(study.missions_of, "mission")}, ${failed}. Intervals: ${100 * (1 - study.error)} %, ` +
+    (study.sequence ? "valid at every number of missions." : "for a number of missions that was settled beforehand.");
+  return element("section", { class: "answer" }, ...headlines.map((text) => element("p", { class: "headline" }, text)),
+    ...remarks.map((text) => element("p", {}, text)), element("p", { class: "faint" }, facts));
+}
+
+/** What all panels show: the objective, and the selection. It stays in view. */
+function makeToolbar(study: Study, selection: Selection, shown: Shown): HTMLElement {
+  const text = element("span", { class: "status", role: "status" });
+  const clear = element("button", { onclick: () => selection.reset() }, "show all");
+  const draw = () => {
+    clear.style.visibility = selection.isFiltered ? "visible" : "hidden"; // its space stays, so that no panel moves under a brush
+    text.textContent = selection.isFiltered ? `${selection.count.toLocaleString("en")} of ${counted(selection.size, "design")} selected` : "all designs";
+  };
+  selection.onChange(draw);
+  draw();
+  const choice = makeChoice("effects, distributions, importances of", study.objectives.map(titleOf), shown.objective, (value) => shown.set(value));
+  return element("div", { class: "toolbar" }, ...(study.objectives.length ? [choice] : []), text, clear);
+}
+
+function listenToEscape(selection: Selection): void {
+  document.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape" || document.querySelector("dialog[open]")) return;
+    if (selection.chosen >= 0) selection.choose(-1);
+    else selection.reset();
+  });
+}
