@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Usage: node picture.mjs PAGE.html OUT.png [time=S] [from=S to=S] [look=follow|free|top|onboard] [tab=NAME] [dark=1] [width=PX] [height=PX]
-// A page as a picture, by Debian's Chromium.
+// Writes a picture of a page by Debian's Chromium. Only the page of a run has times, cameras and tabs.
 import { launch, open } from "../tests/web/browser.mjs";
 
 const [, , file, out, ...settings] = process.argv;
@@ -8,7 +8,7 @@ const { time, from, to, look, tab, dark, width = 1400, height = 900 } = Object.f
 if (!out) throw new Error("usage: node picture.mjs PAGE.html OUT.png [time=S] [from=S to=S] [look=...] [tab=NAME] [dark=1] [width=PX] [height=PX]");
 
 const setTime = (page, moment) => page.evaluate((t) => new Promise((done) => {
-  globalThis.mebots.clock.set(t);
+  globalThis.mebots.clock?.set(t);
   requestAnimationFrame(() => requestAnimationFrame(() => done()));
 }), moment);
 

@@ -41,7 +41,7 @@ def grid(configs, replicates=12):
 def large(configs, designs, replicates):
     factors = {
         "battery.cell.name": list(CELLS), "soc.mission.cruise_speed": {"uniform": [0.3, 1.5]}, "soc.core.clock": {"log_uniform": [50e6, 250e6]},
-        "battery.ambient_temperature": {"uniform": [263, 313]}, "world.payload.mass": {"uniform": [0, 0.005]},
+        "soc.temperature": {"uniform": [-10, 40]}, "world.drone.dry_mass": {"uniform": [0.02, 0.025]},
     }
     return grid(configs, replicates) | {"text": f"{designs} designs", "design": {"kind": "latin_hypercube", "points": designs, "seed": 1, "factors": factors}}
 
@@ -51,7 +51,7 @@ def mission(values, lot):
     speed, clock = values["soc.mission.cruise_speed"], values["soc.core.clock"]
     passed = lot.random() > 0.45 * max(0.0, speed - 0.8) * (1.3 if clock < 120e6 else 0.8)
     time_s = 1.5 + 7 / speed + 0.05 * lot.gauss(0, 1)
-    watts = 8 + 2.2 * speed**2 + clock / 4e8 + 900 * values.get("world.payload.mass", 0)
+    watts = 8 + 2.2 * speed**2 + clock / 4e8 + 900 * (values.get("world.drone.dry_mass", 0.02) - 0.02)
     energy_j = CELLS[values["battery.cell.name"]] * watts * time_s * (1 + 0.01 * lot.gauss(0, 1))
     outcome = (1 if lot.random() > 0.05 else 2) if passed else 3
     return outcome, [float(passed), energy_j if passed else math.nan, time_s if passed else math.nan]
@@ -81,12 +81,14 @@ def write_study(file, content):
 def write_rare(file, configs):
     content = grid(configs) | {"design": {"kind": "grid", "factors": {"soc.mission.cruise_speed": [0.3, 0.6]}}, "text": "How likely is a turn?"}
     del content["objectives"], content["constraints"]
+    content["draws"] |= {"replicates": 4}
     content["splitting"] = {"score": "world.drone.yaw", "levels": [0.05, 0.1, 0.14], "missions": 50, "reseed": ["world.sensors.seed"]}
     study = read_study(content)
-    designs = [
-        rare_report.Design([speed], 600, 0, 7200.0, [p, p / 3, 3 * p, 0.4], [0.05, 0.1, 0.14], [[13, 11, count] for count in (6, 9, 12, 8)], "mebots run x.json")
-        for speed, p in ((0.3, 0.011), (0.6, 0.0004))
-    ]
+    designs = []
+    for speed, counts in ((0.3, (6, 9, 12, 8)), (0.6, (1, 0, 2, 1))):
+        reached = [[13, 11, count] for count in counts]
+        p = sum(math.prod(one) for one in reached) / len(reached) / 50**3
+        designs.append(rare_report.Design([speed], 600, 0, 7200.0, [p, p / 3, 2 * p, 0.3], [0.05, 0.1, 0.14], reached, "mebots run mission.json"))
     rare_report.write(file, study, ["soc.mission.cruise_speed"], designs, {"mission": study.mission.name}, Units(study, {}))
 
 

@@ -10,9 +10,10 @@ if (!chromium || chromium.endsWith("NOTFOUND")) {
   process.exit(77);
 }
 const MOST_OPENING_MS = 4000;
-const MOST_FRAME_MS = 100; // of all panels after a brush, with 1,000 designs, on a busy machine
+const MOST_FRAME_MS = 50; // of a frame while a brush moves, on a busy machine without a graphics card
 
-const frame = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))));
+/** Waits until all panels have followed the last change. */
+const frame = (page) => page.waitForFunction(() => window.mebots.selection.dirty.size === 0);
 const state = (page) => page.evaluate(() => {
   const { selection } = window.mebots;
   return { count: selection.count, chosen: selection.chosen, ticked: selection.ticked, rows: [...document.querySelectorAll(".space .row")].map((row) => Number(row.dataset.design)) };
@@ -207,18 +208,23 @@ try {
     const times = await page.evaluate(async () => {
       const { selection } = window.mebots;
       const canvas = [...document.querySelectorAll("canvas")].find((one) => one.setBrush);
-      const found = [];
+      const [frames, all] = [[], []];
       for (let i = 1; i <= 20; ++i) {
         canvas.setBrush(1, [0, i / 20]);
-        await new Promise(requestAnimationFrame);
-        await new Promise(requestAnimationFrame);
-        found.push(selection.lastFrame_ms);
+        let sum = 0;
+        while (selection.dirty.size > 0) {
+          await new Promise(requestAnimationFrame);
+          frames.push(selection.lastFrame_ms);
+          sum += selection.lastFrame_ms;
+        }
+        all.push(sum);
       }
-      return found.sort((a, b) => a - b);
+      return [frames, all].map((found) => found.sort((a, b) => a - b));
     });
-    console.log(`opened in ${opening_ms.toFixed(0)} ms; a brush: median ${times[10].toFixed(1)} ms, longest ${times[19].toFixed(1)} ms`);
+    const [one, all] = times.map((found) => found[Math.floor(found.length / 2)]);
+    console.log(`opened in ${opening_ms.toFixed(0)} ms; drawing took ${one.toFixed(1)} ms a frame in the median, ${times[0].at(-1).toFixed(1)} ms at most, and ${all.toFixed(1)} ms for all panels after a brush`);
     assert.ok(opening_ms < MOST_OPENING_MS, `${opening_ms} ms`);
-    assert.ok(times[10] < MOST_FRAME_MS, times.join(" "));
+    assert.ok(one < MOST_FRAME_MS, times[0].join(" "));
     assert.ok((await state(page)).rows.length < 40, "the table has all rows in the document");
     await page.close();
   });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The chosen design with its missions, and the commands that fly missions again and compare them.
 import { element } from "../dom";
-import type { Study } from "./content";
+import type { Objective, Study } from "./content";
 import { counted, factorText, objectiveText, titleOf } from "./format";
 import { firstOf } from "./distributions";
 import { PLACES } from "./fronts";
@@ -57,7 +57,7 @@ function makeMissions(study: Study, selection: Selection, design: number): HTMLE
     const mission = { design, replicate: row * missions.every };
     const box = element("input", { type: "checkbox", "aria-label": `compare mission ${mission.replicate}`, onclick: (event) => event.stopPropagation(), onchange: () => selection.tick(mission) });
     box.checked = selection.isTicked(mission);
-    const cells = study.objectives.map((one, i) => element("td", { class: "number" }, objectiveText(one, missions.values[i][start + row])));
+    const cells = study.objectives.map((one, i) => element("td", { class: "number" }, missionText(one, missions.values[i][start + row])));
     const button = element("button", { class: "link", "aria-label": `replay mission ${mission.replicate}` }, `\u25b6 ${mission.replicate}`);
     return element("tr", { class: mission.replicate === opened ? "chosen" : "", onclick: () => open(mission.replicate) },
       element("td", {}, box), element("td", {}, button), ...(missions.outcomes.length ? [element("td", {}, String(valueOf(row, 1)).replaceAll("_", " "))] : []), ...cells);
@@ -84,6 +84,9 @@ function makeMissions(study: Study, selection: Selection, design: number): HTMLE
     element("div", { class: "scroll missions" }, element("table", {},
       element("thead", {}, element("tr", {}, element("th", {}), ...heads.map((head, i) => element("th", {}, element("button", { class: "link", onclick: () => sortBy(i) }, head))))), body)), more);
 }
+
+/** A share is 0 or 1 for one mission. */
+const missionText = (objective: Objective, value: number | null) => (objective.share && value !== null ? (value ? "yes" : "no") : objectiveText(objective, value));
 
 const folderOf = (study: Study, { design, replicate }: Mission) => `design_${study.designs.number[design]}_mission_${replicate}`;
 

@@ -7,7 +7,7 @@ export function digits(value: number, most = 4): string {
   if (value === 0) return "0";
   const size = Math.abs(value);
   const text = size >= 1e7 || size < 1e-4 ? value.toExponential(Math.min(most, 3) - 1) : String(Number(value.toPrecision(most)));
-  return text.replace("-", "\u2212");
+  return text.replaceAll("-", "\u2212");
 }
 
 export const joined = (text: string, unit: string) => (unit === "" ? text : `${text} ${unit}`);

@@ -104,7 +104,7 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
   }
 
   function drawFront(all: number[], x: Choice, y: Choice): void {
-    const best = across === up ? [] : leaders(all.filter((i) => study.designs.front[i] !== "excluded" && selection.isIn[i]), x, y);
+    const best = across === up ? [] : leaders(all.filter((i) => keepsConstraints(study, i) && selection.isIn[i]), x, y);
     const proven = best.filter((i) => study.designs.front[i] === "on");
     front.textContent = best.length < 2 ? "" : `${best.length} designs are on the front of these two by means (dashed); ${proven.length} of them are proven to be on the study's front.`;
     if (best.length < 2) return;
@@ -224,6 +224,14 @@ function firstChoices(study: Study): [number, number] {
   let up = sorted.length > 1 && objectives[sorted[1]].sense ? sorted[1] : objectives.findIndex((one, i) => one.share && i !== across);
   if (up < 0) up = sorted[1] ?? objectives.length;
   return [across, up];
+}
+
+/** True if the means of a design keep all constraints. */
+function keepsConstraints({ constraints, objectives, designs }: Study, design: number): boolean {
+  return designs.front[design] !== "excluded" && constraints.every(({ objective, above, bound }) => {
+    const mean = objectives[objective].mean[design];
+    return mean !== null && (above ? mean > bound : mean < bound);
+  });
 }
 
 /** The designs that no other one dominates by two means. */

@@ -11,7 +11,8 @@ import type { Selection } from "./selection";
 import { panel } from "./widgets";
 
 const NARROW = 520; // pixels
-const MANY = 200;
+const MANY = 200; // lines
+const MOST_TICKS = 7;
 const PLACES_IN_ORDER: Place[] = ["excluded", "off", "", "undecided", "on"];
 
 interface Scale {
@@ -210,10 +211,16 @@ function scalesOf(study: Study, size: number): Scale[] {
   const designs = Array.from({ length: size }, (_, i) => i);
   const factors = study.factors.filter(({ levels }) => levels.length > 1).map((factor) =>
     factor.number
-      ? numeric(factor.label, factor.unit, factor.scale, factor.values as number[], factor.levels.length <= 6 ? [...new Set(factor.values as number[])] : null)
+      ? numeric(factor.label, factor.unit, factor.scale, factor.values as number[], few(factor.values as number[]))
       : categorical(factor.label, factor.values.map(String)));
   const objectives = study.objectives.map(({ label, unit, scale, mean }) => numeric(label, unit, scale, mean, null));
   return [...factors, ...objectives].filter(({ place }) => designs.some((i) => !Number.isNaN(place[i])));
+}
+
+/** The distinct values, if these are few enough to have a tick each. */
+function few(values: number[]): number[] | null {
+  const distinct = new Set(values);
+  return distinct.size <= MOST_TICKS ? [...distinct] : null;
 }
 
 function numeric(label: string, unit: string, scale: number, values: (number | null)[], ticks: number[] | null): Scale {

@@ -128,7 +128,7 @@ function makeLevels(rare: Rare, isShown: (design: number) => boolean, redraws: (
       const mean = found.length ? found.reduce((sum, one) => sum + one, 0) / found.length : null;
       return [i, joined(digits(level), rare.unit), mean === null ? null : percent(mean), found.length ? `${percent(Math.min(...found))} to ${percent(Math.max(...found))}` : null, found.length];
     }) : []));
-    body.replaceChildren(makeSmallTable(["design", "level", "reach it", "estimates differ", "estimates that came so far"], rows));
+    body.replaceChildren(makeSmallTable(["design", "level", "reach it", "least and greatest share", "estimates that reached the level before"], rows));
   };
   redraws.push(draw);
   draw();

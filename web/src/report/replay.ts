@@ -33,13 +33,18 @@ function makeChart({ title, x, curves }: ReplayedFlight["charts"][number]): HTML
     plot.axes({ title: "time [s]", range: extent(x, 0) }, { title: "", range: extent(curves.flatMap(({ y }) => y)) });
     const colours = strokes();
     const { context } = plot;
-    curves.forEach(({ y }, i) => {
+    const isMeasured = (i: number) => curves[i].name === "measured" || curves[i].name === "needed by the motion";
+    const order = curves.map((_, i) => i).sort((a, b) => Number(isMeasured(b)) - Number(isMeasured(a)));
+    order.forEach((i) => {
+      const { y } = curves[i];
       context.strokeStyle = colours[i];
-      context.lineWidth = 1.4;
+      context.globalAlpha = isMeasured(i) ? 0.4 : 1; // a wide line, so that the model's is seen on it
+      context.lineWidth = isMeasured(i) ? 4 : 1.4;
       context.beginPath();
       plot.line(y.map((value, k) => (value === null ? null : [plot.x(x[k]), plot.y(value)])));
       context.stroke();
     });
+    context.globalAlpha = 1;
     key.replaceChildren(...curves.map(({ name }, i) => element("span", {}, element("i", { class: "dot", style: `background:${colours[i]}` }), name)));
   });
   return panel(title, "", key, plot.root);

@@ -2,6 +2,8 @@
 // Which designs and missions the panels show: filters from brushes, one chosen design, and missions to compare. Designs are
 // named by their places in the page.
 
+const FRAME_MS = 10;
+
 type Test = (design: number) => boolean;
 
 export interface Mission {
@@ -14,12 +16,13 @@ export class Selection {
   count: number;
   chosen = -1;
   ticked: Mission[] = [];
-  /** Time that the panels needed to follow the last change [ms]. */
+  /** Time that drawing took in the last frame [ms]. */
   lastFrame_ms = 0;
+  /** Panels that have to follow the last change. */
+  readonly dirty = new Set<() => void>();
   private readonly filters = new Map<string, Test>();
   private readonly listeners: (() => void)[] = [];
   private readonly resets: (() => void)[] = [];
-  private waits = false;
 
   constructor(readonly size: number) {
     this.isIn = new Uint8Array(size).fill(1);
@@ -85,15 +88,21 @@ export class Selection {
     this.changed();
   }
 
-  /** Lets all panels draw before the next frame, once for all changes until then. */
+  /** Lets all panels draw. A frame draws panels until its time is used up; the others follow in the next frames. */
   changed(): void {
-    if (this.waits) return;
-    this.waits = true;
-    requestAnimationFrame(() => {
-      this.waits = false;
-      const begin = performance.now();
-      for (const listener of this.listeners) listener();
-      this.lastFrame_ms = performance.now() - begin;
-    });
+    const isIdle = this.dirty.size === 0;
+    for (const listener of this.listeners) this.dirty.add(listener);
+    if (isIdle) requestAnimationFrame(() => this.drawSome());
+  }
+
+  private drawSome(): void {
+    const begin = performance.now();
+    for (const listener of this.dirty) {
+      this.dirty.delete(listener);
+      listener();
+      if (performance.now() - begin > FRAME_MS) break;
+    }
+    this.lastFrame_ms = performance.now() - begin;
+    if (this.dirty.size > 0) requestAnimationFrame(() => this.drawSome());
   }
 }

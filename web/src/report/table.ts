@@ -26,7 +26,7 @@ export function makeTable(study: Study, selection: Selection): HTMLElement {
   const widths = columns.map(({ title, text }) => {
     let most = Math.max(5, title.length + 2);
     for (let i = 0; i < selection.size; ++i) most = Math.max(most, text(i).length);
-    return `${Math.min(most, LONGEST) + 1}ch`;
+    return `${0.92 * Math.min(most, LONGEST) + 1.6}ch`; // most characters are narrower than a digit
   });
   const template = `34px ${widths.join(" ")}`;
   let [by, sign] = [0, 1];
@@ -120,10 +120,11 @@ function columnsOf(study: Study): Column[] {
   const rank = number("rank", (i) => designs.rank[i]);
   const place = { ...number("#", (i) => designs.number[i]), text: (i: number) => `#${designs.number[i]}` };
   const name = text("design", (i) => designs.name[i]);
+  const note = text("note", (i) => designs.note[i]);
   const first = study.objectives.findIndex(({ sense }) => sense !== 0);
   const value = first < 0 ? [] : [{ ...objectives[first], text: (i: number) => objectiveText(study.objectives[first], study.objectives[first].mean[i]) }];
   return [
-    ...(innerWidth < NARROW ? [rank, ...value, name, place] : [rank, place, name]), // the value is in view on a phone, too
-    ...objectives, number("missions", (i) => designs.missions[i]), ...failed, text("note", (i) => designs.note[i]), ...front, text("status", (i) => designs.status[i]), ...factors,
+    ...(innerWidth < NARROW ? [rank, ...value, name, place, note] : [rank, place, name, note]), // the value is in view on a phone, too
+    ...objectives, number("missions", (i) => designs.missions[i]), ...failed, ...front, text("status", (i) => designs.status[i]), ...factors,
   ];
 }
