@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Python module mebots._mebots: mebots::Mission as it is. Texts for people, defaults and NumPy stand in
+// The Python module mebots._mebots: it wraps mebots::Mission. Texts for people, defaults and NumPy are in
 // mebots/*.py.
 #include "base/input_text.hpp"
 #include "cases/run_case.hpp"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What a study answers in words: headline, ranked table, fronts, and how many more missions would decide."""
+"""Answers of studies in words: headline, ranked table, fronts, and the number of missions that would decide."""
 
 import json
 import math

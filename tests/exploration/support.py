@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of `mebots sweep` share: a small mission of the probe FMU, studies of it, and the program."""
+"""Shared by the tests of `mebots sweep`: a small mission of the probe FMU, studies of it, and the program."""
 
 import csv
 import json
@@ -22,7 +22,7 @@ STEADY = str(BUILD / "test_fmus" / "steady.fmu")
 
 
 class StudyCase(unittest.TestCase):
-    """Each test has a folder of its own, with a mission and a study in it."""
+    """Gives each test its own folder with a mission and a study."""
 
     def setUp(self):
         self.temporary = tempfile.TemporaryDirectory()
@@ -54,7 +54,7 @@ class StudyCase(unittest.TestCase):
         return file
 
     def sweep(self, *words, out="out", code=0):
-        """What the program prints, both streams."""
+        """Returns what the program prints on both streams."""
         command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / out), *words]
         done = subprocess.run(command, capture_output=True, text=True, timeout=170)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)

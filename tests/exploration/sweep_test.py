@@ -599,7 +599,7 @@ class Python(StudyCase):
 
 
 class Kept(StudyCase):
-    """What a study leaves beside its tables."""
+    """Folders and files that a study keeps in addition to its tables."""
 
     def test_results_of_each_mission_are_those_of_a_single_run(self):
         self.study(results=True)

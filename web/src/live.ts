@@ -30,7 +30,7 @@ async function post(path: string, values: Record<string, string>): Promise<strin
 export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   const badge = element("span", { class: "outcome", id: "live" }, "live");
   const hold = element("button", { id: "hold", onclick: () => void order(run.header.live?.held ? "go" : "hold") });
-  const step = element("button", { id: "step", title: "One communication step", onclick: () => void order("step") }, "step");
+  const step = element("button", { id: "step", title: "Advance by one communication step", onclick: () => void order("step") }, "step");
   const pace = element("select", { id: "pace", title: "Simulated seconds per second", "aria-label": "pace", onchange: () => void order(`pace=${pace.value}`) },
     ...PACES.map((one) => element("option", { value: String(one) }, one === 0 ? "full speed" : `${one}\u00d7`)));
   const order = async (what: string) => {

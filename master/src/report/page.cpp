@@ -41,7 +41,7 @@ void put(std::string& page, std::string_view name, std::string_view text) {
   page.replace(at, place.size(), text);
 }
 
-/// A page with the script in it; where its data may come from besides, and what stands in it of them.
+/// Returns a page with the script and `data` in it. `connect`: the source of the policy from which it may fetch more.
 std::string fill(const PageParts& parts, const std::string& title, std::string_view connect, std::string_view data) {
   auto page = parts.frame;
   put(page, "title", escaped(title + " - MEbots"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happened in a run, in one sentence that is made from its results, and the moment at which the page opens.
+// Describes a run in one sentence that is made from its results, and selects the moment at which the page opens.
 import type { Json } from "../data/payload";
 import { type Run, rowAt } from "../data/run";
 import { shown, shownTime } from "../data/units";

@@ -45,7 +45,7 @@ _CHUNK = 1000
 _OBJECTS_OF_A_COLLECTION = 100_000
 """New objects after which Python looks for unused cycles. With its default of 700, a fifth of a large study's time goes there."""
 _MOST_COMPARED = 300
-"""Designs of which it is told on the way who is ahead."""
+"""With more designs, progress does not name those that lead."""
 
 
 FLIGHTS = "flights"
@@ -55,24 +55,24 @@ REPLAYS = "replays"
 
 
 def is_done(folder: pathlib.Path) -> bool:
-    """Whether the table that is written last is there."""
+    """True if the file exists that is written last."""
     return (folder / "report.html").exists()
 
 _MOST_VALUES_TRIED = 64
-"""Of one factor. Of more, the least and the greatest are tried."""
+"""The check tries this many values of a factor; if there are more, the least and the greatest."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Sweep:
-    """What came of a study: missions that count, how many of them failed, and the folder with the tables."""
+    """Result of a study: missions that count, the number that failed, and the folder with the tables."""
 
     folder: pathlib.Path
     missions: int
     failed: int
     without_value: list[str] = dataclasses.field(default_factory=list)
-    """What to tell of objectives whose expression had no value in any mission."""
+    """Messages about objectives whose expression had no value in any mission."""
     notices: list[str] = dataclasses.field(default_factory=list)
-    """What the journals reported: damaged lines, file systems without locks."""
+    """Warnings of the journals: damaged lines, file systems without locks."""
     answer: Answer | None = None
     """Which design is best, and how sure that is; None for a rare event."""
 
@@ -102,7 +102,7 @@ class Campaign:
         self._live_page: LivePage | None = None
         self._flown_ahead: set[str] = set()  # of rounds to come
 
-    # What the missions are.
+    # Missions of the study.
 
     @property
     def most_missions(self) -> int:
@@ -117,7 +117,7 @@ class Campaign:
         return Flights(range(len(self.space.designs)), 0, self.study.replicates)
 
     def example(self) -> Values:
-        """The values of a mission that stands for all."""
+        """Returns the values of one mission as an example."""
         return next(self._trials())[1]
 
     def _check_names(self) -> None:
@@ -172,14 +172,14 @@ class Campaign:
         for mission, (what, values) in tried.items():
             error, about = found[mission]["error"], found[mission].get("about", "")
             if error:
-                # Nobody called set(): the study says it.
+                # No program called set(): the value is in the study.
                 problems.setdefault(error.removeprefix(f'set("{about}"): '), self._blamed(about, error, values) or what)
         if problems:
             told = (": ".join(filter(None, (self.study.place, what, error))) for error, what in problems.items())
             raise InputError("\n".join(told), "invalid_value")
 
     def _blamed(self, about: str, error: str, values: Values) -> str:
-        """Who asks for the variable that an error is about: a factor, a draw or an objective; "" for none of them."""
+        """Returns the factor, draw or objective that names the variable of an error; "" if none does."""
         for name, value in values.items():
             settings = self.space.missions.settings(name, value)
             if about in settings or any(key.startswith("/") and f" {key}: " in error for key in settings):
@@ -466,7 +466,7 @@ class Campaign:
     def _rate(self) -> float:
         return self.flown / max(time.monotonic() - self._begun_s, 1e-9)
 
-    # What came of it.
+    # Results.
 
     def _write_tables(self, folder: pathlib.Path, journal: Journal, results: Results, rounds: Rounds | Search) -> None:
         write_lines(folder / "missions.csv", self._mission_lines(journal, results))

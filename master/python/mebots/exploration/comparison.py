@@ -35,7 +35,7 @@ from mebots.exploration.study import Constraint, Objective, Study
 
 @dataclasses.dataclass
 class Estimate:
-    """Of one objective of one design: how many missions count, their mean (for a share: of successes; for a percentile:
+    """Estimate of one objective of one design: number of missions that count, their mean (for a share: of successes; for a percentile:
     that) and its interval."""
 
     count: int
@@ -62,7 +62,7 @@ DECIDED = Methods(exact_share, student, percentile_interval)
 
 
 class Evidence:
-    """The measures of all missions that count, by design and replicate. NaN stands for a measure that a mission does not
+    """Measures of all missions that count, by design and replicate. NaN stands for a measure that a mission does not
     have; a mission without a result has none. Memory: 8 bytes for each measure."""
 
     def __init__(self, study: Study, designs: int) -> None:
@@ -93,7 +93,7 @@ class Evidence:
         own[replicate * width : (replicate + 1) * width] = array.array("d", values)
 
     def put_rows(self, design: int, replicate: int, rows: np.ndarray) -> None:
-        """As ``put`` for consecutive replicates: a row of measures for each. NaN marks a missing measure."""
+        """Stores the measures of consecutive replicates: a row for each. NaN marks a missing measure."""
         width, own = len(self.index), self._measures[design]
         begin, end = replicate * width, (replicate + len(rows)) * width
         if len(own) < begin:
@@ -128,18 +128,18 @@ class Evidence:
         return [_known(one) for one in self._measures[design][replicate * width : (replicate + 1) * width]]
 
     def columns(self, design: int, begin: int, end: int) -> list[array.array[float]]:
-        """Returns each measure of the replicates from ``begin`` to ``end``, with NaN where there is none."""
+        """Returns each measure of the replicates from ``begin`` to ``end``; NaN if a mission has none."""
         width = len(self.index)
         return [self._measures[design][begin * width + at : end * width : width] for at in range(width)]
 
     def column(self, design: int, at: int) -> array.array[float]:
-        """Returns a measure of all missions of a design, with NaN where there is none."""
+        """Returns a measure of all missions of a design; NaN if a mission has none."""
         width = len(self.index)
         return self._measures[design][at : self.counts[design] * width : width]
 
     @property
     def design_error(self) -> float:
-        """Of one statement on one design, so that all together are wrong with the other half."""
+        """Returns the error of one statement on one design. All together use the other half of ``error``."""
         statements = len(self.study.constraints) + (self.study.stop is not None) + len(self._senses)
         return self.study.error / 2 / (max(len(self.counts), 1) * max(statements, 1))
 
@@ -154,7 +154,7 @@ class Evidence:
         return found
 
     def so_far(self, design: int, objective: Objective) -> Estimate:
-        """As ``shown``, of all results that are there, before they count."""
+        """Returns the estimate from all results so far, before they count."""
         values = self._measures[design][self.index[objective.label] :: len(self.index)]
         return _estimated(objective, values, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
@@ -165,7 +165,7 @@ class Evidence:
         return [_estimated(objective, values[:count], self.study.error, methods) for count in counts]
 
     def shown(self, design: int, objective: Objective) -> Estimate:
-        """As the tables show it: at level 1 - ``error`` for each number by itself."""
+        """Returns the estimate of the tables: at level 1 - ``error`` for each number by itself."""
         return self.estimate(design, objective, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def known_of(self, design: int, objective: Objective) -> Interval:
@@ -174,14 +174,14 @@ class Evidence:
         return (found.mean, found.mean) if not self.study.draws and found.mean is not None else found.interval
 
     def side(self, design: int, constraint: Constraint) -> bool | None:
-        """Whether a design is on the right side of a constraint; None while that is not sure."""
+        """True if a design keeps a constraint; None while that is not sure."""
         low, high = self.known_of(design, self.study.objective(constraint.label))
         if constraint.above:
             return True if low > constraint.bound else False if high <= constraint.bound else None
         return True if high < constraint.bound else False if low >= constraint.bound else None
 
     def feasible(self, design: int) -> bool | None:
-        """Whether it keeps all constraints; None while that is not sure."""
+        """True if a design keeps all constraints; None while that is not sure."""
         sides = [self.side(design, constraint) for constraint in self.study.constraints]
         if False in sides:
             return False
@@ -230,7 +230,7 @@ class Evidence:
 
     @property
     def pair_error(self) -> float:
-        """Of one comparison, so that all together are wrong with a chance of at most half of ``error``."""
+        """Returns the error of one comparison. All together are wrong with a probability of at most half of ``error``."""
         designs = max(len(self.counts), 2)
         return self.study.error / 2 / (designs * (designs - 1) / 2 * max(len(self._senses), 1))
 

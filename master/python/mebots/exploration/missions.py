@@ -26,10 +26,10 @@ from mebots.exploration.orders import DIGEST_BYTES, Order, Orders
 from mebots.exploration.study import Study, Values
 
 FILE_MARK = "mebots-file:"
-"""Begins a text that stands for the file with the hash behind it."""
+"""Prefix of a text that names a file by the hash that follows."""
 
 Course = tuple["Turn", ...]
-"""Where a mission turns away from others that it was the same as until then."""
+"""Points at which a mission departs from others with the same past."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -104,7 +104,7 @@ class Missions:
         factors = study.design.get("factors", {})
         self._options = {name: one["options"] for name, one in factors.items() if isinstance(one, dict) and "options" in one}
         self.folder: pathlib.Path | None = None
-        """Where results are kept, in 256 folders by the first two digits of the mission's hash."""
+        """Folder of the results, with 256 folders by the first two digits of the mission's hash."""
 
     def order(self, values: Values) -> Order:
         """The mission with these values of factors and draws. Raises InputError for a pointer into nowhere, and for
@@ -142,7 +142,7 @@ class Missions:
         for name, value in settings.items():
             if isinstance(value, str):
                 settings[name] = self._portable(value, files)
-        # As digest_of() of a dict of these four.
+        # Equals digest_of() of a dict of these four.
         text = f'{self._hash_begin}{variant.digest}","settings":{self._canonical(settings)}{self._hash_end}'
         digest = hashlib.sha256(text.encode()).hexdigest()
         turns = []
@@ -198,7 +198,7 @@ class Missions:
         return pieces, texts
 
     def _texts(self, name: str, values: list[Any]) -> list[bytes]:
-        """As ``canonical``, and keeps those of the last draws: all designs have the same ones."""
+        """Returns ``canonical`` texts and keeps those of the last draws, which all designs share."""
         known = self._drawn.get(name)
         if known is None or known[0] != values:
             known = self._drawn[name] = values, [_canonical_of(value).encode() for value in values]
@@ -235,7 +235,7 @@ class Missions:
         return command
 
     def settings(self, name: str, value: Any) -> Values:
-        """What a factor or draw with this value sets: itself, or that of its option."""
+        """Returns the settings of a factor or draw with this value: itself, or those of its option."""
         options = self._options.get(name)
         return {name: value} if options is None else options[value]
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of each mission of a study: whether it has a result, and its row of missions.csv. Memory: 42 bytes for a
-mission, beside its measures (``comparison.Evidence``)."""
+"""State of each mission of a study: whether it has a result, and its row of missions.csv. Memory: 42 bytes for a
+mission, in addition to its measures (``comparison.Evidence``)."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ class Rows:
     times: list[str]
     messages: list[str]
     failed_places: dict[int, int]
-    """Of failed missions the places of their records in the journal."""
+    """Places of failed missions' records in the journal."""
 
 
 class Results:
-    """What is known of the missions of all rounds so far, and of each mission of this round whether it has a result."""
+    """Missions of all rounds so far, and for each mission of this round whether it has a result."""
 
     def __init__(self, evidence: Evidence, measurer: Measurer, replicates: int) -> None:
         self.evidence = evidence
@@ -49,7 +49,7 @@ class Results:
         """Failed missions of earlier rounds."""
         self._measurer = measurer
         self._replicates = replicates
-        # Of each mission, by design: 32 bytes of its hash, the number of its outcome, its simulated time.
+        # For each mission, by design: 32 bytes of its hash, the number of its outcome, its simulated time.
         self._hashes: collections.defaultdict[int, bytearray] = collections.defaultdict(bytearray)
         self._outcomes: collections.defaultdict[int, array.array[int]] = collections.defaultdict(lambda: array.array("H"))
         self._times_s: collections.defaultdict[int, array.array[float]] = collections.defaultdict(lambda: array.array("d"))
@@ -65,7 +65,7 @@ class Results:
         self.open = len(flights)
         self._settled = 0
         self.failed_so_far = self.failed
-        """With those of this round before the first mission without a result."""
+        """Includes failures of this round up to the first mission without a result."""
 
     def note(self, index: int, record: Record, place: int) -> None:
         """Stores the result of a mission of this round."""

@@ -34,7 +34,7 @@ Bring = Callable[[list[Order], int], Journal]
 
 @dataclasses.dataclass(frozen=True)
 class Way:
-    """Of a mission: the number of its draws, where it turned away from others, and when it did [s]."""
+    """Course of a mission: the number of its draws, the points at which it departed from others, and their times [s]."""
 
     draw: int
     course: Course = ()
@@ -43,7 +43,7 @@ class Way:
 
 @dataclasses.dataclass
 class Estimate:
-    """One of a design's probability: its missions that reached the last level so far, and how many did at each."""
+    """An estimate of a design's probability: its missions that reached the last level so far, and the number at each level."""
 
     design: int
     run: int
@@ -89,14 +89,14 @@ def fly(space: Space, folder: pathlib.Path, bring: Bring, units: Units) -> tuple
 
 
 def most_missions(study: Study) -> int:
-    """Of one design."""
+    """Returns the number for one design."""
     if study.rare.levels:
         return study.replicates * len(study.rare.levels) * study.rare.missions
     return (study.replicates + 1) * MOST_LEVELS * study.rare.missions
 
 
 def trial_course(study: Study) -> Course:
-    """What a check at t = 0 tries."""
+    """Returns the course that a check at t = 0 tries."""
     return (Turn(_place(study.rare, study.rare.goal), _writes(study, 1, 0)),)
 
 
@@ -116,7 +116,7 @@ def _fly_level(space: Space, estimates: Sequence[Estimate], number: int, bring: 
 def _flown_to(
     space: Space, estimates: Sequence[Estimate], level: Callable[[Estimate], float], number: int, bring: Bring
 ) -> list[tuple[Estimate, list[tuple[Way, Record]]]]:
-    """The missions from one level to the next of each estimate, with what came of them."""
+    """Returns the missions of each estimate from one level to the next, with their records."""
     study = space.study
     flights = [(one, [(way, _order(space, one, way, level(one))) for way in _ways(study, one, number)]) for one in estimates]
     journal = bring([order for _, own in flights for _, order in own], _most_later(space, estimates, number))
@@ -146,7 +146,7 @@ def _place(splitting: Splitting, level: float) -> Values:
 
 
 def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
-    """To the next level: from t = 0, or from all missions that reached the one before."""
+    """Yields missions to the next level: from t = 0, or from all missions that reached the one before."""
     count, first = study.rare.missions, estimate.run * study.rare.missions
     if number == 0:
         yield from (Way(first + index) for index in range(count))
@@ -179,7 +179,7 @@ def _order(space: Space, estimate: Estimate, way: Way, level: float) -> Order:
     return space.missions.order_until(_place(space.study.rare, level), values, way.course)
 
 
-# Levels that nobody gave.
+# Levels that the study does not state.
 
 SHARE = 0.2
 """Of the missions that start for a level, those that are to reach it. With fixed effort the work for an error is least
@@ -215,7 +215,7 @@ def _set_level(splitting: Splitting, pilot: Estimate, flown: list[tuple[Way, Rec
     pilot.ways = [way for way, _ in entrances]
     pilot.reached.append(len(entrances))
     if level != splitting.goal:
-        # Nobody kept the state at a level that was not known: each is flown to it once more, at most as long as before.
+        # The level was unknown, so no state was kept there: each mission flies to it once more.
         pilot.simulated_s += [record["simulated_time"] for _, record in entrances]
 
 
@@ -232,11 +232,11 @@ def next_level(bests: Sequence[float], floor: float | None, goal: float, found: 
     return min(level, goal)
 
 
-# What came of it.
+# Results.
 
 
 def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], units: Units, *, answered: bool) -> None:
-    """Without an answer where too many missions had failed on the way to the last level."""
+    """Writes the tables and the page. If too many missions failed before the last level, there is no answer."""
     study = space.study
     levels = [["design", "estimate", "level", "missions", "reached"]]
     for one in estimates:

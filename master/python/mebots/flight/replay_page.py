@@ -43,7 +43,7 @@ def write_replay_page(file: pathlib.Path, result: Replay) -> None:
 
 
 def answer(result: Replay) -> str:
-    """One sentence with the errors that count most."""
+    """Returns a sentence with the most important errors."""
     parts = []
     for quantity, what in (("battery.voltage", "voltage"), ("thrust.vertical", "vertical thrust")):
         found = [one for one in result.errors if one.quantity == quantity]
