@@ -9,6 +9,7 @@
 
     replayed = mebots.replay("log00", "configs/airframes/crazyflie_21.json")  # a recorded flight on our models
     mebots.sweep("study.json", "results/study")  # as `mebots sweep` does
+    mebots.sweep({"mission": "configs/hover.json", ...}).to_pandas()
 
     results = mebots.read("results/gate_easy")
     print(results.summary["outcome"], results["world.drone.speed"].max())
@@ -17,9 +18,10 @@
 from mebots._mebots import __version__
 from mebots.errors import Error, InputError
 from mebots.mission import Mission
+from mebots.notebook import show
 from mebots.results import Results, read
 
-__all__ = ["Error", "InputError", "Mission", "Results", "identify", "new_cell", "read", "replay", "sweep", "__version__"]
+__all__ = ["Error", "InputError", "Mission", "Results", "identify", "new_cell", "read", "replay", "show", "sweep", "__version__"]
 
 _FLIGHT = ("identify", "new_cell", "replay")
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from mebots import _mebots
+from mebots import _mebots, frames
 from mebots.errors import InputError
 
 if TYPE_CHECKING:  # NumPy is imported where an array is asked for: `mebots sweep` asks for none
@@ -251,9 +251,18 @@ class Mission:
 
     def to_pandas(self):
         """What was recorded, as a pandas.DataFrame with the times as index. Needs pandas."""
-        from mebots.results import data_frame
+        return frames.pandas_frame(self._columns(), self.times)
 
-        return data_frame(self.times, {name: self[name] for name in self.variables})
+    def to_polars(self):
+        """What was recorded, as a polars.DataFrame whose first column is the times. Needs polars."""
+        return frames.polars_frame(self._columns(), self.times)
+
+    def to_xarray(self):
+        """What was recorded, as an xarray.Dataset over the times, with units. Needs xarray."""
+        return frames.time_series(self._columns(), {name: self.unit(name) for name in self.variables}, self.times)
+
+    def _columns(self) -> dict[str, npt.NDArray[np.float64]]:
+        return {name: self[name] for name in self.variables}
 
     # Where it stands.
 

@@ -7,10 +7,10 @@ import difflib
 import json
 import os
 import pathlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from mebots import _mebots
+from mebots import _mebots, frames, notebook
 from mebots.errors import InputError
 
 if TYPE_CHECKING:
@@ -58,12 +58,24 @@ class Results:
 
     @property
     def outcome(self) -> str:
-        """What came of the run."""
+        """Returns the outcome of the run."""
         return self.summary.get("outcome", "")
 
     def to_pandas(self):
         """All columns as a pandas.DataFrame with the times as index. Needs pandas."""
-        return data_frame(self.times, self._columns)
+        return frames.pandas_frame(self._columns, self.times)
+
+    def to_polars(self):
+        """Returns all columns as a polars.DataFrame whose first column is the times. Needs polars."""
+        return frames.polars_frame(self._columns, self.times)
+
+    def to_xarray(self):
+        """Returns all columns as an xarray.Dataset over the times, with units. Needs xarray."""
+        return frames.time_series(self._columns, self._units, self.times)
+
+    def show(self, height: int = 800):
+        """Shows the page of the run inside a notebook."""
+        return notebook.show(self.folder, height)
 
     def _require(self, variable: str) -> None:
         if variable not in self._columns:
@@ -80,14 +92,6 @@ def not_recorded(variable: str, recorded: Iterable[str]) -> KeyError:
     nearest = difflib.get_close_matches(variable, list(recorded), n=3, cutoff=0.4)
     hint = f"; nearest: {', '.join(nearest)}" if nearest else ""
     return KeyError(f"'{variable}' is not recorded{hint}")
-
-
-def data_frame(times: npt.NDArray[np.float64], columns: Mapping[str, Any]):
-    try:
-        import pandas
-    except ImportError as error:
-        raise InputError("to_pandas() needs pandas: pip install pandas", "not_offered") from error
-    return pandas.DataFrame(dict(columns), index=pandas.Index(times, name="time [s]"))
 
 
 def _summary(folder: pathlib.Path) -> dict[str, Any]:

@@ -40,6 +40,7 @@ A mission never knows that it is part of a study. Each module has one subject:
 ``effects``    main effects, interactions and importances of factors
 ``extras``     packages of the extra mebots[sweep]
 ``campaign``   all of it in order
+``sweep``      the result: data frames, answer and page
 ``command``    the command line
 =============  =========================================================================
 """

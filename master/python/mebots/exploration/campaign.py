@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import collections
 import concurrent.futures
-import dataclasses
 import functools
 import gc
 import json
@@ -16,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from mebots import _mebots
 from mebots.errors import Error, InputError
 from mebots.exploration import chance, columns, front, report, sensitivity, splitting, tables
 from mebots.exploration.answer import Answer, Judge
@@ -37,6 +35,7 @@ from mebots.exploration.rounds import Flights, Rounds
 from mebots.exploration.search import Search
 from mebots.exploration.space import MOST_DRAWS_KEPT, Space
 from mebots.exploration.study import Study, Values
+from mebots.exploration.sweep import Sweep
 from mebots.exploration.worker import FACTS, flat
 
 TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "levels.csv", *columns.NAMES, "report.html")
@@ -60,26 +59,6 @@ def is_done(folder: pathlib.Path) -> bool:
 
 _MOST_VALUES_TRIED = 64
 """The check tries this many values of a factor; if there are more, the least and the greatest."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Sweep:
-    """Result of a study: missions that count, the number that failed, and the folder with the tables."""
-
-    folder: pathlib.Path
-    missions: int
-    failed: int
-    without_value: list[str] = dataclasses.field(default_factory=list)
-    """Messages about objectives whose expression had no value in any mission."""
-    notices: list[str] = dataclasses.field(default_factory=list)
-    """Warnings of the journals: damaged lines, file systems without locks."""
-    answer: Answer | None = None
-    """Which design is best, and how sure that is; None for a rare event."""
-
-    def designs(self) -> list[dict[str, str]]:
-        """The rows of designs.csv."""
-        titles, *rows = _mebots.read_csv(self.folder / "designs.csv")
-        return [dict(zip(titles, row, strict=True)) for row in rows]
 
 
 class Campaign:
@@ -292,7 +271,9 @@ class Campaign:
         answer = self._judge(evidence, rounds).answer(self._places)
         self._write_report(folder, results, rounds, answer)
         missions = sum(evidence.counts)
-        return Sweep(folder, missions, results.failed, self._measurer.without_value(), self.notices, answer)
+        return Sweep(
+            folder, missions, results.failed, self._measurer.without_value(), self.notices, answer, list(self.space.factors), list(self.study.draws)
+        )
 
     def _judge(self, evidence: Evidence, rounds: Rounds | Search) -> Judge:
         names = design_names(self.space.factors, self.space.designs, self.units)

@@ -15,25 +15,28 @@ import signal
 import sys
 import tempfile
 import time
+import weakref
 from collections.abc import Iterable
 from typing import Any
 
+from mebots import notebook
 from mebots.errors import Error, InputError
 from mebots.exploration import flying, interrupts, live_page
 from mebots.exploration.answer import counted, table_lines
-from mebots.exploration.campaign import Campaign, Sweep, is_done
+from mebots.exploration.campaign import Campaign, is_done
 from mebots.exploration.dispatch import Unfinished
 from mebots.exploration.figures import percent
 from mebots.exploration.journal import Journal
 from mebots.exploration.progress import Progress, duration_text
 from mebots.exploration.study import NAME, Study, read_study
+from mebots.exploration.sweep import Sweep
 
 DONE, NOT_DONE, BAD_INPUT, UNFINISHED = 0, 1, 2, 3
 
 
 def sweep(
     study: str | os.PathLike[str] | dict[str, Any],
-    out: str | os.PathLike[str],
+    out: str | os.PathLike[str] | None = None,
     *,
     executor: concurrent.futures.Executor | None = None,
     jobs: int | None = None,
@@ -41,20 +44,33 @@ def sweep(
     mission: str | os.PathLike[str] | None = None,
     progress: Any = None,
 ) -> Sweep:
-    """Flies the missions of a study, as ``mebots sweep`` does, and writes its tables into ``out``; the same call goes on
-    where it was. Raises InputError for what the caller can mend, Error for an executor or a disk that failed, and
+    """Flies the missions of a study, as ``mebots sweep`` does, and writes its tables into ``out``; the same call continues it.
+    ``to_pandas()``, ``to_polars()`` and ``to_xarray()`` of the result have the tables; ``show()`` shows the report in a notebook.
+    Raises InputError for what the caller can mend, Error for an executor or a disk that failed, and
     ``mebots.exploration.dispatch.Unfinished`` for a mission that had no result in three attempts.
 
     :param study: file, or its content as a dict.
+    :param out: folder; None = a temporary one, which lasts as long as the result.
     :param executor: any ``concurrent.futures.Executor`` whose workers have the package mebots; None = this machine.
     :param jobs: missions at the same time; the number of processors by default. For an executor: how many are given out.
     :param reuse: folders of studies whose missions need not be flown again.
     :param mission: a config that is flown in place of the study's.
-    :param progress: called with a ``Progress`` after every mission.
+    :param progress: called with a ``Progress`` after every mission; False = nothing. By default a bar in a notebook.
     """
     read = _asked(study, mission)
-    with _campaign(read, executor, jobs) as campaign:
-        return campaign.run(pathlib.Path(out), [pathlib.Path(one) for one in reuse], progress or (lambda now: None))
+    if progress is None and notebook.is_notebook():
+        progress = notebook.ProgressBar()
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="mebots-sweep-")) if out is None else pathlib.Path(out)
+    try:
+        with _campaign(read, executor, jobs) as campaign:
+            result = campaign.run(folder, [pathlib.Path(one) for one in reuse], progress or (lambda now: None))
+    except BaseException:
+        if out is None:
+            shutil.rmtree(folder, ignore_errors=True)
+        raise
+    if out is None:
+        weakref.finalize(result, shutil.rmtree, folder, ignore_errors=True)
+    return result
 
 
 def _asked(study: str | os.PathLike[str] | dict[str, Any], mission: str | os.PathLike[str] | None) -> Study:
@@ -73,7 +89,7 @@ def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: 
         threads = concurrent.futures.ThreadPoolExecutor(jobs)  # each with a mission process of its own: see flying
         try:
             with interrupts.allowed():
-                # Enough in flight that nobody waits, and few enough that little is flown in vain.
+                # Enough for every worker, and few enough that a decision wastes few missions.
                 yield Campaign(study, threads, 2 * jobs)
         finally:
             with interrupts.held():  # again: an interrupt may have cut ``allowed`` short
@@ -248,7 +264,7 @@ def _status(folder: pathlib.Path) -> int:
 
 
 def _dry_run(study: Study, options: argparse.Namespace) -> int:
-    """Checks everything, and flies one mission to tell how long all of them take."""
+    """Checks everything, and flies one mission to estimate the time of all."""
     with _campaign(study, None, options.jobs) as campaign:
         campaign.check()
         jobs = options.jobs or len(os.sched_getaffinity(0))

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pages and progress in notebooks of Jupyter."""
+
+from __future__ import annotations
+
+import html
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any
+
+from mebots.errors import Error, InputError
+
+if TYPE_CHECKING:
+    from mebots.exploration.progress import Progress
+
+_PAGES = ("report.html", "flight.html", "replay.html")
+
+
+def is_notebook() -> bool:
+    """True in a notebook that shows HTML; importing nothing, as IPython is there before."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    return type(shell).__name__ == "ZMQInteractiveShell"
+
+
+def show(page: str | os.PathLike[str], height: int = 800) -> Any:
+    """Shows a page inside a notebook: a file, or a folder with results of ``mebots run``, ``sweep`` or ``replay``. The page of a
+    run is written if it is missing. Needs IPython."""
+    file = _page_of(pathlib.Path(page))
+    try:
+        from IPython.display import HTML
+    except ImportError as error:
+        raise InputError(f"show() needs IPython: pip install jupyter. The page is {file}", "not_offered") from error
+    text = html.escape(file.read_text(encoding="utf-8"), quote=True)
+    return HTML(f'<iframe srcdoc="{text}" style="width:100%;height:{height}px;border:1px solid #8884;border-radius:8px"></iframe>')
+
+
+def _page_of(page: pathlib.Path) -> pathlib.Path:
+    if page.is_file():
+        return page
+    for name in _PAGES:
+        if (page / name).is_file():
+            return page / name
+    if not (page / "system.json").is_file():
+        raise InputError(f"{page}: there is neither a page nor the results of a run. A page is one of {', '.join(_PAGES)}", "file_not_found")
+    program = _program()
+    done = subprocess.run([program, "report", str(page)], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise Error(f"`mebots report {page}` failed: {done.stderr.strip()}", "file_unwritable")
+    return page / "flight.html"
+
+
+def _program() -> str:
+    """Returns the program of the wheel, else that of the build or installation, else that in PATH."""
+    here = pathlib.Path(__file__).resolve().parent
+    places = [here / "bin" / "mebots", here.parents[1] / "bin" / "mebots", here.parents[3] / "bin" / "mebots"]
+    found = next((str(place) for place in places if place.is_file()), None) or shutil.which("mebots")
+    if found is None:
+        raise InputError("the program mebots is neither beside the package nor in PATH, so that no page can be written", "file_not_found")
+    return found
+
+
+class ProgressBar:
+    """A bar under the cell that runs a study: missions flown, failed ones and the time left."""
+
+    def __init__(self) -> None:
+        from IPython.display import HTML, display
+
+        self._html = HTML
+        self._display = display(HTML(""), display_id=True)
+
+    def __call__(self, now: Progress) -> None:
+        done = now.flown + now.taken
+        self._display.update(self._html(
+            f'<progress value="{done}" max="{done + round(now.likely_left)}" style="width:min(100%,480px)"></progress><br>{html.escape(now.line())}'))  # fmt: skip
