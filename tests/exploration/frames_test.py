@@ -99,7 +99,7 @@ class Notebooks(StudyCase):
     def test_a_study_has_a_bar_and_its_report_is_shown_in_a_frame(self):
         result = mebots.sweep(self.study(), self.folder / "out", jobs=1)
         self.assertRegex(self.shown[-1], r'<progress value="20" max="20"')
-        self.assertRegex(result.show().data, r'^<iframe srcdoc="&lt;!doctype html&gt;')
+        self.assertRegex(result.show().data, r'^<div><iframe srcdoc="&lt;!doctype html&gt;')
         self.assertIn("<pre>", result._repr_html_())
 
     def test_false_switches_the_bar_off(self):

@@ -15,11 +15,19 @@
     print(results.summary["outcome"], results["world.drone.speed"].max())
 """
 
+from typing import TYPE_CHECKING
+
 from mebots._mebots import __version__
 from mebots.errors import Error, InputError
 from mebots.mission import Mission
 from mebots.notebook import show
 from mebots.results import Results, read
+
+if TYPE_CHECKING:
+    from mebots.exploration.command import sweep
+    from mebots.flight.identify import identify
+    from mebots.flight.new_cell import new_cell
+    from mebots.flight.replay import replay
 
 __all__ = ["Error", "InputError", "Mission", "Results", "identify", "new_cell", "read", "replay", "show", "sweep", "__version__"]
 

@@ -23,9 +23,8 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -71,7 +70,7 @@ class MissionEnv(gymnasium.Env):
     :param isolate: every FMU in its own process.
     """
 
-    metadata = {"render_modes": []}  # noqa: RUF012 - Gymnasium reads it of the class
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
 
     def __init__(
         self,
@@ -174,11 +173,9 @@ def _action_space(actions: Mapping[str, tuple[float, float] | Sequence[float]]) 
 
 
 def _observation_space(observations: Sequence[str] | Mapping[str, tuple[float, float]]) -> gymnasium.spaces.Box:
-    if isinstance(observations, Mapping):
-        low, high = zip(*observations.values(), strict=True) if observations else ((), ())
-    else:
-        low, high = (itertools.repeat(sign * np.inf, len(observations)) for sign in (-1, 1))
-    return gymnasium.spaces.Box(np.array(list(low), np.float32), np.array(list(high), np.float32))
+    bounds = list(observations.values()) if isinstance(observations, Mapping) else [(-np.inf, np.inf)] * len(observations)
+    low, high = np.array(bounds, np.float32).reshape(-1, 2).T
+    return gymnasium.spaces.Box(low, high)
 
 
 gymnasium.register(id="mebots/Mission-v0", entry_point="mebots.gym:MissionEnv")

@@ -35,7 +35,8 @@ def show(page: str | os.PathLike[str], height: int = 800) -> Any:
     except ImportError as error:
         raise InputError(f"show() needs IPython: pip install jupyter. The page is {file}", "not_offered") from error
     text = html.escape(file.read_text(encoding="utf-8"), quote=True)
-    return HTML(f'<iframe srcdoc="{text}" style="width:100%;height:{height}px;border:1px solid #8884;border-radius:8px"></iframe>')
+    frame = f'<iframe srcdoc="{text}" style="width:100%;height:{height}px;border:1px solid #8884;border-radius:8px"></iframe>'
+    return HTML(f"<div>{frame}</div>")  # IPython warns of a bare frame, for which it expects an address
 
 
 def _page_of(page: pathlib.Path) -> pathlib.Path:

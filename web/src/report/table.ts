@@ -26,7 +26,7 @@ export function makeTable(study: Study, selection: Selection): HTMLElement {
   const widths = columns.map(({ title, text }) => {
     let most = Math.max(5, title.length + 2);
     for (let i = 0; i < selection.size; ++i) most = Math.max(most, text(i).length);
-    return `${0.92 * Math.min(most, LONGEST) + 1.6}ch`; // most characters are narrower than a digit
+    return `${0.86 * Math.min(most, LONGEST) + 3}ch`; // most characters are narrower than a digit
   });
   const template = `34px ${widths.join(" ")}`;
   let [by, sign] = [0, 1];

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import math
 import pathlib
 from collections.abc import Sequence
@@ -176,11 +175,14 @@ def _points_up_to(count: int) -> list[int]:
 
 
 def _best(content: Content) -> list[int]:
-    """The designs of a search that were the best one when their round ended, in their order."""
+    """Returns the designs of a search that are better than all before them, by the final ranking."""
     if content.study.design["kind"] != "search":
         return []
     ranks = {row.design: row.rank for row in content.answer.rows if row.rank is not None}
-    best = itertools.accumulate(sorted(ranks), lambda a, b: b if ranks[b] < ranks[a] else a)
-    return list(dict.fromkeys(best))
+    best: list[int] = []
+    for design in sorted(ranks):
+        if not best or ranks[design] < ranks[best[-1]]:
+            best.append(design)
+    return best
 
 
