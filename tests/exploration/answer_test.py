@@ -163,7 +163,7 @@ class Answers(StudyCase):
         for text in data["objectives"][0]["text"]:
             self.assertIn(text, said)
 
-    def test_a_page_shows_the_designs_while_it_runs_and_goes_at_the_end(self):
+    def test_a_page_shows_the_designs_while_it_runs_and_leads_to_the_report_at_the_end(self):
         seen, page = [], self.folder / "out" / "live.html"
 
         def look(now):
@@ -175,7 +175,7 @@ class Answers(StudyCase):
         self.assertEqual(seen[-1]["refresh_s"], 0.0)
         self.assertGreater(seen[-1]["missions_of"], 0)
         self.assertRegex(seen[-1]["answer"]["headlines"][0], r"\d+ flown, .* left")
-        self.assertFalse(page.exists())
+        self.assertIn("url=report.html", page.read_text())
 
     def test_facts_and_percentiles_are_objectives(self):
         self.study(draws=self.DRAWS, objectives={

@@ -3,6 +3,7 @@
 """Usage: make_studies.py CONFIGS OUT [DESIGNS MISSIONS]. Pages of studies for report_test.mjs: the statistics, names and units
 are those of `mebots sweep` on the shipped mission, the values of the missions are computed here, so that nothing flies."""
 
+import dataclasses
 import json
 import math
 import pathlib
@@ -57,7 +58,7 @@ def mission(values, lot):
     return outcome, [float(passed), energy_j if passed else math.nan, time_s if passed else math.nan]
 
 
-def write_study(file, content):
+def write_study(file, content, refresh_s=None):
     study = read_study(content)
     space = Space(study)
     evidence = Evidence(study, len(space.designs))
@@ -71,11 +72,15 @@ def write_study(file, content):
     units = Units(study, space.missions.config.get("summary", {}))
     places = front.places(evidence)
     status = ["all flown"] * len(space.designs)
-    answer = Judge(evidence, units, design_names(space.factors, space.designs, units), status).answer(places)
-    report.write(file, report.Content(
-        study=study, factors=space.factors, designs=space.designs, evidence=evidence, answer=answer, units=units, places=places, status=status,
-        failed=[0] * len(space.designs), provenance={"mission": study.mission.name, "draws": json.dumps(study.draws)},
-        replay=Replay(space, file.parent / "replays"), outcomes=(OUTCOMES, outcomes)))  # fmt: skip
+    judge = Judge(evidence, units, design_names(space.factors, space.designs, units), status)
+    content = report.Content(
+        study=study, factors=space.factors, designs=space.designs, evidence=evidence, answer=judge.answer(places), units=units,
+        places=places, status=status, failed=[0] * len(space.designs), provenance={"mission": study.mission.name, "draws": json.dumps(study.draws)},
+        replay=Replay(space, file.parent / "replays"), outcomes=(OUTCOMES, outcomes))  # fmt: skip
+    if refresh_s is not None:  # as of a study that runs
+        running = dataclasses.replace(judge.standings(), headlines=["96 flown, about 288 left, 2 min"])
+        content = dataclasses.replace(content, answer=running, places=[""] * len(space.designs), replay=None, outcomes=None, refresh_s=refresh_s)
+    report.write(file, content)
 
 
 def write_rare(file, configs):
@@ -98,6 +103,7 @@ def main():
     designs, missions = map(int, sys.argv[3:] or ("1000", "10000"))
     write_study(out / "study.html", grid(configs))
     write_study(out / "large.html", large(configs, designs, max(1, missions // designs)))
+    write_study(out / "live.html", grid(configs, 3), refresh_s=1)
     write_rare(out / "rare.html", configs)
 
 

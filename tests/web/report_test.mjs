@@ -135,6 +135,17 @@ const tests = {
     await frame(page);
     assert.equal((await state(page)).chosen, -1);
     await page.evaluate(() => window.mebots.selection.clearTicks());
+    await (await (await panelOf(page, "Front")).$("canvas")).focus();
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowLeft"]) {
+      await page.keyboard.press(key);
+      await frame(page);
+    }
+    const lowest = await page.evaluate(() => {
+      const { mean } = window.mebots.study.objectives[1];
+      return mean.indexOf(Math.min(...mean.filter((one) => one !== null)));
+    });
+    assert.equal((await state(page)).chosen, lowest);
+    await page.evaluate(() => window.mebots.selection.choose(-1));
   },
 
   async "a click on a mission shows the command that replays it, and ticked ones the comparison"({ page }) {
@@ -200,6 +211,16 @@ try {
       });
     }
   }
+  await check("the page of a running study loads itself again, unless a design is chosen", async () => {
+    const { page, problems } = await open(browser, join(pages, "live.html"), { width: 1440 });
+    assert.match(await page.$eval(".headline", (one) => one.textContent), /96 flown/);
+    await page.waitForFunction(() => performance.getEntriesByType("navigation")[0].type === "reload" && document.documentElement.dataset.state === "ready");
+    await page.evaluate(() => { window.mark = 1; window.mebots.selection.choose(0); });
+    await new Promise((done) => setTimeout(done, 2200));
+    assert.equal(await page.evaluate(() => window.mark), 1);
+    assert.deepEqual(problems, []);
+    await page.close();
+  });
   await check("1,000 designs and 10,000 missions open and follow a brush without delay", async () => {
     const begin = performance.now();
     const { page } = await open(browser, join(pages, "large.html"), { width: 1440 });

@@ -175,6 +175,15 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
       selection.filter("front", (i) => isWithin(x.at(i), left, right) && isWithin(y.at(i), bottom, top));
     },
   });
+  canvas.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    const { at } = choices[across];
+    const order = selection.designs.filter((i) => at(i) !== null).sort((a, b) => at(a)! - at(b)!);
+    const next = order.indexOf(selection.chosen) + step;
+    selection.choose(order[Math.min(order.length - 1, Math.max(0, next))] ?? -1);
+  });
   canvas.addEventListener("pointermove", (event) => {
     const design = event.buttons ? -1 : nearest(event.offsetX, event.offsetY);
     canvas.style.cursor = design < 0 ? "crosshair" : "pointer";

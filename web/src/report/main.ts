@@ -8,7 +8,7 @@ import { makeReplay } from "./replay";
 import { makeStudy } from "./study";
 
 const KEYS: [string, string][] = [
-  ["tab, \u2191 \u2193", "in the table: choose a design"],
+  ["tab, \u2191 \u2193", "in the table and on the front: choose a design"],
   ["space", "in the table: tick a design for comparison"],
   ["escape", "close the design, then show all designs"],
   ["d", "dark or light"],

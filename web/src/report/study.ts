@@ -35,7 +35,7 @@ export function makeStudy(study: Study): HTMLElement[] {
     makeConvergence(study, selection, shown),
   ].filter((one) => one !== null);
   listenToEscape(selection);
-  if (study.refresh_s !== null) setTimeout(() => location.reload(), 1000 * study.refresh_s);
+  if (study.refresh_s !== null) reload(study.refresh_s, selection);
   return [
     makeAnswer(study),
     element("section", { class: "panel table-panel" }, element("h2", {}, "Designs"), makeTable(study, selection)),
@@ -50,7 +50,8 @@ function makeAnswer(study: Study): HTMLElement {
   const { headlines, remarks } = study.answer;
   const failed = study.failed_of ? `${study.failed_of.toLocaleString("en")} failed` : "none failed";
   const facts = `${counted(study.designs.of, "design")}, ${counted(study.missions_of, "mission")}, ${failed}. Intervals: ${100 * (1 - study.error)} %, ` +
-    (study.sequence ? "valid at every number of missions." : "for a number of missions that was settled beforehand.");
+    (study.sequence ? "valid at every number of missions." : "for a number of missions that was settled beforehand.") +
+    (study.refresh_s === null ? "" : ` The study is running: this page loads itself again every ${study.refresh_s} s, unless something is selected.`);
   return element("section", { class: "answer" }, ...headlines.map((text) => element("p", { class: "headline" }, text)),
     ...remarks.map((text) => element("p", {}, text)), element("p", { class: "faint" }, facts));
 }
@@ -67,6 +68,13 @@ function makeToolbar(study: Study, selection: Selection, shown: Shown): HTMLElem
   draw();
   const choice = makeChoice("effects, distributions, importances of", study.objectives.map(titleOf), shown.objective, (value) => shown.set(value));
   return element("div", { class: "toolbar" }, ...(study.objectives.length ? [choice] : []), text, clear);
+}
+
+/** Loads the page of a running study again, unless somebody looks at a selection or a design. */
+function reload(period_s: number, selection: Selection): void {
+  setInterval(() => {
+    if (!selection.isFiltered && selection.chosen < 0) location.reload();
+  }, 1000 * period_s);
 }
 
 function listenToEscape(selection: Selection): void {

@@ -288,7 +288,9 @@ class Judge:
         if not open_ones:
             return []
         side = f"{constraint.label} {'above' if constraint.above else 'below'} {constraint.bound:g}"
-        counts = [missions_to_decide(self._evidence, one, constraint) for one in open_ones] if objective.is_share else []
+        # Designs with the same successes need the same number of missions.
+        distinct = {(self._evidence.shown(one, objective).mean, self._evidence.counts[one]): one for one in open_ones}
+        counts = [missions_to_decide(self._evidence, one, constraint) for one in distinct.values()] if objective.is_share else []
         known = [count for count in counts if count is not None]
         needed = f": about {max(known)} more missions of each would decide" if counts and len(known) == len(counts) else ""
         return [f"Not decided for {counted(len(open_ones), 'design')}: {side}{needed}."]

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from mebots.errors import Error, InputError
-from mebots.exploration import chance, columns, front, report, sensitivity, splitting, tables
+from mebots.exploration import chance, columns, front, live_page, report, sensitivity, splitting, tables
 from mebots.exploration.answer import Answer, Judge
 from mebots.exploration.live_page import LivePage
 from mebots.exploration.progress import Progress
@@ -229,7 +229,7 @@ class Campaign:
         self.notices = [notice for one in (journal, *others) for notice in one.notices]
         try:
             self.check(journal)
-            for name in TABLES:  # where they are, the study is done
+            for name in (*TABLES, live_page.NAME):  # where the tables are, the study is done
                 (folder / name).unlink(missing_ok=True)
             self.study.write(folder)
             if self.study.splitting is not None:
@@ -238,7 +238,7 @@ class Campaign:
             return self._fly_rounds(folder, journal, others, on_progress)
         finally:
             if self._live_page is not None:
-                self._live_page.remove()
+                self._live_page.end(is_done=is_done(folder))
             for one in (journal, *others):
                 one.close()
 

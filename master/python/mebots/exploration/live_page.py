@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""live.html: the report of a study that is under way. It loads itself again, and goes when the study ends."""
+"""live.html: the report of a running study. It reloads itself, and leads to report.html when the study is done."""
 
 from __future__ import annotations
 
@@ -11,11 +11,15 @@ from mebots.exploration import report
 from mebots.exploration.answer import Answer
 from mebots.exploration.comparison import Evidence
 from mebots.exploration.figures import Units
+from mebots.exploration.files import write_whole
 from mebots.exploration.progress import Progress
 from mebots.exploration.space import Space
 
 NAME = "live.html"
 _EVERY_S = 5.0
+_TO_THE_REPORT = b"""<!doctype html><html lang="en"><head><meta charset="utf-8"><meta http-equiv="refresh" content="0; url=report.html">
+<title>Study</title></head><body><p>The study is done: <a href="report.html">report.html</a></p></body></html>
+"""
 _SHARE = 20.0
 """Writing the page takes at most this part of the time."""
 
@@ -51,5 +55,9 @@ class LivePage:
         report.write(self._file, content)
         self._next_s = time.monotonic() + max(_EVERY_S, _SHARE * (time.monotonic() - begun_s))
 
-    def remove(self) -> None:
-        self._file.unlink(missing_ok=True)
+    def end(self, *, is_done: bool) -> None:
+        """Lets a browser that shows the page go to the report, or removes the page of a study that was interrupted."""
+        if is_done and self._file.exists():
+            write_whole(self._file, [_TO_THE_REPORT])
+        else:
+            self._file.unlink(missing_ok=True)
