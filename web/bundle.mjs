@@ -14,20 +14,19 @@ if (!out) throw new Error("usage: node bundle.mjs OUT_DIR");
 mkdirSync(out, { recursive: true });
 
 const common = { absWorkingDir: here, outdir: out, bundle: true, minify: true, charset: "utf8", metafile: true, logLevel: "warning" };
-const bundles = await Promise.all([
-  build({
-    ...common,
-    entryPoints: { page: "src/main.ts", report: "src/report/main.ts" },
-    format: "iife",
-    target: "es2022",
-    legalComments: "none", // their licences are in LICENSES.txt
-  }),
-  build({ ...common, entryPoints: { page: "src/page.css", report: "src/report/report.css" } }),
-]);
+const scripts = await build({
+  ...common,
+  entryPoints: { page: "src/main.ts", report: "src/report/main.ts" },
+  format: "iife",
+  target: "es2022",
+  legalComments: "none", // their licences are in LICENSES.txt
+});
+// After the scripts: packages that these import bring style sheets, which esbuild writes as page.css.
+const styles = await build({ ...common, entryPoints: { page: "src/page.css", report: "src/report/report.css" } });
 copyFileSync(join(here, "page.html"), join(out, "page.html"));
 
 const packages = new Set();
-for (const file of bundles.flatMap(({ metafile }) => Object.keys(metafile.inputs))) {
+for (const file of [scripts, styles].flatMap(({ metafile }) => Object.keys(metafile.inputs))) {
   const found = /^node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(file);
   if (found) packages.add(found[1]);
 }

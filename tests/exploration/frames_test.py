@@ -92,9 +92,9 @@ class Notebooks(StudyCase):
         display.display = lambda html, display_id: handle
         ipython = types.ModuleType("IPython")
         ipython.get_ipython = lambda: shell
-        patch = unittest.mock.patch.dict(sys.modules, {"IPython": ipython, "IPython.display": display})
-        patch.start()
-        self.addCleanup(patch.stop)
+        for name, module in (("IPython", ipython), ("IPython.display", display)):
+            sys.modules[name] = module
+            self.addCleanup(sys.modules.pop, name)
 
     def test_a_study_has_a_bar_and_its_report_is_shown_in_a_frame(self):
         result = mebots.sweep(self.study(), self.folder / "out", jobs=1)
