@@ -22,6 +22,7 @@ using AddCommand = void (*)(CLI::App& app, Action& action);
 void add_check(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_demo(CLI::App& app, Action& action);
+void add_deploy(CLI::App& app, Action& action);
 void add_identify(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
 void add_new_cell(CLI::App& app, Action& action);

@@ -3,7 +3,7 @@
 
 #include <stddef.h>
 
-#include "runtime/xpulp.h"
+#include "kernels/dot.h"
 
 typedef uint32_t __attribute__((may_alias)) word_t;
 
@@ -193,10 +193,6 @@ static inline __attribute__((always_inline)) void gather_fifth(patch_t* p, const
   p->last[1] = right[6];
 }
 
-static inline __attribute__((always_inline)) uint32_t pack_bytes(int32_t a, int32_t b, int32_t c, int32_t d) {
-  return xpulp_packhi_b(xpulp_packlo_b(0, (uint32_t)b, (uint32_t)a), (uint32_t)d, (uint32_t)c);
-}
-
 static inline __attribute__((always_inline)) int32_t to_byte(int32_t sum, int32_t shift) {
   return xpulp_clipur(sum >> shift, 255);
 }
@@ -265,20 +261,6 @@ void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
 //
 // Two adjacent places by four output channels at a time: six loads provide the operands of eight dot products of four
 // products each. A row of a place's patch is contiguous, as are its weights.
-
-// Sums of one row of the patch: `words` loads from each place and each channel.
-#define ROW_OF_PATCH                                                                                             \
-  __asm__ volatile(                                                                                              \
-      XPULP_LOOP("x0", "%[n]", "14") XPULP_LW_POST("t0", "4", "%[w0]") XPULP_LW_POST("t1", "4", "%[w1]")         \
-          XPULP_LW_POST("t2", "4", "%[w2]") XPULP_LW_POST("t3", "4", "%[w3]") XPULP_LW_POST("t4", "4", "%[p0]")  \
-              XPULP_LW_POST("t5", "4", "%[p1]") XPULP_SDOTUSP_B("%[a0]", "t4", "t0") XPULP_SDOTUSP_B(            \
-                  "%[a1]", "t4", "t1") XPULP_SDOTUSP_B("%[a2]", "t4", "t2") XPULP_SDOTUSP_B("%[a3]", "t4", "t3") \
-                  XPULP_SDOTUSP_B("%[b0]", "t5", "t0") XPULP_SDOTUSP_B("%[b1]", "t5", "t1")                      \
-                      XPULP_SDOTUSP_B("%[b2]", "t5", "t2") XPULP_SDOTUSP_B("%[b3]", "t5", "t3") XPULP_LOOP_END   \
-      : [a0] "+r"(a0), [a1] "+r"(a1), [a2] "+r"(a2), [a3] "+r"(a3), [b0] "+r"(b0), [b1] "+r"(b1), [b2] "+r"(b2), \
-        [b3] "+r"(b3), [w0] "+r"(w0), [w1] "+r"(w1), [w2] "+r"(w2), [w3] "+r"(w3), [p0] "+r"(p0), [p1] "+r"(p1)  \
-      : [n] "r"(words)                                                                                           \
-      : "t0", "t1", "t2", "t3", "t4", "t5", "memory")
 
 typedef struct {
   int words;          // of a patch's row

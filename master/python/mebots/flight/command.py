@@ -5,34 +5,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
 
-from mebots.errors import Error, InputError
-
-DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-
-
-def _guarded(work: Callable[[], None]) -> int:
-    """Returns the exit code, and prints errors."""
-    try:
-        work()
-    except InputError as error:
-        code = BAD_INPUT
-        text = str(error)
-    except ModuleNotFoundError as error:
-        code = BAD_INPUT
-        text = f"Python at {sys.executable} has no package {error.name}: pip install {error.name}, or name another Python by MEBOTS_PYTHON"
-    except KeyboardInterrupt:
-        code = INTERRUPTED
-        text = "stopped by Ctrl-C; no result was written"
-    except (Error, OSError) as error:
-        code = FAILED
-        text = str(error)
-    else:
-        return DONE
-    for line in text.splitlines():
-        print(f"mebots: error: {line}", file=sys.stderr)
-    return code
+from mebots.guarded import guarded
 
 
 def _decks(text: str | None) -> list[str] | None:
@@ -76,7 +50,7 @@ def _replay(words: list[str]) -> int:
         print(shown(result))
         print(f"page: {given.out}/replay.html")
 
-    return _guarded(work)
+    return guarded(work)
 
 
 def _identify(words: list[str]) -> int:
@@ -101,7 +75,7 @@ def _identify(words: list[str]) -> int:
         )
         print(shown(result))
 
-    return _guarded(work)
+    return guarded(work)
 
 
 def _new_cell(words: list[str]) -> int:
@@ -122,7 +96,7 @@ def _new_cell(words: list[str]) -> int:
 
         print(shown(new_cell(**vars(given))))
 
-    return _guarded(work)
+    return guarded(work)
 
 
 _COMMANDS = {"replay": _replay, "identify": _identify, "new-cell": _new_cell}

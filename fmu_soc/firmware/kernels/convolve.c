@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// Convolutions with any kernel, stride, dilation and groups, and dense layers, which are convolutions of one place.
+#include "kernels/machine.h"
+#include "kernels/work.h"
+
+#ifdef __riscv
+
+#include "kernels/dot.h"
+
+// Adds the products of a patch for one or two places and four channels.
+static inline __attribute__((always_inline)) void add_products(const layer_t* layer, const layer_group_t* group,
+                                                               const uint8_t* p0, int32_t to_next, int32_t sums[8],
+                                                               int is_pair) {
+  const int words = layer->run_words;
+  const int32_t channel = layer->runs_y * layer->runs_x * words * 4;
+  const int8_t* w0 = (const int8_t*)(group + 1);
+  const int8_t* w1 = w0 + channel;
+  const int8_t* w2 = w1 + channel;
+  const int8_t* w3 = w2 + channel;
+  const uint8_t* p1 = p0 + to_next;
+  int32_t a0 = group->bias[0], a1 = group->bias[1], a2 = group->bias[2], a3 = group->bias[3];
+  int32_t b0 = a0, b1 = a1, b2 = a2, b3 = a3;
+  for (int32_t y = layer->runs_y; y > 0; --y) {
+    for (int32_t x = layer->runs_x; x > 0; --x) {
+      if (is_pair) {
+        ROW_OF_PATCH;
+        p1 += layer->step_x;
+      } else {
+        ROW_OF_ONE_PATCH;
+      }
+      p0 += layer->step_x;
+    }
+    p0 += layer->step_y;
+    p1 += layer->step_y;
+  }
+  sums[0] = a0, sums[1] = a1, sums[2] = a2, sums[3] = a3;
+  sums[4] = b0, sums[5] = b1, sums[6] = b2, sums[7] = b3;
+}
+
+static inline __attribute__((always_inline)) void store_four(uint8_t* to, const int32_t bytes[4]) {
+  *(xpulp_word*)(void*)to = pack_bytes(bytes[0], bytes[1], bytes[2], bytes[3]);
+}
+
+#else
+
+static void add_products(const layer_t* layer, const layer_group_t* group, const uint8_t* p0, int32_t to_next,
+                         int32_t sums[8], int is_pair) {
+  const int32_t run = layer->run_words * 4;
+  const int8_t* weight = (const int8_t*)(group + 1);
+  for (int place = 0; place <= is_pair; ++place) {
+    const int8_t* w = weight;
+    for (int channel = 0; channel < 4; ++channel) {
+      const uint8_t* p = p0 + place * to_next;
+      int32_t sum = group->bias[channel];
+      for (int32_t y = 0; y < layer->runs_y; ++y, p += layer->step_y) {
+        for (int32_t x = 0; x < layer->runs_x; ++x, p += layer->step_x) {
+          for (int32_t i = 0; i < run; ++i) {
+            sum += *p++ * *w++;
+          }
+        }
+      }
+      sums[4 * place + channel] = sum;
+    }
+  }
+}
+
+static void store_four(uint8_t* to, const int32_t bytes[4]) {
+  for (int i = 0; i < 4; ++i) {
+    to[i] = (uint8_t)bytes[i];
+  }
+}
+
+#endif
+
+static inline __attribute__((always_inline)) void store(const layer_t* layer, const layer_group_t* group,
+                                                        const int32_t sums[4], uint8_t* to, int wide) {
+  int32_t bytes[4];
+  for (int i = 0; i < 4; ++i) {
+    bytes[i] = limited(scaled(sums[i], group->multiplier[i], group->addend[i], group->shift[i], wide), layer->low,
+                       layer->high);
+  }
+  if (group->count == 4) {
+    store_four(to, bytes);
+    return;
+  }
+  for (int32_t i = 0; i < group->count; ++i) {
+    to[i] = (uint8_t)bytes[i];
+  }
+}
+
+static inline __attribute__((always_inline)) void row_of_places(const layer_t* layer, const layer_group_t* group,
+                                                                const uint8_t* patch, int32_t to_next, uint8_t* to,
+                                                                int32_t columns, int32_t channels, int wide) {
+  int32_t sums[8];
+  for (; columns > 1; columns -= 2, patch += 2 * to_next, to += 2 * channels) {
+    add_products(layer, group, patch, to_next, sums, 1);
+    store(layer, group, sums, to, wide);
+    store(layer, group, sums + 4, to + channels, wide);
+  }
+  if (columns > 0) {
+    add_products(layer, group, patch, to_next, sums, 0);
+    store(layer, group, sums, to, wide);
+  }
+}
+
+void layer_convolve(const layer_step_t* step, layer_share_t share) {
+  const layer_t* layer = step->layer;
+  const int32_t rows = step->rows * layer->pool;
+  const int32_t columns = layer->out_columns * layer->pool;
+  const int32_t to_next = layer->stride_columns * step->in_channels;
+  uint8_t* out = layer->pool > 1 ? step->unpooled : step->out;
+  // A unit of work is a row of places by four output channels.
+  for (int32_t unit = share.core; unit < step->groups * rows; unit += share.cores) {
+    const int32_t y = unit / step->groups;
+    const int32_t number = unit - y * step->groups;
+    const layer_group_t* group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
+    const uint8_t* patch = step->in + y * layer->stride_rows * step->in_pitch + group->in;
+    uint8_t* to = out + y * columns * step->channels + group->out;
+    if (layer->wide) {
+      row_of_places(layer, group, patch, to_next, to, columns, step->channels, 1);
+    } else {
+      row_of_places(layer, group, patch, to_next, to, columns, step->channels, 0);
+    }
+  }
+  if (layer->pool > 1) {
+    machine_barrier();
+    layer_max_pool(step, share);
+  }
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// The layers of a network that `mebots deploy` has written, and what they compute.
+//
+// All tensors are unsigned bytes, row by row, column by column, channels together. A tensor has a scale and a zero:
+// its real values are (byte - zero) x scale. Sums are 32 bits. A sum becomes a byte by
+//
+//   clip((sum x multiplier + addend) >> shift, low, high)
+//
+// where the addend holds the zero of the output and half of 1 << shift. `wide` selects the 64-bit product; its lower
+// word then does not matter, because the addend has zeros there and the shift is 32 or more: the numbers stored are
+// addend >> 32 and shift - 32. Otherwise everything fits into 32 bits. master/python/mebots/deploy/reference.py
+// computes the same in numpy.
+#pragma once
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum {
+  LAYER_CONVOLUTION,
+  LAYER_MAX_POOL,
+  LAYER_AVERAGE_POOL,
+  LAYER_ADD,       // clip((a x factors[0] + b x factors[1] + addend) >> shift)
+  LAYER_MULTIPLY,  // (a - zeros[0]) x (b - zeros[1]), requantised
+  LAYER_TABLE,     // table[a]
+  LAYER_MOVE,      // copies bytes between places with any strides
+  LAYER_SOFTMAX    // over the channels of each place
+};
+
+// The picture, in place of an offset into the network's memory.
+#define LAYER_PICTURE UINT32_C(0xffffffff)
+
+#define LAYER_MOVE_DIMENSIONS 6
+
+// A part of the output's channels, with what it needs of the weights.
+typedef struct {
+  uint32_t data;   // offset in the weights
+  uint32_t bytes;  // of the data; 0: none
+  int32_t first;   // first channel
+  int32_t channels;
+  int32_t groups;  // of a convolution
+} layer_block_t;
+
+// The work is cut into steps: a block of channels of a tile of rows. Buffers in L1 are offsets; two of each, because
+// the DMA fills one while the cores work on the other.
+typedef struct {
+  uint8_t kind;
+  uint8_t low;
+  uint8_t high;
+  uint8_t outside;  // value of places outside the input
+  uint8_t wide;
+  uint8_t by_tile;  // 1: all blocks of a tile, then the next tile; 0: all tiles of a block first
+  uint8_t sliced;   // 1: a block needs the input of its own channels alone
+  uint8_t pool;     // a convolution's output is pooled: maximum of pool x pool
+  int32_t in_rows, in_columns, in_channels;
+  int32_t out_rows, out_columns, out_channels;  // after pooling
+  int32_t kernel_rows, kernel_columns;          // with dilation
+  int32_t stride_rows, stride_columns;
+  int32_t pad_top, pad_left, pad_right;
+  int32_t tile_rows, tiles;  // of the output
+  int32_t block_count;
+  uint32_t in, other, out;  // offsets in the network's memory
+  uint32_t blocks;          // offset of layer_block_t in the weights
+  uint32_t l1_in[2], l1_other[2], l1_data[2], l1_out[2], l1_unpooled;
+  // Convolution: runs of bytes that are contiguous in a patch, in words; the last word of each may exceed it, and has
+  // zeros as weights. Steps are bytes from the end of a run to the start of the next one.
+  int32_t runs_y, runs_x, run_words;
+  int32_t step_x, step_y;
+  int32_t group_bytes;
+  // Add, multiply
+  int32_t factors[2];
+  int32_t zeros[2];
+  int32_t addend;
+  int32_t shift;
+  // Move: the data of each block are a layer_move_t. Softmax and table: their tables
+} layer_t;
+
+// Four output channels of a convolution, followed by their weights: runs_y x runs_x x run_words words of each.
+typedef struct {
+  uint16_t in;   // offset of their input channels in a place
+  uint16_t out;  // offset of the first one in a place of the block's output
+  uint8_t shift[4];
+  int32_t count;
+  int32_t bias[4];
+  int32_t multiplier[4];
+  int32_t addend[4];
+} layer_group_t;
+
+// For each number of places of a pool that are inside of the input, from 1 on.
+typedef struct {
+  int32_t multiplier;
+  int32_t addend;
+  int32_t shift;
+} layer_mean_t;
+
+typedef struct {
+  uint32_t source;  // offset of the input in the network's memory
+  int32_t fill;     // -1, or the byte that the whole output gets first
+  int32_t fill_bytes;
+  int32_t table;  // 1: a table of 256 bytes follows, and changes each byte
+  int32_t in;     // offset of the first byte in the input
+  int32_t out;
+  int32_t count[LAYER_MOVE_DIMENSIONS];
+  int32_t in_step[LAYER_MOVE_DIMENSIONS];
+  int32_t out_step[LAYER_MOVE_DIMENSIONS];
+} layer_move_t;
+
+typedef struct {
+  const layer_t* layers;
+  int32_t layer_count;
+  const uint8_t* weights;
+  uint8_t* memory;
+  uint8_t* l1;
+} layer_network_t;
+
+// The part of the work of one core.
+typedef struct {
+  int32_t core;
+  int32_t cores;
+} layer_share_t;
+
+// Computes `count` layers from `first` on. Every core of the cluster calls it with its own number; on another machine
+// one call does all. L1 starts with a copy of the present layer (LAYER_L1_RESERVED bytes).
+void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t first, int32_t count,
+                layer_share_t share);
+
+#define LAYER_L1_RESERVED 256
+
+#ifdef __cplusplus
+}
+#endif

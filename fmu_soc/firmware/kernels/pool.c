@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maximum and mean of the places of a window, channel by channel.
+#include "kernels/work.h"
+
+#ifdef __riscv
+#include "runtime/xpulp.h"
+#endif
+
+typedef struct {
+  const uint8_t* in;
+  int32_t rows, columns;  // of the window
+  int32_t channels, pitch;
+} window_t;
+
+static uint8_t largest(const window_t* w, int32_t channel) {
+  int32_t result = 0;
+  for (int32_t i = 0; i < w->rows; ++i) {
+    const uint8_t* at = w->in + i * w->pitch + channel;
+    for (int32_t j = 0; j < w->columns; ++j, at += w->channels) {
+      result = *at > result ? *at : result;
+    }
+  }
+  return (uint8_t)result;
+}
+
+#ifdef __riscv
+
+// Computes four channels at a time. Returns how many are computed.
+static int32_t largest_of_fours(const window_t* w, uint8_t* to) {
+  int32_t channel = 0;
+  for (; channel + 4 <= w->channels; channel += 4) {
+    uint32_t result = 0;
+    for (int32_t i = 0; i < w->rows; ++i) {
+      const uint8_t* at = w->in + i * w->pitch + channel;
+      for (int32_t j = 0; j < w->columns; ++j, at += w->channels) {
+        result = xpulp_maxu_b(result, *(const xpulp_word*)(const void*)at);
+      }
+    }
+    *(xpulp_word*)(void*)(to + channel) = result;
+  }
+  return channel;
+}
+
+#else
+
+static int32_t largest_of_fours(const window_t* w, uint8_t* to) {
+  (void)w;
+  (void)to;
+  return 0;
+}
+
+#endif
+
+void layer_max_pool(const layer_step_t* step, layer_share_t share) {
+  const layer_t* layer = step->layer;
+  const int32_t columns = layer->out_columns;
+  // The pooling of a convolution's output has no pads, and its windows touch.
+  const int is_fused = layer->pool > 1;
+  const int32_t stride = is_fused ? layer->pool : layer->stride_columns;
+  const int32_t row_stride = is_fused ? layer->pool : layer->stride_rows;
+  window_t window = {0};
+  window.rows = is_fused ? layer->pool : layer->kernel_rows;
+  window.columns = is_fused ? layer->pool : layer->kernel_columns;
+  window.channels = is_fused ? step->channels : step->in_channels;
+  window.pitch = is_fused ? columns * layer->pool * step->channels : step->in_pitch;
+  const uint8_t* in = is_fused ? step->unpooled : step->in;
+  for (int32_t unit = share.core; unit < step->rows * columns; unit += share.cores) {
+    const int32_t y = unit / columns;
+    const int32_t x = unit - y * columns;
+    uint8_t* to = step->out + unit * step->channels;
+    window.in = in + y * row_stride * window.pitch + x * stride * window.channels;
+    for (int32_t channel = largest_of_fours(&window, to); channel < step->channels; ++channel) {
+      to[channel] = largest(&window, channel);
+    }
+  }
+}
+
+static int32_t inside(int32_t first, int32_t length, int32_t limit) {
+  const int32_t begin = first < 0 ? 0 : first;
+  const int32_t end = first + length > limit ? limit : first + length;
+  return end - begin;
+}
+
+void layer_average_pool(const layer_step_t* step, layer_share_t share) {
+  const layer_t* layer = step->layer;
+  const int32_t columns = layer->out_columns;
+  const layer_mean_t* means = (const layer_mean_t*)(const void*)step->data;
+  const int32_t base = layer->kernel_rows * layer->kernel_columns * layer->outside;
+  // A unit of work is a channel of a place.
+  for (int32_t unit = share.core; unit < step->rows * columns * step->channels; unit += share.cores) {
+    const int32_t place = unit / step->channels;
+    const int32_t channel = unit - place * step->channels;
+    const int32_t y = place / columns;
+    const int32_t x = place - y * columns;
+    const uint8_t* at =
+        step->in + y * layer->stride_rows * step->in_pitch + x * layer->stride_columns * step->in_channels + channel;
+    int32_t sum = -base;
+    for (int32_t i = 0; i < layer->kernel_rows; ++i, at += step->in_pitch) {
+      const uint8_t* value = at;
+      for (int32_t j = 0; j < layer->kernel_columns; ++j, value += step->in_channels) {
+        sum += *value;
+      }
+    }
+    const layer_mean_t* mean = means;
+    if (layer->zeros[0]) {  // the mean of the places inside alone
+      const int32_t row = (step->first_row + y) * layer->stride_rows - layer->pad_top;
+      const int32_t column = x * layer->stride_columns - layer->pad_left;
+      mean +=
+          inside(row, layer->kernel_rows, layer->in_rows) * inside(column, layer->kernel_columns, layer->in_columns) -
+          1;
+    }
+    const int32_t value = scaled(sum, mean->multiplier, mean->addend, mean->shift, layer->wide);
+    step->out[unit] = (uint8_t)limited(value, layer->low, layer->high);
+  }
+}

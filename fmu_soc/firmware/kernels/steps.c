@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs the layers of a network tile by tile: while the cores compute a step, the DMA fetches the next one and stores
+// the last one.
+#include "kernels/machine.h"
+#include "kernels/work.h"
+
+_Static_assert(sizeof(layer_t) <= LAYER_L1_RESERVED, "the description of a layer does not fit into its place");
+
+// GAP8's DMA takes at most 16 copies.
+#define COPIES 8
+
+typedef struct {
+  uint32_t under_way[COPIES];
+  uint32_t begun, ended;
+} copies_t;
+
+static void wait_for_one(copies_t* copies) {
+  machine_wait(copies->under_way[copies->ended++ % COPIES]);
+}
+
+static void wait_for_all(copies_t* copies) {
+  while (copies->ended != copies->begun) {
+    wait_for_one(copies);
+  }
+}
+
+static void note(copies_t* copies, uint32_t copy) {
+  copies->under_way[copies->begun++ % COPIES] = copy;
+}
+
+static void make_place(copies_t* copies) {
+  if (copies->begun - copies->ended == COPIES) {
+    wait_for_one(copies);
+  }
+}
+
+// Where a step of a layer is, and which of each two buffers it uses.
+typedef struct {
+  int32_t block, tile;
+  int in, data, out;
+  int needs_in, needs_data;
+} cursor_t;
+
+static cursor_t start_of(void) {
+  const cursor_t first = {0, 0, 0, 0, 0, 1, 1};
+  return first;
+}
+
+static cursor_t next_of(const layer_t* layer, const cursor_t* now) {
+  cursor_t next = *now;
+  if (layer->by_tile) {
+    if (++next.block == layer->block_count) {
+      next.block = 0;
+      ++next.tile;
+    }
+  } else if (++next.tile == layer->tiles) {
+    next.tile = 0;
+    ++next.block;
+  }
+  next.needs_in = next.tile != now->tile || (layer->sliced && next.block != now->block);
+  next.needs_data = next.block != now->block;
+  next.in ^= next.needs_in;
+  next.data ^= next.needs_data;
+  next.out ^= 1;
+  return next;
+}
+
+static int32_t smaller(int32_t a, int32_t b) {
+  return a < b ? a : b;
+}
+
+static int32_t rows_of(const layer_t* layer, int32_t tile) {
+  return smaller(layer->tile_rows, layer->out_rows - tile * layer->tile_rows);
+}
+
+static const layer_block_t* block_of(const layer_network_t* n, const layer_t* layer, int32_t block) {
+  return (const layer_block_t*)(const void*)(n->weights + layer->blocks) + block;
+}
+
+static int32_t in_channels_of(const layer_t* layer, const layer_block_t* block) {
+  return layer->sliced ? block->channels : layer->in_channels;
+}
+
+static void fill(uint8_t* at, int32_t bytes, uint8_t value) {
+  for (; bytes > 0; --bytes) {
+    *at++ = value;
+  }
+}
+
+// Fetches the rows of a tile of the input; rows outside get the value of outside.
+static void fetch_rows(copies_t* copies, const layer_t* layer, const layer_block_t* block, const uint8_t* from,
+                       uint8_t* to, int32_t tile) {
+  const int32_t channels = in_channels_of(layer, block);
+  const int32_t pitch = (layer->pad_left + layer->in_columns + layer->pad_right) * channels;
+  const int32_t step = layer->stride_rows * layer->pool;
+  const int32_t first = tile * layer->tile_rows * step - layer->pad_top;
+  const int32_t rows = (rows_of(layer, tile) * layer->pool - 1) * layer->stride_rows + layer->kernel_rows;
+  const int32_t begin = first < 0 ? 0 : first;
+  const int32_t end = smaller(first + rows, layer->in_rows);
+  const uint32_t row = (uint32_t)(layer->in_columns * channels);
+  const uint32_t stride = (uint32_t)(layer->in_columns * layer->in_channels);
+  if (layer->sliced) {
+    from += block->first;
+  }
+  fill(to, smaller(begin - first, rows) * pitch, layer->outside);
+  if (end < first + rows) {
+    const int32_t inside = end > first ? end - first : 0;
+    fill(to + inside * pitch, (rows - inside) * pitch, layer->outside);
+  }
+  if (end <= begin) {
+    return;
+  }
+  from += (uint32_t)begin * stride;
+  to += (begin - first) * pitch + layer->pad_left * channels;
+  if (row == (uint32_t)pitch && channels == layer->in_channels) {
+    make_place(copies);
+    note(copies, machine_copy_in(to, from, (uint32_t)(end - begin) * row));
+    return;
+  }
+  for (int32_t y = begin; y < end; ++y, from += stride, to += pitch) {
+    make_place(copies);
+    if (channels == layer->in_channels) {
+      note(copies, machine_copy_in(to, from, row));
+    } else {
+      note(copies, machine_copy_in_rows(to, from, row, (uint32_t)channels, (uint32_t)layer->in_channels));
+    }
+  }
+}
+
+// Where the tensors of a layer are.
+typedef struct {
+  const uint8_t* in;
+  const uint8_t* other;
+  uint8_t* out;
+} tensors_t;
+
+static void load(const layer_network_t* n, const layer_t* layer, const tensors_t* t, copies_t* copies,
+                 const cursor_t* at) {
+  const layer_block_t* block = block_of(n, layer, at->block);
+  if (at->needs_data && block->bytes > 0) {
+    make_place(copies);
+    note(copies, machine_copy_in(n->l1 + layer->l1_data[at->data], n->weights + block->data, block->bytes));
+  }
+  if (at->needs_in) {
+    fetch_rows(copies, layer, block, t->in, n->l1 + layer->l1_in[at->in], at->tile);
+    if (t->other != 0) {
+      fetch_rows(copies, layer, block, t->other, n->l1 + layer->l1_other[at->in], at->tile);
+    }
+  }
+}
+
+static void store(const layer_network_t* n, const layer_t* layer, const tensors_t* t, copies_t* copies,
+                  const cursor_t* at) {
+  const layer_block_t* block = block_of(n, layer, at->block);
+  const uint32_t places = (uint32_t)(rows_of(layer, at->tile) * layer->out_columns);
+  const uint32_t channels = (uint32_t)block->channels;
+  const uint32_t all = (uint32_t)layer->out_channels;
+  uint8_t* to = t->out + (uint32_t)(at->tile * layer->tile_rows * layer->out_columns) * all + block->first;
+  const uint8_t* from = n->l1 + layer->l1_out[at->out];
+  make_place(copies);
+  if (channels == all) {
+    note(copies, machine_copy_out(to, from, places * all));
+  } else {
+    note(copies, machine_copy_out_rows(to, from, places * channels, channels, all));
+  }
+}
+
+static void compute(const layer_network_t* n, const layer_t* layer, const cursor_t* at, layer_share_t share) {
+  const layer_block_t* block = block_of(n, layer, at->block);
+  layer_step_t step;
+  step.layer = layer;
+  step.in = n->l1 + layer->l1_in[at->in];
+  step.other = n->l1 + layer->l1_other[at->in];
+  step.data = n->l1 + layer->l1_data[at->data];
+  step.out = n->l1 + layer->l1_out[at->out];
+  step.unpooled = n->l1 + layer->l1_unpooled;
+  step.rows = rows_of(layer, at->tile);
+  step.channels = block->channels;
+  step.groups = block->groups;
+  step.in_channels = in_channels_of(layer, block);
+  step.in_pitch = (layer->pad_left + layer->in_columns + layer->pad_right) * step.in_channels;
+  step.first_row = at->tile * layer->tile_rows;
+  switch (layer->kind) {
+    case LAYER_CONVOLUTION:
+      layer_convolve(&step, share);
+      break;
+    case LAYER_MAX_POOL:
+      layer_max_pool(&step, share);
+      break;
+    case LAYER_AVERAGE_POOL:
+      layer_average_pool(&step, share);
+      break;
+    case LAYER_ADD:
+      layer_add(&step, share);
+      break;
+    case LAYER_MULTIPLY:
+      layer_multiply(&step, share);
+      break;
+    default:
+      layer_table(&step, share);
+      break;
+  }
+}
+
+// Fills the columns to the left and right of the input, which no copy changes, in both buffers.
+static void fill_sides(const layer_network_t* n, const layer_t* layer, layer_share_t share) {
+  const layer_block_t* block = block_of(n, layer, 0);
+  const int32_t channels = in_channels_of(layer, block);
+  const int32_t left = layer->pad_left * channels;
+  const int32_t right = layer->pad_right * channels;
+  const int32_t inside = layer->in_columns * channels;
+  const int32_t rows = (layer->tile_rows * layer->pool - 1) * layer->stride_rows + layer->kernel_rows;
+  for (int32_t y = share.core; y < rows; y += share.cores) {
+    for (int buffer = 0; buffer < 2; ++buffer) {
+      uint8_t* row = n->l1 + layer->l1_in[buffer] + y * (left + inside + right);
+      fill(row, left, layer->outside);
+      fill(row + left + inside, right, layer->outside);
+    }
+  }
+}
+
+static void run_tiles(const layer_network_t* n, const layer_t* layer, const tensors_t* t, layer_share_t share) {
+  copies_t copies;
+  copies.begun = 0;
+  copies.ended = 0;
+  cursor_t now = start_of();
+  cursor_t last = now;
+  if (layer->pad_left + layer->pad_right > 0) {
+    fill_sides(n, layer, share);
+  }
+  if (share.core == 0) {
+    load(n, layer, t, &copies, &now);
+  }
+  const int32_t steps = layer->block_count * layer->tiles;
+  for (int32_t i = 0; i < steps; ++i) {
+    const cursor_t next = next_of(layer, &now);
+    if (share.core == 0) {
+      wait_for_all(&copies);
+    }
+    // The data of the step are there, and all cores are done with the step before.
+    machine_barrier();
+    if (share.core == 0) {
+      if (i > 0) {
+        store(n, layer, t, &copies, &last);
+      }
+      if (i + 1 < steps) {
+        load(n, layer, t, &copies, &next);
+      }
+    }
+    compute(n, layer, &now, share);
+    last = now;
+    now = next;
+  }
+  machine_barrier();
+  if (share.core == 0) {
+    store(n, layer, t, &copies, &last);
+    wait_for_all(&copies);
+  }
+}
+
+static const uint8_t* input_of(const layer_network_t* n, const uint8_t* picture, uint32_t at) {
+  return at == LAYER_PICTURE ? picture : n->memory + at;
+}
+
+// Copies the layer's description to L1, where the cores read it in a cycle.
+static const layer_t* fetch_layer(const layer_network_t* n, int32_t number, layer_share_t share) {
+  if (share.core == 0) {
+    machine_wait(machine_copy_in(n->l1, &n->layers[number], sizeof(layer_t)));
+  }
+  machine_barrier();
+  return (const layer_t*)(const void*)n->l1;
+}
+
+void layers_run(const layer_network_t* n, const uint8_t* picture, int32_t first, int32_t count, layer_share_t share) {
+  for (int32_t i = first; i < first + count; ++i) {
+    const layer_t* layer = fetch_layer(n, i, share);
+    const layer_block_t* block = block_of(n, layer, 0);
+    tensors_t t;
+    t.in = input_of(n, picture, layer->in);
+    t.other = layer->kind == LAYER_ADD || layer->kind == LAYER_MULTIPLY ? input_of(n, picture, layer->other) : 0;
+    t.out = n->memory + layer->out;
+    if (layer->kind == LAYER_MOVE) {
+      for (int32_t j = 0; j < layer->block_count; ++j) {
+        const layer_move_t* move = (const layer_move_t*)(const void*)(n->weights + block[j].data);
+        layer_move(move, input_of(n, picture, move->source), t.out, share);
+      }
+    } else if (layer->kind == LAYER_SOFTMAX) {
+      layer_softmax(layer, (const uint32_t*)(const void*)(n->weights + block->data), t.in, t.out, share);
+    } else {
+      run_tiles(n, layer, &t, share);
+    }
+    machine_barrier();
+  }
+}

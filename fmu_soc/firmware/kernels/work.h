@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Between steps.c, which moves tiles, and the kernels, which compute them.
+#pragma once
+
+#include "kernels/layer.h"
+
+// A step: a block of channels of a tile of rows, with its buffers in L1.
+typedef struct {
+  const layer_t* layer;
+  const uint8_t* in;
+  const uint8_t* other;
+  const uint8_t* data;
+  uint8_t* out;
+  uint8_t* unpooled;
+  int32_t rows;         // of the output
+  int32_t channels;     // of the output
+  int32_t groups;       // of a convolution
+  int32_t in_channels;  // of a place of the input in L1
+  int32_t in_pitch;     // bytes from row to row of the input in L1
+  int32_t first_row;    // of the output
+} layer_step_t;
+
+// Convert a sum into a byte, `wide` being a constant.
+static inline __attribute__((always_inline)) int32_t scaled(int32_t sum, int32_t multiplier, int32_t addend,
+                                                            int32_t shift, int wide) {
+  if (wide) {
+    return ((int32_t)(((int64_t)sum * multiplier) >> 32) + addend) >> shift;
+  }
+  return (sum * multiplier + addend) >> shift;
+}
+
+static inline __attribute__((always_inline)) int32_t limited(int32_t value, int32_t low, int32_t high) {
+  return value < low ? low : value > high ? high : value;
+}
+
+void layer_convolve(const layer_step_t* step, layer_share_t share);
+void layer_max_pool(const layer_step_t* step, layer_share_t share);
+void layer_average_pool(const layer_step_t* step, layer_share_t share);
+void layer_add(const layer_step_t* step, layer_share_t share);
+void layer_multiply(const layer_step_t* step, layer_share_t share);
+void layer_table(const layer_step_t* step, layer_share_t share);
+
+// These two access the network's memory directly.
+void layer_move(const layer_move_t* move, const uint8_t* in, uint8_t* out, layer_share_t share);
+void layer_softmax(const layer_t* layer, const uint32_t* powers, const uint8_t* in, uint8_t* out, layer_share_t share);

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// `mebots deploy` is written in Python (master/python/mebots/deploy): the program becomes the interpreter that runs it.
+#include "command.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mebots::app {
+namespace {
+
+struct DeployOptions {
+  std::filesystem::path model;
+  std::filesystem::path data;
+  std::filesystem::path out;
+  std::string board;
+  std::string crop;
+  std::optional<double> percentile;
+  std::optional<double> input_scale;
+  std::optional<double> input_offset;
+  std::optional<int> pictures;
+  std::optional<int> vectors;
+  bool no_measure = false;
+  bool json = false;
+};
+
+template <typename Value>
+void add_value(std::vector<std::string>& words, const std::string& option, const std::optional<Value>& value) {
+  if (value) words.insert(words.end(), {option, fmt::format("{}", *value)});
+}
+
+std::vector<std::string> words_of(const DeployOptions& options) {
+  std::vector<std::string> words = {options.model.string(), "--data", options.data.string(), "--out",
+                                    options.out.string()};
+  if (!options.board.empty()) words.insert(words.end(), {"--board", options.board});
+  if (!options.crop.empty()) words.insert(words.end(), {"--crop", options.crop});
+  add_value(words, "--percentile", options.percentile);
+  add_value(words, "--input-scale", options.input_scale);
+  // With "=", because the value may begin with a minus.
+  if (options.input_offset) words.push_back(fmt::format("--input-offset={}", *options.input_offset));
+  add_value(words, "--pictures", options.pictures);
+  add_value(words, "--vectors", options.vectors);
+  if (options.no_measure) words.emplace_back("--no-measure");
+  if (options.json) words.emplace_back("--json");
+  return words;
+}
+
+}  // namespace
+
+void add_deploy(CLI::App& app, Action& action) {
+  const auto options = std::make_shared<DeployOptions>();
+  auto* command = app.add_subcommand("deploy", "Make a firmware library of a neural network in ONNX, and measure it");
+  command->add_option("model", options->model, "Network: opset 9 to 21, one input, fixed shapes")
+      ->type_name("FILE.onnx")
+      ->required();
+  command
+      ->add_option("--data", options->data,
+                   "Pictures for the calibration: a folder, or a .npy file of shape [number, channels, ...]")
+      ->type_name("PICTURES")
+      ->required();
+  command->add_option("--out", options->out, "Folder to write; must not exist")->type_name("FOLDER")->required();
+  command->add_option("--board", options->board, "Board whose memories limit the network; default: ai_deck")
+      ->type_name("BOARD")
+      ->check(not_empty());
+  command->add_option("--crop", options->crop, "Part of larger pictures: its first column and row")
+      ->type_name("LEFT,TOP")
+      ->check(not_empty());
+  command
+      ->add_option("--percentile", options->percentile,
+                   "Percentage of a tensor's values within its range; default: all values")
+      ->check(positive());
+  command->add_option("--input-scale", options->input_scale, "Input of the network per grey level; default: 1/255")
+      ->check(positive());
+  command->add_option("--input-offset", options->input_offset, "Input of the network at grey level 0; default: 0");
+  command->add_option("--pictures", options->pictures, "Most pictures for the calibration; default: 256")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--vectors", options->vectors, "Test vectors to write; default: 4")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--no-measure", options->no_measure, "Check on this machine only, without the chip");
+  command->add_flag("--json", options->json, "Print network.json in place of the table");
+  command->footer(help_footer({"0 written", "1 a program failed, or integers differ", "2 the input cannot be used"},
+                              {"mebots deploy dronet.onnx --data pictures --out dronet",
+                               "mebots deploy dronet.onnx --data himax --crop 62,44 --percentile 99.99 --out dronet"}));
+  command->callback([options, &action] {
+    action = [options] {
+      return guarded([&] { become_python("mebots deploy", "mebots.deploy.command", words_of(*options)); });
+    };
+  });
+}
+
+}  // namespace mebots::app

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scales, and the integers by which a sum becomes a byte (fmu_soc/firmware/kernels/layer.h)."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+_LEAST_SHIFT, _MOST_SHIFT = 1, 22  # of the upper word; the zero of the output must fit above it
+LARGEST_SUM = (1 << 31) - 1
+
+
+@dataclasses.dataclass(frozen=True)
+class Scale:
+    """Bytes of a tensor: the real value is (byte - zero) x step."""
+
+    step: float
+    zero: int
+
+    @staticmethod
+    def of_range(low: float, high: float) -> Scale:
+        """Returns the scale whose bytes reach from ``low`` to ``high``, with zero exactly on a byte."""
+        low, high = min(low, 0.0), max(high, 0.0)
+        if high - low < 1e-12:
+            high = low + 1.0
+        step = (high - low) / 255
+        return Scale(step, int(round(-low / step)))
+
+    def byte(self, value: float) -> int:
+        """Returns the byte nearest to a real value; values out of range get the nearest bound."""
+        if math.isinf(value):
+            return 255 if value > 0 else 0
+        return int(np.clip(np.floor(value / self.step + 0.5) + self.zero, 0, 255))
+
+    def bytes(self, values: np.ndarray) -> np.ndarray:
+        return np.clip(np.floor(np.asarray(values, dtype=np.float64) / self.step + 0.5) + self.zero, 0, 255).astype(np.uint8)
+
+    def real(self, values: np.ndarray) -> np.ndarray:
+        return (np.asarray(values, dtype=np.float64) - self.zero) * self.step
+
+
+@dataclasses.dataclass(frozen=True)
+class Requantisation:
+    """clip((sum x multiplier + addend) >> shift, low, high), per channel; ``wide``: of the product's upper word."""
+
+    multiplier: np.ndarray
+    addend: np.ndarray
+    shift: np.ndarray
+    wide: bool
+
+    def apply(self, sums: np.ndarray, low: int, high: int) -> np.ndarray:
+        """``sums`` has the channels last."""
+        product = sums.astype(np.int64) * self.multiplier
+        if self.wide:
+            product >>= 32
+        return np.clip((product + self.addend) >> self.shift, low, high).astype(np.uint8)
+
+
+def requantisation(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisation:
+    """Returns the integers for real factors per channel. ``bounds``: largest magnitudes of the sums."""
+    factors = np.asarray(factors, dtype=np.float64)
+    if (factors < 0.25).all():
+        return _wide(factors, zero)
+    return _narrow(factors, zero, np.asarray(bounds, dtype=np.float64))
+
+
+def _wide(factors: np.ndarray, zero: int) -> Requantisation:
+    exponents = np.frexp(np.maximum(factors, 2.0**-60))[1]
+    shifts = np.clip(-1 - exponents, _LEAST_SHIFT, _MOST_SHIFT).astype(np.int64)
+    multipliers = np.floor(np.ldexp(factors, shifts + 32) + 0.5).astype(np.int64)
+    over = multipliers > LARGEST_SUM
+    multipliers = np.where(over, LARGEST_SUM, multipliers)
+    addends = (zero << shifts) + (np.int64(1) << (shifts - 1))
+    return Requantisation(multipliers, addends, shifts, True)
+
+
+def _narrow(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisation:
+    most = bounds * factors + zero + 1
+    shifts = np.clip(np.floor(np.log2(LARGEST_SUM / np.maximum(most, 1e-9))) - 1, 1, _MOST_SHIFT).astype(np.int64)
+    multipliers = np.floor(np.ldexp(factors, shifts) + 0.5).astype(np.int64)
+    addends = (zero << shifts) + (np.int64(1) << (shifts - 1))
+    if (bounds * multipliers + np.abs(addends) > LARGEST_SUM).any():
+        raise OverflowError("the sums of a layer do not fit into 32 bits")
+    return Requantisation(multipliers, addends, shifts, False)

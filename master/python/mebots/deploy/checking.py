@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Compares layers of programs with the reference in numpy, by hashes."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from mebots.deploy.graph import Tensor
+from mebots.deploy.layers import Network
+from mebots.errors import Error
+
+_LINE = re.compile(r"^layer (\d+) ([0-9a-f]+)$|^result (-?\d+)$")
+
+
+def hash_of(values: np.ndarray) -> int:
+    """FNV-1a, 32 bits, of stored bytes."""
+    result = 2166136261
+    for one in values.astype(np.uint8).tobytes():
+        result = ((result ^ one) * 16777619) & 0xFFFFFFFF
+    return result
+
+
+def results_of(network: Network, values: dict[Tensor, np.ndarray]) -> list[int]:
+    return [int(one) - network.scales[tensor].zero for tensor in network.outputs for one in values[tensor].ravel()]
+
+
+def compare(network: Network, values: dict[Tensor, np.ndarray], printed: str, where: str) -> None:
+    """Raises Error with the first layer that differs."""
+    hashes: dict[int, int] = {}
+    results = []
+    for line in printed.splitlines():
+        match = _LINE.match(line)
+        if match and match[1]:
+            hashes[int(match[1])] = int(match[2], 16)
+        elif match:
+            results.append(int(match[3]))
+    for number, layer in enumerate(network.layers):
+        expected = hash_of(values[layer.output])
+        if hashes.get(number) != expected:
+            got = "nothing" if number not in hashes else f"{hashes[number]:08x}"
+            raise Error(f"{where}: layer {number} ({layer.name}, {layer.op}) gives {got}, the reference {expected:08x}", "different_integers")
+    if results != results_of(network, values):
+        raise Error(f"{where}: the results are {results[:8]}, the reference {results_of(network, values)[:8]}", "different_integers")

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Builds a deployed network for this machine and for the chip, and runs it there."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+import mebots
+from mebots.deploy.emit import KERNELS
+from mebots.errors import Error, InputError
+
+_MARK = b"mebots-request:\0"
+CLOCK_HZ = 87_000_000
+"""The cluster's highest clock at 1.0 V."""
+_TIME_LIMIT_S = 600
+_RUNTIME = ("cluster.c", "cluster_start.S", "crt0.S", "console.c", "exit.c", "memory.c", "sleep.c", "trap.c")
+_CHIP_OPTIONS = ("-march=rv32imc_zicsr", "-mabi=ilp32", "-mcmodel=medany", "-O3", "-g", "-ffreestanding", "-ffunction-sections", "-fdata-sections")
+
+
+def data_folder() -> pathlib.Path:
+    """Returns the folder of this installation that holds configs and fmu_soc."""
+    here = pathlib.Path(mebots.__file__).resolve().parent
+    for place in (here / "share/mebots", here.parents[1], here.parents[3] / "share/mebots"):
+        if (place / "configs/boards").is_dir():
+            return (place / "configs").resolve().parent
+    raise InputError(f"the boards of MEbots are at none of the places that belong to {here}. Install MEbots again", "not_offered")
+
+
+def program(name: str) -> str:
+    """Returns the path of one of MEbots' programs."""
+    here = pathlib.Path(mebots.__file__).resolve().parent
+    for place in (here / "bin", here.parents[1] / "bin", here.parents[3] / "bin"):
+        if (place / name).is_file():
+            return str(place / name)
+    found = shutil.which(name)
+    if found is None:
+        raise InputError(f"program {name} was not found. Build MEbots with the chip (-DMEBOTS_CHIP=ON)", "not_offered")
+    return found
+
+
+def compiler() -> str:
+    found = shutil.which("riscv64-unknown-elf-gcc")
+    if found is None:
+        raise InputError("riscv64-unknown-elf-gcc was not found: install Debian's gcc-riscv64-unknown-elf, or deploy with --no-measure", "not_offered")
+    return found
+
+
+def run_program(words: Sequence[str | os.PathLike[str]], what: str) -> str:
+    """Returns what a program prints. Raises Error if it fails."""
+    try:
+        done = subprocess.run([os.fspath(one) for one in words], capture_output=True, text=True, timeout=_TIME_LIMIT_S, check=False)
+    except subprocess.TimeoutExpired as error:
+        raise Error(f"{what}: no end after {_TIME_LIMIT_S} s") from error
+    if done.returncode != 0:
+        text = (done.stderr or done.stdout).strip().splitlines()
+        raise Error(f"{what} failed with exit code {done.returncode}: " + "\n".join(text[-12:]))
+    return done.stdout
+
+
+@dataclasses.dataclass(frozen=True)
+class Board:
+    """A board file, with the memories that a network uses."""
+
+    path: pathlib.Path
+    name: str
+    l1: int
+    l2: int
+    cores: int
+
+
+def board(name: str) -> Board:
+    """Returns one of MEbots' boards, or the board of a file."""
+    path = pathlib.Path(name)
+    if path.suffix != ".json":
+        path = data_folder() / "configs/boards" / f"{name}.json"
+    try:
+        content = json.loads(path.read_text())
+    except (OSError, ValueError) as error:
+        known = ", ".join(sorted(one.stem for one in (data_folder() / "configs/boards").glob("*.json")))
+        raise InputError(f"board {name} cannot be read: {error}. MEbots has: {known}", "unknown_name") from error
+    sizes = {one["name"]: one["size"] for one in content.get("memories", [])}
+    if "l1" not in sizes or "l2" not in sizes:
+        raise InputError(f"board {path}: has no memories l1 and l2, which a network on the cluster needs", "invalid_board")
+    return Board(path, content["name"], sizes["l1"], sizes["l2"], int(content.get("cluster_cores", 8)))
+
+
+class Build:
+    """Programs that check a network, in a folder of their own."""
+
+    def __init__(self, library: pathlib.Path, scratch: pathlib.Path, on: Board, objects: pathlib.Path | None = None) -> None:
+        self._library = library
+        self._scratch = scratch
+        self._objects = objects or scratch
+        self._board = on
+        self._firmware = data_folder() / "fmu_soc/firmware"
+
+    def _shared(self) -> list[pathlib.Path]:
+        """The sources that are the same for all networks."""
+        return [self._firmware / "kernels" / one for one in KERNELS]
+
+    def _own(self) -> list[pathlib.Path]:
+        return [self._firmware / "kernels/check.c", self._library / "network.c", self._library / "network_weights.S"]
+
+    def host(self) -> pathlib.Path:
+        gcc = shutil.which("cc") or shutil.which("gcc")
+        if gcc is None:
+            raise InputError("no C compiler (cc, gcc) was found: install gcc", "not_offered")
+        out = self._scratch / "check_host"
+        objects = [self._compiled([gcc, "-O2", "-w"], source, "host") for source in self._shared()]
+        run_program([gcc, "-std=c11", "-O2", "-w", f"-I{self._firmware}", f"-I{self._library}", *self._own(), *objects, "-o", out], "compiling for this machine")
+        return out
+
+    def _compiled(self, words: list[str], source: pathlib.Path, kind: str) -> pathlib.Path:
+        """Compiles a source that is the same for all networks, unless that is done."""
+        out = self._objects / f"{kind}_{source.name}.o"
+        if not out.exists():
+            standard = ["-std=c11"] if source.suffix == ".c" else []
+            run_program([*words, *standard, f"-I{self._firmware}", f"-I{self._objects}", "-c", source, "-o", out], f"compiling {source.name}")
+        return out
+
+    def chip(self) -> pathlib.Path:
+        gcc = compiler()
+        if "gap8_event_unit" in self._board.path.read_text():
+            raise InputError(f"board {self._board.name} has GAP8's own event unit, for which networks cannot be measured yet. Use ai_deck", "not_offered")
+        header = self._objects / "board.h"
+        if not header.exists():
+            run_program([program("mebots-boardgen"), self._board.path, "--c", header], "mebots-boardgen")
+        script = self._scratch / "link.ld"
+        run_program([gcc, "-E", "-P", "-x", "assembler-with-cpp", "-include", header, self._firmware / "runtime/link.ld.in", "-o", script], "the linker script")
+        shared = [*(self._firmware / "runtime" / one for one in _RUNTIME), *self._shared()]
+        objects = [self._compiled([gcc, *_CHIP_OPTIONS], source, "chip") for source in shared]
+        for source in self._own():
+            out = self._scratch / f"{source.name}.o"
+            standard = ["-std=c11"] if source.suffix == ".c" else []
+            run_program(
+                [gcc, *_CHIP_OPTIONS, *standard, f"-I{self._firmware}", f"-I{self._objects}", f"-I{self._library}", "-c", source, "-o", out],
+                f"compiling {source.name}",
+            )
+            objects.append(out)
+        library = run_program([gcc, "-march=rv32im", "-mabi=ilp32", "-print-libgcc-file-name"], "the compiler").strip()
+        elf = self._scratch / "check.elf"
+        link = [gcc, "-march=rv32imc", "-mabi=ilp32", "-nostdlib", "-Wl,--gc-sections", "-T", script, *objects, library, "-o", elf]
+        try:
+            run_program(link, "linking")
+        except Error as error:
+            raise _too_large(error, self._board) from error
+        return elf
+
+
+def _too_large(error: Error, on: Board) -> Error:
+    text = str(error)
+    if "overflowed by" not in text:
+        return error
+    more = text.split("overflowed by")[1].split()[0]
+    return InputError(f"the program with this network exceeds L2 of board {on.name} ({on.l2} bytes) by {more} bytes. Use a smaller network or picture", "does_not_fit")
+
+
+@dataclasses.dataclass(frozen=True)
+class Request:
+    cores: int
+    layers: int  # -1: check
+    bytes: Sequence[int]
+    picture: np.ndarray
+    clock_hz: int = CLOCK_HZ
+
+
+def with_request(built: pathlib.Path, request: Request, out: pathlib.Path) -> pathlib.Path:
+    """Copies a program, with a request in it."""
+    content = bytearray(built.read_bytes())
+    at = content.find(_MARK)
+    if at < 0 or content.find(_MARK, at + 1) >= 0:
+        raise Error(f"{built}: the place of the request was not found")
+    words = struct.pack(f"<{3 + len(request.bytes)}i", request.cores, request.clock_hz, request.layers, *request.bytes) + request.picture.astype(np.uint8).tobytes()
+    at += len(_MARK)
+    content[at : at + len(words)] = words
+    out.write_bytes(bytes(content))
+    out.chmod(0o755)
+    return out
+
+
+def run_on_host(built: pathlib.Path, request: Request) -> str:
+    copy = with_request(built, request, built.with_name("request_host"))
+    return run_program([copy], "the network on this machine")
+
+
+def run_on_chip(built: pathlib.Path, request: Request, on: Board) -> tuple[str, dict[str, Any]]:
+    """Returns what the program prints, and the chip's report."""
+    copy = with_request(built, request, built.with_name("request.elf"))
+    report = built.with_name("report.json")
+    text = run_program([program("mebots-soc"), "run", copy, "--board", on.path, "--json", report], "the network on the chip")
+    return text, json.loads(report.read_text())
+

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the operators of an ONNX model need while they become nodes of a graph."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import onnx
+
+from mebots.deploy.graph import Graph, Node, Tensor
+from mebots.deploy.model_file import Model, label
+from mebots.errors import InputError
+
+MOST_ELEMENTS = 8 << 20
+
+
+class Importer:
+    """Reads node by node. An operator is a function of the importer, whose ``node`` is the present one."""
+
+    def __init__(self, model: Model, operators: Mapping[str, Callable[[Importer], None]]) -> None:
+        self.model = model
+        self._operators = operators
+        self._tensors: dict[str, Tensor] = {}
+        self._nodes: list[Node] = []
+        self.attributes: dict[str, Any] = {}
+        self.node: Any = None
+
+    def graph(self) -> Graph:
+        proto = self.model.proto.graph
+        inputs = [self._define(one.name) for one in proto.input if one.name not in self.model.constants]
+        if len(inputs) != 1:
+            names = ", ".join(one.name for one in inputs) or "none"
+            raise self.model.fail(f"the network has {len(inputs)} inputs ({names}); exactly one is possible. Join them, or fold the others into constants")
+        for node in self.model.nodes:
+            self._import(node)
+        outputs = [self._output(one.name) for one in proto.output]
+        return Graph(inputs, outputs, self._nodes)
+
+    # --- What operators need ---
+
+    def refuse(self, what: str, way_out: str) -> InputError:
+        node = self.node
+        return self.model.fail(f"node {label(node)} ({node.op_type}): {what}. {way_out}")
+
+    def attribute(self, name: str, default: Any) -> Any:
+        return self.attributes.get(name, default)
+
+    def constant(self, place: int) -> np.ndarray | None:
+        """Returns the constant that is input ``place``, or None if there is no such input."""
+        if place >= len(self.node.input) or self.node.input[place] == "":
+            return None
+        name = self.node.input[place]
+        if name not in self.model.constants:
+            raise self.refuse(f"input {name} is computed by the network; it must be a constant", "Store it in the model when you export it")
+        return self.model.constants[name]
+
+    def is_constant(self, place: int) -> bool:
+        return place < len(self.node.input) and self.node.input[place] in self.model.constants
+
+    def input(self, place: int = 0) -> Tensor:
+        name = self.node.input[place]
+        if name in self._tensors:
+            return self._tensors[name]
+        raise self.refuse(f"input {name} is a constant; a tensor that the network computes is needed", "Remove the node, or compute it before the export")
+
+    def shape_of(self, name: str) -> tuple[int, ...]:
+        shape = self.model.shapes.get(name)
+        if shape is None or any(not isinstance(one, int) for one in shape):
+            given = "unknown" if shape is None else list(shape)
+            raise self.model.fail(
+                f"tensor {name} has no fixed shape ({given}). Export with fixed shapes, or fix them by onnxruntime.tools.make_dynamic_shape_fixed"
+            )
+        if shape in ((), (1,)):  # a scalar of a batch of one
+            return 1, 1
+        if math.prod(shape) > MOST_ELEMENTS or any(one < 1 for one in shape):
+            raise self.model.fail(f"tensor {name} has shape {list(shape)}: {math.prod(shape)} bytes, but a chip has 8 MiB of memory at most")
+        return shape
+
+    def _define(self, name: str) -> Tensor:
+        shape = self.shape_of(name)
+        if len(shape) < 2 or len(shape) > 4 or shape[0] != 1:
+            raise self.model.fail(
+                f"tensor {name} has shape {list(shape)}; possible are [1, channels], [1, channels, columns] and [1, channels, rows, columns]. "
+                "Export with a batch of one"
+            )
+        tensor = Tensor(name, tuple(shape[1:]))
+        self._tensors[name] = tensor
+        return tensor
+
+    def alias(self, tensor: Tensor) -> None:
+        """The node changes nothing."""
+        self._tensors[self.node.output[0]] = tensor
+
+    def add(self, kind: str, inputs: list[Tensor], **fields: Any) -> Node:
+        output = self._define(self.node.output[0])
+        node = Node(kind, label(self.node), self.node.op_type, inputs, output, **fields)
+        self._nodes.append(node)
+        return node
+
+    def _import(self, node: Any) -> None:
+        self.node = node
+        if node.domain not in ("", "ai.onnx"):
+            raise self.refuse(f"operators of domain {node.domain} are not supported", "Export with the operators of ONNX alone")
+        if node.op_type not in self._operators:
+            raise self.refuse("this operator is not supported", f"Supported are {', '.join(sorted(self._operators))}. Replace it by these, or write a kernel for it")
+        self.attributes = {one.name: onnx.helper.get_attribute_value(one) for one in node.attribute}
+        for name in node.output[1:]:
+            if name and any(name in other.input for other in self.model.nodes):
+                raise self.refuse(f"its second output {name} is used", "Only the first output can be")
+        self._operators[node.op_type](self)
+
+    def _output(self, name: str) -> Tensor:
+        if name in self._tensors:
+            return self._tensors[name]
+        raise self.model.fail(f"output {name} does not depend on the input. Remove it from the graph's outputs")

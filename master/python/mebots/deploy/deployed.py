@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is asked for, and what comes of it in memory."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from mebots.deploy import layers as integers
+from mebots.deploy.arithmetic import Scale
+from mebots.deploy.calibrate import FloatModel
+from mebots.deploy.chip import Board
+from mebots.deploy.emit import Sources
+from mebots.deploy.graph import Graph
+from mebots.deploy.model_file import Model
+from mebots.deploy.pictures import Crop, Pictures
+from mebots.deploy.plan import Plan
+
+
+@dataclasses.dataclass(frozen=True)
+class Options:
+    """``percentile``: None for the least and greatest values. ``vectors``: how many test vectors are kept."""
+
+    board: str = "ai_deck"
+    percentile: float | None = None
+    input_scale: float = 1 / 255
+    input_offset: float = 0.0
+    crop: Crop | None = None
+    vectors: int = 4
+    pictures: int = 256
+    measure: bool = True
+
+
+@dataclasses.dataclass(frozen=True)
+class Deployed:
+    """A network in memory: in float, in integers, and as C."""
+
+    model: Model
+    graph: Graph
+    network: integers.Network
+    plan: Plan
+    sources: Sources
+    pictures: Pictures
+    scale: Scale
+    float_model: FloatModel
+    board: Board

@@ -1,0 +1,390 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writes a network as C: a table of layers, and the weights as one binary file."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from typing import Any
+
+import numpy as np
+
+from mebots.deploy import plan as planning
+from mebots.deploy.graph import Tensor
+from mebots.deploy.layers import Layer, Network
+from mebots.deploy.plan import Part, Plan, Steps
+
+L1_RESERVED = 256  # LAYER_L1_RESERVED
+_PICTURE = 0xFFFFFFFF
+_KINDS = {
+    "convolution": "LAYER_CONVOLUTION",
+    "max_pool": "LAYER_MAX_POOL",
+    "average_pool": "LAYER_AVERAGE_POOL",
+    "add": "LAYER_ADD",
+    "multiply": "LAYER_MULTIPLY",
+    "table": "LAYER_TABLE",
+    "move": "LAYER_MOVE",
+    "softmax": "LAYER_SOFTMAX",
+}
+_TAG = "// SPDX-License-Identifier: Apache-2.0\n"
+
+
+class Weights:
+    """The binary file; parts begin at multiples of four bytes."""
+
+    def __init__(self) -> None:
+        self._bytes = bytearray()
+
+    def add(self, content: bytes) -> int:
+        at = len(self._bytes)
+        self._bytes += content + bytes(-len(content) % 4)
+        return at
+
+    def content(self) -> bytes:
+        # Copies may read a word too much.
+        return bytes(self._bytes) + bytes(8)
+
+
+def _words(*values: Any) -> bytes:
+    return np.array([int(one) for one in values], dtype=np.int64).astype(np.uint32).astype("<u4").tobytes()
+
+
+def _group(layer: Layer, part: Part, group: tuple[int, int, int]) -> bytes:
+    """Four output channels: header, requantisation, weights run by run."""
+    first, count, source = group
+    runs_y, runs_x, run = planning.run_geometry(layer)
+    r = layer.requantise
+    rows = [np.zeros(4, dtype=np.int64) for _ in range(4)]
+    for row, values in zip(rows, (layer.bias, r.multiplier, r.addend, r.shift), strict=True):
+        row[:count] = values[first : first + count]
+    weights = np.zeros((4, runs_y * runs_x, planning.align(run)), dtype=np.int8)
+    # Rows, columns, input channels: the order of a patch in memory.
+    weights[:count, :, :run] = layer.weight[first : first + count].transpose(0, 2, 3, 1).reshape(count, runs_y * runs_x, run)
+    shifts = rows[3].astype(np.uint8).tobytes()
+    return _words(source | (first - part.first) << 16) + shifts + _words(count, *rows[0], *rows[1], *rows[2]) + weights.tobytes()
+
+
+def _move(layer: Layer, number: int, sources: dict[Tensor, int]) -> bytes:
+    move, table = layer.moves[number]
+    fill = -1 if layer.fill is None or number > 0 else layer.fill
+    words = _words(sources[layer.inputs[move.source]], fill, layer.output.size, table is not None, move.start, move.out_start, *move.counts, *move.steps, *move.out_steps)
+    return words + (b"" if table is None else table.tobytes())
+
+
+def _data(layer: Layer, part: Part) -> bytes:
+    if layer.kind == "convolution":
+        return b"".join(_group(layer, part, one) for one in part.groups)
+    if layer.kind == "average_pool":
+        r = layer.requantise
+        return b"".join(_words(*one) for one in zip(r.multiplier, r.addend, r.shift, strict=True))
+    return layer.table.tobytes() if layer.table is not None else b""
+
+
+def _block_table(layer: Layer, steps: Steps | None, weights: Weights, sources: dict[Tensor, int]) -> tuple[int, int]:
+    """Adds data and blocks of a layer. Returns the table's offset, and the number of blocks."""
+    rows = []
+    if layer.kind == "move":
+        for number in range(len(layer.moves)):
+            rows.append((weights.add(_move(layer, number, sources)), 0, 0, layer.output.channels, 0))
+    elif steps is None:
+        rows.append((weights.add(_data(layer, Part(0, layer.output.channels, []))), 0, 0, layer.output.channels, 0))
+    else:
+        shared = None
+        for part in steps.parts:
+            content = _data(layer, part)
+            if layer.kind == "average_pool":
+                shared = weights.add(content) if shared is None else shared
+                at = shared
+            else:
+                at = weights.add(content)
+            channels = 1 if layer.kind in planning.FLAT_KINDS else part.channels
+            rows.append((at, planning.align(len(content)), part.first, channels, len(part.groups)))
+    return weights.add(b"".join(_words(*row) for row in rows)), len(rows)
+
+
+def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> dict[str, Any]:
+    source, out = layer.inputs[0], layer.output
+    flat = layer.kind in planning.FLAT_KINDS
+    fields: dict[str, Any] = {
+        "kind": _KINDS[layer.kind],
+        "low": layer.low,
+        "high": layer.high,
+        "outside": layer.outside,
+        "wide": int(layer.requantise is not None and layer.requantise.wide),
+        "pool": layer.pool,
+        "in": offsets[source],
+        "other": offsets[layer.inputs[-1]],
+        "out": offsets[out],
+        "in_rows": out.size if flat else source.rows,
+        "in_columns": 1 if flat else source.columns,
+        "in_channels": 1 if flat else source.channels,
+        "out_rows": out.size if flat else out.rows,
+        "out_columns": 1 if flat else out.columns,
+        "out_channels": 1 if flat else out.channels,
+        "kernel_rows": layer.extent()[0],
+        "kernel_columns": layer.extent()[1],
+        "stride_rows": layer.strides[0],
+        "stride_columns": layer.strides[1],
+        "pad_top": layer.pads[0],
+        "pad_left": layer.pads[1],
+        "pad_right": layer.pads[3],
+    }
+    if steps is not None:
+        fields |= {
+            "by_tile": int(steps.by_tile),
+            "sliced": int(steps.sliced),
+            "tile_rows": steps.tile_rows,
+            "tiles": steps.tiles,
+            **{name: f"{{{getattr(steps, name)[0]}, {getattr(steps, name)[1]}}}" for name in ("l1_in", "l1_other", "l1_data", "l1_out")},
+            "l1_unpooled": steps.l1_unpooled,
+        }
+    return fields | _own_fields(layer)
+
+
+def _own_fields(layer: Layer) -> dict[str, Any]:
+    """The fields of one kind of layer."""
+    if layer.kind == "convolution":
+        return _run_fields(layer)
+    if layer.kind == "average_pool":
+        return {"zeros": f"{{{int(not layer.counts_pads)}, 0}}"}
+    if layer.kind == "add":
+        return {"factors": f"{{{layer.factors[0]}, {layer.factors[1]}}}", "addend": layer.addend, "shift": layer.shift}
+    if layer.kind == "multiply":
+        r = layer.requantise
+        zeros = f"{{{layer.zeros[0]}, {layer.zeros[1]}}}"
+        return {"factors": f"{{{r.multiplier[0]}, 0}}", "zeros": zeros, "addend": r.addend[0], "shift": r.shift[0]}
+    return {}
+
+
+def _run_fields(layer: Layer) -> dict[str, int]:
+    runs_y, runs_x, run = planning.run_geometry(layer)
+    length = planning.align(run)
+    channels = layer.inputs[0].channels
+    pitch = (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
+    # From the end of a run to the start of the next one; the step of a row follows the step of its last run.
+    step_x = layer.dilations[1] * channels - length if runs_x > 1 else 0
+    step_y = layer.dilations[0] * pitch - runs_x * (length + step_x)
+    return {
+        "runs_y": runs_y,
+        "runs_x": runs_x,
+        "run_words": length // 4,
+        "step_x": step_x,
+        "step_y": step_y,
+        "group_bytes": planning.group_bytes(layer),
+    }
+
+
+def identifier(name: str) -> str:
+    """Returns a name of C for a tensor."""
+    text = re.sub(r"[^0-9A-Za-z]+", "_", name).strip("_").lower()
+    return text if re.match(r"[a-z]", text) else f"output_{text}"
+
+
+def output_names(network: Network) -> list[str]:
+    names: list[str] = []
+    for one in network.outputs:
+        base = identifier(one.name)
+        name = base
+        while name in names:
+            name = f"{base}_{len(names)}"
+        names.append(name)
+    return names
+
+
+@dataclasses.dataclass
+class Sources:
+    files: dict[str, bytes]
+    weight_bytes: int
+
+
+def emit(network: Network, plan: Plan) -> Sources:
+    """Returns the files of the library by name."""
+    offsets = {**plan.offsets, network.input: _PICTURE}
+    weights = Weights()
+    rows = []
+    for layer, steps in zip(network.layers, plan.steps, strict=True):
+        fields = _fields(layer, steps, offsets)
+        fields["blocks"], fields["block_count"] = _block_table(layer, steps, weights, offsets)
+        text = ", ".join(f".{key} = {value}" for key, value in fields.items())
+        rows.append(f"    // {layer.name}: {layer.op}\n    {{{text}}},\n")
+    content = weights.content()
+    files = {
+        "network.h": _header(network).encode(),
+        "network.c": _source(network, plan, rows).encode(),
+        "network_weights.S": _assembler().encode(),
+        "network.weights": content,
+        "network.cmake": _cmake().encode(),
+    }
+    return Sources(files, len(content))
+
+
+def _header(network: Network) -> str:
+    members, macros = [], []
+    for name, tensor in zip(output_names(network), network.outputs, strict=True):
+        scale = network.scales[tensor]
+        members.append(f"  int16_t {name}[{tensor.size}];  // x NETWORK_{name.upper()}_STEP\n")
+        macros.append(f"#define NETWORK_{name.upper()}_STEP {scale.step!r}\n")
+    rows, columns, channels = network.input.stored()
+    return (
+        _TAG
+        + f"""// Written by `mebots deploy`. Contract of inputs and outputs: network.json.
+#pragma once
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {{
+#endif
+
+// The picture: bytes row by row, column by column, channels together.
+#define NETWORK_ROWS {rows}
+#define NETWORK_COLUMNS {columns}
+#define NETWORK_CHANNELS {channels}
+#define NETWORK_PICTURE_BYTES {math.prod((rows, columns, channels))}
+#define NETWORK_LAYERS {len(network.layers)}
+
+// Outputs; the real value is the number times the output's step.
+{"".join(macros)}
+typedef struct {{
+{"".join(members)}}} network_result_t;
+
+// Computes the outputs of a picture in L2 on all cores of the cluster, which must be on. Returns 0, or -1 if the cores
+// are at work. On another machine it computes the same.
+int network_run(const uint8_t picture[NETWORK_PICTURE_BYTES], network_result_t* result);
+
+// Does the same on `cores` cores.
+int network_run_on(unsigned cores, const uint8_t picture[NETWORK_PICTURE_BYTES], network_result_t* result);
+
+// Computes layers `first` to `first + count - 1` alone, for tests and measurements. Returns the bytes of the output of the
+// last one.
+const uint8_t* network_run_layers(unsigned cores, const uint8_t picture[NETWORK_PICTURE_BYTES], int first, int count);
+
+#ifdef __cplusplus
+}}
+#endif
+"""
+    )
+
+
+def _source(network: Network, plan: Plan, rows: list[str]) -> str:
+    copies = []
+    for name, tensor in zip(output_names(network), network.outputs, strict=True):
+        zero = network.scales[tensor].zero
+        copies.append(f"  copy(result->{name}, network_memory + {plan.offsets[tensor]}, {tensor.size}, {zero});\n")
+    return (
+        _TAG
+        + f"""// Written by `mebots deploy`.
+#include "network.h"
+
+#include "kernels/layer.h"
+#ifdef __riscv
+#include "runtime/cluster.h"
+#define NOT_CLEARED __attribute__((aligned(8), section(".noinit.network")))
+#else
+#define CLUSTER_L1
+#define NOT_CLEARED
+#endif
+
+static uint8_t network_memory[{plan.memory_bytes}] NOT_CLEARED;
+static uint8_t network_l1[{plan.l1_bytes + 16}] CLUSTER_L1 __attribute__((aligned(8)));
+
+extern const uint8_t network_weights[];
+
+static const layer_t layers[NETWORK_LAYERS] = {{
+{"".join(rows)}}};
+
+static const layer_network_t network = {{layers, NETWORK_LAYERS, network_weights, network_memory, network_l1}};
+
+typedef struct {{
+  const uint8_t* picture;
+  int first;
+  int count;
+  unsigned cores;
+}} job_t;
+
+static job_t job;
+
+static void work(void* argument) {{
+  const job_t* j = argument;
+#ifdef __riscv
+  const layer_share_t share = {{(int32_t)cluster_core_id(), (int32_t)j->cores}};
+#else
+  const layer_share_t share = {{0, 1}};
+#endif
+  layers_run(&network, j->picture, j->first, j->count, share);
+}}
+
+static int run(unsigned cores, const uint8_t* picture, int first, int count) {{
+  const job_t wanted = {{picture, first, count, cores}};
+  job = wanted;
+#ifdef __riscv
+  if (cluster_fork(work, cores, &job) != 0) {{
+    return -1;
+  }}
+  cluster_wait();
+#else
+  work(&job);
+#endif
+  return 0;
+}}
+
+static void copy(int16_t* to, const uint8_t* from, int count, int zero) {{
+  for (int i = 0; i < count; ++i) {{
+    to[i] = (int16_t)(from[i] - zero);
+  }}
+}}
+
+int network_run_on(unsigned cores, const uint8_t picture[NETWORK_PICTURE_BYTES], network_result_t* result) {{
+  if (run(cores, picture, 0, NETWORK_LAYERS) != 0) {{
+    return -1;
+  }}
+{"".join(copies)}  return 0;
+}}
+
+int network_run(const uint8_t picture[NETWORK_PICTURE_BYTES], network_result_t* result) {{
+#ifdef __riscv
+  return network_run_on(cluster_core_count(), picture, result);
+#else
+  return network_run_on(1, picture, result);
+#endif
+}}
+
+const uint8_t* network_run_layers(unsigned cores, const uint8_t picture[NETWORK_PICTURE_BYTES], int first, int count) {{
+  run(cores, picture, first, count);
+  return network_memory + layers[first + count - 1].out;
+}}
+"""
+    )
+
+
+def _assembler() -> str:
+    return """# SPDX-License-Identifier: Apache-2.0
+# Written by `mebots deploy`: the weights as data.
+    .section .rodata.network_weights, "a"
+    .balign 16
+    .globl network_weights
+network_weights:
+    .incbin "network.weights"
+#if defined(__linux__)
+    .section .note.GNU-stack, "", @progbits
+#endif
+"""
+
+
+KERNELS = ("steps.c", "convolve.c", "pool.c", "elementwise.c", "direct.c")
+
+
+def _cmake() -> str:
+    kernels = "\n  ".join(f"${{MEBOTS_ROOT}}/fmu_soc/firmware/kernels/{one}" for one in KERNELS)
+    return f"""# SPDX-License-Identifier: Apache-2.0
+# Written by `mebots deploy`. In the CMakeLists.txt of a firmware:
+#   include(FOLDER/network.cmake)
+#   mebots_add_firmware(NAME SOURCES main.c ${{NETWORK_SOURCES}} OPTIONS ${{NETWORK_OPTIONS}} DATA ${{NETWORK_DATA}})
+set(NETWORK_SOURCES
+  {kernels}
+  ${{CMAKE_CURRENT_LIST_DIR}}/network.c
+  ${{CMAKE_CURRENT_LIST_DIR}}/network_weights.S)
+set(NETWORK_OPTIONS -O3 -I${{CMAKE_CURRENT_LIST_DIR}})
+set(NETWORK_DATA ${{CMAKE_CURRENT_LIST_DIR}}/network.weights)
+"""

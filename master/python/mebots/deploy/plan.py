@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Memory: which bytes of L2 hold which tensor when, and how each layer is cut into steps that fit L1."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+from mebots.deploy.graph import Tensor
+from mebots.deploy.layers import Layer, Network
+from mebots.errors import InputError
+
+ALIGNMENT = 4
+GROUP = 4  # output channels that a kernel computes together
+GROUP_HEADER = 60  # layer_group_t
+SLACK = 16  # bytes that kernels may read after a buffer
+ROWS_KINDS = ("convolution", "max_pool", "average_pool")
+FLAT_KINDS = ("add", "multiply", "table")
+
+
+@dataclasses.dataclass(frozen=True)
+class Memory:
+    """What a board has for a network [bytes]."""
+
+    l1: int
+    l2: int
+    board: str
+
+
+@dataclasses.dataclass
+class Part:
+    """Channels of an output with their groups of four: (first channel in the output, count, first input channel)."""
+
+    first: int
+    channels: int
+    groups: list[tuple[int, int, int]]
+
+
+@dataclasses.dataclass
+class Steps:
+    """How a layer is cut. Offsets in L1 are those of two buffers each."""
+
+    tile_rows: int
+    tiles: int
+    parts: list[Part]
+    sliced: bool
+    by_tile: bool
+    l1_in: tuple[int, int]
+    l1_other: tuple[int, int]
+    l1_data: tuple[int, int]
+    l1_out: tuple[int, int]
+    l1_unpooled: int
+    l1_bytes: int
+
+
+@dataclasses.dataclass
+class Plan:
+    offsets: dict[Tensor, int]  # in the network's memory; the input has none
+    memory_bytes: int
+    lifetimes: dict[Tensor, tuple[int, int]]
+    steps: list[Steps | None]
+    l1_bytes: int
+
+
+def align(value: int) -> int:
+    return (value + ALIGNMENT - 1) // ALIGNMENT * ALIGNMENT
+
+
+def plan(network: Network, memory: Memory, l1_reserved: int) -> Plan:
+    """Raises InputError with the name of a layer that does not fit."""
+    lifetimes = _lifetimes(network)
+    offsets, size = _place(lifetimes)
+    steps = [_steps(layer, memory.l1 - l1_reserved, memory.board) for layer in network.layers]
+    largest = max((one.l1_bytes for one in steps if one is not None), default=0)
+    for one in steps:
+        if one is not None:
+            _shift(one, l1_reserved)
+    return Plan(offsets, size, lifetimes, steps, largest + l1_reserved)
+
+
+def _shift(steps: Steps, by: int) -> None:
+    for name in ("l1_in", "l1_other", "l1_data", "l1_out"):
+        a, b = getattr(steps, name)
+        setattr(steps, name, (a + by, b + by))
+    steps.l1_unpooled += by
+
+
+def _lifetimes(network: Network) -> dict[Tensor, tuple[int, int]]:
+    """From the layer that computes a tensor to the last one that reads it."""
+    last = len(network.layers)
+    result: dict[Tensor, tuple[int, int]] = {}
+    for number, layer in enumerate(network.layers):
+        result[layer.output] = (number, number)
+        for one in layer.inputs:
+            if one in result:
+                result[one] = (result[one][0], number)
+    for one in network.outputs:
+        result[one] = (result[one][0], last)
+    return result
+
+
+def _place(lifetimes: dict[Tensor, tuple[int, int]]) -> tuple[dict[Tensor, int], int]:
+    """Gives the largest tensors their places first, each the lowest one that is free during its life."""
+    offsets: dict[Tensor, int] = {}
+    size = 0
+    for tensor in sorted(lifetimes, key=lambda one: (-one.size, lifetimes[one])):
+        begin, end = lifetimes[tensor]
+        taken = sorted(
+            (offsets[other], offsets[other] + align(other.size + SLACK))
+            for other in offsets
+            if lifetimes[other][0] <= end and begin <= lifetimes[other][1]
+        )
+        at = 0
+        for low, high in taken:
+            if low - at >= align(tensor.size + SLACK):
+                break
+            at = max(at, high)
+        offsets[tensor] = at
+        size = max(size, at + align(tensor.size + SLACK))
+    return offsets, size
+
+
+def run_geometry(layer: Layer) -> tuple[int, int, int]:
+    """Returns how many runs of contiguous bytes a patch has per row and column, and the bytes of each."""
+    each = layer.weight.shape[1]
+    rows, columns = layer.kernel
+    if layer.groups > 1 or layer.dilations[1] > 1:
+        return rows, columns, each
+    if layer.dilations[0] == 1 and columns == layer.inputs[0].columns and not (layer.pads[1] or layer.pads[3]):
+        return 1, 1, rows * columns * each
+    return rows, 1, columns * each
+
+
+def group_bytes(layer: Layer) -> int:
+    runs_y, runs_x, run = run_geometry(layer)
+    return GROUP_HEADER + GROUP * runs_y * runs_x * align(run)
+
+
+def _all_groups(layer: Layer) -> list[tuple[int, int, int]]:
+    out = layer.weight.shape[0] // layer.groups
+    each = layer.weight.shape[1]
+    return [
+        (group * out + first, min(GROUP, out - first), group * each) for group in range(layer.groups) for first in range(0, out, GROUP)
+    ]
+
+
+def _parts(layer: Layer, count: int) -> list[Part]:
+    """Cuts the output's channels into ``count`` parts of nearly equal size."""
+    if layer.kind == "convolution":
+        groups = _all_groups(layer)
+        size = math.ceil(len(groups) / count)
+        pieces = [groups[i : i + size] for i in range(0, len(groups), size)]
+        return [Part(one[0][0], sum(g[1] for g in one), one) for one in pieces]
+    size = layer.output.channels // count
+    return [Part(first, size, []) for first in range(0, layer.output.channels, size)]
+
+
+def _counts(layer: Layer) -> list[int]:
+    if layer.kind == "convolution":
+        groups = len(_all_groups(layer))
+        return sorted({math.ceil(groups / size) for size in range(1, groups + 1)})
+    if layer.kind in FLAT_KINDS:
+        return [1]
+    return [one for one in range(1, layer.output.channels + 1) if layer.output.channels % one == 0]
+
+
+def data_bytes(layer: Layer, part: Part) -> int:
+    """Bytes of weights or tables that a step needs."""
+    if layer.kind == "convolution":
+        return len(part.groups) * group_bytes(layer)
+    if layer.kind == "average_pool":
+        return 12 * len(layer.requantise.multiplier)
+    return 256 if layer.kind == "table" else 0
+
+
+def flat_rows(layer: Layer) -> int:
+    return layer.output.size
+
+
+def _steps(layer: Layer, available: int, board: str) -> Steps | None:
+    """Returns the cut with the least traffic, then with the fewest steps."""
+    if layer.kind not in ROWS_KINDS and layer.kind not in FLAT_KINDS:
+        return None
+    best: tuple[float, Steps] | None = None
+    least = None
+    for count in _counts(layer):
+        parts = _parts(layer, count)
+        rows = _most_rows(layer, parts, available)
+        need = _layout(layer, parts, 1).l1_bytes
+        least = need if least is None else min(least, need)
+        if rows == 0:
+            continue
+        steps = _layout(layer, parts, rows)
+        cost = _cost(layer, steps)
+        if best is None or cost < best[0]:
+            best = (cost, steps)
+    if best is None:
+        raise InputError(
+            f"layer {layer.name} ({layer.op}) does not fit into L1 of board {board}: its smallest step needs {least} bytes, {available} are available. "
+            "Use fewer channels, a smaller picture or a smaller kernel",
+            "does_not_fit",
+        )
+    return best[1]
+
+
+def _most_rows(layer: Layer, parts: list[Part], available: int) -> int:
+    """Returns the most rows of a tile that fit, spread evenly over the tiles; 0 if not even one fits."""
+    out_rows = flat_rows(layer) if layer.kind in FLAT_KINDS else layer.output.rows
+    low, high = 0, out_rows
+    while low < high:
+        middle = (low + high + 1) // 2
+        if _layout(layer, parts, middle).l1_bytes <= available:
+            low = middle
+        else:
+            high = middle - 1
+    return 0 if low == 0 else math.ceil(out_rows / math.ceil(out_rows / low))
+
+
+def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
+    flat = layer.kind in FLAT_KINDS
+    out_rows = flat_rows(layer) if flat else layer.output.rows
+    tiles = math.ceil(out_rows / rows)
+    sliced = len(parts) > 1 and layer.kind in ("max_pool", "average_pool")
+    if flat:
+        in_size, out_size = rows, rows
+    else:
+        channels = parts[0].channels if sliced else layer.inputs[0].channels
+        in_rows = (rows * layer.pool - 1) * layer.strides[0] + layer.extent()[0]
+        in_size = in_rows * (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
+        out_size = rows * layer.output.columns * max(one.channels for one in parts)
+    unpooled = out_size * layer.pool**2 if layer.pool > 1 else 0
+    data = max(data_bytes(layer, one) for one in parts)
+    several = tiles > 1 or (sliced and len(parts) > 1)
+    at = 0
+
+    def two(size: int, double: bool) -> tuple[int, int]:
+        nonlocal at
+        first = at
+        at += align(size + SLACK)
+        second = first
+        if double:
+            second = at
+            at += align(size + SLACK)
+        return first, second
+
+    l1_in = two(in_size, several)
+    l1_other = two(in_size, several) if layer.kind in ("add", "multiply") else l1_in
+    l1_data = two(data, len(parts) > 1) if data else (at, at)
+    l1_out = two(out_size, tiles * len(parts) > 1)
+    l1_unpooled = two(unpooled, False)[0] if unpooled else at
+    return Steps(rows, tiles, parts, sliced, _by_tile(layer, parts, tiles, sliced), l1_in, l1_other, l1_data, l1_out, l1_unpooled, at)
+
+
+def _by_tile(layer: Layer, parts: list[Part], tiles: int, sliced: bool) -> bool:
+    """True if fetching the weights again for each tile moves fewer bytes than fetching the input again for each part."""
+    if sliced or len(parts) == 1 or tiles == 1:
+        return False
+    weights = sum(data_bytes(layer, one) for one in parts)
+    return tiles * weights + layer.inputs[0].size < weights + len(parts) * layer.inputs[0].size
+
+
+def _cost(layer: Layer, steps: Steps) -> float:
+    """Bytes moved, with those of a step that nothing hides, and about 500 bytes for the start of a step."""
+    weights = sum(data_bytes(layer, one) for one in steps.parts)
+    size = layer.inputs[0].size
+    if steps.by_tile:
+        moved = size + steps.tiles * weights
+    else:
+        moved = weights + size * (len(steps.parts) if steps.tiles > 1 and not steps.sliced else 1)
+    count = steps.tiles * len(steps.parts)
+    exposed = (size / steps.tiles + weights / len(steps.parts) + layer.output.size / count)
+    return moved + exposed + 500 * count

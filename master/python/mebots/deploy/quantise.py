@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a graph in float and the ranges of its tensors to a network in integers.
+
+Activations are bytes with one scale per tensor; weights are signed bytes with a scale per output channel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from mebots.deploy.arithmetic import LARGEST_SUM, Scale, requantisation
+from mebots.deploy.graph import Graph, Node, Tensor
+from mebots.deploy.layers import Layer, Network
+from mebots.errors import InputError
+
+_ADD_SHIFT = 20
+POWER_BITS = 16
+
+
+class Quantiser:
+    def __init__(self, graph: Graph, input_scale: Scale, range_of: Callable[[str], tuple[float, float]]) -> None:
+        self._graph = graph
+        self._range_of = range_of
+        self._scales: dict[Tensor, Scale] = {graph.inputs[0]: input_scale}
+        self._same: dict[Tensor, Tensor] = {}  # tensors in the memory of another
+        self._layers: list[Layer] = []
+
+    def network(self) -> Network:
+        for node in self._graph.nodes:
+            if node.kind == "move" and not node.moves:
+                self._same[node.output] = self._tensor(node.inputs[0])
+                self._scales[node.output] = self._scale(node.inputs[0])
+                continue
+            self._layers.append(_LOWER[node.kind](self, node))
+        outputs = []
+        for one in self._graph.outputs:
+            outputs.append(self._output(one))
+        return Network(self._graph.inputs[0], outputs, self._layers, self._scales)
+
+    def _output(self, tensor: Tensor) -> Tensor:
+        stored = self._tensor(tensor)
+        if stored is self._graph.inputs[0]:
+            raise InputError(f"output {tensor.name} is the input itself; there is nothing to compute", "invalid_model")
+        self._scales.setdefault(stored, self._scale(tensor))
+        return stored
+
+    def _tensor(self, tensor: Tensor) -> Tensor:
+        while tensor in self._same:
+            tensor = self._same[tensor]
+        return tensor
+
+    def _scale(self, tensor: Tensor) -> Scale:
+        return self._scales[tensor]
+
+    def _out_scale(self, node: Node) -> Scale:
+        low, high = self._range_of(node.output.name) if node.range is None else node.range
+        low, high = (float(np.clip(one, *node.limits)) for one in (low, high))
+        scale = Scale.of_range(low, high)
+        if node.range is not None and node.range == (0.0, 255 / 256):
+            scale = Scale(1 / 256, 0)
+        self._scales[node.output] = scale
+        return scale
+
+    def _limits(self, node: Node, scale: Scale) -> dict[str, int]:
+        return {"low": scale.byte(node.limits[0]), "high": scale.byte(node.limits[1])}
+
+    def layer(self, kind: str, node: Node, **fields: Any) -> Layer:
+        inputs = [self._tensor(one) for one in node.inputs]
+        return Layer(kind, node.name, node.op, inputs, node.output, **fields)
+
+    # --- Kinds ---
+
+    def convolution(self, node: Node) -> Layer:
+        source, scale = self._scale(node.inputs[0]), self._out_scale(node)
+        channels = node.weight.shape[0]
+        magnitude = np.abs(node.weight).reshape(channels, -1).max(axis=1)
+        steps = np.maximum(magnitude, _least_step(node, source)) / 127
+        weight = np.clip(np.floor(node.weight / steps.reshape(-1, 1, 1, 1) + 0.5), -127, 127).astype(np.int64)
+        sums = weight.reshape(channels, -1).sum(axis=1)
+        bias = np.floor(node.bias / (steps * source.step) + 0.5).astype(np.int64) - source.zero * sums
+        bounds = np.abs(weight).reshape(channels, -1).sum(axis=1) * 255 + np.abs(bias)
+        if (bounds > LARGEST_SUM).any():
+            raise InputError(
+                f"node {node.name} ({node.op}): a sum may reach {int(bounds.max())}, which 32 bits do not hold. Reduce the number of its inputs or its bias",
+                "invalid_model",
+            )
+        return self.layer(
+            "convolution",
+            node,
+            weight=weight.astype(np.int8),
+            bias=bias,
+            requantise=requantisation(steps * source.step / scale.step, scale.zero, bounds),
+            outside=source.zero,
+            kernel=node.kernel,
+            strides=node.strides,
+            pads=node.pads,
+            dilations=node.dilations,
+            groups=node.groups,
+            pool=node.pool,
+            **self._limits(node, scale),
+        )
+
+    def max_pool(self, node: Node) -> Layer:
+        self._scales[node.output] = self._scale(node.inputs[0])
+        return self.layer("max_pool", node, kernel=node.kernel, strides=node.strides, pads=node.pads)
+
+    def average_pool(self, node: Node) -> Layer:
+        source, scale = self._scale(node.inputs[0]), self._out_scale(node)
+        area = node.kernel[0] * node.kernel[1]
+        includes = node.counts_pads or not any(node.pads)
+        counts = np.array([area]) if includes else np.arange(1, area + 1)
+        factors = source.step / scale.step / counts
+        return self.layer(
+            "average_pool",
+            node,
+            requantise=requantisation(factors, scale.zero, counts * 255),
+            outside=source.zero,
+            kernel=node.kernel,
+            strides=node.strides,
+            pads=node.pads,
+            counts_pads=includes,
+            **self._limits(node, scale),
+        )
+
+    def add(self, node: Node) -> Layer:
+        scale = self._out_scale(node)
+        sources = [self._scale(one) for one in node.inputs]
+        ratios = [one.step / scale.step for one in sources]
+        # 255 x both factors, the zeros and half of a unit must fit into 31 bits.
+        shift = int(np.clip(np.floor(np.log2((1 << 30) / (255 * 2 * sum(ratios) + 2 * scale.zero + 1))), 0, _ADD_SHIFT))
+        factors = [int(np.floor(one * 2.0**shift + 0.5)) for one in ratios]
+        addend = (scale.zero << shift) + ((1 << shift) >> 1) - sum(f * one.zero for f, one in zip(factors, sources, strict=True))
+        return self.layer("add", node, factors=tuple(factors), addend=addend, shift=shift, **self._limits(node, scale))
+
+    def multiply(self, node: Node) -> Layer:
+        scale = self._out_scale(node)
+        a, b = (self._scale(one) for one in node.inputs)
+        return self.layer(
+            "multiply",
+            node,
+            zeros=(a.zero, b.zero),
+            requantise=requantisation(np.array([a.step * b.step / scale.step]), scale.zero, np.array([255 * 255])),
+            **self._limits(node, scale),
+        )
+
+    def table(self, node: Node) -> Layer:
+        source, scale = self._scale(node.inputs[0]), self._out_scale(node)
+        return self.layer("table", node, table=scale.bytes(node.function(source.real(np.arange(256)))))
+
+    def softmax(self, node: Node) -> Layer:
+        source, _ = self._scale(node.inputs[0]), self._out_scale(node)
+        powers = np.floor(np.exp(-np.arange(256) * source.step) * (1 << POWER_BITS) + 0.5)
+        return self.layer("softmax", node, table=powers.astype(np.uint32))
+
+    def move(self, node: Node) -> Layer:
+        sources = [self._scale(one) for one in node.inputs]
+        if all(one == sources[0] for one in sources):
+            scale = sources[0]
+            if node.fill is not None and abs(scale.real(np.array(scale.byte(node.fill))) - node.fill) > scale.step / 2:
+                scale = self._out_scale(node)
+            self._scales[node.output] = scale
+        else:
+            scale = self._out_scale(node)
+        tables = [None if one == scale else scale.bytes(one.real(np.arange(256))) for one in sources]
+        fill = None if node.fill is None else scale.byte(node.fill)
+        return self.layer("move", node, moves=[(one, tables[one.source]) for one in node.moves], fill=fill)
+
+
+def _least_step(node: Node, source: Scale) -> np.ndarray:
+    """Channels of small weights with a large bias get a larger step, so that the bias fits into 30 bits."""
+    return np.maximum(np.abs(node.bias) * 127 / (source.step * (1 << 30)), 1e-12)
+
+
+_LOWER: dict[str, Callable[[Quantiser, Node], Layer]] = {
+    "conv": Quantiser.convolution,
+    "max_pool": Quantiser.max_pool,
+    "mean_pool": Quantiser.average_pool,
+    "add": Quantiser.add,
+    "multiply": Quantiser.multiply,
+    "table": Quantiser.table,
+    "softmax": Quantiser.softmax,
+    "move": Quantiser.move,
+}

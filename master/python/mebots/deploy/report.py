@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `mebots deploy` says about a network: network.json and the table on the terminal."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+from mebots.deploy.deployed import Deployed, Options
+from mebots.deploy.emit import output_names
+from mebots.deploy.measure import Cost, Measurement
+
+FORMAT = 1
+
+
+def _tensor(deployed: Deployed, tensor: Any) -> dict[str, Any]:
+    scale = deployed.network.scales[tensor]
+    return {"tensor": tensor.name, "shape": list(tensor.stored()), "step": scale.step, "zero": scale.zero}
+
+
+def contract(deployed: Deployed, options: Options, vectors: list[dict[str, Any]]) -> dict[str, Any]:
+    network, planned = deployed.network, deployed.plan
+    rows, columns, channels = network.input.stored()
+    return {
+        "format": FORMAT,
+        "model": {"file": deployed.model.path.name, "sha256": hashlib.sha256(deployed.model.path.read_bytes()).hexdigest(), "opset": deployed.model.opset},
+        "calibration": {"pictures": min(options.pictures, len(deployed.pictures)), "percentile": options.percentile},
+        "input": {
+            "rows": rows,
+            "columns": columns,
+            "channels": channels,
+            "colour": {1: "grey", 3: "rgb"}.get(channels, "none") if rows * columns > 1 else "none",
+            **_tensor(deployed, network.input),
+        },
+        "outputs": {name: _tensor(deployed, tensor) for name, tensor in zip(output_names(network), network.outputs, strict=True)},
+        "memory": {"weights": deployed.sources.weight_bytes, "activations": planned.memory_bytes, "l1": planned.l1_bytes, "picture": network.input.size},
+        "layers": [_layer(deployed, number) for number in range(len(network.layers))],
+        "vectors": vectors,
+    }
+
+
+def _layer(deployed: Deployed, number: int) -> dict[str, Any]:
+    layer, steps = deployed.network.layers[number], deployed.plan.steps[number]
+    begin, end = deployed.plan.lifetimes[layer.output]
+    return {
+        "name": layer.name,
+        "op": layer.op,
+        "kind": layer.kind,
+        "inputs": [one.name for one in layer.inputs],
+        "output": layer.output.name,
+        "shape": list(layer.output.stored()),
+        "macs": layer.macs,
+        "weights": layer.weights,
+        "l2": {"offset": deployed.plan.offsets[layer.output], "bytes": layer.output.size, "from": begin, "to": end},
+        "l1": None if steps is None else {"bytes": steps.l1_bytes, "tiles": steps.tiles, "tile_rows": steps.tile_rows, "parts": len(steps.parts)},
+    }
+
+
+def _cost(cost: Cost, macs: int, clock_hz: float) -> dict[str, Any]:
+    cycles = round(cost.time_s * clock_hz)
+    return {
+        "cycles": cycles,
+        "time": cost.time_s,
+        "energy": cost.energy_j,
+        "macs_per_cycle": macs / cycles if cycles else 0.0,
+        "instructions": cost.instructions,
+        "awake_cycles": cost.cycles,
+        "parts": cost.parts_j,
+    }
+
+
+def result_of(deployed: Deployed, measurement: Measurement) -> dict[str, Any]:
+    layers = deployed.network.layers
+    clock = measurement.clock_hz
+    return {
+        "board": deployed.board.name,
+        "cores": measurement.cores,
+        "cluster_clock": clock,
+        "layers": [_cost(cost, layer.macs, clock) for cost, layer in zip(measurement.layers, layers, strict=True)],
+        "total": _cost(measurement.total, sum(one.macs for one in layers), clock),
+    }
+
+
+def shown(content: dict[str, Any]) -> str:
+    """Returns the table of layers."""
+    rows = [["layer", "operators", "output", "MACs", "weights", "cycles", "MAC/cycle", "energy"]]
+    measured = content.get("measured")
+    for number, layer in enumerate(content["layers"]):
+        shape = " x ".join(str(one) for one in layer["shape"])
+        cost = measured["layers"][number] if measured else None
+        rows.append([layer["name"], layer["op"], shape, _count(layer["macs"]), _count(layer["weights"]), *_cells(cost)])
+    macs, weights = (sum(one[key] for one in content["layers"]) for key in ("macs", "weights"))
+    rows.append(["total", "", "", _count(macs), _count(weights), *_cells(measured["total"] if measured else None)])
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = ["  ".join(cell.ljust(w) if i < 2 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths, strict=True))).rstrip() for row in rows]
+    memory = content["memory"]
+    lines.append("")
+    lines.append(f"L2: weights {memory['weights']} bytes, activations {memory['activations']}, picture {memory['picture']}; L1: {memory['l1']}")
+    if measured:
+        total = measured["total"]
+        lines.append(
+            f"one inference on {measured['cores']} cores at {measured['cluster_clock'] / 1e6:.4g} MHz of board {measured['board']}: "
+            f"{1e3 * total['time']:.3f} ms, {1e3 * total['energy']:.4g} mJ"
+        )
+    return "\n".join(lines)
+
+
+def _count(value: int) -> str:
+    return "" if value == 0 else f"{value:,}".replace(",", " ")
+
+
+def _cells(cost: dict[str, Any] | None) -> list[str]:
+    if cost is None:
+        return ["", "", ""]
+    rate = f"{cost['macs_per_cycle']:.2f}" if cost["macs_per_cycle"] else ""
+    return [_count(cost["cycles"]), rate, f"{1e6 * cost['energy']:.4g} uJ"]

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Joins nodes, so that the chip has fewer layers: normalisations into weights, pads, functions and pools into
+convolutions."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from mebots.deploy.graph import Graph, Node, Tensor
+
+_LIMITED_KINDS = ("conv", "add", "multiply", "mean_pool")
+
+
+def simplify(graph: Graph) -> None:
+    """Changes the graph in place; its outputs keep their values."""
+    _drop_unused(graph)
+    changed = True
+    while changed:
+        changed = any(step(graph) for step in (_join_scales, _join_pads, _join_flatten, _swap_limits, _join_limits))
+    _join_pools(graph)
+    _drop_unused(graph)
+
+
+def _drop_unused(graph: Graph) -> None:
+    needed = {id(one) for one in graph.outputs}
+    for node in reversed(graph.nodes):
+        if id(node.output) in needed:
+            needed.update(id(one) for one in node.inputs)
+    graph.nodes[:] = [node for node in graph.nodes if id(node.output) in needed]
+
+
+def _is_affine(node: Node) -> bool:
+    """True if the node multiplies and adds constants per channel."""
+    return (
+        node.kind == "conv"
+        and node.weight is not None
+        and node.weight.shape[1:] == (1, 1, 1)
+        and node.groups == node.output.channels == node.inputs[0].channels
+        and node.strides == (1, 1)
+        and not any(node.pads)
+        and node.pool == 1
+    )
+
+
+def _pairs(graph: Graph) -> list[tuple[Node, Node]]:
+    """Returns neighbours of which the second is the only user of the first."""
+    found = []
+    for node in graph.nodes:
+        before = graph.producer(node.inputs[0])
+        if before is not None and graph.has_one_user(before.output):
+            found.append((before, node))
+    return found
+
+
+def _replace(graph: Graph, first: Node, second: Node, joined: Node) -> None:
+    graph.nodes[graph.nodes.index(second)] = joined
+    graph.nodes.remove(first)
+
+
+def _join(first: Node, second: Node, **fields: object) -> Node:
+    return dataclasses.replace(first, op=f"{first.op}+{second.op}", output=second.output, **fields)
+
+
+def _join_scales(graph: Graph) -> bool:
+    for first, second in _pairs(graph):
+        if first.kind == "conv" and _is_affine(second) and not first.is_limited() and first.pool == 1:
+            factor = second.weight.reshape(-1)
+            weight = first.weight * factor.reshape(-1, 1, 1, 1)
+            joined = _join(first, second, weight=weight, bias=first.bias * factor + second.bias, limits=second.limits)
+            _replace(graph, first, second, joined)
+            return True
+    return False
+
+
+def _join_pads(graph: Graph) -> bool:
+    for first, second in _pairs(graph):
+        if first.kind != "move" or first.fill != 0 or second.kind != "conv" or first.moves[0].source != 0:
+            continue
+        pads = _pads_of(first)
+        if pads is None:
+            continue
+        total = tuple(a + b for a, b in zip(pads, second.pads, strict=True))
+        joined = dataclasses.replace(second, op=f"{first.op}+{second.op}", inputs=first.inputs, pads=total)
+        _replace(graph, first, second, joined)
+        return True
+    return False
+
+
+def _pads_of(node: Node) -> tuple[int, int, int, int] | None:
+    """Returns the pads of rows and columns, or None if channels have pads."""
+    source, out = node.inputs[0], node.output
+    if source.channels != out.channels or len(source.shape) != 3:
+        return None
+    top, rest = divmod(node.moves[0].out_start, out.columns * out.channels)
+    left = rest // out.channels
+    return top, left, out.rows - source.rows - top, out.columns - source.columns - left
+
+
+def _join_flatten(graph: Graph) -> bool:
+    """A dense layer of a flattened tensor is a convolution with the tensor's size as its kernel."""
+    for node in graph.nodes:
+        before = graph.producer(node.inputs[0])
+        if before is None or before.kind != "move" or before.fill is not None or len(before.inputs) != 1:
+            continue
+        source = before.inputs[0]
+        flat = len(before.output.shape) == 1 and source.size == before.output.size and before.op in ("Flatten", "Reshape", "Squeeze")
+        if not flat or node.kind != "conv" or node.groups != 1 or node.weight.shape[1:] != (source.size, 1, 1):
+            continue
+        weight = node.weight.reshape(-1, source.channels, source.rows, source.columns)
+        joined = dataclasses.replace(node, inputs=[source], weight=weight, kernel=(source.rows, source.columns))
+        graph.nodes[graph.nodes.index(node)] = joined
+        _drop_unused(graph)
+        return True
+    return False
+
+
+def _swap_limits(graph: Graph) -> bool:
+    """Limits after a maximum are the same before it, where they may join a convolution."""
+    for first, second in _pairs(graph):
+        source = first.inputs[0]
+        before = graph.producer(source)
+        if first.kind != "max_pool" or not _is_limit(second) or before is None or before.kind not in _LIMITED_KINDS or not graph.has_one_user(source):
+            continue
+        between = Tensor(source.name, source.shape)  # the range is the source's, within the limits
+        limit = dataclasses.replace(second, inputs=first.inputs, output=between)
+        pool = dataclasses.replace(first, inputs=[between], output=second.output)
+        graph.nodes[graph.nodes.index(first)] = limit
+        graph.nodes[graph.nodes.index(second)] = pool
+        return True
+    return False
+
+
+def _is_limit(node: Node) -> bool:
+    return node.kind == "table" and node.is_limited()
+
+
+def _join_limits(graph: Graph) -> bool:
+    for first, second in _pairs(graph):
+        if _is_limit(second) and (first.kind in _LIMITED_KINDS or _is_limit(first)):
+            low = np.clip(first.limits[0], *second.limits)
+            high = np.clip(first.limits[1], *second.limits)
+            limits = float(low), float(high)
+            function = None
+            if first.kind == "table":
+                function = _clip(limits)
+            _replace(graph, first, second, _join(first, second, limits=limits, function=function))
+            return True
+    return False
+
+
+def _clip(limits: tuple[float, float]):
+    return lambda x: np.clip(x, *limits)
+
+
+def _join_pools(graph: Graph) -> None:
+    """The maximum of places that do not overlap joins the convolution before it."""
+    for first, second in _pairs(graph):
+        fits = (
+            first.kind == "conv"
+            and second.kind == "max_pool"
+            and first.pool == 1
+            and second.kernel == second.strides
+            and second.kernel[0] == second.kernel[1] <= 4
+            and not any(second.pads)
+        )
+        if fits and first in graph.nodes:
+            _replace(graph, first, second, _join(first, second, pool=second.kernel[0]))

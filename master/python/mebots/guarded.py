@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What commands written in Python share: errors become lines on the terminal, and an exit code."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+from mebots.errors import Error, InputError
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+
+def guarded(work: Callable[[], None]) -> int:
+    """Returns the exit code, and prints errors."""
+    try:
+        work()
+    except InputError as error:
+        code = BAD_INPUT
+        text = str(error)
+    except ModuleNotFoundError as error:
+        code = BAD_INPUT
+        text = f"Python at {sys.executable} has no package {error.name}: pip install {error.name}, or name another Python by MEBOTS_PYTHON"
+    except KeyboardInterrupt:
+        code = INTERRUPTED
+        text = "stopped by Ctrl-C; no result was written"
+    except (Error, OSError) as error:
+        code = FAILED
+        text = str(error)
+    else:
+        return DONE
+    for line in text.splitlines():
+        print(f"mebots: error: {line}", file=sys.stderr)
+    return code

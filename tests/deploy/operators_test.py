@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Each operator with random shapes: numpy, C on this machine, and C on the chip with one and eight cores give the same
+bytes, which are near the floats of onnxruntime."""
+
+import pathlib
+import sys
+import tempfile
+
+import numpy as np
+from networks import DeployCase, Maker
+
+from mebots.deploy import layers as integers
+from mebots.deploy.deployed import Options
+from mebots.deploy.deploying import check_and_measure, lower
+
+
+def pair(random, low, high):
+    return [int(one) for one in random.integers(low, high + 1, 2)]
+
+
+OBJECTS = tempfile.TemporaryDirectory()
+
+
+class OperatorCase(DeployCase):
+    def check(self, maker, steps=2.5):
+        """Deploys the network, and compares all its outputs; floats may differ by ``steps`` steps of the output's scale."""
+        model, data = maker.save(self.folder)
+        deployed = lower(model, data, Options())
+        library = self.folder / "library"
+        library.mkdir(exist_ok=True)
+        for name, content in deployed.sources.files.items():
+            (library / name).write_bytes(content)
+        check_and_measure(library, self.folder, deployed, Options(), pathlib.Path(OBJECTS.name), with_cost=False)
+        self.near_to_float(deployed, steps)
+        return deployed
+
+    def near_to_float(self, deployed, steps):
+        for number in range(3):
+            stored = deployed.pictures.one(number, deployed.scale)
+            values = integers.run(deployed.network, stored)
+            floats = deployed.float_model.run(deployed.pictures.real(stored, deployed.scale))
+            for tensor, named in zip(deployed.network.outputs, deployed.graph.outputs, strict=True):
+                scales = deployed.network.scales
+                got = named.view(scales[tensor].real(values[tensor]).ravel())
+                layer = next(one for one in deployed.network.layers if one.output is tensor)
+                # A table's input is rounded, too.
+                step = max(scales[one].step for one in (tensor, *(layer.inputs if layer.kind == "table" else ())))
+                error = np.abs(got - floats[named.name].reshape(got.shape)).max() / step
+                self.assertLess(error, steps, f"{named.name} of {layer.op}")
+
+
+class Convolutions(OperatorCase):
+    def test_random_kernels_strides_pads_groups_and_dilations(self):
+        for seed in (1, 2):
+            maker = Maker(seed, (8, 17, 15))
+            random = maker.random
+            for groups in (1, 1, 2, 4, 8):
+                kernel = pair(random, 1, 5)
+                pads = [int(one) for one in random.integers(0, 3, 4)]
+                out = groups * int(random.integers(1, 7))
+                dilations = pair(random, 1, 2)
+                maker.output(maker.conv("x", 8, out, kernel, groups, pads=pads, strides=pair(random, 1, 3), dilations=dilations))
+            self.check(maker)
+
+    def test_channels_that_are_no_multiples_of_four(self):
+        maker = Maker(3, (3, 12, 13))
+        first = maker.node("Relu", maker.conv("x", 3, 7, (3, 3), pads=[1, 1, 1, 1]))
+        second = maker.conv(first, 7, 5, (1, 1))
+        maker.output(first, second, maker.conv(second, 5, 9, (3, 2), strides=[2, 1]))
+        self.check(maker, steps=4)
+
+    def test_layers_that_need_several_tiles_and_parts(self):
+        maker = Maker(4, (16, 40, 40))
+        wide = maker.node("Relu", maker.conv("x", 16, 96, (3, 3), pads=[1, 1, 1, 1], strides=[2, 2]))
+        deep = maker.conv(wide, 96, 128, (3, 3), pads=[1, 1, 1, 1], strides=[2, 2])
+        maker.output(deep, maker.node("GlobalAveragePool", wide), maker.node("MaxPool", wide, kernel_shape=[3, 3], strides=[2, 2], pads=[1, 1, 1, 1]))
+        deployed = self.check(maker, steps=4)
+        self.assertGreater(max(len(one.parts) for one in deployed.plan.steps), 1)
+        self.assertGreater(max(one.tiles for one in deployed.plan.steps), 1)
+
+    def test_normalisation_limits_and_pools_join_the_convolution(self):
+        maker = Maker(5, (4, 16, 16))
+        padded = maker.node("Pad", "x", maker.constant(np.array([0, 0, 1, 2, 0, 0, 2, 1], dtype=np.int64)))
+        conv = maker.conv(padded, 4, 8, (3, 3))
+        numbers = [maker.constant((0.5 + maker.random.random(8)).astype(np.float32)) for _ in range(4)]
+        pooled = maker.node("MaxPool", maker.node("BatchNormalization", conv, *numbers), kernel_shape=[2, 2], strides=[2, 2])
+        maker.output(maker.node("Relu", pooled))
+        deployed = self.check(maker)
+        self.assertEqual([layer.kind for layer in deployed.network.layers], ["convolution"])
+
+
+class Others(OperatorCase):
+    def test_dense_layers_and_flattened_tensors(self):
+        maker = Maker(6, (5, 6, 7))
+        flat = maker.node("Flatten", "x")
+        first = maker.node("Relu", maker.node("Gemm", flat, maker.weights(30, 210), maker.weights(30), transB=1))
+        second = maker.node("MatMul", first, maker.weights(30, 10))
+        maker.output(second, maker.node("Softmax", second, axis=1), maker.node("Add", flat, flat))
+        self.check(maker, steps=4)
+
+    def test_arithmetic_and_functions(self):
+        maker = Maker(7, (6, 9, 5))
+        other = maker.conv("x", 6, 6, (1, 1))
+        for op in ("Add", "Mul"):
+            maker.output(maker.node(op, "x", other))
+        for op in ("LeakyRelu", "Sigmoid", "HardSwish", "HardSigmoid", "Tanh", "Elu"):
+            maker.output(maker.node(op, "x"))
+        maker.output(maker.node("Clip", other, maker.constant(np.float32(0)), maker.constant(np.float32(0.5))))
+        maker.output(maker.node("Mul", other, maker.constant(maker.random.random((6, 1, 1)).astype(np.float32))))
+        self.check(maker)
+
+    def test_pools(self):
+        maker = Maker(8, (6, 11, 13))
+        random = maker.random
+        for kind in ("MaxPool", "AveragePool", "AveragePool"):
+            kernel = pair(random, 2, 4)
+            pads = [min(int(random.integers(0, 2)), one - 1) for one in (*kernel, *kernel)]
+            more = {"count_include_pad": int(random.integers(0, 2))} if kind == "AveragePool" else {}
+            maker.output(maker.node(kind, "x", kernel_shape=kernel, strides=pair(random, 1, 3), pads=pads, **more))
+        maker.output(maker.node("GlobalAveragePool", "x"), maker.node("GlobalMaxPool", "x"))
+        self.check(maker)
+
+    def test_moves(self):
+        maker = Maker(9, (4, 6, 10))
+        other = maker.conv("x", 4, 3, (1, 1))
+
+        def numbers(*values):
+            return maker.constant(np.array(values, dtype=np.int64))
+
+        maker.output(
+            maker.node("Concat", "x", other, axis=1),
+            maker.node("Concat", "x", "x", axis=3),
+            maker.node("Pad", "x", numbers(0, 1, 0, 2, 0, 0, 3, 0), maker.constant(np.float32(0.5))),
+            maker.node("Transpose", "x", perm=[0, 2, 3, 1]),
+            maker.node("Slice", "x", numbers(1, 9), numbers(4, -100), numbers(1, 3), numbers(2, -3)),
+            maker.node("Reshape", "x", numbers(1, 8, 3, 10)),
+            maker.node("Resize", "x", "", maker.constant(np.array([1, 1, 2, 3], dtype=np.float32)), mode="nearest", coordinate_transformation_mode="asymmetric", nearest_mode="floor"),
+            maker.node("Gather", "x", numbers(1, 3), axis=1),
+        )
+        self.check(maker)
+
+
+if __name__ == "__main__":
+    import unittest
+
+    unittest.main(argv=[sys.argv[0], *sys.argv[1:]])
