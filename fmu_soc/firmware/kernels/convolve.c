@@ -10,9 +10,9 @@
 // Adds the products of a patch for one or two places and four channels.
 static inline __attribute__((always_inline)) void add_products(const layer_t* layer, const layer_group_t* group,
                                                                const uint8_t* p0, int32_t to_next, int32_t sums[8],
-                                                               int is_pair) {
+                                                               int is_pair, int is_one_run) {
   const int words = layer->run_words;
-  const int32_t channel = layer->runs_y * layer->runs_x * words * 4;
+  const int32_t channel = (is_one_run ? 1 : layer->runs_y * layer->runs_x) * words * 4;
   const int8_t* w0 = (const int8_t*)(group + 1);
   const int8_t* w1 = w0 + channel;
   const int8_t* w2 = w1 + channel;
@@ -20,8 +20,8 @@ static inline __attribute__((always_inline)) void add_products(const layer_t* la
   const uint8_t* p1 = p0 + to_next;
   int32_t a0 = group->bias[0], a1 = group->bias[1], a2 = group->bias[2], a3 = group->bias[3];
   int32_t b0 = a0, b1 = a1, b2 = a2, b3 = a3;
-  for (int32_t y = layer->runs_y; y > 0; --y) {
-    for (int32_t x = layer->runs_x; x > 0; --x) {
+  for (int32_t y = is_one_run ? 1 : layer->runs_y; y > 0; --y) {
+    for (int32_t x = is_one_run ? 1 : layer->runs_x; x > 0; --x) {
       if (is_pair) {
         ROW_OF_PATCH;
         p1 += layer->step_x;
@@ -41,10 +41,17 @@ static inline __attribute__((always_inline)) void store_four(uint8_t* to, const 
   *(xpulp_word*)(void*)to = pack_bytes(bytes[0], bytes[1], bytes[2], bytes[3]);
 }
 
+static inline __attribute__((always_inline)) void copy_four(uint8_t* to, const uint8_t* from) {
+  *(xpulp_word*)(void*)to = *(const xpulp_word*)(const void*)from;
+}
+
 #else
 
+#include <string.h>
+
 static void add_products(const layer_t* layer, const layer_group_t* group, const uint8_t* p0, int32_t to_next,
-                         int32_t sums[8], int is_pair) {
+                         int32_t sums[8], int is_pair, int is_one_run) {
+  (void)is_one_run;
   const int32_t run = layer->run_words * 4;
   const int8_t* weight = (const int8_t*)(group + 1);
   for (int place = 0; place <= is_pair; ++place) {
@@ -70,21 +77,37 @@ static void store_four(uint8_t* to, const int32_t bytes[4]) {
   }
 }
 
+static void copy_four(uint8_t* to, const uint8_t* from) {
+  memcpy(to, from, 4);
+}
+
 #endif
 
+// Stores the bytes of four channels of one place, or of two, which are `to_next` bytes apart.
 static inline __attribute__((always_inline)) void store(const layer_t* layer, const layer_group_t* group,
-                                                        const int32_t sums[4], uint8_t* to, int wide) {
-  int32_t bytes[4];
+                                                        const int32_t sums[8], uint8_t* to, int32_t to_next,
+                                                        int is_pair, int wide) {
+  const int32_t low = layer->low, high = layer->high;
+  int32_t bytes[8];
   for (int i = 0; i < 4; ++i) {
-    bytes[i] = limited(scaled(sums[i], group->multiplier[i], group->addend[i], group->shift[i], wide), layer->low,
-                       layer->high);
+    const int32_t multiplier = group->multiplier[i], addend = group->addend[i], shift = group->shift[i];
+    bytes[i] = limited(scaled(sums[i], multiplier, addend, shift, wide), low, high);
+    if (is_pair) {
+      bytes[4 + i] = limited(scaled(sums[4 + i], multiplier, addend, shift, wide), low, high);
+    }
   }
   if (group->count == 4) {
     store_four(to, bytes);
+    if (is_pair) {
+      store_four(to + to_next, bytes + 4);
+    }
     return;
   }
   for (int32_t i = 0; i < group->count; ++i) {
     to[i] = (uint8_t)bytes[i];
+    if (is_pair) {
+      to[to_next + i] = (uint8_t)bytes[4 + i];
+    }
   }
 }
 
@@ -93,22 +116,70 @@ static inline __attribute__((always_inline)) void row_of_places(const layer_t* l
                                                                 int32_t columns, int32_t channels, int wide) {
   int32_t sums[8];
   for (; columns > 1; columns -= 2, patch += 2 * to_next, to += 2 * channels) {
-    add_products(layer, group, patch, to_next, sums, 1);
-    store(layer, group, sums, to, wide);
-    store(layer, group, sums + 4, to + channels, wide);
+    add_products(layer, group, patch, to_next, sums, 1, 0);
+    store(layer, group, sums, to, channels, 1, wide);
   }
   if (columns > 0) {
-    add_products(layer, group, patch, to_next, sums, 0);
-    store(layer, group, sums, to, wide);
+    add_products(layer, group, patch, to_next, sums, 0, 0);
+    store(layer, group, sums, to, channels, 0, wide);
   }
 }
 
-void layer_convolve(const layer_step_t* step, layer_share_t share) {
+// Copies a patch to contiguous bytes. Words may exceed a run; the next run then replaces what is too much.
+static void gather(const layer_t* layer, const uint8_t* patch, uint8_t* to) {
+  for (int32_t y = 0; y < layer->gather_rows; ++y, patch += layer->gather_row_step) {
+    const uint8_t* run = patch;
+    for (int32_t x = 0; x < layer->gather_runs; ++x, run += layer->gather_step, to += layer->gather_bytes) {
+      for (int32_t i = 0; i < layer->gather_bytes; i += 4) {
+        copy_four(to + i, run + i);
+      }
+    }
+  }
+}
+
+static inline __attribute__((always_inline)) void all_groups(const layer_step_t* step, uint8_t* to, int is_pair,
+                                                             int wide) {
   const layer_t* layer = step->layer;
-  const int32_t rows = step->rows * layer->pool;
-  const int32_t columns = layer->out_columns * layer->pool;
+  const uint8_t* data = step->data;
+  const int32_t channels = step->channels;
+  int32_t sums[8];
+  for (int32_t i = step->groups; i > 0; --i, data += layer->group_bytes) {
+    const layer_group_t* group = (const layer_group_t*)(const void*)data;
+    add_products(layer, group, step->gathered, layer->gathered_bytes, sums, is_pair, 1);
+    store(layer, group, sums, to + group->out, channels, is_pair, wide);
+  }
+}
+
+// Short runs of bytes: the patches of two places are gathered for all channels.
+static void convolve_gathered(const layer_step_t* step, uint8_t* out, int32_t rows, int32_t columns,
+                              layer_share_t share) {
+  const layer_t* layer = step->layer;
   const int32_t to_next = layer->stride_columns * step->in_channels;
-  uint8_t* out = layer->pool > 1 ? step->unpooled : step->out;
+  const int32_t pairs = (columns + 1) / 2;
+  for (int32_t unit = share.core; unit < rows * pairs; unit += share.cores) {
+    const int32_t y = unit / pairs;
+    const int32_t x = 2 * (unit - y * pairs);
+    const uint8_t* patch = step->in + y * layer->stride_rows * step->in_pitch + x * to_next;
+    uint8_t* to = out + (y * columns + x) * step->channels;
+    const int is_pair = x + 1 < columns;
+    gather(layer, patch, step->gathered);
+    if (is_pair) {
+      gather(layer, patch + to_next, step->gathered + layer->gathered_bytes);
+    }
+    if (!is_pair) {
+      all_groups(step, to, 0, layer->wide);
+    } else if (layer->wide) {
+      all_groups(step, to, 1, 1);
+    } else {
+      all_groups(step, to, 1, 0);
+    }
+  }
+}
+
+static void convolve_in_place(const layer_step_t* step, uint8_t* out, int32_t rows, int32_t columns,
+                              layer_share_t share) {
+  const layer_t* layer = step->layer;
+  const int32_t to_next = layer->stride_columns * step->in_channels;
   // A unit of work is a row of places by four output channels.
   for (int32_t unit = share.core; unit < step->groups * rows; unit += share.cores) {
     const int32_t y = unit / step->groups;
@@ -121,6 +192,18 @@ void layer_convolve(const layer_step_t* step, layer_share_t share) {
     } else {
       row_of_places(layer, group, patch, to_next, to, columns, step->channels, 0);
     }
+  }
+}
+
+void layer_convolve(const layer_step_t* step, layer_share_t share) {
+  const layer_t* layer = step->layer;
+  const int32_t rows = step->rows * layer->pool;
+  const int32_t columns = layer->out_columns * layer->pool;
+  uint8_t* out = layer->pool > 1 ? step->unpooled : step->out;
+  if (layer->gather_runs > 0) {
+    convolve_gathered(step, out, rows, columns, share);
+  } else {
+    convolve_in_place(step, out, rows, columns, share);
   }
   if (layer->pool > 1) {
     machine_barrier();

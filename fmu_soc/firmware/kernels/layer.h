@@ -69,6 +69,12 @@ typedef struct {
   int32_t runs_y, runs_x, run_words;
   int32_t step_x, step_y;
   int32_t group_bytes;
+  // Convolution: if gather_runs > 0, a core first copies the patches of two places to its part of l1_gathered. A patch
+  // has so many rows of so many runs of bytes; steps are bytes from the start of a run to the next one.
+  int32_t gather_rows, gather_runs, gather_bytes;
+  int32_t gather_step, gather_row_step;
+  int32_t gathered_bytes;  // of a patch, whole words
+  uint32_t l1_gathered;
   // Add, multiply
   int32_t factors[2];
   int32_t zeros[2];
@@ -126,7 +132,7 @@ typedef struct {
 void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t first, int32_t count,
                 layer_share_t share);
 
-#define LAYER_L1_RESERVED 256
+#define LAYER_L1_RESERVED 320
 
 #ifdef __cplusplus
 }

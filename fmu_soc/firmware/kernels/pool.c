@@ -2,10 +2,6 @@
 // Maximum and mean of the places of a window, channel by channel.
 #include "kernels/work.h"
 
-#ifdef __riscv
-#include "runtime/xpulp.h"
-#endif
-
 typedef struct {
   const uint8_t* in;
   int32_t rows, columns;  // of the window

@@ -174,6 +174,7 @@ static void compute(const layer_network_t* n, const layer_t* layer, const cursor
   step.data = n->l1 + layer->l1_data[at->data];
   step.out = n->l1 + layer->l1_out[at->out];
   step.unpooled = n->l1 + layer->l1_unpooled;
+  step.gathered = n->l1 + layer->l1_gathered + share.core * (2 * layer->gathered_bytes + 4);  // a copy may exceed it
   step.rows = rows_of(layer, at->tile);
   step.channels = block->channels;
   step.groups = block->groups;

@@ -10,6 +10,7 @@ import numpy as np
 
 _LEAST_SHIFT, _MOST_SHIFT = 1, 22  # of the upper word; the zero of the output must fit above it
 LARGEST_SUM = (1 << 31) - 1
+LEAST_NARROW = 1024  # as a multiplier of 32-bit products: its rounding changes the largest byte by an eighth at most
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,9 +62,10 @@ class Requantisation:
 def requantisation(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisation:
     """Returns the integers for real factors per channel. ``bounds``: largest magnitudes of the sums."""
     factors = np.asarray(factors, dtype=np.float64)
-    if (factors < 0.25).all():
+    bounds = np.asarray(bounds, dtype=np.float64)
+    if (factors < 0.25).all() and (_narrow_multipliers(factors, zero, bounds)[0] < LEAST_NARROW).any():
         return _wide(factors, zero)
-    return _narrow(factors, zero, np.asarray(bounds, dtype=np.float64))
+    return _narrow(factors, zero, bounds)
 
 
 def _wide(factors: np.ndarray, zero: int) -> Requantisation:
@@ -76,10 +78,15 @@ def _wide(factors: np.ndarray, zero: int) -> Requantisation:
     return Requantisation(multipliers, addends, shifts, True)
 
 
-def _narrow(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisation:
+def _narrow_multipliers(factors: np.ndarray, zero: int, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Returns the largest multipliers whose products fit into 32 bits, and their shifts."""
     most = bounds * factors + zero + 1
     shifts = np.clip(np.floor(np.log2(LARGEST_SUM / np.maximum(most, 1e-9))) - 1, 1, _MOST_SHIFT).astype(np.int64)
-    multipliers = np.floor(np.ldexp(factors, shifts) + 0.5).astype(np.int64)
+    return np.floor(np.ldexp(factors, shifts) + 0.5).astype(np.int64), shifts
+
+
+def _narrow(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisation:
+    multipliers, shifts = _narrow_multipliers(factors, zero, bounds)
     addends = (zero << shifts) + (np.int64(1) << (shifts - 1))
     if (bounds * multipliers + np.abs(addends) > LARGEST_SUM).any():
         raise OverflowError("the sums of a layer do not fit into 32 bits")

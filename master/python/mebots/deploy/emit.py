@@ -15,7 +15,7 @@ from mebots.deploy.graph import Tensor
 from mebots.deploy.layers import Layer, Network
 from mebots.deploy.plan import Part, Plan, Steps
 
-L1_RESERVED = 256  # LAYER_L1_RESERVED
+L1_RESERVED = 320  # LAYER_L1_RESERVED
 _PICTURE = 0xFFFFFFFF
 _KINDS = {
     "convolution": "LAYER_CONVOLUTION",
@@ -138,6 +138,7 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
             "tiles": steps.tiles,
             **{name: f"{{{getattr(steps, name)[0]}, {getattr(steps, name)[1]}}}" for name in ("l1_in", "l1_other", "l1_data", "l1_out")},
             "l1_unpooled": steps.l1_unpooled,
+            "l1_gathered": steps.l1_gathered,
         }
     return fields | _own_fields(layer)
 
@@ -145,7 +146,7 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
 def _own_fields(layer: Layer) -> dict[str, Any]:
     """The fields of one kind of layer."""
     if layer.kind == "convolution":
-        return _run_fields(layer)
+        return _run_fields(layer) | _gather_fields(layer)
     if layer.kind == "average_pool":
         return {"zeros": f"{{{int(not layer.counts_pads)}, 0}}"}
     if layer.kind == "add":
@@ -163,6 +164,8 @@ def _run_fields(layer: Layer) -> dict[str, int]:
     channels = layer.inputs[0].channels
     pitch = (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
     # From the end of a run to the start of the next one; the step of a row follows the step of its last run.
+    if runs_y * runs_x == 1:
+        return {"runs_y": 1, "runs_x": 1, "run_words": length // 4, "group_bytes": planning.group_bytes(layer)}
     step_x = layer.dilations[1] * channels - length if runs_x > 1 else 0
     step_y = layer.dilations[0] * pitch - runs_x * (length + step_x)
     return {
@@ -172,6 +175,22 @@ def _run_fields(layer: Layer) -> dict[str, int]:
         "step_x": step_x,
         "step_y": step_y,
         "group_bytes": planning.group_bytes(layer),
+    }
+
+
+def _gather_fields(layer: Layer) -> dict[str, int]:
+    if not planning.gathers(layer):
+        return {}
+    rows, runs, run = planning.gather_geometry(layer)
+    channels = layer.inputs[0].channels
+    pitch = (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
+    return {
+        "gather_rows": rows,
+        "gather_runs": runs,
+        "gather_bytes": run,
+        "gather_step": layer.dilations[1] * channels,
+        "gather_row_step": layer.dilations[0] * pitch,
+        "gathered_bytes": planning.align(planning.patch_bytes(layer)),
     }
 
 

@@ -13,6 +13,8 @@ from mebots.errors import InputError
 ALIGNMENT = 4
 GROUP = 4  # output channels that a kernel computes together
 GROUP_HEADER = 60  # layer_group_t
+LONG_RUN = 32  # bytes
+CORES = 8
 SLACK = 16  # bytes that kernels may read after a buffer
 ROWS_KINDS = ("convolution", "max_pool", "average_pool")
 FLAT_KINDS = ("add", "multiply", "table")
@@ -50,6 +52,7 @@ class Steps:
     l1_data: tuple[int, int]
     l1_out: tuple[int, int]
     l1_unpooled: int
+    l1_gathered: int
     l1_bytes: int
 
 
@@ -83,6 +86,7 @@ def _shift(steps: Steps, by: int) -> None:
         a, b = getattr(steps, name)
         setattr(steps, name, (a + by, b + by))
     steps.l1_unpooled += by
+    steps.l1_gathered += by
 
 
 def _lifetimes(network: Network) -> dict[Tensor, tuple[int, int]]:
@@ -120,8 +124,15 @@ def _place(lifetimes: dict[Tensor, tuple[int, int]]) -> tuple[dict[Tensor, int],
     return offsets, size
 
 
-def run_geometry(layer: Layer) -> tuple[int, int, int]:
-    """Returns how many runs of contiguous bytes a patch has per row and column, and the bytes of each."""
+def gathers(layer: Layer) -> bool:
+    """True if patches are copied first: their runs of contiguous bytes are short."""
+    if layer.kind != "convolution" or layer.groups > 1:
+        return False
+    rows, columns, run = _patch_runs(layer)
+    return rows * columns > 1 and run < LONG_RUN
+
+
+def _patch_runs(layer: Layer) -> tuple[int, int, int]:
     each = layer.weight.shape[1]
     rows, columns = layer.kernel
     if layer.groups > 1 or layer.dilations[1] > 1:
@@ -129,6 +140,20 @@ def run_geometry(layer: Layer) -> tuple[int, int, int]:
     if layer.dilations[0] == 1 and columns == layer.inputs[0].columns and not (layer.pads[1] or layer.pads[3]):
         return 1, 1, rows * columns * each
     return rows, 1, columns * each
+
+
+def patch_bytes(layer: Layer) -> int:
+    return math.prod(layer.weight.shape[1:])
+
+
+def run_geometry(layer: Layer) -> tuple[int, int, int]:
+    """Returns how many runs of contiguous bytes a patch has per row and column, and the bytes of each."""
+    return (1, 1, patch_bytes(layer)) if gathers(layer) else _patch_runs(layer)
+
+
+def gather_geometry(layer: Layer) -> tuple[int, int, int]:
+    """The same before the patch is copied."""
+    return _patch_runs(layer)
 
 
 def group_bytes(layer: Layer) -> int:
@@ -178,22 +203,20 @@ def flat_rows(layer: Layer) -> int:
 
 
 def _steps(layer: Layer, available: int, board: str) -> Steps | None:
-    """Returns the cut with the least traffic, then with the fewest steps."""
+    """Returns the cut that is estimated to take the fewest cycles."""
     if layer.kind not in ROWS_KINDS and layer.kind not in FLAT_KINDS:
         return None
     best: tuple[float, Steps] | None = None
     least = None
     for count in _counts(layer):
         parts = _parts(layer, count)
-        rows = _most_rows(layer, parts, available)
         need = _layout(layer, parts, 1).l1_bytes
         least = need if least is None else min(least, need)
-        if rows == 0:
-            continue
-        steps = _layout(layer, parts, rows)
-        cost = _cost(layer, steps)
-        if best is None or cost < best[0]:
-            best = (cost, steps)
+        for rows in _row_choices(layer, parts, available):
+            steps = _layout(layer, parts, rows)
+            cost = estimate(layer, steps)
+            if best is None or cost < best[0]:
+                best = (cost, steps)
     if best is None:
         raise InputError(
             f"layer {layer.name} ({layer.op}) does not fit into L1 of board {board}: its smallest step needs {least} bytes, {available} are available. "
@@ -203,8 +226,8 @@ def _steps(layer: Layer, available: int, board: str) -> Steps | None:
     return best[1]
 
 
-def _most_rows(layer: Layer, parts: list[Part], available: int) -> int:
-    """Returns the most rows of a tile that fit, spread evenly over the tiles; 0 if not even one fits."""
+def _row_choices(layer: Layer, parts: list[Part], available: int) -> list[int]:
+    """Returns rows of a tile that fit: the most, and those of a few tiles more."""
     out_rows = flat_rows(layer) if layer.kind in FLAT_KINDS else layer.output.rows
     low, high = 0, out_rows
     while low < high:
@@ -213,7 +236,13 @@ def _most_rows(layer: Layer, parts: list[Part], available: int) -> int:
             low = middle
         else:
             high = middle - 1
-    return 0 if low == 0 else math.ceil(out_rows / math.ceil(out_rows / low))
+    if low == 0:
+        return [out_rows] if _layout(layer, parts, out_rows).l1_bytes <= available else []
+    tiles = math.ceil(out_rows / low)
+    rows = {math.ceil(out_rows / (tiles + more)) for more in range(8) if tiles + more <= out_rows}
+    if _layout(layer, parts, out_rows).l1_bytes <= available:  # one tile has no second buffer
+        rows.add(out_rows)
+    return sorted(rows)
 
 
 def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
@@ -248,7 +277,8 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
     l1_data = two(data, len(parts) > 1) if data else (at, at)
     l1_out = two(out_size, tiles * len(parts) > 1)
     l1_unpooled = two(unpooled, False)[0] if unpooled else at
-    return Steps(rows, tiles, parts, sliced, _by_tile(layer, parts, tiles, sliced), l1_in, l1_other, l1_data, l1_out, l1_unpooled, at)
+    l1_gathered = two(CORES * (2 * align(patch_bytes(layer)) + 4), False)[0] if gathers(layer) else at
+    return Steps(rows, tiles, parts, sliced, _by_tile(layer, parts, tiles, sliced), l1_in, l1_other, l1_data, l1_out, l1_unpooled, l1_gathered, at)
 
 
 def _by_tile(layer: Layer, parts: list[Part], tiles: int, sliced: bool) -> bool:
@@ -259,14 +289,39 @@ def _by_tile(layer: Layer, parts: list[Part], tiles: int, sliced: bool) -> bool:
     return tiles * weights + layer.inputs[0].size < weights + len(parts) * layer.inputs[0].size
 
 
-def _cost(layer: Layer, steps: Steps) -> float:
-    """Bytes moved, with those of a step that nothing hides, and about 500 bytes for the start of a step."""
-    weights = sum(data_bytes(layer, one) for one in steps.parts)
-    size = layer.inputs[0].size
-    if steps.by_tile:
-        moved = size + steps.tiles * weights
-    else:
-        moved = weights + size * (len(steps.parts) if steps.tiles > 1 and not steps.sliced else 1)
+def estimate(layer: Layer, steps: Steps) -> float:
+    """Cycles of a layer: the cores' and the DMA's, of which the longer one counts, and what neither hides."""
     count = steps.tiles * len(steps.parts)
-    exposed = (size / steps.tiles + weights / len(steps.parts) + layer.output.size / count)
-    return moved + exposed + 500 * count
+    weights = sum(data_bytes(layer, one) for one in steps.parts)
+    fetched = sum(one.size for one in layer.inputs)
+    if steps.by_tile:
+        weights *= steps.tiles
+    elif steps.tiles > 1 and not steps.sliced:
+        fetched *= len(steps.parts)
+    rows_copied = steps.tile_rows if any(layer.pads) else 1
+    copied = (fetched + weights + layer.output.size) / _BYTES_PER_CYCLE + count * rows_copied * _CYCLES_PER_COPY
+    first = (fetched / (count if steps.by_tile or steps.tiles > 1 else 1) + weights / len(steps.parts)) / _BYTES_PER_CYCLE
+    work = sum(_step_cycles(layer, steps, one) for one in steps.parts) * steps.tiles
+    return max(work, copied) + first + layer.output.size / count / _BYTES_PER_CYCLE + count * _CYCLES_PER_STEP
+
+
+_BYTES_PER_CYCLE = 7.0
+_CYCLES_PER_COPY = 60
+_CYCLES_PER_STEP = 250
+
+
+def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
+    """Cycles of the cores for a part of a tile, with those in which some of them wait for others."""
+    if layer.kind in FLAT_KINDS:
+        return steps.tile_rows * 12 / CORES
+    rows, columns = steps.tile_rows * layer.pool, layer.output.columns * layer.pool
+    pairs = math.ceil(columns / 2)
+    if layer.kind != "convolution":
+        area = layer.kernel[0] * layer.kernel[1]
+        return rows * columns * part.channels * area * 4 / CORES
+    runs_y, runs_x, run = run_geometry(layer)
+    words = math.ceil(run / 4)
+    pair = runs_y * runs_x * (14 * words + 8) + 110
+    if gathers(layer):
+        return math.ceil(rows * pairs / CORES) * (len(part.groups) * pair + 3 * patch_bytes(layer))
+    return math.ceil(rows * len(part.groups) / CORES) * (pairs * pair + 60)
