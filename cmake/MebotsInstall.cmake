@@ -126,7 +126,7 @@ endforeach()
 if(MEBOTS_CHIP)
   install(DIRECTORY fmu_soc/include/mebots/soc DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots)
   install(DIRECTORY fmu_soc/firmware/runtime fmu_soc/firmware/drivers fmu_soc/firmware/gap8
-    fmu_soc/firmware/kernels DESTINATION ${share}/fmu_soc/firmware)
+    fmu_soc/firmware/kernels fmu_soc/firmware/app DESTINATION ${share}/fmu_soc/firmware)
   install(FILES ${PROJECT_BINARY_DIR}/boards/gap8_drone.json DESTINATION ${share}/configs/boards)
   # For mebots_soc_fmu(): its model is compiled with the variables of each board. No public headers.
   install(FILES fmu_soc/description.json fmu_soc/model.png DESTINATION ${share}/fmu_soc)

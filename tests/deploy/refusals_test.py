@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What `mebots deploy` cannot use is refused with names and exit code 2, and leaves no folder behind."""
+"""`mebots deploy` refuses input that it cannot use, with names and exit code 2, and leaves no folder behind."""
 
 import contextlib
 import io

@@ -127,10 +127,19 @@ static inline __attribute__((always_inline)) void row_of_places(const layer_t* l
 
 // Copies a patch to contiguous bytes. Words may exceed a run; the next run then replaces what is too much.
 static void gather(const layer_t* layer, const uint8_t* patch, uint8_t* to) {
-  for (int32_t y = 0; y < layer->gather_rows; ++y, patch += layer->gather_row_step) {
+  const int32_t bytes = layer->gather_bytes;
+  const int32_t step = layer->gather_row_step;
+  if (layer->gather_runs == 1 && bytes <= 8) {
+    for (int32_t y = layer->gather_rows; y > 0; --y, patch += step, to += bytes) {
+      copy_four(to, patch);
+      copy_four(to + 4, patch + 4);
+    }
+    return;
+  }
+  for (int32_t y = 0; y < layer->gather_rows; ++y, patch += step) {
     const uint8_t* run = patch;
-    for (int32_t x = 0; x < layer->gather_runs; ++x, run += layer->gather_step, to += layer->gather_bytes) {
-      for (int32_t i = 0; i < layer->gather_bytes; i += 4) {
+    for (int32_t x = 0; x < layer->gather_runs; ++x, run += layer->gather_step, to += bytes) {
+      for (int32_t i = 0; i < bytes; i += 4) {
         copy_four(to + i, run + i);
       }
     }

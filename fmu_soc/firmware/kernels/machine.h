@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the layers need of the machine: barrier and DMA of the cluster. On another machine, copies are immediate, and
-// one core computes everything.
+// Functions of the machine that the layers need: barrier and DMA of the cluster. On another machine, copies are
+// immediate, and one core computes everything.
 #pragma once
 
 #include <stdint.h>

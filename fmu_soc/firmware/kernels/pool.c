@@ -22,13 +22,27 @@ static uint8_t largest(const window_t* w, int32_t channel) {
 #ifdef __riscv
 
 // Computes four channels at a time. Returns how many are computed.
-static int32_t largest_of_fours(const window_t* w, uint8_t* to) {
+static inline __attribute__((always_inline)) int32_t largest_of_fours(const window_t* w, uint8_t* to) {
+  const int32_t channels = w->channels, pitch = w->pitch, rows = w->rows, columns = w->columns;
+  const uint8_t* in = w->in;
   int32_t channel = 0;
-  for (; channel + 4 <= w->channels; channel += 4) {
+  if (rows == 2 && columns == 2) {
+    for (; channel + 4 <= channels; channel += 4, in += 4) {
+      const xpulp_word* upper = (const xpulp_word*)(const void*)in;
+      const xpulp_word* lower = (const xpulp_word*)(const void*)(in + pitch);
+      const uint32_t left = xpulp_maxu_b(*upper, *lower);
+      const uint32_t right = xpulp_maxu_b(*(const xpulp_word*)(const void*)(in + channels),
+                                          *(const xpulp_word*)(const void*)(in + pitch + channels));
+      *(xpulp_word*)(void*)(to + channel) = xpulp_maxu_b(left, right);
+    }
+    return channel;
+  }
+  for (; channel + 4 <= channels; channel += 4, in += 4) {
     uint32_t result = 0;
-    for (int32_t i = 0; i < w->rows; ++i) {
-      const uint8_t* at = w->in + i * w->pitch + channel;
-      for (int32_t j = 0; j < w->columns; ++j, at += w->channels) {
+    const uint8_t* row = in;
+    for (int32_t i = rows; i > 0; --i, row += pitch) {
+      const uint8_t* at = row;
+      for (int32_t j = columns; j > 0; --j, at += channels) {
         result = xpulp_maxu_b(result, *(const xpulp_word*)(const void*)at);
       }
     }
@@ -60,13 +74,18 @@ void layer_max_pool(const layer_step_t* step, layer_share_t share) {
   window.channels = is_fused ? step->channels : step->in_channels;
   window.pitch = is_fused ? columns * layer->pool * step->channels : step->in_pitch;
   const uint8_t* in = is_fused ? step->unpooled : step->in;
-  for (int32_t unit = share.core; unit < step->rows * columns; unit += share.cores) {
-    const int32_t y = unit / columns;
-    const int32_t x = unit - y * columns;
-    uint8_t* to = step->out + unit * step->channels;
-    window.in = in + y * row_stride * window.pitch + x * stride * window.channels;
-    for (int32_t channel = largest_of_fours(&window, to); channel < step->channels; ++channel) {
-      to[channel] = largest(&window, channel);
+  // A unit of work is a part of a row, so that all cores have some.
+  const int32_t length = (columns + 3) / 4;
+  for (int32_t unit = share.core; unit < step->rows * 4; unit += share.cores) {
+    const int32_t y = unit / 4;
+    int32_t x = (unit & 3) * length;
+    const int32_t end = x + length < columns ? x + length : columns;
+    for (; x < end; ++x) {
+      uint8_t* to = step->out + (y * columns + x) * step->channels;
+      window.in = in + y * row_stride * window.pitch + x * stride * window.channels;
+      for (int32_t channel = largest_of_fours(&window, to); channel < step->channels; ++channel) {
+        to[channel] = largest(&window, channel);
+      }
     }
   }
 }

@@ -34,7 +34,7 @@ static void make_place(copies_t* copies) {
   }
 }
 
-// Where a step of a layer is, and which of each two buffers it uses.
+// Position of a step in its layer, and which of each two buffers it uses.
 typedef struct {
   int32_t block, tile;
   int in, data, out;
@@ -127,7 +127,7 @@ static void fetch_rows(copies_t* copies, const layer_t* layer, const layer_block
   }
 }
 
-// Where the tensors of a layer are.
+// Tensors of a layer.
 typedef struct {
   const uint8_t* in;
   const uint8_t* other;
@@ -174,7 +174,7 @@ static void compute(const layer_network_t* n, const layer_t* layer, const cursor
   step.data = n->l1 + layer->l1_data[at->data];
   step.out = n->l1 + layer->l1_out[at->out];
   step.unpooled = n->l1 + layer->l1_unpooled;
-  step.gathered = n->l1 + layer->l1_gathered + share.core * (2 * layer->gathered_bytes + 4);  // a copy may exceed it
+  step.gathered = n->l1 + layer->l1_gathered + share.core * (2 * layer->gathered_bytes + 8);  // copies may exceed it
   step.rows = rows_of(layer, at->tile);
   step.channels = block->channels;
   step.groups = block->groups;

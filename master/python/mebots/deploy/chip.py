@@ -25,6 +25,22 @@ CLOCK_HZ = 87_000_000
 """The cluster's highest clock at 1.0 V."""
 _TIME_LIMIT_S = 600
 _RUNTIME = ("cluster.c", "cluster_start.S", "crt0.S", "console.c", "exit.c", "memory.c", "sleep.c", "trap.c")
+PILOTS = {
+    "sight": ("app/policy.c", "app/sight_deployed.c", "app/sight_main.c", "app/traverser.c", "drivers/camera.c", "drivers/timer.c"),
+    "navigator": (
+        "app/follower.c",
+        "app/gate_finder.c",
+        "app/main.c",
+        "app/navigator_deployed.c",
+        "app/navigator_gate_finder.c",
+        "app/pilot.c",
+        "app/policy.c",
+        "app/work_picture.c",
+        "drivers/camera.c",
+        "drivers/timer.c",
+    ),
+}
+"""Programs that fly with a deployed network, and their sources. CMakeLists.txt of the firmware has those with our own."""
 _CHIP_OPTIONS = ("-march=rv32imc_zicsr", "-mabi=ilp32", "-mcmodel=medany", "-O3", "-g", "-ffreestanding", "-ffunction-sections", "-fdata-sections")
 
 
@@ -130,26 +146,39 @@ class Build:
         return out
 
     def chip(self) -> pathlib.Path:
+        """Builds the program that checks and measures."""
         gcc = compiler()
         if "gap8_event_unit" in self._board.path.read_text():
             raise InputError(f"board {self._board.name} has GAP8's own event unit, for which networks cannot be measured yet. Use ai_deck", "not_offered")
+        self._make_header()
+        return self._link(gcc, self._own(), [*(self._firmware / "runtime" / one for one in _RUNTIME), *self._shared()], "check.elf")
+
+    def pilot(self, name: str) -> pathlib.Path:
+        """Builds a flight's program with the network in place of its own."""
+        gcc = compiler()
+        self._make_header()
+        shared = [*(self._firmware / "runtime" / one for one in _RUNTIME), *self._shared(), *(self._firmware / one for one in PILOTS[name])]
+        return self._link(gcc, [self._firmware / "app/deployed.c", *self._own()[1:]], shared, f"{name}.elf")
+
+    def _make_header(self) -> None:
         header = self._objects / "board.h"
         if not header.exists():
             run_program([program("mebots-boardgen"), self._board.path, "--c", header], "mebots-boardgen")
+
+    def _link(self, gcc: str, own: Sequence[pathlib.Path], shared: Sequence[pathlib.Path], name: str) -> pathlib.Path:
         script = self._scratch / "link.ld"
+        header = self._objects / "board.h"
         run_program([gcc, "-E", "-P", "-x", "assembler-with-cpp", "-include", header, self._firmware / "runtime/link.ld.in", "-o", script], "the linker script")
-        shared = [*(self._firmware / "runtime" / one for one in _RUNTIME), *self._shared()]
-        objects = [self._compiled([gcc, *_CHIP_OPTIONS], source, "chip") for source in shared]
-        for source in self._own():
+        maps = [f"-ffile-prefix-map={self._firmware}=.", f"-ffile-prefix-map={self._library}=.", f"-ffile-prefix-map={self._objects}=."]
+        objects = [self._compiled([gcc, *_CHIP_OPTIONS, *maps], source, "chip") for source in shared]
+        for source in own:
             out = self._scratch / f"{source.name}.o"
             standard = ["-std=c11"] if source.suffix == ".c" else []
-            run_program(
-                [gcc, *_CHIP_OPTIONS, *standard, f"-I{self._firmware}", f"-I{self._objects}", f"-I{self._library}", "-c", source, "-o", out],
-                f"compiling {source.name}",
-            )
+            folders = [f"-I{one}" for one in (self._firmware, self._objects, self._library)]
+            run_program([gcc, *_CHIP_OPTIONS, *maps, *standard, *folders, "-c", source, "-o", out], f"compiling {source.name}")
             objects.append(out)
         library = run_program([gcc, "-march=rv32im", "-mabi=ilp32", "-print-libgcc-file-name"], "the compiler").strip()
-        elf = self._scratch / "check.elf"
+        elf = self._scratch / name
         link = [gcc, "-march=rv32imc", "-mabi=ilp32", "-nostdlib", "-Wl,--gc-sections", "-T", script, *objects, library, "-o", elf]
         try:
             run_program(link, "linking")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is asked for, and what comes of it in memory."""
+"""Options of a deployment, and its result in memory."""
 
 from __future__ import annotations
 

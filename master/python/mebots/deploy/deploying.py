@@ -96,7 +96,8 @@ def _fill(folder: pathlib.Path, deployed: Deployed, options: Options) -> dict[st
         (folder / name).write_bytes(content)
     vectors = _write_vectors(folder, deployed, options.vectors)
     measurement = check_and_measure(folder, folder.parent, deployed, options)
-    content = contract(deployed, options, vectors) | {"files": _hashes(folder)}
+    pilot = _build_pilot(folder, deployed) if options.measure else {}
+    content = contract(deployed, options, vectors) | {"flight": pilot, "files": _hashes(folder)}
     if measurement is not None:
         content["measured"] = result_of(deployed, measurement)
     (folder / "network.json").write_text(json.dumps(content, indent=2) + "\n")
@@ -131,6 +132,21 @@ def check_and_measure(
     if not with_cost:
         return None
     return measure(elf, network, picture, sizes, deployed.board)
+
+
+def _build_pilot(folder: pathlib.Path, deployed: Deployed) -> dict[str, str]:
+    """Builds the flight's program for networks whose input and outputs fit one. Says why not otherwise."""
+    values = sum(one.size for one in deployed.network.outputs)
+    names = {1: "navigator", 4: "sight"}
+    if deployed.network.input.channels != 1 or deployed.network.input.rows < 2 or values not in names:
+        return {"none": f"a flight needs one grey picture, and one output (yaw) or four (yaw, rise, size, visible); this network has {values}"}
+    name = names[values]
+    try:
+        elf = chip.Build(folder, folder.parent, deployed.board).pilot(name)
+    except InputError as error:
+        return {"none": str(error)}
+    shutil.copy(elf, folder / f"{name}.elf")
+    return {"program": f"{name}.elf"}
 
 
 def _write_vectors(folder: pathlib.Path, deployed: Deployed, count: int) -> list[dict[str, Any]]:

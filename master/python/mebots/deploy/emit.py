@@ -229,7 +229,7 @@ def emit(network: Network, plan: Plan) -> Sources:
         rows.append(f"    // {layer.name}: {layer.op}\n    {{{text}}},\n")
     content = weights.content()
     files = {
-        "network.h": _header(network).encode(),
+        "network.h": _header(network, plan).encode(),
         "network.c": _source(network, plan, rows).encode(),
         "network_weights.S": _assembler().encode(),
         "network.weights": content,
@@ -238,7 +238,7 @@ def emit(network: Network, plan: Plan) -> Sources:
     return Sources(files, len(content))
 
 
-def _header(network: Network) -> str:
+def _header(network: Network, plan: Plan) -> str:
     members, macros = [], []
     for name, tensor in zip(output_names(network), network.outputs, strict=True):
         scale = network.scales[tensor]
@@ -262,6 +262,8 @@ extern "C" {{
 #define NETWORK_CHANNELS {channels}
 #define NETWORK_PICTURE_BYTES {math.prod((rows, columns, channels))}
 #define NETWORK_LAYERS {len(network.layers)}
+// Bytes of L1 that the network uses.
+#define NETWORK_L1_BYTES {l1_bytes(plan)}
 
 // Outputs; the real value is the number times the output's step.
 {"".join(macros)}
@@ -279,11 +281,30 @@ int network_run_on(unsigned cores, const uint8_t picture[NETWORK_PICTURE_BYTES],
 // last one.
 const uint8_t* network_run_layers(unsigned cores, const uint8_t picture[NETWORK_PICTURE_BYTES], int first, int count);
 
+// Returns an output value in 127ths. `index` counts the values of all outputs in their order.
+int32_t network_in_127ths(const network_result_t* result, int index);
+
+// Returns the network's part of L1, which may be used between two inferences.
+uint8_t* network_l1_buffer(void);
+
 #ifdef __cplusplus
 }}
 #endif
 """
     )
+
+
+def l1_bytes(plan: Plan) -> int:
+    """What kernels may read after the last buffer, and enough for the rows of a camera's picture (app/deployed.c)."""
+    return max(plan.l1_bytes + 16, 16 << 10)
+
+
+def _factors(network: Network) -> str:
+    rows, end = [], 0
+    for tensor in network.outputs:
+        end += tensor.size
+        rows.append(f"{{{end}, INT64_C({math.floor(127 * network.scales[tensor].step * 2**24 + 0.5)})}}")
+    return ", ".join(rows)
 
 
 def _source(network: Network, plan: Plan, rows: list[str]) -> str:
@@ -306,7 +327,7 @@ def _source(network: Network, plan: Plan, rows: list[str]) -> str:
 #endif
 
 static uint8_t network_memory[{plan.memory_bytes}] NOT_CLEARED;
-static uint8_t network_l1[{plan.l1_bytes + 16}] CLUSTER_L1 __attribute__((aligned(8)));
+static uint8_t network_l1[NETWORK_L1_BYTES] CLUSTER_L1 __attribute__((aligned(8)));
 
 extern const uint8_t network_weights[];
 
@@ -372,6 +393,23 @@ int network_run(const uint8_t picture[NETWORK_PICTURE_BYTES], network_result_t* 
 const uint8_t* network_run_layers(unsigned cores, const uint8_t picture[NETWORK_PICTURE_BYTES], int first, int count) {{
   run(cores, picture, first, count);
   return network_memory + layers[first + count - 1].out;
+}}
+
+int32_t network_in_127ths(const network_result_t* result, int index) {{
+  static const struct {{
+    int32_t end;
+    int64_t factor;  // 127 x the output's step x 2^24
+  }} outputs[] = {{{_factors(network)}}};
+  const int16_t* values = (const int16_t*)result;
+  int i = 0;
+  while (index >= outputs[i].end) {{
+    ++i;
+  }}
+  return (int32_t)((values[index] * outputs[i].factor + (1 << 23)) >> 24);
+}}
+
+uint8_t* network_l1_buffer(void) {{
+  return network_l1;
 }}
 """
     )

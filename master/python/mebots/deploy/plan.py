@@ -22,7 +22,7 @@ FLAT_KINDS = ("add", "multiply", "table")
 
 @dataclasses.dataclass(frozen=True)
 class Memory:
-    """What a board has for a network [bytes]."""
+    """Bytes that a board has for a network."""
 
     l1: int
     l2: int
@@ -277,7 +277,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
     l1_data = two(data, len(parts) > 1) if data else (at, at)
     l1_out = two(out_size, tiles * len(parts) > 1)
     l1_unpooled = two(unpooled, False)[0] if unpooled else at
-    l1_gathered = two(CORES * (2 * align(patch_bytes(layer)) + 4), False)[0] if gathers(layer) else at
+    l1_gathered = two(CORES * (2 * align(patch_bytes(layer)) + 8), False)[0] if gathers(layer) else at
     return Steps(rows, tiles, parts, sliced, _by_tile(layer, parts, tiles, sliced), l1_in, l1_other, l1_data, l1_out, l1_unpooled, l1_gathered, at)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `mebots deploy` says about a network: network.json and the table on the terminal."""
+"""Description of a deployed network: network.json and the table on the terminal."""
 
 from __future__ import annotations
 
@@ -102,6 +102,11 @@ def shown(content: dict[str, Any]) -> str:
             f"one inference on {measured['cores']} cores at {measured['cluster_clock'] / 1e6:.4g} MHz of board {measured['board']}: "
             f"{1e3 * total['time']:.3f} ms, {1e3 * total['energy']:.4g} mJ"
         )
+    flight = content.get("flight", {})
+    if "program" in flight:
+        lines.append(f"flies: --set soc.firmware=FOLDER/{flight['program']}")
+    elif flight:
+        lines.append(f"does not fly: {flight['none']}")
     return "\n".join(lines)
 
 

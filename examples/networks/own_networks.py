@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the shipped networks as ONNX: navigator.onnx and sight.onnx, each with pictures for the calibration (.npy).
+
+Their weights are whole numbers, so the float model has nearly the values of the firmware's own kernels."""
+
+import argparse
+import pathlib
+
+import numpy as np
+import onnx
+from onnx import TensorProto, helper, numpy_helper
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+EDGE = 168
+STRIDES = (2, 2, 1, 2, 1, 2, 1)
+# Channels of the convolutions, and outputs (fmu_soc/firmware/nn/shape.h).
+NETWORKS = {"navigator": ((4, 4, 4, 16, 16, 32, 32), 1), "sight": ((8, 8, 8, 16, 16, 32, 32), 4)}
+
+
+def read_layers(name):
+    """Returns weights (out, in, rows, columns), biases and shifts of each layer from the firmware's file."""
+    channels, outputs = NETWORKS[name]
+    content = (ROOT / f"fmu_soc/firmware/nn/{name}.weights").read_bytes()
+    at = 0
+
+    def take(count, kind):
+        nonlocal at
+        values = np.frombuffer(content, kind, count, at)
+        at += (values.nbytes + 3) // 4 * 4
+        return values
+
+    layers = []
+    before = 1
+    for number, out in enumerate((*channels, outputs)):
+        kernel = 6 if number == len(channels) else 5 if number == 0 else 3
+        biases, shifts = take(out, "<i4"), take(out, "u1")
+        weights = take(out * kernel * kernel * before, "i1").reshape(out, kernel, kernel, before)
+        layers.append((weights.transpose(0, 3, 1, 2), biases, shifts))
+        before = out
+    return layers
+
+
+def scaled(layer, step_in, step_out):
+    """The layer's weights and bias in float, for inputs and outputs in these steps. Half of a unit is in the biases."""
+    weights, biases, shifts = layer
+    factor = 2.0 ** -shifts.astype(float) * step_out
+    half = 2.0 ** (shifts.astype(float) - 1)
+    return (weights * (factor / step_in)[:, None, None, None]).astype(np.float32), ((biases - half) * factor).astype(np.float32)
+
+
+def model(name):
+    """Input: grey levels over 255, less 128 / 255. Outputs in [-1, 1]."""
+    layers = read_layers(name)
+    nodes = []
+    constants = [numpy_helper.from_array(np.float32(value), key) for key, value in (("least", 0), ("most", 1))]
+    source, step = "picture", 1 / 255
+    for number, layer in enumerate(layers):
+        last = number == len(layers) - 1
+        weights, bias = scaled(layer, step, 1 / 127 if last else 1 / 255)
+        step = 1 / 255
+        if last:
+            nodes.append(helper.make_node("Flatten", [source], ["flat"], name="flatten"))
+            source, weights = "flat", weights.reshape(len(weights), -1)
+        constants += [numpy_helper.from_array(weights, f"w{number}"), numpy_helper.from_array(bias, f"b{number}")]
+        if last:
+            nodes.append(helper.make_node("Gemm", [source, f"w{number}", f"b{number}"], ["outputs"], name="dense", transB=1))
+            break
+        border = weights.shape[2] // 2
+        geometry = {"strides": [STRIDES[number]] * 2, "pads": [border] * 4, "kernel_shape": list(weights.shape[2:])}
+        nodes.append(helper.make_node("Conv", [source, f"w{number}", f"b{number}"], [f"c{number}"], name=f"conv{number}", **geometry))
+        # A byte is at most 255.
+        nodes.append(helper.make_node("Clip", [f"c{number}", "least", "most"], [f"r{number}"], name=f"clip{number}"))
+        source = f"r{number}"
+        if number == 0:
+            nodes.append(helper.make_node("MaxPool", [source], ["pooled"], name="pool", kernel_shape=[2, 2], strides=[2, 2]))
+            source = "pooled"
+    picture = helper.make_tensor_value_info("picture", TensorProto.FLOAT, [1, 1, EDGE, EDGE])
+    outputs = helper.make_tensor_value_info("outputs", TensorProto.FLOAT, [1, NETWORKS[name][1]])
+    made = helper.make_model(helper.make_graph(nodes, name, [picture], [outputs], constants), opset_imports=[helper.make_opsetid("", 17)])
+    made.ir_version = 8
+    return made
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", type=pathlib.Path)
+    folder = parser.parse_args().folder
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, golden in (("navigator", "golden"), ("sight", "sight_golden")):
+        onnx.save(model(name), folder / f"{name}.onnx")
+        pictures = np.fromfile(ROOT / f"examples/paper/training/{golden}.pictures", np.int8).reshape(-1, 1, EDGE, EDGE)
+        np.save(folder / f"{name}.npy", pictures.astype(np.float32) / 255)
+        print(f"{folder / name}.onnx, {folder / name}.npy: {len(pictures)} pictures")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// A network that `mebots deploy` has written, on the camera's pictures.
+#pragma once
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Reduces the camera's picture to the network's, and computes the first `count` output values in 127ths, limited to
+// [-127, 127]. Returns false if the picture is smaller than the network's, or if the chip has no cluster.
+bool deployed_look(const uint8_t* frame, int width, int height, int8_t* values, int count);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sight firmware with a deployed network, whose outputs are those of sight.h in its order.
+#include "app/deployed.h"
+#include "app/sight.h"
+
+sight_t cluster_sight(const uint8_t* frame, int width, int height) {
+  int8_t values[4];
+  sight_t sight = {0, 0, 0, -127};
+  if (deployed_look(frame, width, height, values, 4)) {
+    sight.yaw = values[0];
+    sight.rise = values[1];
+    sight.size = values[2];
+    sight.visible = values[3];
+  }
+  return sight;
+}
