@@ -72,8 +72,8 @@ int main(void) {
     print("the cores are at work\n");
     return 1;
   }
-  const int16_t* values = (const int16_t*)&result;
-  for (unsigned i = 0; i < sizeof(result) / sizeof(int16_t); ++i) {
+  const int32_t* values = (const int32_t*)&result;
+  for (unsigned i = 0; i < sizeof(result) / sizeof(int32_t); ++i) {
     print("result %d\n", (int)values[i]);
   }
   return 0;

@@ -10,10 +10,10 @@
 // Adds the products of a patch for one or two places and four channels.
 static inline __attribute__((always_inline)) void add_products(const layer_t* layer, const layer_group_t* group,
                                                                const uint8_t* p0, int32_t to_next, int32_t sums[8],
-                                                               int is_pair, int is_one_run) {
+                                                               int is_pair, int is_one_run, int scaling) {
   const int words = layer->run_words;
   const int32_t channel = (is_one_run ? 1 : layer->runs_y * layer->runs_x) * words * 4;
-  const int8_t* w0 = (const int8_t*)(group + 1);
+  const int8_t* w0 = (const int8_t*)(group + 1) + (scaling == SCALING_EXACT ? 16 : 0);
   const int8_t* w1 = w0 + channel;
   const int8_t* w2 = w1 + channel;
   const int8_t* w3 = w2 + channel;
@@ -50,10 +50,10 @@ static inline __attribute__((always_inline)) void copy_four(uint8_t* to, const u
 #include <string.h>
 
 static void add_products(const layer_t* layer, const layer_group_t* group, const uint8_t* p0, int32_t to_next,
-                         int32_t sums[8], int is_pair, int is_one_run) {
+                         int32_t sums[8], int is_pair, int is_one_run, int scaling) {
   (void)is_one_run;
   const int32_t run = layer->run_words * 4;
-  const int8_t* weight = (const int8_t*)(group + 1);
+  const int8_t* weight = (const int8_t*)(group + 1) + (scaling == SCALING_EXACT ? 16 : 0);
   for (int place = 0; place <= is_pair; ++place) {
     const int8_t* w = weight;
     for (int channel = 0; channel < 4; ++channel) {
@@ -83,17 +83,35 @@ static void copy_four(uint8_t* to, const uint8_t* from) {
 
 #endif
 
+static inline __attribute__((always_inline)) int32_t byte_of(const layer_group_t* group, int i, int32_t sum,
+                                                             int scaling) {
+  if (scaling == SCALING_EXACT) {
+    const uint32_t* lower = (const uint32_t*)(const void*)(group + 1);
+    const int64_t addend = (int64_t)((uint64_t)(uint32_t)group->addend[i] << 32 | lower[i]);
+    return (int32_t)(((int64_t)sum * group->multiplier[i] + addend) >> 32) >> group->shift[i];
+  }
+  return scaled(sum, group->multiplier[i], group->addend[i], group->shift[i], scaling == SCALING_WIDE);
+}
+
 // Stores the bytes of four channels of one place, or of two, which are `to_next` bytes apart.
 static inline __attribute__((always_inline)) void store(const layer_t* layer, const layer_group_t* group,
                                                         const int32_t sums[8], uint8_t* to, int32_t to_next,
-                                                        int is_pair, int wide) {
+                                                        int is_pair, int scaling) {
   const int32_t low = layer->low, high = layer->high;
+  if (scaling == SCALING_NONE) {
+    for (int32_t i = 0; i < group->count; ++i) {
+      ((int32_t*)(void*)to)[i] = sums[i];
+      if (is_pair) {
+        ((int32_t*)(void*)(to + to_next))[i] = sums[4 + i];
+      }
+    }
+    return;
+  }
   int32_t bytes[8];
   for (int i = 0; i < 4; ++i) {
-    const int32_t multiplier = group->multiplier[i], addend = group->addend[i], shift = group->shift[i];
-    bytes[i] = limited(scaled(sums[i], multiplier, addend, shift, wide), low, high);
+    bytes[i] = limited(byte_of(group, i, sums[i], scaling), low, high);
     if (is_pair) {
-      bytes[4 + i] = limited(scaled(sums[4 + i], multiplier, addend, shift, wide), low, high);
+      bytes[4 + i] = limited(byte_of(group, i, sums[4 + i], scaling), low, high);
     }
   }
   if (group->count == 4) {
@@ -113,15 +131,15 @@ static inline __attribute__((always_inline)) void store(const layer_t* layer, co
 
 static inline __attribute__((always_inline)) void row_of_places(const layer_t* layer, const layer_group_t* group,
                                                                 const uint8_t* patch, int32_t to_next, uint8_t* to,
-                                                                int32_t columns, int32_t channels, int wide) {
+                                                                int32_t columns, int32_t channels, int scaling) {
   int32_t sums[8];
   for (; columns > 1; columns -= 2, patch += 2 * to_next, to += 2 * channels) {
-    add_products(layer, group, patch, to_next, sums, 1, 0);
-    store(layer, group, sums, to, channels, 1, wide);
+    add_products(layer, group, patch, to_next, sums, 1, 0, scaling);
+    store(layer, group, sums, to, channels, 1, scaling);
   }
   if (columns > 0) {
-    add_products(layer, group, patch, to_next, sums, 0, 0);
-    store(layer, group, sums, to, channels, 0, wide);
+    add_products(layer, group, patch, to_next, sums, 0, 0, scaling);
+    store(layer, group, sums, to, channels, 0, scaling);
   }
 }
 
@@ -147,15 +165,15 @@ static void gather(const layer_t* layer, const uint8_t* patch, uint8_t* to) {
 }
 
 static inline __attribute__((always_inline)) void all_groups(const layer_step_t* step, uint8_t* to, int is_pair,
-                                                             int wide) {
+                                                             int scaling) {
   const layer_t* layer = step->layer;
   const uint8_t* data = step->data;
-  const int32_t channels = step->channels;
+  const int32_t channels = step->channels * layer->element;
   int32_t sums[8];
   for (int32_t i = step->groups; i > 0; --i, data += layer->group_bytes) {
     const layer_group_t* group = (const layer_group_t*)(const void*)data;
-    add_products(layer, group, step->gathered, layer->gathered_bytes, sums, is_pair, 1);
-    store(layer, group, sums, to + group->out, channels, is_pair, wide);
+    add_products(layer, group, step->gathered, layer->gathered_bytes, sums, is_pair, 1, scaling);
+    store(layer, group, sums, to + group->out * layer->element, channels, is_pair, scaling);
   }
 }
 
@@ -169,18 +187,18 @@ static void convolve_gathered(const layer_step_t* step, uint8_t* out, int32_t ro
     const int32_t y = unit / pairs;
     const int32_t x = 2 * (unit - y * pairs);
     const uint8_t* patch = step->in + y * layer->stride_rows * step->in_pitch + x * to_next;
-    uint8_t* to = out + (y * columns + x) * step->channels;
+    uint8_t* to = out + (y * columns + x) * step->channels * layer->element;
     const int is_pair = x + 1 < columns;
     gather(layer, patch, step->gathered);
     if (is_pair) {
       gather(layer, patch + to_next, step->gathered + layer->gathered_bytes);
     }
-    if (!is_pair) {
-      all_groups(step, to, 0, layer->wide);
-    } else if (layer->wide) {
-      all_groups(step, to, 1, 1);
+    if (is_pair && layer->scaling == SCALING_WIDE) {
+      all_groups(step, to, 1, SCALING_WIDE);
+    } else if (is_pair && layer->scaling == SCALING_NARROW) {
+      all_groups(step, to, 1, SCALING_NARROW);
     } else {
-      all_groups(step, to, 1, 0);
+      all_groups(step, to, is_pair, layer->scaling);
     }
   }
 }
@@ -195,11 +213,14 @@ static void convolve_in_place(const layer_step_t* step, uint8_t* out, int32_t ro
     const int32_t number = unit - y * step->groups;
     const layer_group_t* group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
     const uint8_t* patch = step->in + y * layer->stride_rows * step->in_pitch + group->in;
-    uint8_t* to = out + y * columns * step->channels + group->out;
-    if (layer->wide) {
-      row_of_places(layer, group, patch, to_next, to, columns, step->channels, 1);
+    const int32_t channels = step->channels * layer->element;
+    uint8_t* to = out + y * columns * channels + group->out * layer->element;
+    if (layer->scaling == SCALING_WIDE) {
+      row_of_places(layer, group, patch, to_next, to, columns, channels, SCALING_WIDE);
+    } else if (layer->scaling == SCALING_NARROW) {
+      row_of_places(layer, group, patch, to_next, to, columns, channels, SCALING_NARROW);
     } else {
-      row_of_places(layer, group, patch, to_next, to, columns, step->channels, 0);
+      row_of_places(layer, group, patch, to_next, to, columns, channels, layer->scaling);
     }
   }
 }

@@ -29,7 +29,8 @@ void layer_multiply(const layer_step_t* step, layer_share_t share) {
   const int32_t z0 = layer->zeros[0], z1 = layer->zeros[1];
   for (int32_t i = part.begin; i < part.end; ++i) {
     const int32_t product = (step->in[i] - z0) * (step->other[i] - z1);
-    const int32_t value = scaled(product, layer->factors[0], layer->addend, layer->shift, layer->wide);
+    const int32_t value =
+        scaled(product, layer->factors[0], layer->addend, layer->shift, layer->scaling == SCALING_WIDE);
     step->out[i] = (uint8_t)limited(value, layer->low, layer->high);
   }
 }

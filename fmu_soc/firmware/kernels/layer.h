@@ -6,10 +6,8 @@
 //
 //   clip((sum x multiplier + addend) >> shift, low, high)
 //
-// where the addend holds the zero of the output and half of 1 << shift. `wide` selects the 64-bit product; its lower
-// word then does not matter, because the addend has zeros there and the shift is 32 or more: the numbers stored are
-// addend >> 32 and shift - 32. Otherwise everything fits into 32 bits. master/python/mebots/deploy/reference.py
-// computes the same in numpy.
+// where the addend holds the zero of the output and half of 1 << shift. `scaling` selects the width of the product.
+// master/python/mebots/deploy/layers.py computes the same in numpy.
 #pragma once
 
 #include <stdint.h>
@@ -17,6 +15,13 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+enum {
+  SCALING_NARROW,  // everything fits into 32 bits
+  SCALING_WIDE,    // 64 bits; the addend's lower word is 0. Stored are addend >> 32 and shift - 32
+  SCALING_EXACT,   // the same with a lower word, which follows the group
+  SCALING_NONE     // the output has the sums, in four bytes each
+};
 
 enum {
   LAYER_CONVOLUTION,
@@ -50,7 +55,8 @@ typedef struct {
   uint8_t low;
   uint8_t high;
   uint8_t outside;  // value of places outside the input
-  uint8_t wide;
+  uint8_t scaling;
+  uint8_t element;  // bytes of an output value: 1, or 4 for sums
   uint8_t by_tile;  // 1: all blocks of a tile, then the next tile; 0: all tiles of a block first
   uint8_t sliced;   // 1: a block needs the input of its own channels alone
   uint8_t pool;     // a convolution's output is pooled: maximum of pool x pool
@@ -84,7 +90,8 @@ typedef struct {
   // Move: the data of each block are a layer_move_t. Softmax and table: their tables
 } layer_t;
 
-// Four output channels of a convolution, followed by their weights: runs_y x runs_x x run_words words of each.
+// Four output channels of a convolution, followed by the lower words of the addends if scaling is SCALING_EXACT, and by
+// their weights: runs_y x runs_x x run_words words of each.
 typedef struct {
   uint16_t in;   // offset of their input channels in a place
   uint16_t out;  // offset of the first one in a place of the block's output

@@ -124,7 +124,7 @@ void layer_average_pool(const layer_step_t* step, layer_share_t share) {
           inside(row, layer->kernel_rows, layer->in_rows) * inside(column, layer->kernel_columns, layer->in_columns) -
           1;
     }
-    const int32_t value = scaled(sum, mean->multiplier, mean->addend, mean->shift, layer->wide);
+    const int32_t value = scaled(sum, mean->multiplier, mean->addend, mean->shift, layer->scaling == SCALING_WIDE);
     step->out[unit] = (uint8_t)limited(value, layer->low, layer->high);
   }
 }

@@ -153,9 +153,10 @@ static void store(const layer_network_t* n, const layer_t* layer, const tensors_
                   const cursor_t* at) {
   const layer_block_t* block = block_of(n, layer, at->block);
   const uint32_t places = (uint32_t)(rows_of(layer, at->tile) * layer->out_columns);
-  const uint32_t channels = (uint32_t)block->channels;
-  const uint32_t all = (uint32_t)layer->out_channels;
-  uint8_t* to = t->out + (uint32_t)(at->tile * layer->tile_rows * layer->out_columns) * all + block->first;
+  const uint32_t channels = (uint32_t)(block->channels * layer->element);
+  const uint32_t all = (uint32_t)(layer->out_channels * layer->element);
+  uint8_t* to =
+      t->out + (uint32_t)(at->tile * layer->tile_rows * layer->out_columns) * all + block->first * layer->element;
   const uint8_t* from = n->l1 + layer->l1_out[at->out];
   make_place(copies);
   if (channels == all) {

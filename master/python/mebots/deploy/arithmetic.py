@@ -44,17 +44,24 @@ class Scale:
 
 @dataclasses.dataclass(frozen=True)
 class Requantisation:
-    """clip((sum x multiplier + addend) >> shift, low, high), per channel; ``wide``: of the product's upper word."""
+    """clip((sum x multiplier + addend) >> shift, low, high), per channel.
+
+    ``scaling``: "narrow": 32 bits. "wide": of the product's upper word; addend and shift are those of the upper word.
+    "exact": the same, and ``lower`` is the addend's lower word.
+    """
 
     multiplier: np.ndarray
     addend: np.ndarray
     shift: np.ndarray
-    wide: bool
+    scaling: str
+    lower: np.ndarray | None = None
 
     def apply(self, sums: np.ndarray, low: int, high: int) -> np.ndarray:
         """``sums`` has the channels last."""
         product = sums.astype(np.int64) * self.multiplier
-        if self.wide:
+        if self.lower is not None:
+            product += self.lower
+        if self.scaling != "narrow":
             product >>= 32
         return np.clip((product + self.addend) >> self.shift, low, high).astype(np.uint8)
 
@@ -75,7 +82,7 @@ def _wide(factors: np.ndarray, zero: int) -> Requantisation:
     over = multipliers > LARGEST_SUM
     multipliers = np.where(over, LARGEST_SUM, multipliers)
     addends = (zero << shifts) + (np.int64(1) << (shifts - 1))
-    return Requantisation(multipliers, addends, shifts, True)
+    return Requantisation(multipliers, addends, shifts, "wide")
 
 
 def _narrow_multipliers(factors: np.ndarray, zero: int, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -90,4 +97,21 @@ def _narrow(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisatio
     addends = (zero << shifts) + (np.int64(1) << (shifts - 1))
     if (bounds * multipliers + np.abs(addends) > LARGEST_SUM).any():
         raise OverflowError("the sums of a layer do not fit into 32 bits")
-    return Requantisation(multipliers, addends, shifts, False)
+    return Requantisation(multipliers, addends, shifts, "narrow")
+
+
+def exact_requantisation(multipliers: np.ndarray, addends: np.ndarray, shift: int, bounds: np.ndarray) -> Requantisation:
+    """Returns the integers for given ones: (sum x multiplier + addend) >> shift, without rounding."""
+    m, a = (np.asarray(one, dtype=np.int64) for one in (multipliers, addends))
+    if shift < 31 and (bounds * np.abs(m) + np.abs(a) <= LARGEST_SUM).all():
+        return Requantisation(m, a, np.full_like(m, shift), "narrow")
+    more = 30 - int(np.abs(m).max()).bit_length()
+    more = min(more, 62 - int(np.abs(a).max()).bit_length())
+    if shift + more < 32 or (bounds > LARGEST_SUM).any():
+        raise OverflowError(f"multipliers up to {int(np.abs(m).max())} with a shift of {shift} do not fit into 64 bits")
+    m, a = m << more, a << more
+    upper, lower = a >> 32, a & 0xFFFFFFFF
+    shifts = np.full_like(m, shift + more - 32)
+    if not lower.any():
+        return Requantisation(m, upper, shifts, "wide")
+    return Requantisation(m, upper, shifts, "exact", lower)

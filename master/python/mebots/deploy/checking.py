@@ -17,7 +17,7 @@ _LINE = re.compile(r"^layer (\d+) ([0-9a-f]+)$|^result (-?\d+)$")
 def hash_of(values: np.ndarray) -> int:
     """FNV-1a, 32 bits, of stored bytes."""
     result = 2166136261
-    for one in values.astype(np.uint8).tobytes():
+    for one in np.ascontiguousarray(values).tobytes():
         result = ((result ^ one) * 16777619) & 0xFFFFFFFF
     return result
 

@@ -41,7 +41,7 @@ PILOTS = {
     ),
 }
 """Programs that fly with a deployed network, and their sources. CMakeLists.txt of the firmware has those with our own."""
-_CHIP_OPTIONS = ("-march=rv32imc_zicsr", "-mabi=ilp32", "-mcmodel=medany", "-O3", "-g", "-ffreestanding", "-ffunction-sections", "-fdata-sections")
+_CHIP_OPTIONS = ("-march=rv32imc_zicsr", "-mabi=ilp32", "-mcmodel=medany", "-O2", "-g", "-ffreestanding", "-ffunction-sections", "-fdata-sections")
 
 
 def data_folder() -> pathlib.Path:

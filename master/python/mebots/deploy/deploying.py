@@ -58,7 +58,7 @@ def _check_l2(network: integers.Network, planned: Plan, sources: Sources, board:
     if need <= board.l2:
         return
     number, most = max(
-        ((i, sum(t.size for t, (a, b) in planned.lifetimes.items() if a <= i <= b)) for i in range(len(network.layers))), key=lambda one: one[1]
+        ((i, sum(t.bytes for t, (a, b) in planned.lifetimes.items() if a <= i <= b)) for i in range(len(network.layers))), key=lambda one: one[1]
     )
     layer = network.layers[number]
     raise InputError(
@@ -118,7 +118,7 @@ def check_and_measure(
     """
     network = deployed.network
     build = chip.Build(library, scratch, deployed.board, objects)
-    sizes = [layer.output.size for layer in network.layers]
+    sizes = [layer.output.bytes for layer in network.layers]
     picture = deployed.pictures.one(0, deployed.scale)
     values = integers.run(network, picture)
     host = build.host()

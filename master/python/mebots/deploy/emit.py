@@ -56,13 +56,17 @@ def _group(layer: Layer, part: Part, group: tuple[int, int, int]) -> bytes:
     runs_y, runs_x, run = planning.run_geometry(layer)
     r = layer.requantise
     rows = [np.zeros(4, dtype=np.int64) for _ in range(4)]
-    for row, values in zip(rows, (layer.bias, r.multiplier, r.addend, r.shift), strict=True):
+    given = (layer.bias,) if r is None else (layer.bias, r.multiplier, r.addend, r.shift)
+    for row, values in zip(rows, given, strict=False):
         row[:count] = values[first : first + count]
+    lower = np.zeros(4 if r is not None and r.lower is not None else 0, dtype=np.int64)
+    if lower.size:
+        lower[:count] = r.lower[first : first + count]
     weights = np.zeros((4, runs_y * runs_x, planning.align(run)), dtype=np.int8)
     # Rows, columns, input channels: the order of a patch in memory.
     weights[:count, :, :run] = layer.weight[first : first + count].transpose(0, 2, 3, 1).reshape(count, runs_y * runs_x, run)
     shifts = rows[3].astype(np.uint8).tobytes()
-    return _words(source | (first - part.first) << 16) + shifts + _words(count, *rows[0], *rows[1], *rows[2]) + weights.tobytes()
+    return _words(source | (first - part.first) << 16) + shifts + _words(count, *rows[0], *rows[1], *rows[2], *lower) + weights.tobytes()
 
 
 def _move(layer: Layer, number: int, sources: dict[Tensor, int]) -> bytes:
@@ -111,7 +115,8 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
         "low": layer.low,
         "high": layer.high,
         "outside": layer.outside,
-        "wide": int(layer.requantise is not None and layer.requantise.wide),
+        "scaling": "SCALING_NONE" if layer.requantise is None else f"SCALING_{layer.requantise.scaling.upper()}",
+        "element": out.element,
         "pool": layer.pool,
         "in": offsets[source],
         "other": offsets[layer.inputs[-1]],
@@ -242,7 +247,7 @@ def _header(network: Network, plan: Plan) -> str:
     members, macros = [], []
     for name, tensor in zip(output_names(network), network.outputs, strict=True):
         scale = network.scales[tensor]
-        members.append(f"  int16_t {name}[{tensor.size}];  // x NETWORK_{name.upper()}_STEP\n")
+        members.append(f"  int32_t {name}[{tensor.size}];  // x NETWORK_{name.upper()}_STEP\n")
         macros.append(f"#define NETWORK_{name.upper()}_STEP {scale.step!r}\n")
     rows, columns, channels = network.input.stored()
     return (
@@ -307,11 +312,31 @@ def _factors(network: Network) -> str:
     return ", ".join(rows)
 
 
+def _copy(network: Network) -> str:
+    """The functions that bring outputs of bytes and of sums to the result."""
+    text = {
+        1: """static void copy(int32_t* to, const uint8_t* from, int count, int zero) {
+  for (int i = 0; i < count; ++i) {
+    to[i] = from[i] - zero;
+  }
+}
+""",
+        4: """static void copy_sums(int32_t* to, const uint8_t* from, int count, int zero) {
+  for (int i = 0; i < count; ++i) {
+    to[i] = ((const int32_t*)(const void*)from)[i] - zero;
+  }
+}
+""",
+    }
+    return "\n".join(text[element] for element in sorted({one.element for one in network.outputs}))
+
+
 def _source(network: Network, plan: Plan, rows: list[str]) -> str:
     copies = []
     for name, tensor in zip(output_names(network), network.outputs, strict=True):
         zero = network.scales[tensor].zero
-        copies.append(f"  copy(result->{name}, network_memory + {plan.offsets[tensor]}, {tensor.size}, {zero});\n")
+        function = "copy" if tensor.element == 1 else "copy_sums"
+        copies.append(f"  {function}(result->{name}, network_memory + {plan.offsets[tensor]}, {tensor.size}, {zero});\n")
     return (
         _TAG
         + f"""// Written by `mebots deploy`.
@@ -323,7 +348,7 @@ def _source(network: Network, plan: Plan, rows: list[str]) -> str:
 #define NOT_CLEARED __attribute__((aligned(8), section(".noinit.network")))
 #else
 #define CLUSTER_L1
-#define NOT_CLEARED
+#define NOT_CLEARED __attribute__((aligned(8)))
 #endif
 
 static uint8_t network_memory[{plan.memory_bytes}] NOT_CLEARED;
@@ -369,11 +394,7 @@ static int run(unsigned cores, const uint8_t* picture, int first, int count) {{
   return 0;
 }}
 
-static void copy(int16_t* to, const uint8_t* from, int count, int zero) {{
-  for (int i = 0; i < count; ++i) {{
-    to[i] = (int16_t)(from[i] - zero);
-  }}
-}}
+{_copy(network)}
 
 int network_run_on(unsigned cores, const uint8_t picture[NETWORK_PICTURE_BYTES], network_result_t* result) {{
   if (run(cores, picture, 0, NETWORK_LAYERS) != 0) {{
@@ -400,7 +421,7 @@ int32_t network_in_127ths(const network_result_t* result, int index) {{
     int32_t end;
     int64_t factor;  // 127 x the output's step x 2^24
   }} outputs[] = {{{_factors(network)}}};
-  const int16_t* values = (const int16_t*)result;
+  const int32_t* values = (const int32_t*)result;
   int i = 0;
   while (index >= outputs[i].end) {{
     ++i;
@@ -442,6 +463,6 @@ set(NETWORK_SOURCES
   {kernels}
   ${{CMAKE_CURRENT_LIST_DIR}}/network.c
   ${{CMAKE_CURRENT_LIST_DIR}}/network_weights.S)
-set(NETWORK_OPTIONS -O3 -I${{CMAKE_CURRENT_LIST_DIR}})
+set(NETWORK_OPTIONS -I${{CMAKE_CURRENT_LIST_DIR}})
 set(NETWORK_DATA ${{CMAKE_CURRENT_LIST_DIR}}/network.weights)
 """

@@ -28,6 +28,11 @@ class Tensor:
 
     name: str
     shape: Shape
+    element: int = 1  # bytes of a value on the chip
+
+    @property
+    def bytes(self) -> int:
+        return self.size * self.element
 
     @property
     def size(self) -> int:

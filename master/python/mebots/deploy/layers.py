@@ -91,6 +91,8 @@ def _convolution(layer: Layer, values: np.ndarray) -> np.ndarray:
         weight = layer.weight[group * out : (group + 1) * out].transpose(2, 3, 1, 0).reshape(-1, out)
         sums.append(part.astype(np.float64) @ weight.astype(np.float64))  # exact: whole numbers below 2^53
     total = np.concatenate(sums, axis=2).astype(np.int64) + layer.bias
+    if layer.requantise is None:
+        return total.astype(np.int32)
     result = layer.requantise.apply(total, layer.low, layer.high)
     return _pooled(result, layer.pool)
 
@@ -111,7 +113,7 @@ def _average(layer: Layer, values: np.ndarray) -> np.ndarray:
         inside = dataclasses.replace(layer, outside=0)
         count = _windows(inside, np.ones((*values.shape[:2], 1), dtype=np.int64)).sum(axis=(2, 3)) - 1
     r = layer.requantise
-    chosen = Requantisation(r.multiplier[count], r.addend[count], r.shift[count], r.wide)
+    chosen = Requantisation(r.multiplier[count], r.addend[count], r.shift[count], r.scaling)
     return chosen.apply(sums, layer.low, layer.high)
 
 

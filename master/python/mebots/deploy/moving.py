@@ -28,6 +28,13 @@ class Move:
     steps: tuple[int, ...]
     out_steps: tuple[int, ...]
 
+    def places(self) -> list[int]:
+        """Returns the places of the input, in the order of copying."""
+        where = np.zeros(self.counts, dtype=np.int64)
+        for axis, (count, step) in enumerate(zip(self.counts, self.steps, strict=True)):
+            where += np.arange(count).reshape((-1,) + (1,) * (len(self.counts) - axis - 1)) * step
+        return [int(one) + self.start for one in where.ravel()]
+
     def apply(self, values: np.ndarray, out: np.ndarray) -> None:
         """Both are flat."""
         where = np.zeros(self.counts, dtype=np.int64)

@@ -107,20 +107,20 @@ def _place(lifetimes: dict[Tensor, tuple[int, int]]) -> tuple[dict[Tensor, int],
     """Gives the largest tensors their places first, each the lowest one that is free during its life."""
     offsets: dict[Tensor, int] = {}
     size = 0
-    for tensor in sorted(lifetimes, key=lambda one: (-one.size, lifetimes[one])):
+    for tensor in sorted(lifetimes, key=lambda one: (-one.bytes, lifetimes[one])):
         begin, end = lifetimes[tensor]
         taken = sorted(
-            (offsets[other], offsets[other] + align(other.size + SLACK))
+            (offsets[other], offsets[other] + align(other.bytes + SLACK))
             for other in offsets
             if lifetimes[other][0] <= end and begin <= lifetimes[other][1]
         )
         at = 0
         for low, high in taken:
-            if low - at >= align(tensor.size + SLACK):
+            if low - at >= align(tensor.bytes + SLACK):
                 break
             at = max(at, high)
         offsets[tensor] = at
-        size = max(size, at + align(tensor.size + SLACK))
+        size = max(size, at + align(tensor.bytes + SLACK))
     return offsets, size
 
 
@@ -158,7 +158,8 @@ def gather_geometry(layer: Layer) -> tuple[int, int, int]:
 
 def group_bytes(layer: Layer) -> int:
     runs_y, runs_x, run = run_geometry(layer)
-    return GROUP_HEADER + GROUP * runs_y * runs_x * align(run)
+    header = GROUP_HEADER + (16 if layer.requantise is not None and layer.requantise.scaling == "exact" else 0)
+    return header + GROUP * runs_y * runs_x * align(run)
 
 
 def _all_groups(layer: Layer) -> list[tuple[int, int, int]]:
@@ -256,7 +257,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
         channels = parts[0].channels if sliced else layer.inputs[0].channels
         in_rows = (rows * layer.pool - 1) * layer.strides[0] + layer.extent()[0]
         in_size = in_rows * (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
-        out_size = rows * layer.output.columns * max(one.channels for one in parts)
+        out_size = rows * layer.output.columns * max(one.channels for one in parts) * layer.output.element
     unpooled = out_size * layer.pool**2 if layer.pool > 1 else 0
     data = max(data_bytes(layer, one) for one in parts)
     several = tiles > 1 or (sliced and len(parts) > 1)

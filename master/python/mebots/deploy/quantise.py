@@ -26,6 +26,7 @@ class Quantiser:
         self._range_of = range_of
         self._scales: dict[Tensor, Scale] = {graph.inputs[0]: input_scale}
         self._same: dict[Tensor, Tensor] = {}  # tensors in the memory of another
+        self._channel_scales: dict[Tensor, dict[int, Scale]] = {}
         self._layers: list[Layer] = []
 
     def network(self) -> Network:
@@ -76,6 +77,7 @@ class Quantiser:
     def convolution(self, node: Node) -> Layer:
         source, scale = self._scale(node.inputs[0]), self._out_scale(node)
         channels = node.weight.shape[0]
+        scales = self._scales_by_channel(node) or [scale] * channels
         magnitude = np.abs(node.weight).reshape(channels, -1).max(axis=1)
         steps = np.maximum(magnitude, _least_step(node, source)) / 127
         weight = np.clip(np.floor(node.weight / steps.reshape(-1, 1, 1, 1) + 0.5), -127, 127).astype(np.int64)
@@ -92,7 +94,7 @@ class Quantiser:
             node,
             weight=weight.astype(np.int8),
             bias=bias,
-            requantise=requantisation(steps * source.step / scale.step, scale.zero, bounds),
+            requantise=requantisation(steps * source.step / np.array([one.step for one in scales]), np.array([one.zero for one in scales]), bounds),
             outside=source.zero,
             kernel=node.kernel,
             strides=node.strides,
@@ -102,6 +104,24 @@ class Quantiser:
             pool=node.pool,
             **self._limits(node, scale),
         )
+
+    def _scales_by_channel(self, node: Node) -> list[Scale] | None:
+        """Returns a scale for each channel of a dense layer, if each user of its output selects channels: those of a user have
+        the scale of its output. Otherwise None."""
+        users = self._graph.users(node.output)
+        is_output = any(one is node.output for one in self._graph.outputs)
+        if len(node.output.shape) > 1 or node.is_limited() or is_output or not users:
+            return None
+        scales: dict[int, Scale] = {}
+        for user in users:
+            if user.kind != "move" or user.fill is not None or len(user.inputs) != 1 or len(user.moves) != 1:
+                return None
+            scale = Scale.of_range(*self._range_of(user.output.name))
+            for channel in user.moves[0].places():
+                if scales.setdefault(channel, scale) != scale:
+                    return None
+        self._channel_scales[node.output] = scales
+        return [scales.get(channel, Scale(1.0, 0)) for channel in range(node.output.channels)]
 
     def max_pool(self, node: Node) -> Layer:
         self._scales[node.output] = self._scale(node.inputs[0])
@@ -157,6 +177,8 @@ class Quantiser:
 
     def move(self, node: Node) -> Layer:
         sources = [self._scale(one) for one in node.inputs]
+        if node.inputs[0] in self._channel_scales:
+            sources = [self._channel_scales[node.inputs[0]][node.moves[0].start]]
         if all(one == sources[0] for one in sources):
             scale = sources[0]
             if node.fill is not None and abs(scale.real(np.array(scale.byte(node.fill))) - node.fill) > scale.step / 2:

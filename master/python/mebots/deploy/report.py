@@ -51,7 +51,7 @@ def _layer(deployed: Deployed, number: int) -> dict[str, Any]:
         "shape": list(layer.output.stored()),
         "macs": layer.macs,
         "weights": layer.weights,
-        "l2": {"offset": deployed.plan.offsets[layer.output], "bytes": layer.output.size, "from": begin, "to": end},
+        "l2": {"offset": deployed.plan.offsets[layer.output], "bytes": layer.output.bytes, "from": begin, "to": end},
         "l1": None if steps is None else {"bytes": steps.l1_bytes, "tiles": steps.tiles, "tile_rows": steps.tile_rows, "parts": len(steps.parts)},
     }
 
