@@ -108,6 +108,7 @@ static inline __attribute__((always_inline)) void store(const layer_t* layer, co
     return;
   }
   int32_t bytes[8];
+#pragma GCC unroll 4
   for (int i = 0; i < 4; ++i) {
     bytes[i] = limited(byte_of(group, i, sums[i], scaling), low, high);
     if (is_pair) {

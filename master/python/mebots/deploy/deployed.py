@@ -41,5 +41,5 @@ class Deployed:
     sources: Sources
     pictures: Pictures
     scale: Scale
-    float_model: FloatModel
+    float_model: FloatModel | None  # None: the model is one of integers
     board: Board

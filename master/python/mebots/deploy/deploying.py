@@ -15,18 +15,21 @@ import numpy as np
 
 from mebots.deploy import chip
 from mebots.deploy import layers as integers
+from mebots.deploy.arithmetic import Scale
 from mebots.deploy.calibrate import FloatModel, names_of, ranges_of
 from mebots.deploy.checking import compare
 from mebots.deploy.deployed import Deployed, Options
 from mebots.deploy.emit import L1_RESERVED, Sources, emit
 from mebots.deploy.importer import import_graph
+from mebots.deploy.integer_layers import IntegerLayers
+from mebots.deploy.integer_nodes import collapse, expand_shifts, is_integer
 from mebots.deploy.measure import Measurement, measure
 from mebots.deploy.model_file import Model
 from mebots.deploy.pictures import Pictures
 from mebots.deploy.plan import Memory, Plan, plan
 from mebots.deploy.quantise import Quantiser
 from mebots.deploy.report import contract, result_of
-from mebots.deploy.simplify import simplify
+from mebots.deploy.simplify import join_flattened, simplify
 from mebots.errors import InputError
 
 CLUSTER_STACKS = 8 * 1024  # link.ld.in
@@ -34,17 +37,28 @@ PROGRAM_BYTES = 16 << 10  # code of the runtime and the kernels
 
 
 def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: Options) -> Deployed:
-    """Reads, calibrates, quantises and plans. Writes nothing. Raises InputError."""
-    read = Model(model)
+    """Reads, calibrates, quantises and plans. Writes nothing. Raises InputError.
+
+    The numbers of a network in integers are taken as they are.
+    """
+    read = Model(model, expand_shifts)
+    if is_integer(read):
+        collapse(read)
     graph = import_graph(read)
-    simplify(graph)
     source = graph.inputs[0]
     pictures = Pictures(pathlib.Path(data), source, options.crop)
-    scale = pictures.scale(options.input_scale, options.input_offset)
-    float_model = FloatModel(read, names_of([node.output for node in graph.nodes] + graph.outputs))
-    chosen = np.linspace(0, len(pictures) - 1, min(options.pictures, len(pictures))).round().astype(int)
-    ranges = ranges_of(float_model, (pictures.real(pictures.one(i, scale), scale) for i in chosen), options.percentile)
-    network = Quantiser(graph, scale, ranges.range_of).network()
+    if read.requantising:
+        join_flattened(graph)
+        scale = Scale(1.0, 0)
+        network = IntegerLayers(graph, read.requantising, scale.zero).network()
+        float_model = None
+    else:
+        simplify(graph)
+        scale = pictures.scale(options.input_scale, options.input_offset)
+        float_model = FloatModel(read, names_of([node.output for node in graph.nodes] + graph.outputs))
+        chosen = np.linspace(0, len(pictures) - 1, min(options.pictures, len(pictures))).round().astype(int)
+        ranges = ranges_of(float_model, (pictures.real(pictures.one(i, scale), scale) for i in chosen), options.percentile)
+        network = Quantiser(graph, scale, ranges.range_of).network()
     board = chip.board(options.board)
     planned = plan(network, Memory(board.l1 - CLUSTER_STACKS, board.l2, board.name), L1_RESERVED)
     sources = emit(network, planned)

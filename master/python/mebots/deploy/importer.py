@@ -222,6 +222,10 @@ def _softmax(owner: Importer) -> None:
     owner.add("softmax", [source], range=(0.0, 255 / 256))
 
 
+def _requantise(owner: Importer) -> None:
+    owner.add("requantise", [owner.input()])
+
+
 def _same(owner: Importer) -> None:
     owner.alias(owner.input())
 
@@ -244,6 +248,7 @@ _OPERATORS: dict[str, Callable[[Importer], None]] = {
     "Clip": _limits,
     "PRelu": _prelu,
     "Softmax": _softmax,
+    "Requantise": _requantise,
     "Identity": _same,
     "Dropout": _same,
     "Cast": _same,

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import os
 import pathlib
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -27,9 +28,13 @@ def _onnx() -> Any:
 class Model:
     """An ONNX model. ``constants`` are initialisers and what follows from them; ``nodes`` are the others, in order."""
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], rewrite: Callable[[Any], None] | None = None) -> None:
+        """``rewrite`` changes the model before it is checked."""
         self.path = pathlib.Path(path)
         self.proto = _load(self.path)
+        if rewrite is not None:
+            rewrite(self.proto)
+        self.requantising: dict[str, Any] = {}
         self.opset = _opset(self.proto, self.path)
         _fix_batch(self.proto, self.path)
         self.proto = _with_shapes(self.proto, self.path)

@@ -23,6 +23,13 @@ def simplify(graph: Graph) -> None:
     _drop_unused(graph)
 
 
+def join_flattened(graph: Graph) -> None:
+    """Only joins pads and flattened inputs, which changes no numbers."""
+    _drop_unused(graph)
+    while _join_pads(graph) or _join_flatten(graph):
+        pass
+
+
 def _drop_unused(graph: Graph) -> None:
     needed = {id(one) for one in graph.outputs}
     for node in reversed(graph.nodes):

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Networks whose weights are whole numbers already: finds the nodes that requantise sums, in the forms of NEMO (Mul, Add, Mul,
+Div, Floor, Clip) and QuantLab (RequantShift), and makes one node of each."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import onnx
+from onnx import helper, numpy_helper
+
+from mebots.deploy.model_file import Model, label
+
+OP = "Requantise"
+_CHAIN = ("Mul", "Add", "Cast", "Div", "Floor", "Clip")
+
+
+@dataclasses.dataclass
+class Requantising:
+    """clip(floor((sum x multiplier + addend) / 2^shift), low, high); numbers per channel, or one for all."""
+
+    multiplier: np.ndarray
+    addend: np.ndarray
+    divisor: int = 0
+    low: float = -np.inf
+    high: float = np.inf
+
+    @property
+    def shift(self) -> int:
+        return int(self.divisor).bit_length() - 1
+
+
+def expand_shifts(model: Any) -> None:
+    """Replaces RequantShift, which rounds and which ONNX does not know, by Mul, Add, Div, Floor and Clip."""
+    nodes = []
+    for node in model.graph.node:
+        if node.op_type != "RequantShift":
+            nodes.append(node)
+            continue
+        given = {one.name: _number(one) for one in node.attribute}
+        levels, signed = given["n_levels_out"], bool(given.get("signed", 1))
+        low, high = (-levels / 2, levels / 2 - 1) if signed else (0, levels - 1)
+        name = label(node)
+        model.graph.initializer.append(numpy_helper.from_array(np.float32(given["div"]), f"{name} div"))
+        model.graph.initializer.append(numpy_helper.from_array(np.float32(given["div"] / 2), f"{name} half"))
+        model.graph.initializer.append(numpy_helper.from_array(np.float32(low), f"{name} low"))
+        model.graph.initializer.append(numpy_helper.from_array(np.float32(high), f"{name} high"))
+        limits = {"min": float(low), "max": float(high)} if _opset(model) < 11 else {}
+        more = [] if limits else [f"{name} low", f"{name} high"]
+        source, result = node.input[0], node.output[0]
+        nodes += [
+            helper.make_node("Mul", [source, node.input[1]], [f"{result} product"], name=f"{name} mul"),
+            helper.make_node("Add", [f"{result} product", node.input[2]], [f"{result} sum"], name=f"{name} add"),
+            helper.make_node("Add", [f"{result} sum", f"{name} half"], [f"{result} rounded"], name=f"{name} round"),
+            helper.make_node("Div", [f"{result} rounded", f"{name} div"], [f"{result} quotient"], name=f"{name} div"),
+            helper.make_node("Floor", [f"{result} quotient"], [f"{result} floor"], name=f"{name} floor"),
+            helper.make_node("Clip", [f"{result} floor", *more], [result], name=name, **limits),
+        ]
+    if len(nodes) != len(model.graph.node):
+        del model.graph.node[:]
+        model.graph.node.extend(nodes)
+        del model.graph.value_info[:]
+
+
+def _number(attribute: Any) -> float:
+    value = helper.get_attribute_value(attribute)
+    return float(numpy_helper.to_array(value).ravel()[0] if isinstance(value, onnx.TensorProto) else np.ravel(value)[0])
+
+
+def _opset(model: Any) -> int:
+    return next((one.version for one in model.opset_import if one.domain in ("", "ai.onnx")), 0)
+
+
+def is_integer(model: Model) -> bool:
+    """True if the weights of all convolutions and dense layers are whole numbers of a byte."""
+    found = False
+    for node in model.nodes:
+        if node.op_type not in ("Conv", "Gemm", "MatMul") or len(node.input) < 2 or node.input[1] not in model.constants:
+            continue
+        weight = model.constants[node.input[1]]
+        if not (np.rint(weight) == weight).all() or np.abs(weight).max() > 128 or np.abs(weight).max() < 2:
+            return False
+        found = True
+    return found
+
+
+def collapse(model: Model) -> None:
+    """Makes one node of each chain that requantises; its numbers are in ``model.requantising`` by the name of its output."""
+    users: dict[str, list[Any]] = {}
+    for node in model.nodes:
+        for name in node.input:
+            users.setdefault(name, []).append(node)
+    done: set[int] = set()
+    nodes = []
+    for node in model.nodes:
+        if id(node) in done:
+            continue
+        chain = _chain(model, node, users)
+        if chain is None:
+            nodes.append(node)
+            continue
+        done.update(id(one) for one in chain)
+        source = next(name for name in chain[0].input if name not in model.constants)
+        result = chain[-1].output[0]
+        model.requantising[result] = _numbers(model, chain)
+        nodes.append(helper.make_node(OP, [source], [result], name=label(chain[-1])))
+    model.nodes = nodes
+
+
+def _chain(model: Model, first: Any, users: dict[str, list[Any]]) -> list[Any] | None:
+    """Returns the nodes from ``first`` to the limits, if they are a division and its companions."""
+    chain: list[Any] = []
+    node = first
+    while node.op_type in _CHAIN and (node.op_type in ("Cast", "Floor", "Clip") or any(name in model.constants for name in node.input)):
+        chain.append(node)
+        after = users.get(node.output[0], [])
+        if node.op_type == "Clip" or len(after) != 1:
+            break
+        node = after[0]
+    return chain if chain and chain[-1].op_type == "Clip" and any(one.op_type == "Div" for one in chain) else None
+
+
+def _numbers(model: Model, chain: list[Any]) -> Requantising:
+    result = Requantising(np.ones(1, dtype=np.int64), np.zeros(1, dtype=np.int64))
+    for node in chain:
+        value = next((model.constants[name] for name in node.input if name in model.constants), None)
+        if node.op_type == "Clip":
+            result.low, result.high = _limits(model, node)
+        elif node.op_type in ("Mul", "Add", "Div"):
+            whole = np.rint(np.asarray(value, dtype=np.float64).ravel()).astype(np.int64)
+            if (whole != np.asarray(value, dtype=np.float64).ravel()).any():
+                raise model.fail(f"node {label(node)} ({node.op_type}): its constant is no whole number, as those of the weights are. Export it again")
+            _apply(model, node, result, whole)
+    return result
+
+
+def _apply(model: Model, node: Any, result: Requantising, value: np.ndarray) -> None:
+    if node.op_type == "Mul":
+        result.multiplier = result.multiplier * value
+        result.addend = result.addend * value
+    elif node.op_type == "Add":
+        result.addend = result.addend + value
+    else:
+        divisor = int(value[0])
+        # NEMO writes 2^24 - 1 for 2^24, which has no float below it.
+        divisor += 1 if divisor & (divisor + 1) == 0 else 0
+        if value.size != 1 or divisor < 1 or divisor & (divisor - 1):
+            raise model.fail(f"node {label(node)} (Div): divides by {value.tolist()[:4]}; one power of two is possible")
+        result.divisor = divisor
+
+
+def _limits(model: Model, node: Any) -> tuple[float, float]:
+    given = {one.name: one.f for one in node.attribute}
+    constants = [float(model.constants[name]) if name in model.constants else None for name in node.input[1:]] + [None, None]
+    low = given.get("min", -np.inf) if constants[0] is None else constants[0]
+    high = given.get("max", np.inf) if constants[1] is None else constants[1]
+    return low, high
