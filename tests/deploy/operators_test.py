@@ -63,6 +63,16 @@ class Convolutions(OperatorCase):
                 maker.output(maker.conv("x", 8, out, kernel, groups, pads=pads, strides=pair(random, 1, 3), dilations=dilations))
             self.check(maker)
 
+    def test_channels_by_themselves(self):
+        maker = Maker(10, (6, 14, 11))
+        for kernel, strides, dilations in (((3, 3), [1, 1], [1, 1]), ((5, 2), [2, 1], [1, 1]), ((3, 3), [1, 2], [2, 2])):
+            maker.output(maker.conv("x", 6, 6, kernel, 6, pads=[1, 2, 0, 1], strides=strides, dilations=dilations))
+        self.check(maker)
+        maker = Maker(11, (128, 16, 30))
+        maker.output(maker.conv("x", 128, 128, (3, 3), 128, pads=[1, 1, 1, 1]))
+        deployed = self.check(maker)
+        self.assertGreater(len(deployed.plan.steps[0].parts), 1)
+
     def test_channels_that_are_no_multiples_of_four(self):
         maker = Maker(3, (3, 12, 13))
         first = maker.node("Relu", maker.conv("x", 3, 7, (3, 3), pads=[1, 1, 1, 1]))

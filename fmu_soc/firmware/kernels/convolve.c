@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Convolutions with any kernel, stride, dilation and groups, and dense layers, which are convolutions of one place.
 #include "kernels/machine.h"
+#include "kernels/requantise.h"
 #include "kernels/work.h"
 
 #ifdef __riscv
@@ -13,7 +14,7 @@ static inline __attribute__((always_inline)) void add_products(const layer_t* la
                                                                int is_pair, int is_one_run, int scaling) {
   const int words = layer->run_words;
   const int32_t channel = (is_one_run ? 1 : layer->runs_y * layer->runs_x) * words * 4;
-  const int8_t* w0 = (const int8_t*)(group + 1) + (scaling == SCALING_EXACT ? 16 : 0);
+  const int8_t* w0 = weights_of(group, scaling);
   const int8_t* w1 = w0 + channel;
   const int8_t* w2 = w1 + channel;
   const int8_t* w3 = w2 + channel;
@@ -37,10 +38,6 @@ static inline __attribute__((always_inline)) void add_products(const layer_t* la
   sums[4] = b0, sums[5] = b1, sums[6] = b2, sums[7] = b3;
 }
 
-static inline __attribute__((always_inline)) void store_four(uint8_t* to, const int32_t bytes[4]) {
-  *(xpulp_word*)(void*)to = pack_bytes(bytes[0], bytes[1], bytes[2], bytes[3]);
-}
-
 static inline __attribute__((always_inline)) void copy_four(uint8_t* to, const uint8_t* from) {
   *(xpulp_word*)(void*)to = *(const xpulp_word*)(const void*)from;
 }
@@ -53,7 +50,7 @@ static void add_products(const layer_t* layer, const layer_group_t* group, const
                          int32_t sums[8], int is_pair, int is_one_run, int scaling) {
   (void)is_one_run;
   const int32_t run = layer->run_words * 4;
-  const int8_t* weight = (const int8_t*)(group + 1) + (scaling == SCALING_EXACT ? 16 : 0);
+  const int8_t* weight = weights_of(group, scaling);
   for (int place = 0; place <= is_pair; ++place) {
     const int8_t* w = weight;
     for (int channel = 0; channel < 4; ++channel) {
@@ -71,64 +68,11 @@ static void add_products(const layer_t* layer, const layer_group_t* group, const
   }
 }
 
-static void store_four(uint8_t* to, const int32_t bytes[4]) {
-  for (int i = 0; i < 4; ++i) {
-    to[i] = (uint8_t)bytes[i];
-  }
-}
-
 static void copy_four(uint8_t* to, const uint8_t* from) {
   memcpy(to, from, 4);
 }
 
 #endif
-
-static inline __attribute__((always_inline)) int32_t byte_of(const layer_group_t* group, int i, int32_t sum,
-                                                             int scaling) {
-  if (scaling == SCALING_EXACT) {
-    const uint32_t* lower = (const uint32_t*)(const void*)(group + 1);
-    const int64_t addend = (int64_t)((uint64_t)(uint32_t)group->addend[i] << 32 | lower[i]);
-    return (int32_t)(((int64_t)sum * group->multiplier[i] + addend) >> 32) >> group->shift[i];
-  }
-  return scaled(sum, group->multiplier[i], group->addend[i], group->shift[i], scaling == SCALING_WIDE);
-}
-
-// Stores the bytes of four channels of one place, or of two, which are `to_next` bytes apart.
-static inline __attribute__((always_inline)) void store(const layer_t* layer, const layer_group_t* group,
-                                                        const int32_t sums[8], uint8_t* to, int32_t to_next,
-                                                        int is_pair, int scaling) {
-  const int32_t low = layer->low, high = layer->high;
-  if (scaling == SCALING_NONE) {
-    for (int32_t i = 0; i < group->count; ++i) {
-      ((int32_t*)(void*)to)[i] = sums[i];
-      if (is_pair) {
-        ((int32_t*)(void*)(to + to_next))[i] = sums[4 + i];
-      }
-    }
-    return;
-  }
-  int32_t bytes[8];
-#pragma GCC unroll 4
-  for (int i = 0; i < 4; ++i) {
-    bytes[i] = limited(byte_of(group, i, sums[i], scaling), low, high);
-    if (is_pair) {
-      bytes[4 + i] = limited(byte_of(group, i, sums[4 + i], scaling), low, high);
-    }
-  }
-  if (group->count == 4) {
-    store_four(to, bytes);
-    if (is_pair) {
-      store_four(to + to_next, bytes + 4);
-    }
-    return;
-  }
-  for (int32_t i = 0; i < group->count; ++i) {
-    to[i] = (uint8_t)bytes[i];
-    if (is_pair) {
-      to[to_next + i] = (uint8_t)bytes[4 + i];
-    }
-  }
-}
 
 static inline __attribute__((always_inline)) void row_of_places(const layer_t* layer, const layer_group_t* group,
                                                                 const uint8_t* patch, int32_t to_next, uint8_t* to,
@@ -136,11 +80,11 @@ static inline __attribute__((always_inline)) void row_of_places(const layer_t* l
   int32_t sums[8];
   for (; columns > 1; columns -= 2, patch += 2 * to_next, to += 2 * channels) {
     add_products(layer, group, patch, to_next, sums, 1, 0, scaling);
-    store(layer, group, sums, to, channels, 1, scaling);
+    store_places(layer, group, sums, to, channels, 1, scaling);
   }
   if (columns > 0) {
     add_products(layer, group, patch, to_next, sums, 0, 0, scaling);
-    store(layer, group, sums, to, channels, 0, scaling);
+    store_places(layer, group, sums, to, channels, 0, scaling);
   }
 }
 
@@ -174,7 +118,7 @@ static inline __attribute__((always_inline)) void all_groups(const layer_step_t*
   for (int32_t i = step->groups; i > 0; --i, data += layer->group_bytes) {
     const layer_group_t* group = (const layer_group_t*)(const void*)data;
     add_products(layer, group, step->gathered, layer->gathered_bytes, sums, is_pair, 1, scaling);
-    store(layer, group, sums, to + group->out * layer->element, channels, is_pair, scaling);
+    store_places(layer, group, sums, to + group->out * layer->element, channels, is_pair, scaling);
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Operators that compute each byte from the bytes at the same place. Each core has a contiguous part of the tile.
+#include "kernels/requantise.h"
 #include "kernels/work.h"
 
 typedef struct {

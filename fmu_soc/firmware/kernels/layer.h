@@ -25,6 +25,7 @@ enum {
 
 enum {
   LAYER_CONVOLUTION,
+  LAYER_DEPTHWISE,  // a convolution of each channel by itself
   LAYER_MAX_POOL,
   LAYER_AVERAGE_POOL,
   LAYER_ADD,       // clip((a x factors[0] + b x factors[1] + addend) >> shift)
@@ -72,6 +73,7 @@ typedef struct {
   uint32_t l1_in[2], l1_other[2], l1_data[2], l1_out[2], l1_unpooled;
   // Convolution: runs of bytes that are contiguous in a patch, in words; the last word of each may exceed it, and has
   // zeros as weights. Steps are bytes from the end of a run to the start of the next one.
+  // Depthwise: runs are places of the kernel, run_words the fours of them; steps are in rows and columns of the input.
   int32_t runs_y, runs_x, run_words;
   int32_t step_x, step_y;
   int32_t group_bytes;

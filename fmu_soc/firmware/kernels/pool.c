@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Maximum and mean of the places of a window, channel by channel.
+#include "kernels/requantise.h"
 #include "kernels/work.h"
 
 typedef struct {

@@ -186,6 +186,9 @@ static void compute(const layer_network_t* n, const layer_t* layer, const cursor
     case LAYER_CONVOLUTION:
       layer_convolve(&step, share);
       break;
+    case LAYER_DEPTHWISE:
+      layer_convolve_depthwise(&step, share);
+      break;
     case LAYER_MAX_POOL:
       layer_max_pool(&step, share);
       break;

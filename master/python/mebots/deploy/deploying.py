@@ -152,6 +152,8 @@ def _build_pilot(folder: pathlib.Path, deployed: Deployed) -> dict[str, str]:
     """Builds the flight's program for networks whose input and outputs fit one. Says why not otherwise."""
     values = sum(one.size for one in deployed.network.outputs)
     names = {1: "navigator", 4: "sight"}
+    if deployed.float_model is None:
+        return {"none": "a flight needs outputs with scales, which a network of whole numbers does not have"}
     if deployed.network.input.channels != 1 or deployed.network.input.rows < 2 or values not in names:
         return {"none": f"a flight needs one grey picture, and one output (yaw) or four (yaw, rise, size, visible); this network has {values}"}
     name = names[values]

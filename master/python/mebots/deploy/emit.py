@@ -50,9 +50,11 @@ def _words(*values: Any) -> bytes:
     return np.array([int(one) for one in values], dtype=np.int64).astype(np.uint32).astype("<u4").tobytes()
 
 
-def _group(layer: Layer, part: Part, group: tuple[int, int, int]) -> bytes:
+def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) -> bytes:
     """Four output channels: header, requantisation, weights run by run."""
     first, count, source = group
+    if sliced:
+        source -= part.first
     runs_y, runs_x, run = planning.run_geometry(layer)
     r = layer.requantise
     rows = [np.zeros(4, dtype=np.int64) for _ in range(4)]
@@ -62,11 +64,22 @@ def _group(layer: Layer, part: Part, group: tuple[int, int, int]) -> bytes:
     lower = np.zeros(4 if r is not None and r.lower is not None else 0, dtype=np.int64)
     if lower.size:
         lower[:count] = r.lower[first : first + count]
-    weights = np.zeros((4, runs_y * runs_x, planning.align(run)), dtype=np.int8)
-    # Rows, columns, input channels: the order of a patch in memory.
-    weights[:count, :, :run] = layer.weight[first : first + count].transpose(0, 2, 3, 1).reshape(count, runs_y * runs_x, run)
+    if planning.is_depthwise(layer):
+        weights = _depthwise_weights(layer, first, count)
+    else:
+        weights = np.zeros((4, runs_y * runs_x, planning.align(run)), dtype=np.int8)
+        # Rows, columns, input channels: the order of a patch in memory.
+        weights[:count, :, :run] = layer.weight[first : first + count].transpose(0, 2, 3, 1).reshape(count, runs_y * runs_x, run)
     shifts = rows[3].astype(np.uint8).tobytes()
     return _words(source | (first - part.first) << 16) + shifts + _words(count, *rows[0], *rows[1], *rows[2], *lower) + weights.tobytes()
+
+
+def _depthwise_weights(layer: Layer, first: int, count: int) -> np.ndarray:
+    """Four places of the kernel of each of four channels, then the next four places."""
+    places = math.prod(layer.kernel)
+    weights = np.zeros((4, 4 * planning.fours(layer)), dtype=np.int8)
+    weights[:count, :places] = layer.weight[first : first + count].reshape(count, places)
+    return weights.reshape(4, -1, 4).transpose(1, 0, 2).copy()
 
 
 def _move(layer: Layer, number: int, sources: dict[Tensor, int]) -> bytes:
@@ -76,9 +89,9 @@ def _move(layer: Layer, number: int, sources: dict[Tensor, int]) -> bytes:
     return words + (b"" if table is None else table.tobytes())
 
 
-def _data(layer: Layer, part: Part) -> bytes:
+def _data(layer: Layer, part: Part, sliced: bool = False) -> bytes:
     if layer.kind == "convolution":
-        return b"".join(_group(layer, part, one) for one in part.groups)
+        return b"".join(_group(layer, part, one, sliced) for one in part.groups)
     if layer.kind == "average_pool":
         r = layer.requantise
         return b"".join(_words(*one) for one in zip(r.multiplier, r.addend, r.shift, strict=True))
@@ -96,7 +109,7 @@ def _block_table(layer: Layer, steps: Steps | None, weights: Weights, sources: d
     else:
         shared = None
         for part in steps.parts:
-            content = _data(layer, part)
+            content = _data(layer, part, steps.sliced)
             if layer.kind == "average_pool":
                 shared = weights.add(content) if shared is None else shared
                 at = shared
@@ -111,7 +124,7 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
     source, out = layer.inputs[0], layer.output
     flat = layer.kind in planning.FLAT_KINDS
     fields: dict[str, Any] = {
-        "kind": _KINDS[layer.kind],
+        "kind": "LAYER_DEPTHWISE" if planning.is_depthwise(layer) else _KINDS[layer.kind],
         "low": layer.low,
         "high": layer.high,
         "outside": layer.outside,
@@ -164,6 +177,16 @@ def _own_fields(layer: Layer) -> dict[str, Any]:
 
 
 def _run_fields(layer: Layer) -> dict[str, int]:
+    if planning.is_depthwise(layer):
+        return {
+            "runs_y": layer.kernel[0],
+            "runs_x": layer.kernel[1],
+            "run_words": planning.fours(layer),
+            "step_y": layer.dilations[0],
+            "step_x": layer.dilations[1],
+            "group_bytes": planning.group_bytes(layer),
+            "gathered_bytes": planning.gathered_bytes(layer),
+        }
     runs_y, runs_x, run = planning.run_geometry(layer)
     length = planning.align(run)
     channels = layer.inputs[0].channels
@@ -195,7 +218,7 @@ def _gather_fields(layer: Layer) -> dict[str, int]:
         "gather_bytes": run,
         "gather_step": layer.dilations[1] * channels,
         "gather_row_step": layer.dilations[0] * pitch,
-        "gathered_bytes": planning.align(planning.patch_bytes(layer)),
+        "gathered_bytes": planning.gathered_bytes(layer),
     }
 
 
@@ -450,7 +473,7 @@ network_weights:
 """
 
 
-KERNELS = ("steps.c", "convolve.c", "pool.c", "elementwise.c", "direct.c")
+KERNELS = ("steps.c", "convolve.c", "depthwise.c", "pool.c", "elementwise.c", "direct.c")
 
 
 def _cmake() -> str:

@@ -124,6 +124,15 @@ def _place(lifetimes: dict[Tensor, tuple[int, int]]) -> tuple[dict[Tensor, int],
     return offsets, size
 
 
+def is_depthwise(layer: Layer) -> bool:
+    return layer.kind == "convolution" and layer.groups > 1 and layer.groups == layer.weight.shape[0] == layer.inputs[0].channels and layer.pool == 1
+
+
+def fours(layer: Layer) -> int:
+    """Returns how often a depthwise kernel takes four of its places."""
+    return math.ceil(math.prod(layer.kernel) / 4)
+
+
 def gathers(layer: Layer) -> bool:
     """True if patches are copied first: their runs of contiguous bytes are short."""
     if layer.kind != "convolution" or layer.groups > 1:
@@ -151,20 +160,35 @@ def run_geometry(layer: Layer) -> tuple[int, int, int]:
     return (1, 1, patch_bytes(layer)) if gathers(layer) else _patch_runs(layer)
 
 
+def gathered_bytes(layer: Layer) -> int:
+    """Half of each core's buffer: the patches of two places, or a word for each place of a depthwise kernel."""
+    if is_depthwise(layer):
+        return 8 * fours(layer)
+    return align(patch_bytes(layer)) if gathers(layer) else 0
+
+
 def gather_geometry(layer: Layer) -> tuple[int, int, int]:
     """The same before the patch is copied."""
     return _patch_runs(layer)
 
 
 def group_bytes(layer: Layer) -> int:
+    header = group_header(layer)
+    if is_depthwise(layer):
+        return header + GROUP * GROUP * fours(layer)
     runs_y, runs_x, run = run_geometry(layer)
-    header = GROUP_HEADER + (16 if layer.requantise is not None and layer.requantise.scaling == "exact" else 0)
     return header + GROUP * runs_y * runs_x * align(run)
+
+
+def group_header(layer: Layer) -> int:
+    return GROUP_HEADER + (16 if layer.requantise is not None and layer.requantise.scaling == "exact" else 0)
 
 
 def _all_groups(layer: Layer) -> list[tuple[int, int, int]]:
     out = layer.weight.shape[0] // layer.groups
     each = layer.weight.shape[1]
+    if is_depthwise(layer):
+        return [(first, min(GROUP, layer.groups - first), first) for first in range(0, layer.groups, GROUP)]
     return [
         (group * out + first, min(GROUP, out - first), group * each) for group in range(layer.groups) for first in range(0, out, GROUP)
     ]
@@ -182,6 +206,9 @@ def _parts(layer: Layer, count: int) -> list[Part]:
 
 
 def _counts(layer: Layer) -> list[int]:
+    if is_depthwise(layer):  # parts of equal size, so that all have the same pitch
+        groups = len(_all_groups(layer))
+        return [one for one in range(1, groups + 1) if groups % one == 0 and (one == 1 or layer.groups % GROUP == 0)]
     if layer.kind == "convolution":
         groups = len(_all_groups(layer))
         return sorted({math.ceil(groups / size) for size in range(1, groups + 1)})
@@ -250,7 +277,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
     flat = layer.kind in FLAT_KINDS
     out_rows = flat_rows(layer) if flat else layer.output.rows
     tiles = math.ceil(out_rows / rows)
-    sliced = len(parts) > 1 and layer.kind in ("max_pool", "average_pool")
+    sliced = len(parts) > 1 and (layer.kind in ("max_pool", "average_pool") or is_depthwise(layer))
     if flat:
         in_size, out_size = rows, rows
     else:
@@ -278,7 +305,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
     l1_data = two(data, len(parts) > 1) if data else (at, at)
     l1_out = two(out_size, tiles * len(parts) > 1)
     l1_unpooled = two(unpooled, False)[0] if unpooled else at
-    l1_gathered = two(CORES * (2 * align(patch_bytes(layer)) + 8), False)[0] if gathers(layer) else at
+    l1_gathered = two(CORES * (2 * gathered_bytes(layer) + 8), False)[0] if gathered_bytes(layer) else at
     return Steps(rows, tiles, parts, sliced, _by_tile(layer, parts, tiles, sliced), l1_in, l1_other, l1_data, l1_out, l1_unpooled, l1_gathered, at)
 
 
@@ -320,6 +347,8 @@ def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
     if layer.kind != "convolution":
         area = layer.kernel[0] * layer.kernel[1]
         return rows * columns * part.channels * area * 4 / CORES
+    if is_depthwise(layer):
+        return math.ceil(rows * len(part.groups) / CORES) * (columns * (32 * fours(layer) + 60) + 60)
     runs_y, runs_x, run = run_geometry(layer)
     words = math.ceil(run / 4)
     pair = runs_y * runs_x * (14 * words + 8) + 110

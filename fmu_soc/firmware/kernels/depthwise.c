@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Convolutions of each channel by itself, four channels at a time. The places of the kernel are taken in fours: a word
+// from each, turned so that each channel has its four values in a word.
+#include "kernels/machine.h"
+#include "kernels/requantise.h"
+#include "kernels/work.h"
+
+#ifdef __riscv
+
+#include "kernels/dot.h"
+
+typedef struct {
+  uint32_t channel[4];
+} turned_t;
+
+static inline __attribute__((always_inline)) turned_t turn(const uint8_t* patch, const int32_t* offsets) {
+  const uint32_t a = *(const xpulp_word*)(const void*)(patch + offsets[0]);
+  const uint32_t b = *(const xpulp_word*)(const void*)(patch + offsets[1]);
+  const uint32_t c = *(const xpulp_word*)(const void*)(patch + offsets[2]);
+  const uint32_t d = *(const xpulp_word*)(const void*)(patch + offsets[3]);
+  // Bytes of the first word are 0 to 3 here, of the second 4 to 7.
+  const uint32_t lower_ab = xpulp_shuffle2_b(a, b, 0x05010400);
+  const uint32_t upper_ab = xpulp_shuffle2_b(a, b, 0x07030602);
+  const uint32_t lower_cd = xpulp_shuffle2_b(c, d, 0x05010400);
+  const uint32_t upper_cd = xpulp_shuffle2_b(c, d, 0x07030602);
+  const turned_t result = {{xpulp_pack(lower_cd, lower_ab), xpulp_shuffle2_h(lower_ab, lower_cd, 0x00030001),
+                            xpulp_pack(upper_cd, upper_ab), xpulp_shuffle2_h(upper_ab, upper_cd, 0x00030001)}};
+  return result;
+}
+
+static inline __attribute__((always_inline)) void add_four(int32_t sums[4], const uint8_t* patch,
+                                                           const int32_t* offsets, const int8_t* weights) {
+  const turned_t values = turn(patch, offsets);
+  const uint32_t* words = (const uint32_t*)(const void*)weights;
+#pragma GCC unroll 4
+  for (int i = 0; i < 4; ++i) {
+    sums[i] = xpulp_sdotusp_b(sums[i], values.channel[i], words[i]);
+  }
+}
+
+#else
+
+static void add_four(int32_t sums[4], const uint8_t* patch, const int32_t* offsets, const int8_t* weights) {
+  for (int channel = 0; channel < 4; ++channel) {
+    for (int i = 0; i < 4; ++i) {
+      sums[channel] += patch[offsets[i] + channel] * weights[4 * channel + i];
+    }
+  }
+}
+
+#endif
+
+// Fills the offsets of the kernel's places in a patch; the last one is repeated, with zeros as weights.
+static void fill_offsets(const layer_step_t* step, int32_t* offsets) {
+  const layer_t* layer = step->layer;
+  int32_t count = 0;
+  int32_t last = 0;
+  for (int32_t y = 0; y < layer->runs_y; ++y) {
+    for (int32_t x = 0; x < layer->runs_x; ++x) {
+      last = y * layer->step_y * step->in_pitch + x * layer->step_x * step->in_channels;
+      offsets[count++] = last;
+    }
+  }
+  while (count < 4 * layer->run_words) {
+    offsets[count++] = last;
+  }
+}
+
+static inline __attribute__((always_inline)) void row_of_places(const layer_step_t* step, const layer_group_t* group,
+                                                                const int32_t* offsets, const uint8_t* patch,
+                                                                uint8_t* to, int32_t columns, int scaling) {
+  const layer_t* layer = step->layer;
+  const int32_t to_next = layer->stride_columns * step->in_channels;
+  const int32_t channels = step->channels;
+  const int32_t fours = layer->run_words;
+  const int8_t* weights = weights_of(group, scaling);
+  for (int32_t x = columns; x > 0; --x, patch += to_next, to += channels) {
+    int32_t sums[8] = {group->bias[0], group->bias[1], group->bias[2], group->bias[3]};
+    const int8_t* w = weights;
+    const int32_t* at = offsets;
+    for (int32_t i = fours; i > 0; --i, w += 16, at += 4) {
+      add_four(sums, patch, at, w);
+    }
+    store_places(layer, group, sums, to, channels, 0, scaling);
+  }
+}
+
+void layer_convolve_depthwise(const layer_step_t* step, layer_share_t share) {
+  const layer_t* layer = step->layer;
+  const int32_t columns = layer->out_columns;
+  int32_t* offsets = (int32_t*)(void*)step->gathered;
+  fill_offsets(step, offsets);
+  // A unit of work is a row of places by four channels.
+  for (int32_t unit = share.core; unit < step->groups * step->rows; unit += share.cores) {
+    const int32_t y = unit / step->groups;
+    const int32_t number = unit - y * step->groups;
+    const layer_group_t* group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
+    const uint8_t* patch = step->in + y * layer->stride_rows * step->in_pitch + group->in;
+    uint8_t* to = step->out + y * columns * step->channels + group->out;
+    if (layer->scaling == SCALING_WIDE) {
+      row_of_places(step, group, offsets, patch, to, columns, SCALING_WIDE);
+    } else if (layer->scaling == SCALING_NARROW) {
+      row_of_places(step, group, offsets, patch, to, columns, SCALING_NARROW);
+    } else {
+      row_of_places(step, group, offsets, patch, to, columns, layer->scaling);
+    }
+  }
+}

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the sums of four channels to their bytes.
+#pragma once
+
+#include "kernels/layer.h"
+
+#ifdef __riscv
+#include "kernels/dot.h"
+#endif
+
+// Returns the upper word of the product.
+static inline __attribute__((always_inline)) int32_t upper_product(int32_t a, int32_t b) {
+#ifdef __riscv
+  int32_t result;  // the compiler would take several multiplications
+  __asm__("mulh %0, %1, %2" : "=r"(result) : "r"(a), "r"(b));
+  return result;
+#else
+  return (int32_t)(((int64_t)a * b) >> 32);
+#endif
+}
+
+// Converts a sum into the value of a byte, before its limits. `wide` should be a constant.
+static inline __attribute__((always_inline)) int32_t scaled(int32_t sum, int32_t multiplier, int32_t addend,
+                                                            int32_t shift, int wide) {
+  return ((wide ? upper_product(sum, multiplier) : sum * multiplier) + addend) >> shift;
+}
+
+static inline __attribute__((always_inline)) int32_t limited(int32_t value, int32_t low, int32_t high) {
+#ifdef __riscv
+  return xpulp_min(xpulp_max(value, low), high);
+#else
+  return value < low ? low : value > high ? high : value;
+#endif
+}
+
+static inline __attribute__((always_inline)) const int8_t* weights_of(const layer_group_t* group, int scaling) {
+  return (const int8_t*)(group + 1) + (scaling == SCALING_EXACT ? 16 : 0);
+}
+
+static inline __attribute__((always_inline)) void store_four(uint8_t* to, const int32_t bytes[4]) {
+#ifdef __riscv
+  *(xpulp_word*)(void*)to = pack_bytes(bytes[0], bytes[1], bytes[2], bytes[3]);
+#else
+  for (int i = 0; i < 4; ++i) {
+    to[i] = (uint8_t)bytes[i];
+  }
+#endif
+}
+
+static inline __attribute__((always_inline)) int32_t byte_of(const layer_group_t* group, int i, int32_t sum,
+                                                             int scaling) {
+  if (scaling == SCALING_EXACT) {
+    const uint32_t* lower = (const uint32_t*)(const void*)(group + 1);
+    const int64_t addend = (int64_t)((uint64_t)(uint32_t)group->addend[i] << 32 | lower[i]);
+    return (int32_t)(((int64_t)sum * group->multiplier[i] + addend) >> 32) >> group->shift[i];
+  }
+  return scaled(sum, group->multiplier[i], group->addend[i], group->shift[i], scaling == SCALING_WIDE);
+}
+
+// Stores the bytes of four channels of one place, or of two, which are `to_next` bytes apart.
+static inline __attribute__((always_inline)) void store_places(const layer_t* layer, const layer_group_t* group,
+                                                               const int32_t sums[8], uint8_t* to, int32_t to_next,
+                                                               int is_pair, int scaling) {
+  const int32_t low = layer->low, high = layer->high;
+  if (scaling == SCALING_NONE) {
+    for (int32_t i = 0; i < group->count; ++i) {
+      ((int32_t*)(void*)to)[i] = sums[i];
+      if (is_pair) {
+        ((int32_t*)(void*)(to + to_next))[i] = sums[4 + i];
+      }
+    }
+    return;
+  }
+  int32_t bytes[8];
+#pragma GCC unroll 4
+  for (int i = 0; i < 4; ++i) {
+    bytes[i] = limited(byte_of(group, i, sums[i], scaling), low, high);
+    if (is_pair) {
+      bytes[4 + i] = limited(byte_of(group, i, sums[4 + i], scaling), low, high);
+    }
+  }
+  if (group->count == 4) {
+    store_four(to, bytes);
+    if (is_pair) {
+      store_four(to + to_next, bytes + 4);
+    }
+    return;
+  }
+  for (int32_t i = 0; i < group->count; ++i) {
+    to[i] = (uint8_t)bytes[i];
+    if (is_pair) {
+      to[to_next + i] = (uint8_t)bytes[4 + i];
+    }
+  }
+}
