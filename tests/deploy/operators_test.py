@@ -73,6 +73,17 @@ class Convolutions(OperatorCase):
         deployed = self.check(maker)
         self.assertGreater(len(deployed.plan.steps[0].parts), 1)
 
+    def test_transposed_convolutions(self):
+        maker = Maker(12, (6, 5, 7))
+        for groups, out, kernel, more in (
+            (1, 5, (3, 3), {"strides": [2, 2], "pads": [1, 1, 1, 1], "output_padding": [1, 1]}),
+            (2, 2, (2, 4), {"strides": [3, 1], "pads": [0, 1, 1, 2]}),
+            (1, 4, (3, 2), {"dilations": [1, 2]}),
+        ):
+            weight = maker.weights(6, out, *kernel)
+            maker.output(maker.node("ConvTranspose", "x", weight, maker.weights(out * groups), group=groups, kernel_shape=list(kernel), **more))
+        self.check(maker)
+
     def test_channels_that_are_no_multiples_of_four(self):
         maker = Maker(3, (3, 12, 13))
         first = maker.node("Relu", maker.conv("x", 3, 7, (3, 3), pads=[1, 1, 1, 1]))

@@ -100,6 +100,10 @@ class Importer:
         self._nodes.append(node)
         return node
 
+    def insert(self, node: Node) -> None:
+        """Adds a node whose output is no tensor of the model."""
+        self._nodes.append(node)
+
     def _import(self, node: Any) -> None:
         self.node = node
         if node.domain not in ("", "ai.onnx"):

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mebots.deploy import functions, moving
+from mebots.deploy import functions, moving, transposed
 from mebots.deploy.context import Importer
 from mebots.deploy.graph import Graph, Tensor
 from mebots.deploy.model_file import Model
@@ -232,6 +232,7 @@ def _same(owner: Importer) -> None:
 
 _OPERATORS: dict[str, Callable[[Importer], None]] = {
     "Conv": _conv,
+    "ConvTranspose": transposed.conv_transpose,
     "Gemm": _gemm,
     "MatMul": _matmul,
     "BatchNormalization": _batch_norm,

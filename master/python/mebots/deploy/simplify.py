@@ -83,7 +83,7 @@ def _join_scales(graph: Graph) -> bool:
 
 def _join_pads(graph: Graph) -> bool:
     for first, second in _pairs(graph):
-        if first.kind != "move" or first.fill != 0 or second.kind != "conv" or first.moves[0].source != 0:
+        if first.op != "Pad" or first.fill != 0 or second.kind != "conv" or first.moves[0].source != 0:
             continue
         pads = _pads_of(first)
         if pads is None:
