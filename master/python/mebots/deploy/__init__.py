@@ -2,16 +2,16 @@
 """``mebots deploy``: a network in ONNX becomes firmware for the chip, in integers.
 
     model_file  the ONNX file: checked, shapes, constants
-    importer    operators of ONNX to a graph in float (graph); functions and moving have those of their kinds, context
+    importer    operators of ONNX to a graph in float (graph); functions, moving and transposed have those of their kinds, context
                 what they need
     simplify    joins nodes
     pictures    inputs for calibration
     calibrate   the model in onnxruntime, and the ranges of its tensors
     arithmetic  scales, and how a sum becomes a byte
-    quantise    the network in integers
+    quantise    the network in integers; integer_nodes and integer_layers for networks of whole numbers
     layers      its layers, and the reference of each in numpy
     plan        memories and tiles
-    emit        the network as C
+    emit        the network as C; c_files has the texts of its files
     chip        builds and runs it; checking compares it with the reference; measure has its cost by layer
     report      network.json and the table
     deployed    options, and the network in memory

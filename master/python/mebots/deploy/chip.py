@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 import mebots
-from mebots.deploy.emit import KERNELS
+from mebots.deploy.c_files import KERNELS
 from mebots.errors import Error, InputError
 
 _MARK = b"mebots-request:\0"

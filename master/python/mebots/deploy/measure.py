@@ -23,7 +23,7 @@ class Cost:
 
 @dataclasses.dataclass(frozen=True)
 class Measurement:
-    """Of one inference without the start of the cluster."""
+    """Costs of one inference, without the start of the cluster."""
 
     cores: int
     clock_hz: float

@@ -6,8 +6,8 @@ from __future__ import annotations
 import hashlib
 from typing import Any
 
+from mebots.deploy.c_files import output_names
 from mebots.deploy.deployed import Deployed, Options
-from mebots.deploy.emit import output_names
 from mebots.deploy.measure import Cost, Measurement
 
 FORMAT = 1
