@@ -142,7 +142,9 @@ class Build:
         out = self._objects / f"{kind}_{source.name}.o"
         if not out.exists():
             standard = ["-std=c11"] if source.suffix == ".c" else []
-            run_program([*words, *standard, f"-I{self._firmware}", f"-I{self._objects}", "-c", source, "-o", out], f"compiling {source.name}")
+            new = self._scratch / out.name
+            run_program([*words, *standard, f"-I{self._firmware}", f"-I{self._objects}", "-c", source, "-o", new], f"compiling {source.name}")
+            os.replace(new, out)
         return out
 
     def chip(self) -> pathlib.Path:

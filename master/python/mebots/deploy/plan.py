@@ -317,20 +317,48 @@ def _by_tile(layer: Layer, parts: list[Part], tiles: int, sliced: bool) -> bool:
     return tiles * weights + layer.inputs[0].size < weights + len(parts) * layer.inputs[0].size
 
 
-def estimate(layer: Layer, steps: Steps) -> float:
-    """Cycles of a layer: the cores' and the DMA's, of which the longer one counts, and what neither hides."""
-    count = steps.tiles * len(steps.parts)
+@dataclasses.dataclass(frozen=True)
+class Traffic:
+    """Bytes that the DMA moves for a layer."""
+
+    fetched: int
+    weights: int
+    stored: int
+
+    @property
+    def total(self) -> int:
+        return self.fetched + self.weights + self.stored
+
+
+def traffic(layer: Layer, steps: Steps) -> Traffic:
     weights = sum(data_bytes(layer, one) for one in steps.parts)
-    fetched = sum(one.size for one in layer.inputs)
+    fetched = sum(one.bytes for one in layer.inputs)
     if steps.by_tile:
         weights *= steps.tiles
     elif steps.tiles > 1 and not steps.sliced:
         fetched *= len(steps.parts)
+    return Traffic(fetched, weights, layer.output.bytes)
+
+
+def bound(layer: Layer, steps: Steps | None, cores: int) -> float:
+    """Least cycles of a layer: all cores at the peak of dot products, or the DMA at 8 bytes per cycle."""
+    moved = 0 if steps is None else traffic(layer, steps).total
+    return max(layer.macs / (cores * PEAK_MACS), moved / 8)
+
+
+PEAK_MACS = 32 / 14
+"""Products per cycle and core of the inner loop for two places and four channels: 6 loads and 8 dot products of 4."""
+
+
+def estimate(layer: Layer, steps: Steps) -> float:
+    """Cycles of a layer: the cores' and the DMA's, of which the longer one counts, and what neither hides."""
+    count = steps.tiles * len(steps.parts)
+    moved = traffic(layer, steps)
     rows_copied = steps.tile_rows if any(layer.pads) else 1
-    copied = (fetched + weights + layer.output.size) / _BYTES_PER_CYCLE + count * rows_copied * _CYCLES_PER_COPY
-    first = (fetched / (count if steps.by_tile or steps.tiles > 1 else 1) + weights / len(steps.parts)) / _BYTES_PER_CYCLE
+    copied = moved.total / _BYTES_PER_CYCLE + count * rows_copied * _CYCLES_PER_COPY
+    first = (moved.fetched / (count if steps.by_tile or steps.tiles > 1 else 1) + moved.weights / len(steps.parts)) / _BYTES_PER_CYCLE
     work = sum(_step_cycles(layer, steps, one) for one in steps.parts) * steps.tiles
-    return max(work, copied) + first + layer.output.size / count / _BYTES_PER_CYCLE + count * _CYCLES_PER_STEP
+    return max(work, copied) + first + moved.stored / count / _BYTES_PER_CYCLE + count * _CYCLES_PER_STEP
 
 
 _BYTES_PER_CYCLE = 7.0

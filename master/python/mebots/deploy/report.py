@@ -9,6 +9,7 @@ from typing import Any
 from mebots.deploy.c_files import output_names
 from mebots.deploy.deployed import Deployed, Options
 from mebots.deploy.measure import Cost, Measurement
+from mebots.deploy.plan import bound
 
 FORMAT = 1
 
@@ -56,34 +57,42 @@ def _layer(deployed: Deployed, number: int) -> dict[str, Any]:
     }
 
 
-def _cost(cost: Cost, macs: int, clock_hz: float) -> dict[str, Any]:
+def _cost(cost: Cost, macs: int, clock_hz: float, cores: int, bound: float) -> dict[str, Any]:
     cycles = round(cost.time_s * clock_hz)
     return {
         "cycles": cycles,
         "time": cost.time_s,
         "energy": cost.energy_j,
         "macs_per_cycle": macs / cycles if cycles else 0.0,
+        "bound": round(bound),
+        "roofline": bound / cycles if cycles else 0.0,
+        # Of all cores: instructions, cycles in which they waited for memory, cycles asleep at barriers and for the DMA
         "instructions": cost.instructions,
-        "awake_cycles": cost.cycles,
+        "stalled": cost.cycles - cost.instructions,
+        "asleep": max(cores * cycles - cost.cycles, 0),
         "parts": cost.parts_j,
     }
 
 
 def result_of(deployed: Deployed, measurement: Measurement) -> dict[str, Any]:
     layers = deployed.network.layers
-    clock = measurement.clock_hz
+    clock, cores = measurement.clock_hz, measurement.cores
+    bounds = [bound(layer, steps, cores) for layer, steps in zip(layers, deployed.plan.steps, strict=True)]
     return {
         "board": deployed.board.name,
-        "cores": measurement.cores,
+        "cores": cores,
         "cluster_clock": clock,
-        "layers": [_cost(cost, layer.macs, clock) for cost, layer in zip(measurement.layers, layers, strict=True)],
-        "total": _cost(measurement.total, sum(one.macs for one in layers), clock),
+        "layers": [_cost(cost, layer.macs, clock, cores, least) for cost, layer, least in zip(measurement.layers, layers, bounds, strict=True)],
+        "total": _cost(measurement.total, sum(one.macs for one in layers), clock, cores, sum(bounds)),
+        "settings": [
+            {"cores": one.cores, "cluster_clock": one.clock_hz, "time": one.total.time_s, "energy": one.total.energy_j} for one in measurement.settings
+        ],
     }
 
 
 def shown(content: dict[str, Any]) -> str:
     """Returns the table of layers."""
-    rows = [["layer", "operators", "output", "MACs", "weights", "cycles", "MAC/cycle", "energy"]]
+    rows = [["layer", "operators", "output", "MACs", "weights", "cycles", "MAC/cycle", "roofline", "energy"]]
     measured = content.get("measured")
     for number, layer in enumerate(content["layers"]):
         shape = " x ".join(str(one) for one in layer["shape"])
@@ -102,6 +111,12 @@ def shown(content: dict[str, Any]) -> str:
             f"one inference on {measured['cores']} cores at {measured['cluster_clock'] / 1e6:.4g} MHz of board {measured['board']}: "
             f"{1e3 * total['time']:.3f} ms, {1e3 * total['energy']:.4g} mJ"
         )
+        largest = sorted(total["parts"].items(), key=lambda one: -one[1])[:4]
+        lines.append("of it: " + ", ".join(f"{name} {100 * value / total['energy']:.0f} %" for name, value in largest))
+        lines += [
+            f"  {one['cores']} core{'s' if one['cores'] > 1 else ' '} at {one['cluster_clock'] / 1e6:5.2f} MHz: {1e3 * one['time']:8.3f} ms, {1e3 * one['energy']:8.4g} mJ"
+            for one in measured["settings"]
+        ]
     flight = content.get("flight", {})
     if "program" in flight:
         lines.append(f"flies: --set soc.firmware=FOLDER/{flight['program']}")
@@ -116,6 +131,6 @@ def _count(value: int) -> str:
 
 def _cells(cost: dict[str, Any] | None) -> list[str]:
     if cost is None:
-        return ["", "", ""]
+        return [""] * 4
     rate = f"{cost['macs_per_cycle']:.2f}" if cost["macs_per_cycle"] else ""
-    return [_count(cost["cycles"]), rate, f"{1e6 * cost['energy']:.4g} uJ"]
+    return [_count(cost["cycles"]), rate, f"{100 * cost['roofline']:.0f} %", f"{1e6 * cost['energy']:.4g} uJ"]
