@@ -110,6 +110,14 @@ class Convolutions(OperatorCase):
         deployed = self.check(maker)
         self.assertEqual([layer.kind for layer in deployed.network.layers], ["convolution"])
 
+    def test_pools_of_several_sizes_after_long_and_short_runs(self):
+        maker = Maker(13, (16, 14, 13))
+        for pool, channels, kernel in ((2, 7, (3, 3)), (3, 8, (3, 3)), (2, 4, (1, 1))):
+            conv = maker.conv("x", 16, channels, kernel)
+            maker.output(maker.node("MaxPool", conv, kernel_shape=[pool, pool], strides=[pool, pool]))
+        deployed = self.check(maker)
+        self.assertEqual([layer.pool for layer in deployed.network.layers], [2, 3, 2])
+
 
 class Others(OperatorCase):
     def test_dense_layers_and_flattened_tensors(self):

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Convolutions of each channel by itself, four channels at a time. The places of the kernel are taken in fours: a word
 // from each, turned so that each channel has its four values in a word.
-#include "kernels/machine.h"
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
@@ -85,7 +84,7 @@ static inline __attribute__((always_inline)) void row_of_places(const layer_step
   }
 }
 
-void layer_convolve_depthwise(const layer_step_t* step, layer_share_t share) {
+static inline __attribute__((always_inline)) void convolve(const layer_step_t* step, layer_share_t share, int scaling) {
   const layer_t* layer = step->layer;
   const int32_t columns = layer->out_columns;
   int32_t* offsets = (int32_t*)(void*)step->gathered;
@@ -97,12 +96,15 @@ void layer_convolve_depthwise(const layer_step_t* step, layer_share_t share) {
     const layer_group_t* group = (const layer_group_t*)(const void*)(step->data + number * layer->group_bytes);
     const uint8_t* patch = step->in + y * layer->stride_rows * step->in_pitch + group->in;
     uint8_t* to = step->out + y * columns * step->channels + group->out;
-    if (layer->scaling == SCALING_WIDE) {
-      row_of_places(step, group, offsets, patch, to, columns, SCALING_WIDE);
-    } else if (layer->scaling == SCALING_NARROW) {
-      row_of_places(step, group, offsets, patch, to, columns, SCALING_NARROW);
-    } else {
-      row_of_places(step, group, offsets, patch, to, columns, layer->scaling);
-    }
+    row_of_places(step, group, offsets, patch, to, columns, scaling);
   }
 }
+
+#define DEFINE(name, scaling)                                                  \
+  void layer_depthwise_##name(const layer_step_t* step, layer_share_t share) { \
+    convolve(step, share, scaling);                                            \
+  }
+
+DEFINE(narrow, SCALING_NARROW)
+DEFINE(wide, SCALING_WIDE)
+DEFINE(exact, SCALING_EXACT)

@@ -19,8 +19,12 @@ void layer_add(const layer_step_t* step, layer_share_t share) {
   const range_t part = part_of(step, share);
   const int32_t f0 = layer->factors[0], f1 = layer->factors[1], addend = layer->addend, shift = layer->shift;
   const int32_t low = layer->low, high = layer->high;
-  for (int32_t i = part.begin; i < part.end; ++i) {
-    step->out[i] = (uint8_t)limited((step->in[i] * f0 + step->other[i] * f1 + addend) >> shift, low, high);
+  const uint8_t* a = step->in + part.begin;
+  const uint8_t* b = step->other + part.begin;
+  uint8_t* to = step->out + part.begin;
+#pragma GCC unroll 4
+  for (int32_t i = part.end - part.begin; i > 0; --i) {
+    *to++ = (uint8_t)limited((*a++ * f0 + *b++ * f1 + addend) >> shift, low, high);
   }
 }
 
@@ -38,7 +42,11 @@ void layer_multiply(const layer_step_t* step, layer_share_t share) {
 
 void layer_table(const layer_step_t* step, layer_share_t share) {
   const range_t part = part_of(step, share);
-  for (int32_t i = part.begin; i < part.end; ++i) {
-    step->out[i] = step->data[step->in[i]];
+  const uint8_t* table = step->data;
+  const uint8_t* in = step->in + part.begin;
+  uint8_t* to = step->out + part.begin;
+#pragma GCC unroll 4
+  for (int32_t i = part.end - part.begin; i > 0; --i) {
+    *to++ = table[*in++];
   }
 }

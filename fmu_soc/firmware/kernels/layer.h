@@ -24,21 +24,39 @@ enum {
 };
 
 enum {
-  LAYER_CONVOLUTION,
-  LAYER_DEPTHWISE,  // a convolution of each channel by itself
-  LAYER_MAX_POOL,
-  LAYER_AVERAGE_POOL,
-  LAYER_ADD,       // clip((a x factors[0] + b x factors[1] + addend) >> shift)
-  LAYER_MULTIPLY,  // (a - zeros[0]) x (b - zeros[1]), requantised
-  LAYER_TABLE,     // table[a]
-  LAYER_MOVE,      // copies bytes between places with any strides
-  LAYER_SOFTMAX    // over the channels of each place
+  LAYER_TILED,   // by steps that fit L1, with a kernel
+  LAYER_MOVE,    // copies bytes between places with any strides
+  LAYER_SOFTMAX  // over the channels of each place
 };
 
 // The picture, in place of an offset into the network's memory.
 #define LAYER_PICTURE UINT32_C(0xffffffff)
 
 #define LAYER_MOVE_DIMENSIONS 6
+
+// The part of the work of one core.
+typedef struct {
+  int32_t core;
+  int32_t cores;
+} layer_share_t;
+
+// A step of a layer, which a kernel computes (work.h). A program only contains the kernels that its network names.
+typedef struct layer_step layer_step_t;
+typedef void layer_kernel_t(const layer_step_t* step, layer_share_t share);
+
+#define LAYER_SCALED_(name) layer_kernel_t name##_narrow, name##_wide, name##_exact
+LAYER_SCALED_(layer_convolve);
+LAYER_SCALED_(layer_convolve_gathered);
+LAYER_SCALED_(layer_convolve_pooled);
+LAYER_SCALED_(layer_convolve_gathered_pooled);
+LAYER_SCALED_(layer_depthwise);  // of each channel by itself
+#undef LAYER_SCALED_
+layer_kernel_t layer_convolve_none, layer_convolve_gathered_none;
+layer_kernel_t layer_max_pool;
+layer_kernel_t layer_average_pool;
+layer_kernel_t layer_add;       // clip((a x factors[0] + b x factors[1] + addend) >> shift)
+layer_kernel_t layer_multiply;  // (a - zeros[0]) x (b - zeros[1]), requantised
+layer_kernel_t layer_table;     // table[a]
 
 // A part of the output's channels, with what it needs of the weights.
 typedef struct {
@@ -52,7 +70,10 @@ typedef struct {
 // The work is cut into steps: a block of channels of a tile of rows. Buffers in L1 are offsets; two of each, because
 // the DMA fills one while the cores work on the other.
 typedef struct {
+  layer_kernel_t* kernel;
+  layer_kernel_t* then;  // null, or the pool of a convolution's output in l1_unpooled
   uint8_t kind;
+  uint8_t operands;  // 1 or 2 inputs
   uint8_t low;
   uint8_t high;
   uint8_t outside;  // value of places outside the input
@@ -82,7 +103,8 @@ typedef struct {
   // one.
   int32_t gather_rows, gather_runs, gather_bytes;
   int32_t gather_step, gather_row_step;
-  int32_t gathered_bytes;  // of a patch, whole words
+  int32_t gathered_bytes;   // of a patch, whole words
+  int32_t gathered_stride;  // from core to core; copies may exceed a patch
   uint32_t l1_gathered;
   // Add, multiply
   int32_t factors[2];
@@ -130,12 +152,6 @@ typedef struct {
   uint8_t* memory;
   uint8_t* l1;
 } layer_network_t;
-
-// The part of the work of one core.
-typedef struct {
-  int32_t core;
-  int32_t cores;
-} layer_share_t;
 
 // Computes `count` layers from `first` on. Every core of the cluster calls it with its own number; on another machine
 // one call does all. L1 starts with a copy of the present layer (LAYER_L1_RESERVED bytes).

@@ -66,7 +66,7 @@ void layer_max_pool(const layer_step_t* step, layer_share_t share) {
   const layer_t* layer = step->layer;
   const int32_t columns = layer->out_columns;
   // The pooling of a convolution's output has no pads, and its windows touch.
-  const int is_fused = layer->pool > 1;
+  const int is_fused = layer->then != 0;
   const int32_t stride = is_fused ? layer->pool : layer->stride_columns;
   const int32_t row_stride = is_fused ? layer->pool : layer->stride_rows;
   window_t window = {0};

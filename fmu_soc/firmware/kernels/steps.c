@@ -175,35 +175,17 @@ static void compute(const layer_network_t* n, const layer_t* layer, const cursor
   step.data = n->l1 + layer->l1_data[at->data];
   step.out = n->l1 + layer->l1_out[at->out];
   step.unpooled = n->l1 + layer->l1_unpooled;
-  step.gathered = n->l1 + layer->l1_gathered + share.core * (2 * layer->gathered_bytes + 8);  // copies may exceed it
+  step.gathered = n->l1 + layer->l1_gathered + share.core * layer->gathered_stride;
   step.rows = rows_of(layer, at->tile);
   step.channels = block->channels;
   step.groups = block->groups;
   step.in_channels = in_channels_of(layer, block);
   step.in_pitch = (layer->pad_left + layer->in_columns + layer->pad_right) * step.in_channels;
   step.first_row = at->tile * layer->tile_rows;
-  switch (layer->kind) {
-    case LAYER_CONVOLUTION:
-      layer_convolve(&step, share);
-      break;
-    case LAYER_DEPTHWISE:
-      layer_convolve_depthwise(&step, share);
-      break;
-    case LAYER_MAX_POOL:
-      layer_max_pool(&step, share);
-      break;
-    case LAYER_AVERAGE_POOL:
-      layer_average_pool(&step, share);
-      break;
-    case LAYER_ADD:
-      layer_add(&step, share);
-      break;
-    case LAYER_MULTIPLY:
-      layer_multiply(&step, share);
-      break;
-    default:
-      layer_table(&step, share);
-      break;
+  layer->kernel(&step, share);
+  if (layer->then != 0) {
+    machine_barrier();
+    layer->then(&step, share);
   }
 }
 
@@ -282,7 +264,7 @@ void layers_run(const layer_network_t* n, const uint8_t* picture, int32_t first,
     const layer_block_t* block = block_of(n, layer, 0);
     tensors_t t;
     t.in = input_of(n, picture, layer->in);
-    t.other = layer->kind == LAYER_ADD || layer->kind == LAYER_MULTIPLY ? input_of(n, picture, layer->other) : 0;
+    t.other = layer->operands > 1 ? input_of(n, picture, layer->other) : 0;
     t.out = n->memory + layer->out;
     if (layer->kind == LAYER_MOVE) {
       for (int32_t j = 0; j < layer->block_count; ++j) {

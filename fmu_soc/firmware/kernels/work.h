@@ -5,7 +5,7 @@
 #include "kernels/layer.h"
 
 // A step: a block of channels of a tile of rows, with its buffers in L1.
-typedef struct {
+struct layer_step {
   const layer_t* layer;
   const uint8_t* in;
   const uint8_t* other;
@@ -19,15 +19,7 @@ typedef struct {
   int32_t in_channels;  // of a place of the input in L1
   int32_t in_pitch;     // bytes from row to row of the input in L1
   int32_t first_row;    // of the output
-} layer_step_t;
-
-void layer_convolve(const layer_step_t* step, layer_share_t share);
-void layer_convolve_depthwise(const layer_step_t* step, layer_share_t share);
-void layer_max_pool(const layer_step_t* step, layer_share_t share);
-void layer_average_pool(const layer_step_t* step, layer_share_t share);
-void layer_add(const layer_step_t* step, layer_share_t share);
-void layer_multiply(const layer_step_t* step, layer_share_t share);
-void layer_table(const layer_step_t* step, layer_share_t share);
+};
 
 // These two access the network's memory directly.
 void layer_move(const layer_move_t* move, const uint8_t* in, uint8_t* out, layer_share_t share);

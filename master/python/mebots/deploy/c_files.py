@@ -10,7 +10,7 @@ from mebots.deploy.graph import Tensor
 from mebots.deploy.layers import Network
 from mebots.deploy.plan import Plan
 
-KERNELS = ("steps.c", "convolve.c", "depthwise.c", "pool.c", "elementwise.c", "direct.c")
+KERNELS = ("steps.c", "convolve.c", "convolve_pooled.c", "depthwise.c", "pool.c", "elementwise.c", "direct.c")
 _TAG = "// SPDX-License-Identifier: Apache-2.0\n"
 
 

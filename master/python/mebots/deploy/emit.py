@@ -17,16 +17,23 @@ from mebots.deploy.plan import Part, Plan, Steps
 
 L1_RESERVED = 320  # LAYER_L1_RESERVED
 _PICTURE = 0xFFFFFFFF
-_KINDS = {
-    "convolution": "LAYER_CONVOLUTION",
-    "max_pool": "LAYER_MAX_POOL",
-    "average_pool": "LAYER_AVERAGE_POOL",
-    "add": "LAYER_ADD",
-    "multiply": "LAYER_MULTIPLY",
-    "table": "LAYER_TABLE",
-    "move": "LAYER_MOVE",
-    "softmax": "LAYER_SOFTMAX",
-}
+_KERNELS = {"max_pool": "layer_max_pool", "average_pool": "layer_average_pool", "add": "layer_add", "multiply": "layer_multiply", "table": "layer_table"}
+
+
+def _kernel(layer: Layer) -> dict[str, str]:
+    """Returns the kind, and the kernel's name."""
+    if layer.kind in ("move", "softmax"):
+        return {"kind": f"LAYER_{layer.kind.upper()}"}
+    if layer.kind in _KERNELS:
+        return {"kind": "LAYER_TILED", "kernel": _KERNELS[layer.kind]}
+    scaling = "none" if layer.requantise is None else layer.requantise.scaling
+    if planning.is_depthwise(layer):
+        return {"kind": "LAYER_TILED", "kernel": f"layer_depthwise_{scaling}"}
+    gathered = "_gathered" if planning.gathers(layer) else ""
+    if planning.pools_sums(layer):
+        return {"kind": "LAYER_TILED", "kernel": f"layer_convolve{gathered}_pooled_{scaling}"}
+    then = {"then": "layer_max_pool"} if layer.pool > 1 else {}
+    return {"kind": "LAYER_TILED", "kernel": f"layer_convolve{gathered}_{scaling}"} | then
 
 
 class Weights:
@@ -123,7 +130,8 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
     source, out = layer.inputs[0], layer.output
     flat = layer.kind in planning.FLAT_KINDS
     fields: dict[str, Any] = {
-        "kind": "LAYER_DEPTHWISE" if planning.is_depthwise(layer) else _KINDS[layer.kind],
+        **_kernel(layer),
+        "operands": 2 if layer.kind in ("add", "multiply") else 1,
         "low": layer.low,
         "high": layer.high,
         "outside": layer.outside,
@@ -185,6 +193,7 @@ def _run_fields(layer: Layer) -> dict[str, int]:
             "step_x": layer.dilations[1],
             "group_bytes": planning.group_bytes(layer),
             "gathered_bytes": planning.gathered_bytes(layer),
+            "gathered_stride": planning.gathered_stride(layer),
         }
     runs_y, runs_x, run = planning.run_geometry(layer)
     length = planning.align(run)
@@ -218,6 +227,7 @@ def _gather_fields(layer: Layer) -> dict[str, int]:
         "gather_step": layer.dilations[1] * channels,
         "gather_row_step": layer.dilations[0] * pitch,
         "gathered_bytes": planning.gathered_bytes(layer),
+        "gathered_stride": planning.gathered_stride(layer),
     }
 
 

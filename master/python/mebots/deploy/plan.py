@@ -125,12 +125,23 @@ def _place(lifetimes: dict[Tensor, tuple[int, int]]) -> tuple[dict[Tensor, int],
 
 
 def is_depthwise(layer: Layer) -> bool:
-    return layer.kind == "convolution" and layer.groups > 1 and layer.groups == layer.weight.shape[0] == layer.inputs[0].channels and layer.pool == 1
+    return layer.kind == "convolution" and layer.groups > 1 and layer.groups == layer.weight.shape[0] == layer.inputs[0].channels and layer.pool == 1 and layer.requantise is not None
 
 
 def fours(layer: Layer) -> int:
     """Returns how often a depthwise kernel takes four of its places."""
     return math.ceil(math.prod(layer.kernel) / 4)
+
+
+def pools_sums(layer: Layer) -> bool:
+    """True if the maximum of 2 x 2 sums is requantised, which needs positive multipliers."""
+    return layer.kind == "convolution" and layer.pool == 2 and layer.requantise is not None and bool((layer.requantise.multiplier > 0).all())
+
+
+def gathered_stride(layer: Layer) -> int:
+    """Bytes of each core's buffer of patches."""
+    size = gathered_bytes(layer)
+    return (4 if pools_sums(layer) else 2) * size + 8 if size else 0
 
 
 def gathers(layer: Layer) -> bool:
@@ -285,7 +296,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
         in_rows = (rows * layer.pool - 1) * layer.strides[0] + layer.extent()[0]
         in_size = in_rows * (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
         out_size = rows * layer.output.columns * max(one.channels for one in parts) * layer.output.element
-    unpooled = out_size * layer.pool**2 if layer.pool > 1 else 0
+    unpooled = out_size * layer.pool**2 if layer.pool > 1 and not pools_sums(layer) else 0
     data = max(data_bytes(layer, one) for one in parts)
     several = tiles > 1 or (sliced and len(parts) > 1)
     at = 0
@@ -305,7 +316,7 @@ def _layout(layer: Layer, parts: list[Part], rows: int) -> Steps:
     l1_data = two(data, len(parts) > 1) if data else (at, at)
     l1_out = two(out_size, tiles * len(parts) > 1)
     l1_unpooled = two(unpooled, False)[0] if unpooled else at
-    l1_gathered = two(CORES * (2 * gathered_bytes(layer) + 8), False)[0] if gathered_bytes(layer) else at
+    l1_gathered = two(CORES * gathered_stride(layer), False)[0] if gathered_bytes(layer) else at
     return Steps(rows, tiles, parts, sliced, _by_tile(layer, parts, tiles, sliced), l1_in, l1_other, l1_data, l1_out, l1_unpooled, l1_gathered, at)
 
 
@@ -380,6 +391,8 @@ def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
     runs_y, runs_x, run = run_geometry(layer)
     words = math.ceil(run / 4)
     pair = runs_y * runs_x * (14 * words + 8) + 110
+    if pools_sums(layer):
+        pair = runs_y * runs_x * (14 * words + 8) + 70
     if gathers(layer):
         return math.ceil(rows * pairs / CORES) * (len(part.groups) * pair + 3 * patch_bytes(layer))
     return math.ceil(rows * len(part.groups) / CORES) * (pairs * pair + 60)
