@@ -54,11 +54,11 @@ def lower(model: str | os.PathLike[str], data: str | os.PathLike[str], options: 
         float_model = None
     else:
         simplify(graph)
-        scale = pictures.scale(options.input_scale, options.input_offset)
+        scale = read.scales.get(source.name) or pictures.scale(options.input_scale, options.input_offset)
         float_model = FloatModel(read, names_of([one for one in [node.output for node in graph.nodes] + graph.outputs if one.name in read.shapes]))
         chosen = np.linspace(0, len(pictures) - 1, min(options.pictures, len(pictures))).round().astype(int)
         ranges = ranges_of(float_model, (pictures.real(pictures.one(i, scale), scale) for i in chosen), options.percentile)
-        network = Quantiser(graph, scale, ranges.range_of).network()
+        network = Quantiser(graph, scale, ranges.range_of, read.scales).network()
     board = chip.board(options.board)
     planned = plan(network, Memory(board.l1 - CLUSTER_STACKS, board.l2, board.name), L1_RESERVED)
     sources = emit(network, planned)

@@ -68,6 +68,7 @@ class Node:
     output: Tensor
     weight: np.ndarray | None = None
     bias: np.ndarray | None = None
+    weight_steps: np.ndarray | None = None  # of weights that were bytes in the model: one for all, or one per output channel
     kernel: tuple[int, int] = (1, 1)
     strides: tuple[int, int] = (1, 1)
     pads: tuple[int, int, int, int] = (0, 0, 0, 0)  # top, left, bottom, right

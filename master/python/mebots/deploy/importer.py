@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from mebots.deploy import functions, moving, transposed
+from mebots.deploy.arithmetic import Scale
 from mebots.deploy.context import Importer
 from mebots.deploy.graph import Graph, Tensor
 from mebots.deploy.model_file import Model
@@ -71,10 +72,12 @@ def _conv(owner: Importer) -> None:
     if source.channels != weight.shape[1] * groups or weight.shape[0] % groups != 0:
         raise owner.refuse(f"weights {list(weight.shape)} with {groups} groups do not fit {source.channels} channels", "Export the model again")
     bias = np.zeros(weight.shape[0]) if bias is None else bias
-    owner.add("conv", [source], weight=weight.astype(np.float64), bias=bias.astype(np.float64), groups=groups, **_geometry(owner, weight.shape[2:]))
+    steps = owner.model.weight_steps.get(owner.node.input[1])
+    fields = _geometry(owner, weight.shape[2:])
+    owner.add("conv", [source], weight=weight.astype(np.float64), bias=bias.astype(np.float64), groups=groups, weight_steps=steps, **fields)
 
 
-def _dense(owner: Importer, weight: np.ndarray, bias: np.ndarray | None) -> None:
+def _dense(owner: Importer, weight: np.ndarray, bias: np.ndarray | None, steps: np.ndarray | None) -> None:
     """``weight`` is (outputs, inputs)."""
     source = owner.input()
     if len(source.shape) != 1:
@@ -82,7 +85,7 @@ def _dense(owner: Importer, weight: np.ndarray, bias: np.ndarray | None) -> None
     if weight.shape[1] != source.size:
         raise owner.refuse(f"weights for {weight.shape[1]} inputs do not fit the {source.size} of {source.name}", "Export the model again")
     bias = np.zeros(weight.shape[0]) if bias is None else np.broadcast_to(np.asarray(bias, dtype=np.float64).ravel(), weight.shape[:1])
-    owner.add("conv", [source], weight=weight[:, :, np.newaxis, np.newaxis].astype(np.float64), bias=bias.astype(np.float64))
+    owner.add("conv", [source], weight=weight[:, :, np.newaxis, np.newaxis].astype(np.float64), bias=bias.astype(np.float64), weight_steps=steps)
 
 
 def _gemm(owner: Importer) -> None:
@@ -91,7 +94,8 @@ def _gemm(owner: Importer) -> None:
     weight = owner.constant(1) * owner.attribute("alpha", 1.0)
     bias = owner.constant(2)
     weight = weight if owner.attribute("transB", 0) else weight.T
-    _dense(owner, weight, None if bias is None else bias * owner.attribute("beta", 1.0))
+    steps = owner.model.weight_steps.get(owner.node.input[1]) if owner.attribute("alpha", 1.0) == 1 else None
+    _dense(owner, weight, None if bias is None else bias * owner.attribute("beta", 1.0), steps)
 
 
 def _matmul(owner: Importer) -> None:
@@ -100,7 +104,7 @@ def _matmul(owner: Importer) -> None:
     weight = owner.constant(1)
     if weight.ndim != 2:
         raise owner.refuse(f"its constant has shape {list(weight.shape)}", "Two dimensions are possible")
-    _dense(owner, weight.T, None)
+    _dense(owner, weight.T, None, owner.model.weight_steps.get(owner.node.input[1]))
 
 
 def affine(owner: Importer, source: Tensor, factor: np.ndarray, offset: np.ndarray) -> None:
@@ -222,6 +226,18 @@ def _softmax(owner: Importer) -> None:
     owner.add("softmax", [source], range=(0.0, 255 / 256))
 
 
+def _quantise_linear(owner: Importer) -> None:
+    """The node gives its input a scale; the next one, DequantizeLinear, changes nothing here."""
+    source, step = owner.input(), owner.constant(1)
+    zero = owner.constant(2)
+    zero = np.zeros(1, dtype=np.uint8) if zero is None else zero
+    if step.size != 1 or zero.dtype not in (np.uint8, np.int8):
+        raise owner.refuse(f"it quantises to {zero.dtype} with {step.size} scales", "Activations of 8 bits with one scale are possible")
+    scale = Scale(float(step.ravel()[0]), int(zero.ravel()[0]) + (128 if zero.dtype == np.int8 else 0))
+    owner.model.scales.setdefault(source.name, scale)
+    owner.alias(source)
+
+
 def _requantise(owner: Importer) -> None:
     owner.add("requantise", [owner.input()])
 
@@ -249,6 +265,8 @@ _OPERATORS: dict[str, Callable[[Importer], None]] = {
     "Clip": _limits,
     "PRelu": _prelu,
     "Softmax": _softmax,
+    "QuantizeLinear": _quantise_linear,
+    "DequantizeLinear": _same,
     "Requantise": _requantise,
     "Identity": _same,
     "Dropout": _same,

@@ -35,6 +35,8 @@ class Model:
         if rewrite is not None:
             rewrite(self.proto)
         self.requantising: dict[str, Any] = {}
+        self.weight_steps: dict[str, np.ndarray] = {}  # of weights that the model has in bytes
+        self.scales: dict[str, Any] = {}  # of tensors that the model quantises
         self.opset = _opset(self.proto, self.path)
         _fix_batch(self.proto, self.path)
         self.proto = _with_shapes(self.proto, self.path)
@@ -74,8 +76,26 @@ class Model:
             if not known or node.op_type in _NEVER_CONSTANT or node.domain not in ("", "ai.onnx"):
                 rest.append(node)
                 continue
-            self._evaluate(node)
+            if node.op_type == "DequantizeLinear":
+                self._dequantise(node)
+            else:
+                self._evaluate(node)
         return rest
+
+    def _dequantise(self, node: Any) -> None:
+        """Computes weights that the model has in bytes, and keeps their steps. onnx's evaluator has no old versions of it."""
+        whole = self.constants[node.input[0]]
+        step = np.asarray(self.constants[node.input[1]], dtype=np.float64)
+        zero = self.constants[node.input[2]].astype(np.float64) if len(node.input) > 2 and node.input[2] else np.zeros_like(step)
+        axis = next((one.i for one in node.attribute if one.name == "axis"), 1)
+        if step.size > 1:
+            if whole.ndim <= axis or whole.shape[axis] != step.size:
+                raise self.fail(f"node {_label(node)} (DequantizeLinear): {step.size} scales for shape {list(whole.shape)}; one per channel is possible")
+            shape = [step.size if i == axis % whole.ndim else 1 for i in range(whole.ndim)]
+            step, zero = step.reshape(shape), np.broadcast_to(zero.ravel(), step.size).reshape(shape)
+        if whole.dtype == np.int8 and not zero.any():
+            self.weight_steps[node.output[0]] = step.ravel()
+        self.constants[node.output[0]] = self._finite(node.output[0], (whole - zero) * step)
 
     def _fold_shape(self, node: Any) -> bool:
         shape = self.shapes.get(node.input[0])

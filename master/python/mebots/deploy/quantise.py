@@ -6,7 +6,7 @@ Activations are bytes with one scale per tensor; weights are signed bytes with a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,9 @@ POWER_BITS = 16
 
 
 class Quantiser:
-    def __init__(self, graph: Graph, input_scale: Scale, range_of: Callable[[str], tuple[float, float]]) -> None:
+    def __init__(self, graph: Graph, input_scale: Scale, range_of: Callable[[str], tuple[float, float]], given: Mapping[str, Scale]) -> None:
+        """``given``: scales that the model has itself, by the names of tensors."""
+        self._given = given
         self._graph = graph
         self._range_of = range_of
         self._scales: dict[Tensor, Scale] = {graph.inputs[0]: input_scale}
@@ -57,6 +59,9 @@ class Quantiser:
         return self._scales[tensor]
 
     def _out_scale(self, node: Node) -> Scale:
+        if node.output.name in self._given:
+            self._scales[node.output] = self._given[node.output.name]
+            return self._given[node.output.name]
         low, high = self._range_of(node.output.name) if node.range is None else node.range
         low, high = (float(np.clip(one, *node.limits)) for one in (low, high))
         scale = Scale.of_range(low, high)
@@ -78,9 +83,8 @@ class Quantiser:
         source, scale = self._scale(node.inputs[0]), self._out_scale(node)
         channels = node.weight.shape[0]
         scales = self._scales_by_channel(node) or [scale] * channels
-        magnitude = np.abs(node.weight).reshape(channels, -1).max(axis=1)
-        steps = np.maximum(magnitude, _least_step(node, source)) / 127
-        weight = np.clip(np.floor(node.weight / steps.reshape(-1, 1, 1, 1) + 0.5), -127, 127).astype(np.int64)
+        steps = _weight_steps(node, source)
+        weight = np.clip(np.floor(node.weight / steps.reshape(-1, 1, 1, 1) + 0.5), -128, 127).astype(np.int64)
         sums = weight.reshape(channels, -1).sum(axis=1)
         bias = np.floor(node.bias / (steps * source.step) + 0.5).astype(np.int64) - source.zero * sums
         bounds = np.abs(weight).reshape(channels, -1).sum(axis=1) * 255 + np.abs(bias)
@@ -110,7 +114,7 @@ class Quantiser:
         the scale of its output. Otherwise None."""
         users = self._graph.users(node.output)
         is_output = any(one is node.output for one in self._graph.outputs)
-        if len(node.output.shape) > 1 or node.is_limited() or is_output or not users:
+        if len(node.output.shape) > 1 or node.is_limited() or is_output or not users or node.output.name in self._given:
             return None
         scales: dict[int, Scale] = {}
         for user in users:
@@ -189,6 +193,15 @@ class Quantiser:
         tables = [None if one == scale else scale.bytes(one.real(np.arange(256))) for one in sources]
         fill = None if node.fill is None else scale.byte(node.fill)
         return self.layer("move", node, moves=[(one, tables[one.source]) for one in node.moves], fill=fill)
+
+
+def _weight_steps(node: Node, source: Scale) -> np.ndarray:
+    """Returns the step of each output channel's weights: the model's own, or 1/127 of the largest magnitude."""
+    channels = node.weight.shape[0]
+    if node.weight_steps is not None and node.weight_steps.size in (1, channels):
+        return np.broadcast_to(node.weight_steps.ravel(), (channels,))
+    magnitude = np.abs(node.weight).reshape(channels, -1).max(axis=1)
+    return np.maximum(magnitude, _least_step(node, source)) / 127
 
 
 def _least_step(node: Node, source: Scale) -> np.ndarray:

@@ -75,7 +75,7 @@ def _join_scales(graph: Graph) -> bool:
         if first.kind == "conv" and _is_affine(second) and not first.is_limited() and first.pool == 1:
             factor = second.weight.reshape(-1)
             weight = first.weight * factor.reshape(-1, 1, 1, 1)
-            joined = _join(first, second, weight=weight, bias=first.bias * factor + second.bias, limits=second.limits)
+            joined = _join(first, second, weight=weight, bias=first.bias * factor + second.bias, limits=second.limits, weight_steps=None)
             _replace(graph, first, second, joined)
             return True
     return False

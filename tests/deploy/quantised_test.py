@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Models that onnxruntime has quantised keep their weights bit by bit, and their scales."""
+
+import sys
+import unittest
+
+import numpy as np
+import onnx
+from networks import DeployCase, Maker
+from onnxruntime.quantization import CalibrationDataReader, QuantFormat, QuantType, quantize_static
+
+from mebots.deploy import layers as integers
+from mebots.deploy.deployed import Options
+from mebots.deploy.deploying import lower
+
+
+class Reader(CalibrationDataReader):
+    def __init__(self, values):
+        self._rows = iter([{"x": one[np.newaxis]} for one in values])
+
+    def get_next(self):
+        return next(self._rows, None)
+
+
+class QuantisedModels(DeployCase):
+    def test_weights_and_scales_of_onnxruntime_stay(self):
+        for activations in (QuantType.QUInt8, QuantType.QInt8):
+            maker = Maker(1, (2, 9, 9))
+            first = maker.node("Relu", maker.conv("x", 2, 8, (3, 3), pads=[1, 1, 1, 1]))
+            second = maker.node("Add", maker.conv(first, 8, 8, (3, 3), pads=[1, 1, 1, 1]), first)
+            maker.output(maker.node("Gemm", maker.node("Flatten", second), maker.weights(4, 8 * 81), maker.weights(4), transB=1))
+            path, data = maker.save(self.folder)
+            quantised = self.folder / "quantised.onnx"
+            quantize_static(
+                str(path), str(quantised), Reader(np.load(data)), quant_format=QuantFormat.QDQ, per_channel=True, activation_type=activations, weight_type=QuantType.QInt8
+            )
+            self.check(quantised, data)
+
+    def check(self, path, data):
+        deployed = lower(path, data, Options())
+        bytes_of = {one.name: onnx.numpy_helper.to_array(one) for one in onnx.load(str(path)).graph.initializer}
+        kept = [one for one in bytes_of.values() if one.dtype == np.int8 and one.ndim > 1]
+        got = [layer.weight for layer in deployed.network.layers if layer.weight is not None]
+        self.assertEqual(len(got), 3)
+        for weight in got:
+            self.assertTrue(any(one.size == weight.size and (one.ravel() == weight.ravel()).all() for one in kept))
+        for number in range(3):
+            stored = deployed.pictures.one(number, deployed.scale)
+            values = integers.run(deployed.network, stored)
+            tensor = deployed.network.outputs[0]
+            floats = deployed.float_model.run(deployed.pictures.real(stored, deployed.scale))
+            scale = deployed.network.scales[tensor]
+            # onnxruntime rounds half to even, the chip half up: a byte of a layer may differ by one.
+            error = np.abs(scale.real(values[tensor]).ravel() - floats[deployed.graph.outputs[0].name].ravel())
+            self.assertLess(error.max(), 1.5 * scale.step)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[1:]])
