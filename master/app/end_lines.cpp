@@ -120,6 +120,15 @@ void append_shared(const Json& values, const Json& units, const Json& intervals,
   if (is_cut) lines.back() += "  (all values: --verbose)";
 }
 
+/// "1000 steps of 0.001 s", or the limits of a step that varies.
+std::string steps_text(const master::SystemDescription& system) {
+  if (const auto& control = system.step_control) {
+    return fmt::format("steps of {} to {} s", master::time_text(system.length_of(control->min_steps)),
+                       master::time_text(system.length_of(control->max_steps)));
+  }
+  return fmt::format("{} steps of {} s", system.grid().point_at(system.stop_time_ns), master::to_seconds(system.step));
+}
+
 /// The line of a run with drawn flights.
 std::string uncertainty_line(const Json& uncertainty) {
   std::vector<std::string> outcomes;
@@ -161,11 +170,10 @@ std::vector<std::string> start_lines(const master::Run& run) {
   const auto grid = system.grid();
   std::vector<std::string> names;
   for (const auto& instance : system.instances) names.push_back(instance.name);
-  const auto steps = grid.point_at(system.stop_time_ns);
   return {fmt::format("{}: {} instances ({}), {} connections", system.name, names.size(), fmt::join(names, ", "),
                       run.resolved().connections.size()),
-          fmt::format("to {} s in {} steps of {} s; a row has {} columns", grid.time_s(system.stop_time_ns), steps,
-                      master::to_seconds(system.step), run.columns()),
+          fmt::format("to {} s in {}; a row has {} columns", grid.time_s(system.stop_time_ns), steps_text(system),
+                      run.columns()),
           "every check passed, and t = 0 was reached; nothing was written"};
 }
 

@@ -81,6 +81,7 @@ void show_end(const Run& run, const ReportOptions& options, Console& console) {
                                 master::to_seconds(*loss.at_ns)));
   }
   for (const auto& line : end_lines(run, options.verbose)) console.line(line);
+  if (const auto* steps = run.step_statistics()) console.line(step_control_line(run.resolved(), *steps));
   for (const auto& line : solvers_table(run.solvers())) console.line(line);
   if (run.options().statistics) {
     for (const auto& line : statistics_table(run.statistics(), run.report().wall.simulating_s())) console.line(line);

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // A foreign FMU: half of an oscillator, to be bound to another by force and velocity.
 //
-//   m x'' = -k x + force - grip (x - y),   y' = other_velocity       (m = 1, k = 10)
-//   pull = grip (x - y), the force on what y belongs to
+//   m x'' = -k (x - rest) + force - pull,   y' = other_velocity       (m = 1, k = 10 unless parameters say otherwise)
+//   pull = grip (x - y) + damping (x' - other_velocity), the force on what y belongs to
 //
 // With grip = 0 it is a mass on a spring that takes a force and gives its velocity; with grip > 0 also a spring to
 // another mass whose velocity it takes. Within a step the inputs are v + d tau; 64 steps of the classical Runge-Kutta
 // method make what is inside exact beside what the coupling costs. energy = m v^2/2 + k x^2/2 + grip (x - y)^2/2
-// changes by the work of force and pull only: so that of two halves together changes by what the coupling made.
+// changes by the work of force and pull only, if damping and rest are 0: so that of two halves together changes by what
+// the coupling made. From `rest_until` on, rest is 0: a jump that no other FMU can foresee.
 #include "fmi2.h"
 
 #include "frame.h"
 
 #include <stdlib.h>
 
-enum { FORCE, OTHER_VELOCITY, X, VELOCITY, Y, PULL, GRIP, ENERGY, REALS };
+enum { FORCE, OTHER_VELOCITY, X, VELOCITY, Y, PULL, GRIP, ENERGY, MASS, STIFFNESS, DAMPING, REST, REST_UNTIL, REALS };
 enum { PARTS = 64 };
 
 typedef struct {
@@ -27,13 +28,12 @@ typedef struct {
   double x, v, y;
 } Body;
 
-static const double stiffness = 10;
-
-static Body rate(const Model* m, Body s, double tau) {
+static Body rate(const Model* m, double rest, Body s, double tau) {
   const double* r = m->reals;
   const double force = r[FORCE] + m->slopes[FORCE] * tau;
   const double velocity = r[OTHER_VELOCITY] + m->slopes[OTHER_VELOCITY] * tau;
-  const Body result = {s.v, force - stiffness * s.x - r[GRIP] * (s.x - s.y), velocity};
+  const double pull = r[GRIP] * (s.x - s.y) + r[DAMPING] * (s.v - velocity);
+  const Body result = {s.v, (force - r[STIFFNESS] * (s.x - rest) - pull) / r[MASS], velocity};
   return result;
 }
 
@@ -44,28 +44,38 @@ static Body moved(Body s, Body rate, double h) {
 
 static void compute(Model* m) {
   double* r = m->reals;
-  r[PULL] = r[GRIP] * (r[X] - r[Y]);
-  r[ENERGY] = (r[VELOCITY] * r[VELOCITY] + stiffness * r[X] * r[X] + r[GRIP] * (r[X] - r[Y]) * (r[X] - r[Y])) / 2;
+  r[PULL] = r[GRIP] * (r[X] - r[Y]) + r[DAMPING] * (r[VELOCITY] - r[OTHER_VELOCITY]);
+  r[ENERGY] =
+      (r[MASS] * r[VELOCITY] * r[VELOCITY] + r[STIFFNESS] * r[X] * r[X] + r[GRIP] * (r[X] - r[Y]) * (r[X] - r[Y])) / 2;
 }
 
-static void advance(Model* m, double length) {
-  double* r = m->reals;
-  Body s = {r[X], r[VELOCITY], r[Y]};
+/// From tau on, by `length`.
+static Body integrated(const Model* m, double rest, Body s, double tau, double length) {
   const double h = length / PARTS;
   for (int part = 0; part < PARTS; ++part) {
-    const double tau = part * h;
-    const Body k1 = rate(m, s, tau);
-    const Body k2 = rate(m, moved(s, k1, h / 2), tau + h / 2);
-    const Body k3 = rate(m, moved(s, k2, h / 2), tau + h / 2);
-    const Body k4 = rate(m, moved(s, k3, h), tau + h);
+    const double from = tau + part * h;
+    const Body k1 = rate(m, rest, s, from);
+    const Body k2 = rate(m, rest, moved(s, k1, h / 2), from + h / 2);
+    const Body k3 = rate(m, rest, moved(s, k2, h / 2), from + h / 2);
+    const Body k4 = rate(m, rest, moved(s, k3, h), from + h);
     s = moved(moved(moved(moved(s, k1, h / 6), k2, h / 3), k3, h / 3), k4, h / 6);
   }
-  const Body last = rate(m, s, length);
+  return s;
+}
+
+static void advance(Model* m, double time, double length) {
+  double* r = m->reals;
+  const double left = r[REST_UNTIL] - time;
+  const double before = left <= 0 ? 0 : left < length ? left : length;
+  Body s = {r[X], r[VELOCITY], r[Y]};
+  if (before > 0) s = integrated(m, r[REST], s, 0, before);
+  if (before < length) s = integrated(m, 0, s, before, length - before);
+  const Body last = rate(m, before < length ? 0 : r[REST], s, length);
   r[X] = s.x;
   r[VELOCITY] = s.v;
   r[Y] = s.y;
   m->acceleration = last.v;
-  m->pull_rate = r[GRIP] * (last.x - last.y);
+  m->pull_rate = r[GRIP] * (last.x - last.y) + r[DAMPING] * (last.v - m->slopes[OTHER_VELOCITY]);
   compute(m);
 }
 
@@ -75,7 +85,11 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
                                           const fmi2CallbackFunctions* callbacks, fmi2Boolean visible,
                                           fmi2Boolean logging) {
   (void)name, (void)type, (void)guid, (void)resources, (void)callbacks, (void)visible, (void)logging;
-  return calloc(1, sizeof(Model));
+  Model* m = calloc(1, sizeof(Model));
+  if (m == NULL) return NULL;
+  m->reals[MASS] = 1;
+  m->reals[STIFFNESS] = 10;
+  return m;
 }
 FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
   free(c);
@@ -113,8 +127,8 @@ FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2V
 }
 
 FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_set) {
-  (void)t, (void)no_set;
-  advance(c, h);
+  (void)no_set;
+  advance(c, t, h);
   return fmi2OK;
 }
 

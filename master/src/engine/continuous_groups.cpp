@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/continuous_groups.hpp"
 
+#include "base/time.hpp"
 #include "engine/discrete_links.hpp"
 #include "slave/fmi/make_slave.hpp"
 
@@ -55,6 +56,9 @@ ContinuousGroups::ContinuousGroups(const ResolvedSystem& system, MessageSink& me
     for (std::size_t m = 0; m < continuous.members.size(); ++m) places_[continuous.members[m]] = {s, m};
     ContinuousGroup::Setup setup;
     setup.solver = *continuous.solver;
+    if (const auto& control = system.description->step_control; control && !setup.solver.max_step_s) {
+      setup.solver.max_step_s = to_seconds(system.description->length_of(control->max_steps));
+    }
     setup.relative_tolerance = tolerance_of(system, continuous.members);
     setup.grid = system.description->grid();
     setup.messages = &messages;

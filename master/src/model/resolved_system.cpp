@@ -2,6 +2,7 @@
 #include "model/resolved_system.hpp"
 
 #include "mebots/nearest_names.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 
@@ -33,6 +34,16 @@ Experiment ResolvedInstance::experiment(std::int64_t start_ns, std::int64_t stop
   Experiment result{.start_ns = start_ns, .tolerance = tolerance};
   if (description->pass_stop_time) result.stop_ns = stop_ns;
   return result;
+}
+
+bool ResolvedConnection::moves_real() const {
+  return !inner && !sum && kind_of(from.variable->type) == ValueKind::real &&
+         kind_of(to.variable->type) == ValueKind::real;
+}
+
+bool ResolvedConnection::is_continuous() const {
+  return moves_real() && from.variable->variability == Variability::continuous &&
+         to.variable->variability == Variability::continuous;
 }
 
 std::string why_not_settable(const Variable& variable) {

@@ -62,6 +62,10 @@ struct ResolvedConnection {
   std::vector<ValuePair> map = {};  ///< ordered by `from`; other values pass as they are
 
   bool changes_value() const { return factor != 1 || offset != 0; }
+  /// True if it moves a Real at communication points, and its input has no other source.
+  bool moves_real() const;
+  /// True for moves_real() between continuous variables: how far the input is from its source can be measured.
+  bool is_continuous() const;
 };
 
 /// Preparations of the host process for an FMU that embeds an interpreter.
@@ -102,6 +106,20 @@ struct ResolvedClockGroup {
   std::vector<ResolvedConnection> connections;  ///< between clocks, and between variables that belong to clocks
 };
 
+/// An input or bond whose error decides about the length of communication steps.
+struct MeasuredCoupling {
+  std::string name;
+  CouplingTolerance tolerance;
+  const BondDescription* bond = nullptr;  ///< if null, the input of a connection
+  std::size_t connection = 0;             ///< place among ResolvedSystem::connections
+};
+
+/// What the control of the communication step measures, and whether it repeats steps.
+struct ResolvedStepControl {
+  std::vector<MeasuredCoupling> measured;
+  bool rolls_back = false;
+};
+
 /// A free input whose source is a column of a file, as an override that acts from start to end.
 struct InputSignal {
   OverrideDescription description;
@@ -114,6 +132,7 @@ struct ResolvedSystem {
   std::vector<ResolvedConnection> connections;   ///< ordered by target, so that their order in the config is nothing
   std::vector<ResolvedClockGroup> clock_groups;  ///< their connections are not among those above
   std::vector<ResolvedContinuousSystem> continuous_systems;  ///< every instance of model exchange is in one
+  std::optional<ResolvedStepControl> step_control;           ///< if the description has one
   std::map<ResolvedVariable, InputSignal> inputs;  ///< by target, so that their order in the config does not matter
   std::vector<std::shared_ptr<const Signal>> scenario_signals;  ///< one per scenario entry; null for other actions
   std::vector<std::string> notices;                             ///< what the user should know, such as open inputs

@@ -97,4 +97,33 @@ std::vector<std::string> solvers_table(const std::vector<SolverStatistics>& solv
   return lines;
 }
 
+nlohmann::ordered_json step_control_json(const ResolvedSystem& system, const StepStatistics& steps) {
+  const auto& description = *system.description;
+  nlohmann::ordered_json json = {
+      {"steps", steps.steps},
+      {"rejected_steps", steps.rejected},
+      {"steps_above_tolerance", steps.above},
+      {"smallest_step", to_seconds(description.length_of(steps.smallest))},
+      {"largest_step", to_seconds(description.length_of(steps.largest))},
+      {"mean_error", steps.steps > 0 ? steps.error_sum / static_cast<double>(steps.steps) : 0},
+      {"largest_error", steps.largest_error},
+      {"rolls_back", system.step_control->rolls_back}};
+  auto& worst = json["largest_error_in"] = nlohmann::ordered_json::object();
+  const auto& measured = system.step_control->measured;
+  for (std::size_t i = 0; i < measured.size(); ++i) worst[measured[i].name] = steps.worst[i];
+  return json;
+}
+
+std::string step_control_line(const ResolvedSystem& system, const StepStatistics& steps) {
+  const auto& description = *system.description;
+  auto line = fmt::format("step control: {} steps of {} to {} s, {} repeated, {} above the tolerance", steps.steps,
+                          to_seconds(description.length_of(steps.smallest)),
+                          to_seconds(description.length_of(steps.largest)), steps.rejected, steps.above);
+  const auto worst = std::ranges::max_element(steps.worst);
+  if (*worst == 0) return line;
+  const auto& measured = system.step_control->measured;
+  return line + fmt::format("; the error is most often the largest in {} ({} steps)",
+                            measured[static_cast<std::size_t>(worst - steps.worst.begin())].name, *worst);
+}
+
 }  // namespace mebots::master

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "model/resolved_system.hpp"
 #include "model/solver_statistics.hpp"
+#include "model/step_statistics.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -32,6 +34,12 @@ nlohmann::ordered_json solvers_json(const std::vector<SolverStatistics>& solvers
 
 /// The same as lines of text.
 std::vector<std::string> solvers_table(const std::vector<SolverStatistics>& solvers);
+
+/// The communication steps of a run under step control as JSON, lengths in seconds.
+nlohmann::ordered_json step_control_json(const ResolvedSystem& system, const StepStatistics& steps);
+
+/// The same as a line of text.
+std::string step_control_line(const ResolvedSystem& system, const StepStatistics& steps);
 
 /// The table as JSON, times in seconds. `total_s` is the wall time of initialisation and stepping together;
 /// what no instance took of it is the master's.

@@ -52,8 +52,12 @@ std::optional<VariableName> SystemDescription::split(std::string_view text) cons
   return std::nullopt;
 }
 
+ExactTime SystemDescription::length_of(std::int64_t count) const {
+  return reduced(WideInteger{step.numerator} * count, step.denominator);
+}
+
 ExactTime SystemDescription::step_of(const InstanceDescription& instance) const {
-  return reduced(WideInteger{step.numerator} * instance.steps, step.denominator);
+  return length_of(instance.steps);
 }
 
 std::optional<std::string> stop_time_problem(const SystemDescription& system, std::int64_t stop_time_ns) {

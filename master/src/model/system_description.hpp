@@ -7,6 +7,7 @@
 #include "mebots/run_options.hpp"
 #include "model/fmu_kind.hpp"
 #include "model/solver_description.hpp"
+#include "model/step_control_description.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -221,6 +222,7 @@ struct RecordDescription {
   bool texts = false;                                  ///< patterns, and the lack of them, choose texts too
   bool locals = false;                                 ///< they choose local variables, too
   std::int64_t every_steps = 1;                        ///< a row at every such communication point
+  bool step = false;                                   ///< a column with the length of the step to the row's point
 };
 
 /// Frames to keep as picture files: 8-bit grey pixels that an OSMP binary carries.
@@ -313,11 +315,12 @@ struct SystemDescription {
   std::vector<InstanceDescription> instances;
   std::vector<ConnectionDescription> connections;
   AlgorithmDescription algorithm;
-  SolverDescription solver;                     ///< of continuous systems without one of their own
-  std::vector<ConditionDescription> stop_when;  ///< any one of them ends the run
-  std::vector<OutcomeDescription> outcomes;     ///< the first that holds is the outcome
-  std::vector<InputsDescription> inputs;        ///< sources of free inputs
-  std::vector<OverrideDescription> scenario;    ///< overrides of one variable act in this order
+  std::optional<StepControlDescription> step_control;  ///< nothing = every communication step is `step`
+  SolverDescription solver;                            ///< of continuous systems without one of their own
+  std::vector<ConditionDescription> stop_when;         ///< any one of them ends the run
+  std::vector<OutcomeDescription> outcomes;            ///< the first that holds is the outcome
+  std::vector<InputsDescription> inputs;               ///< sources of free inputs
+  std::vector<OverrideDescription> scenario;           ///< overrides of one variable act in this order
   std::vector<SummaryEntry> summary;
   RecordDescription record;
   std::vector<PictureDescription> pictures;
@@ -332,6 +335,8 @@ struct SystemDescription {
   InstanceIndex index;
 
   TimeGrid grid() const { return {start_time_ns, step}; }
+  /// The length of `count` steps.
+  ExactTime length_of(std::int64_t count) const;
   /// The step of an instance.
   ExactTime step_of(const InstanceDescription& instance) const;
   /// Place among `instances`. Like all that looks for names, for one thread at a time.

@@ -1,33 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "engine/coupling_error.hpp"
 #include "engine/ensemble.hpp"
 #include "record/observer.hpp"
 
 #include <nlohmann/json.hpp>
 
-#include <array>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-/// What the coupling of a run cost in accuracy. Between two communication points an input follows a polynomial p (a
-/// constant where no derivatives are known), and its source's output y goes its own way. The difference is the
-/// coupling's error, which no FMU can see.
+/// What the coupling of a run cost in accuracy.
 namespace mebots::master {
-
-/// An output over one step: a parabola through its ends and the end before, a line in the first step. What derivatives
-/// an FMU gives is not used: they are of the order that the coupling's error has itself.
-struct OutputCourse {
-  std::optional<double> before;  ///< one step earlier than `first`
-  double first = 0;
-  double last = 0;
-
-  /// Coefficients of 1, tau and tau^2 over a step of this length [s].
-  std::array<double, 3> coefficients(double length_s) const;
-};
 
 /// How far one continuous Real input was from its source, in the input's unit. That is p - y at all points that the
 /// source reached in a step of the reader, and at the step's start.
@@ -41,8 +27,7 @@ class InputDeviation {
   const std::string& input() const { return input_; }
   /// Root mean square of the deviation over the range of the source's value; 0 while that stands still.
   double relative() const;
-  /// With which power of the step the deviation falls.
-  int order() const { return 1 + static_cast<int>(course_.derivatives.size()); }
+  int order() const { return coupled_.order(); }
   nlohmann::ordered_json json() const;
 
  private:
@@ -51,11 +36,7 @@ class InputDeviation {
   std::string input_;
   std::string source_;
   std::string unit_;
-  const Ensemble* ensemble_;
-  SignalId output_;
-  double factor_;
-  double offset_;
-  InputCourse course_;
+  CoupledInput coupled_;
 
   double last_value_ = 0;  // of the source, as the input would have it, at last_time_ns_
   std::optional<std::int64_t> last_time_ns_;
@@ -67,46 +48,26 @@ class InputDeviation {
   std::int64_t largest_at_ns_ = 0;
 };
 
-/// The energy that the coupling made in one power bond. With the effort e from A to B and the flow f from B to A, B
-/// takes e_in f and A gives e f_in. So the integral of e_in f - e f_in was made on the way (Sadjina, Kyllingstad,
-/// Skjong, Pedersen 2017, "Energy conservation and power bonds in co-simulations"). It is lost where it is negative.
+/// The energy that the coupling made in one power bond.
 class BondEnergy {
  public:
-  /// Throws InputError when the two are not connected Real inputs of two instances with the same step, one towards the
-  /// other.
-  BondEnergy(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description);
+  /// Throws as PowerBond does.
+  BondEnergy(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description)
+      : bond_(system, ensemble, description) {}
 
   void reached(const Point& point, const TimeGrid& grid);
   void visit(state::Visitor& v);
 
-  const BondDescription& description() const { return *description_; }
+  const BondDescription& description() const { return bond_.description(); }
   double made() const { return made_; }
   double passed() const { return passed_; }
   /// The most that was made or lost at any point, over all that passed.
   double relative() const { return passed_ > 0 ? largest_ / passed_ : 0; }
-  int order() const;
+  int order() const { return bond_.order(); }
   nlohmann::ordered_json json() const;
 
  private:
-  /// One of the two connections: its source's output and what its reader has.
-  struct Half {
-    SignalId output;
-    double factor;
-    double offset;
-    InputCourse course;
-    OutputCourse step;
-
-    void visit(state::Visitor& v);
-  };
-
-  Half half(const ResolvedSystem& system, Ensemble& ensemble, const VariableName& input) const;
-
-  const BondDescription* description_;
-  const Ensemble* ensemble_;
-  std::string unit_;
-  std::vector<Half> halves_;              // effort and flow
-  std::int64_t steps_ = 1;                // both instances' step, in steps of the system
-  std::optional<std::int64_t> start_ns_;  // of the step that goes on
+  PowerBond bond_;
   double made_ = 0;
   double passed_ = 0;
   double largest_ = 0;
@@ -122,14 +83,16 @@ class Coupling final : public Observer {
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "coupling"; }
 
-  /// Where a limit is exceeded, with the communication step that would do.
+  /// Where a limit is exceeded, with the communication step that would do. Under step control, with the key to change.
   std::vector<std::string> warnings() const;
   nlohmann::ordered_json json() const;
 
  private:
+  std::string advice(double relative, double limit, int order) const;
+
   std::optional<double> input_limit_;
+  const SystemDescription* system_;
   TimeGrid grid_;
-  double step_s_;
   std::vector<InputDeviation> inputs_;
   std::vector<BondEnergy> bonds_;
 };

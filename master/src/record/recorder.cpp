@@ -25,6 +25,8 @@ modeldesc::Type recorded_type(const ResolvedSystem& system, const ResolvedVariab
 
 Recorder::Recorder(const ResolvedSystem& system, Ensemble& ensemble)
     : ensemble_(&ensemble), grid_(system.description->grid()), every_steps_(system.description->record.every_steps) {
+  records_step_ = system.description->record.step;
+  if (records_step_) columns_.push_back({"step", "s", modeldesc::Type::real});
   for (const auto& variable : recorded_variables(system)) {
     signals_.push_back(ensemble.watch(variable));
     columns_.push_back({system.text(variable), variable.variable->unit, recorded_type(system, variable)});
@@ -42,6 +44,7 @@ void Recorder::add(std::unique_ptr<RowSink> sink) {
 
 void Recorder::find_sources() {
   MEBOTS_ASSERT(sources_.empty());
+  if (records_step_) sources_.push_back({.real = &step_s_});
   for (const auto& signal : signals_) {
     Source source;
     switch (signal.kind) {
@@ -68,6 +71,10 @@ void Recorder::find_sources() {
 }
 
 std::optional<std::string> Recorder::reached(const Point& point) {
+  if (records_step_) {
+    step_s_ = point_ns_ ? grid_.length_s(*point_ns_, point.time_ns) : 0;
+    point_ns_ = point.time_ns;
+  }
   if (point.step % every_steps_ == 0) write_row(point);
   return std::nullopt;
 }
@@ -78,7 +85,7 @@ void Recorder::ended(const Point& point) {
 
 void Recorder::write_row(const Point& point) {
   MEBOTS_ASSERT(point.step > last_step_, "a point is written once");
-  if (sources_.size() != signals_.size()) find_sources();
+  if (sources_.size() != columns_.size()) find_sources();
   const auto size = block_.cells.size();
   block_.cells.resize(size + block_.cells_per_row);
   auto* cell = block_.cells.data() + size;
@@ -109,6 +116,9 @@ void Recorder::visit(state::Visitor& v) {
   for (std::size_t i = 0; i < sinks_.size(); ++i) v("sink[" + std::to_string(i) + "]", *sinks_[i]);
   v("rows", rows_);
   v("last_step", last_step_);
+  if (!records_step_) return;
+  v("step_s", step_s_);
+  v("point_ns", point_ns_);
 }
 
 }  // namespace mebots::master

@@ -53,7 +53,10 @@ class Recorder final : public Observer {
   std::int64_t every_steps_;
   std::vector<RecordColumn> columns_;
   std::vector<SignalId> signals_;
-  std::vector<Source> sources_;  // once the run has begun
+  bool records_step_ = false;             // as the first column
+  double step_s_ = 0;                     // of the step to this point; 0 at the start
+  std::optional<std::int64_t> point_ns_;  // kept if the step is recorded
+  std::vector<Source> sources_;           // once the run has begun
   RowBlock block_;
   std::size_t text_bytes_ = 0;  // in the block
   std::vector<std::unique_ptr<RowSink>> sinks_;

@@ -5,6 +5,7 @@
 #include "model/value_kind.hpp"
 #include "resolve/clock_groups.hpp"
 #include "resolve/signal_coverage.hpp"
+#include "resolve/step_control.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -250,6 +251,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
   resolve_continuous_systems(system);
   note_open_inputs(system);
   resolve_clock_groups(system);
+  resolve_step_control(system);
   return system;
 }
 

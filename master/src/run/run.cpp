@@ -470,14 +470,14 @@ void Run::advance(std::int64_t until_ns, std::string_view what) {
 
 std::int64_t Run::next_point_ns() const {
   const auto grid = system_.grid();
-  return grid.time_ns((simulation_ ? simulation_->steps_done() : 0) + 1);
+  return grid.time_ns((simulation_ ? simulation_->grid_point() : 0) + 1);
 }
 
 bool Run::step() {
   if (state_ == RunState::open) start();
-  const auto from = simulation_ ? simulation_->steps_done() : 0;
+  const auto from = simulation_ ? simulation_->grid_point() : 0;
   advance(next_point_ns(), "step()");
-  return simulation_ && simulation_->steps_done() > from;
+  return simulation_ && simulation_->grid_point() > from;
 }
 
 void Run::run_until(std::int64_t time_ns) {
@@ -671,6 +671,7 @@ nlohmann::ordered_json Run::summary() const {
   }
   if (uncertainty_) json["uncertainty"] = *uncertainty_;
   if (coupling_) json["coupling"] = coupling_->json();
+  if (const auto* steps = simulation_->step_statistics()) json["step_control"] = step_control_json(resolved_, *steps);
   if (!solvers_.empty()) json["solvers"] = solvers_json(solvers_);
   if (options_.statistics) json["statistics"] = statistics_json(statistics_, report.wall.simulating_s());
   return json;

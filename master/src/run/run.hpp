@@ -137,6 +137,8 @@ class Run {
   const Statistics& statistics() const { return statistics_; }
   /// The work of the solvers of model exchange; empty without one.
   const std::vector<SolverStatistics>& solvers() const { return solvers_; }
+  /// The communication steps under step control; null without it. From the start on.
+  const StepStatistics* step_statistics() const { return simulation_ ? simulation_->step_statistics() : nullptr; }
   /// The values that the config asks for under `summary`. From the start on.
   const SummaryValues& values() const { return *values_; }
   /// Instances that failed while the others went on.

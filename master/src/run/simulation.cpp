@@ -25,7 +25,9 @@ Simulation::Simulation(const ResolvedSystem& system, MessageSink& messages, cons
       slaves_(system, ensemble_, *interrupted_),
       algorithm_(make_algorithm({system, slaves_, messages_})),
       grid_(system.description->grid()),
-      stop_ns_(system.description->stop_time_ns) {}
+      stop_ns_(system.description->stop_time_ns) {
+  if (system.step_control) control_ = std::make_unique<StepControl>(system, slaves_, options.overrides);
+}
 
 Simulation::~Simulation() = default;
 
@@ -61,12 +63,20 @@ void Simulation::finish(End end) {
   for (auto* observer : observers_) observer->ended({step_, time_ns()});
 }
 
+/// `reached` becomes the place of the step's end.
+std::optional<End> Simulation::perform_step(std::int64_t& reached) {
+  if (control_) return control_->step(*algorithm_, step_, reached);
+  reached = step_ + 1;
+  return algorithm_->step({step_, reached});
+}
+
 bool Simulation::step() {
   if (ended_) return false;
+  std::int64_t reached = step_;
   std::optional<End> end;
   try {
     stop_if_interrupted(*interrupted_);
-    end = algorithm_->step(step_);
+    end = perform_step(reached);
   } catch (const InterruptedError& error) {
     end = interrupted_at(time_ns());
     if (*error.what() != '\0') end->text += fmt::format("; {}", error.what());
@@ -75,7 +85,7 @@ bool Simulation::step() {
     finish(std::move(*end));
     return false;
   }
-  ++step_;  // only now: a point with a value that makes no sense was not reached
+  step_ = reached;  // only now: a point with a value that makes no sense was not reached
   reach_point();
   return true;
 }
@@ -97,6 +107,7 @@ SimulationState Simulation::save_state() {
 
 void Simulation::visit(state::Visitor& v) {
   v("ensemble", ensemble_);
+  if (control_) v("step_control", *control_);
   for (auto* observer : observers_) {
     if (!observer->state_name().empty()) v(observer->state_name(), *observer);
   }

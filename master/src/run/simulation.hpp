@@ -4,6 +4,7 @@
 #include "engine/algorithm/algorithm.hpp"
 #include "engine/algorithm/slave_steps.hpp"
 #include "engine/ensemble.hpp"
+#include "engine/step_control/step_control.hpp"
 #include "message/message_hub.hpp"
 #include "model/run_course.hpp"
 #include "record/observer.hpp"
@@ -25,8 +26,9 @@ struct SimulationState {
   std::uint64_t layout = 0;       ///< of `master`
 };
 
-/// The loop of a run over the points of a TimeGrid. An Algorithm carries the slaves from point to point; observers are
-/// called at every point. Knows nothing of files and settings: see Run.
+/// The loop of a run over the points of a TimeGrid. An Algorithm carries the slaves from point to point, StepControl
+/// chooses points if the system has it; observers are called at every point that is reached. Knows nothing of files and
+/// settings: see Run.
 class Simulation {
  public:
   /// `system`, `messages` and what `options` points to must outlive the simulation.
@@ -63,7 +65,12 @@ class Simulation {
   /// No slave is called any more. Returns what went wrong in it, one text for each slave.
   std::vector<std::string> free_instances() { return ensemble_.free_instances(); }
 
-  std::int64_t steps_done() const { return step_; }
+  /// Communication steps from the start to here.
+  std::int64_t steps_done() const { return control_ ? control_->statistics().steps : step_; }
+  /// The place of the point on the grid.
+  std::int64_t grid_point() const { return step_; }
+  /// Null if every step has the same length.
+  const StepStatistics* step_statistics() const { return control_ ? &control_->statistics() : nullptr; }
   std::int64_t time_ns() const { return grid_.time_ns(step_); }
 
   /// Throws Error for a slave that cannot save its state.
@@ -78,16 +85,18 @@ class Simulation {
 
  private:
   void reach_point();
+  std::optional<End> perform_step(std::int64_t& reached);
 
   const std::atomic<bool>* interrupted_;
   OrderedMessages messages_;  // before the slaves, which write to it
   Ensemble ensemble_;
   SlaveSteps slaves_;
   std::unique_ptr<Algorithm> algorithm_;
+  std::unique_ptr<StepControl> control_;  // null: every step has the length of the grid's
   std::vector<Observer*> observers_;
   TimeGrid grid_;
   std::int64_t stop_ns_;
-  std::int64_t step_ = 0;
+  std::int64_t step_ = 0;  // place on the grid
   bool ended_ = false;
   End end_;
 };

@@ -27,6 +27,7 @@ class ForwardingSlave : public Slave {
 
   std::uint32_t output_derivative_order() const override { return inner_->output_derivative_order(); }
   bool takes_input_derivatives() const override { return inner_->takes_input_derivatives(); }
+  std::optional<double> next_event_s() const override { return inner_->next_event_s(); }
   std::vector<std::string> notices() const override { return inner_->notices(); }
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                               std::span<double> values) override {

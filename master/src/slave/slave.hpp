@@ -91,6 +91,9 @@ class Slave {
   virtual std::uint32_t output_derivative_order() const { return 0; }
   /// Whether the FMU makes use of time derivatives of its inputs.
   virtual bool takes_input_derivatives() const { return false; }
+  /// The time of the next event that is known, such as the tick of a clock [s]; nothing if none is in sight. Others see
+  /// what the event changes at the first communication point from then on.
+  virtual std::optional<double> next_event_s() const { return std::nullopt; }
   /// Returns what the user should know about where this instance runs, such as a part that its sandbox lacks.
   virtual std::vector<std::string> notices() const { return {}; }
   /// Derivatives of Real outputs at the end of the last step, `orders` (from 1) one per reference. They are what the

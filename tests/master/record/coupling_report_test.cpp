@@ -93,8 +93,8 @@ TEST(BondEnergy, ABondIsAnEffortOneWayAndAFlowTheOther) {
     return test::input_error([&] { summary_of(two_masses(0.1, "jacobi", bond, false)); });
   };
   EXPECT_THAT(refused("a.force", "a.force"), AllOf(HasSubstr("/coupling/bonds/it"), HasSubstr("are not a bond")));
-  EXPECT_THAT(refused("a.other_velocity", "b.other_velocity"), HasSubstr("is not a continuous Real input"));
-  EXPECT_THAT(refused("a.x", "b.other_velocity"), HasSubstr("is not a continuous Real input"));
+  EXPECT_THAT(refused("a.other_velocity", "b.other_velocity"), HasSubstr("is not a Real input with one connection"));
+  EXPECT_THAT(refused("a.x", "b.other_velocity"), HasSubstr("is not a Real input with one connection"));
   EXPECT_THAT(refused("a.nothing", "b.other_velocity"), HasSubstr("no variable 'nothing'"));
   EXPECT_THAT(refused("a.force", "b.other_velocity", R"(, "limit": 0)"), HasSubstr("limit"));
 }

@@ -103,6 +103,22 @@ TEST_F(Checkpoints, InstancesInOwnProcessesAreResumedToo) {
   EXPECT_EQ(summary("killed"), summary("straight"));
 }
 
+TEST_F(Checkpoints, ARunUnderStepControlIsResumedToTheSameSteps) {
+  auto system = nlohmann::json::parse(with_probe(kSavedSystem));
+  system["step_control"] = {{"max_step", 0.04}, {"relative_tolerance", 0.05}, {"rollback", "required"}};
+  system["record"] = {{"variables", {"*"}}, {"step", true}};
+  system["instances"]["b"].erase("step");
+  write_file(folder.path() / "controlled.json", system.dump());
+  ASSERT_EQ(run({"run", "controlled.json", "--out", "straight"}).code, 0);
+  const int kills =
+      run_with_kills({"run", "controlled.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.05"}, 5);
+  EXPECT_GE(kills, 1);
+  EXPECT_TRUE(result("killed", "results.csv") == result("straight", "results.csv"));
+  EXPECT_EQ(summary("killed"), summary("straight"));
+  const auto control = summary("straight")["step_control"];
+  EXPECT_LT(control["smallest_step"], control["largest_step"]) << "else the test proves nothing";
+}
+
 TEST_F(Checkpoints, AFolderOfPicturesThatIsGoneIsMadeAgain) {
   auto system = nlohmann::json::parse(with_probe(kSavedSystem));
   system["pictures"] = {{{"frame", "a.buffer"}, {"id", "a.steps"}, {"width", 1}}};

@@ -21,10 +21,10 @@ class Algorithm {
  public:
   virtual ~Algorithm() = default;
 
-  /// From t_k to t_(k+1). Afterwards the ensemble's outputs are those of t_(k+1), and nothing is returned. An end is
-  /// returned when a slave gave up, and InterruptedError is thrown after an interrupt: then the outputs are still those
-  /// of t_k, the last point that all reached. Throws what the slaves throw, too.
-  virtual std::optional<End> step(std::int64_t k) = 0;
+  /// Performs one communication step. Afterwards the ensemble's outputs are those of its end, and nothing is returned.
+  /// An end is returned when a slave gave up, and InterruptedError is thrown after an interrupt: then the outputs are
+  /// still those of the step's start, the last point that all reached. Throws what the slaves throw, too.
+  virtual std::optional<End> step(const GridStep& span) = 0;
 };
 
 /// What an algorithm works on. All of it outlives the algorithm.
@@ -44,8 +44,8 @@ std::unique_ptr<Algorithm> make_algorithm(const AlgorithmContext& context);
 std::unique_ptr<Algorithm> make_jacobi(const AlgorithmContext& context);
 
 /// Gauss-Seidel: the slaves step one after the other in the declared order. Each gets its inputs just before its step:
-/// from earlier slaves at t_(k+1), from later ones at t_k. The new outputs of a slave with a longer step become visible
-/// at its turn in the step in which the others reach its time.
+/// from earlier slaves at the step's end, from later ones at its start. The new outputs of a slave with a longer step
+/// become visible at its turn in the step in which the others reach its time.
 std::unique_ptr<Algorithm> make_gauss_seidel(const AlgorithmContext& context);
 
 }  // namespace mebots::master

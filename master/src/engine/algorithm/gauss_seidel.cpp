@@ -50,21 +50,21 @@ class GaussSeidel final : public Algorithm {
  public:
   explicit GaussSeidel(const AlgorithmContext& context) : slaves_(&context.slaves), turns_(turns_of(context.system)) {}
 
-  std::optional<End> step(std::int64_t k) override {
+  std::optional<End> step(const GridStep& span) override {
     auto& ensemble = slaves_->ensemble();
     const auto before = ensemble.outputs();
     try {
       for (const auto& turn : turns_) {
-        for (const auto i : turn) slaves_->write_inputs(i, k);
+        for (const auto i : turn) slaves_->write_inputs(i, span.from);
         for (const auto i : turn) {
-          if (!slaves_->begins_step(i, k)) continue;
-          const auto result = slaves_->finish(i, k, slaves_->step(i, k));
-          if (auto end = slaves_->end_of(i, k, result)) {
+          if (!slaves_->begins_step(i, span.from)) continue;
+          const auto result = slaves_->finish(i, span, slaves_->step(i, span));
+          if (auto end = slaves_->end_of(i, span.from, result)) {
             ensemble.bring_back(before);  // to the last point that all reached
             return end;
           }
         }
-        for (const auto i : turn) slaves_->read_outputs(i, k + 1);
+        for (const auto i : turn) slaves_->read_outputs(i, span.to);
       }
     } catch (const InterruptedError&) {
       ensemble.bring_back(before);

@@ -54,21 +54,21 @@ class Jacobi final : public Algorithm {
     attempts_.resize(slaves_->count());
   }
 
-  std::optional<End> step(std::int64_t k) override {
-    for (std::size_t i = 0; i < slaves_->count(); ++i) slaves_->write_inputs(i, k);
+  std::optional<End> step(const GridStep& span) override {
+    for (std::size_t i = 0; i < slaves_->count(); ++i) slaves_->write_inputs(i, span.from);
     unfinished_.clear();
     if (policy_ && policy_->parallel()) {
-      step_at_the_same_time(k);
+      step_at_the_same_time(span);
     } else {
       for (const auto i : slaves_->ensemble().step_order()) {
-        if (slaves_->begins_step(i, k)) take(i, slaves_->step(i, k));
+        if (slaves_->begins_step(i, span.from)) take(i, slaves_->step(i, span));
       }
     }
     // Slaves that step on their own time do so side by side: all were started before any is waited for.
-    for (auto& [i, result] : unfinished_) result = slaves_->finish(i, k, std::move(result));
+    for (auto& [i, result] : unfinished_) result = slaves_->finish(i, span, std::move(result));
     if (policy_) policy_->stepped();
-    if (auto end = end_at(k)) return end;
-    for (std::size_t i = 0; i < slaves_->count(); ++i) slaves_->read_outputs(i, k + 1);
+    if (auto end = end_at(span.from)) return end;
+    for (std::size_t i = 0; i < slaves_->count(); ++i) slaves_->read_outputs(i, span.to);
     return std::nullopt;
   }
 
@@ -94,18 +94,18 @@ class Jacobi final : public Algorithm {
     return first;
   }
 
-  void step_at_the_same_time(std::int64_t k) {
+  void step_at_the_same_time(const GridStep& span) {
     if (!pool_) pool_ = std::make_unique<StepPool>(threads_);  // not before it is needed
     messages_->hold();
     MEBOTS_ASSERT(threads_ >= 2 && !groups_.empty());
-    pool_->run(groups_.size(), [this, k](std::size_t group) {
+    pool_->run(groups_.size(), [this, &span](std::size_t group) {
       for (const auto i : groups_[group]) {
-        if (!slaves_->begins_step(i, k)) continue;
+        if (!slaves_->begins_step(i, span.from)) continue;
         auto& attempt = attempts_[i];
         MEBOTS_ASSERT(i < attempts_.size());
         attempt.error = nullptr;
         try {
-          attempt.result = slaves_->step(i, k);
+          attempt.result = slaves_->step(i, span);
         } catch (...) {
           attempt.error = std::current_exception();
           return;
@@ -116,7 +116,7 @@ class Jacobi final : public Algorithm {
     std::vector<std::string> speakers;
     std::exception_ptr first;
     for (const auto i : slaves_->ensemble().step_order()) {
-      if (first || !slaves_->begins_step(i, k)) continue;
+      if (first || !slaves_->begins_step(i, span.from)) continue;
       speakers.push_back(slaves_->ensemble().name(i));
       first = attempts_[i].error;
       const auto& result = attempts_[i].result;

@@ -24,25 +24,24 @@ void SlaveSteps::write_inputs(std::size_t slave, std::int64_t k) {
   if (begins_step(slave, k)) ensemble_->write_inputs(slave, time_ns(k));
 }
 
-StepResult SlaveSteps::step(std::size_t slave, std::int64_t k) {
+StepResult SlaveSteps::step(std::size_t slave, const GridStep& span) {
   stop_if_interrupted(*interrupted_);
   auto& target = ensemble_->slave(slave);
-  const auto start_ns = time_ns(k);
-  const auto& [multiple, is_divided] = steps_[slave];
-  const auto duration_ns = time_ns(k + multiple) - start_ns;
-  if (is_divided) return step_in_parts(target, start_ns, duration_ns, *interrupted_);
+  const auto start_ns = time_ns(span.from);
+  const auto duration_ns = time_ns(end_of_step(slave, span)) - start_ns;
+  if (steps_[slave].is_divided) return step_in_parts(target, start_ns, duration_ns, *interrupted_);
   return target.step(start_ns, duration_ns);
 }
 
-StepResult SlaveSteps::finish(std::size_t slave, std::int64_t k, StepResult result) {
+StepResult SlaveSteps::finish(std::size_t slave, const GridStep& span, StepResult result) {
   if (result.pending) result = ensemble_->slave(slave).finish_step(*interrupted_);
   if (result.done || result.terminated || result.cancelled) return result;
   throw SlaveError(fmt::format(
       "instance '{}' at {} s: fmi2DoStep refused a step of {} s (fmi2Discard; it came to {} s). Take a smaller step, "
       "or set \"on_discard\": \"divide\" for the instance. {}",
-      ensemble_->name(slave), to_seconds(time_ns(k)),
-      time_text(system_->description->step_of(*system_->instances[slave].description)),
-      result.last_successful_s.value_or(to_seconds(time_ns(k))), result.messages));
+      ensemble_->name(slave), to_seconds(time_ns(span.from)),
+      time_text(system_->description->length_of(end_of_step(slave, span) - span.from)),
+      result.last_successful_s.value_or(to_seconds(time_ns(span.from))), result.messages));
 }
 
 void SlaveSteps::read_outputs(std::size_t slave, std::int64_t k) {

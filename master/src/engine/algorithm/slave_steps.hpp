@@ -13,8 +13,14 @@
 
 namespace mebots::master {
 
-/// Steps the slaves on the grid of communication points t_k, for every algorithm. The step of a slave may be a multiple
-/// of h; it then begins at every n-th point.
+/// A communication step, from t_from to t_to on the grid. Longer than h only under step control.
+struct GridStep {
+  std::int64_t from = 0;
+  std::int64_t to = 0;
+};
+
+/// Steps the slaves on the grid of points t_k, for every algorithm. A slave's step is the communication step, or its
+/// own multiple of h: it then begins at every n-th point, and no communication step passes such a point.
 class SlaveSteps {
  public:
   /// `system` and `ensemble` must outlive this object, and so must `interrupted`.
@@ -31,11 +37,11 @@ class SlaveSteps {
 
   /// Sets the slave's inputs to the ensemble's present values, if a step of it begins at t_k.
   void write_inputs(std::size_t slave, std::int64_t k);
-  /// Performs the slave's step that begins at t_k. May be called for several slaves at the same time, each on a thread
-  /// of its own. Throws InterruptedError before the call, and what the slave throws.
-  StepResult step(std::size_t slave, std::int64_t k);
+  /// Performs the slave's step that begins with this communication step. May be called for several slaves at the same
+  /// time, each on a thread of its own. Throws InterruptedError before the call, and what the slave throws.
+  StepResult step(std::size_t slave, const GridStep& span);
   /// Waits for a pending step. Throws SlaveError if the slave refused the step.
-  StepResult finish(std::size_t slave, std::int64_t k, StepResult result);
+  StepResult finish(std::size_t slave, const GridStep& span, StepResult result);
   /// Reads the slave's outputs at t_k, if a step of it ends there.
   void read_outputs(std::size_t slave, std::int64_t k);
 
@@ -44,9 +50,14 @@ class SlaveSteps {
 
  private:
   struct Step {
-    std::int64_t multiple = 1;  // of h
+    std::int64_t multiple = 1;  // of h; 1: its step is the communication step
     bool is_divided = false;    // into parts, if the slave discards it
   };
+
+  /// The point at which the slave's step ends.
+  std::int64_t end_of_step(std::size_t slave, const GridStep& span) const {
+    return steps_[slave].multiple == 1 ? span.to : span.from + steps_[slave].multiple;
+  }
 
   const ResolvedSystem* system_;
   Ensemble* ensemble_;

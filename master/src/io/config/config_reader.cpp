@@ -42,6 +42,7 @@ constexpr Section kSections[] = {
     {"stop_time", true, &config::read_stop_time},
     {"connections", true, &config::read_connections, true},
     {"algorithm", false, &config::read_algorithm, true},
+    {"step_control", false, &config::read_step_control},
     {"solver", false, &config::read_solver},
     {"inputs", false, &config::read_inputs, true},
     {"scenario", false, &config::read_scenario, true},

@@ -46,6 +46,7 @@ void read_record(const Node& node, SystemDescription& system) {
   record.hdf5 = format.hdf5;
   object.read_if("texts", record.texts, &Node::flag);
   object.read_if("locals", record.locals, &Node::flag);
+  object.read_if("step", record.step, &Node::flag);
   object.read_if("interval", record.every_steps, [&](const Node& member) { return steps_in(member, system); });
   object.finish();
 }

@@ -24,6 +24,7 @@ void read_inputs(const data::Node& node, SystemDescription& system);
 void read_scenario_file(const data::Node& root, SystemDescription& system, const std::filesystem::path& folder);
 void read_algorithm(const data::Node& node, SystemDescription& system);
 void read_solver(const data::Node& node, SystemDescription& system);
+void read_step_control(const data::Node& node, SystemDescription& system);
 void read_stop_when(const data::Node& node, SystemDescription& system);
 void read_outcomes(const data::Node& node, SystemDescription& system);
 void read_summary(const data::Node& node, SystemDescription& system);

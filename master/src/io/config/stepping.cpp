@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The sections `text`, `step`, `start_time` and `stop_time`.
-// The sections `algorithm` and `solver`.
+// The sections `algorithm`, `step_control` and `solver`.
 // The section `threads`: "auto" or a number.
 // The section `coupling`.
 #include "mebots/input_error.hpp"
@@ -41,6 +41,10 @@ void read_stop_time(const Node& node, SystemDescription& system) {
 }
 
 namespace {
+
+double positive_number(const Node& node) {
+  return node.number(data::Limits::positive());
+}
 
 std::vector<std::string> read_order(const Node& node, const SystemDescription& system) {
   std::vector<std::string> order;
@@ -84,18 +88,93 @@ void read_algorithm(const Node& node, SystemDescription& system) {
   }
 }
 
+namespace {
+
+CouplingTolerance read_tolerance(const Node& node, const CouplingTolerance& general) {
+  auto tolerance = general;
+  Object object(node);
+  object.read_if("relative", tolerance.relative, positive_number);
+  object.read_if("absolute", tolerance.absolute, positive_number);
+  object.finish();
+  return tolerance;
+}
+
+NamedTolerance read_named_tolerance(const std::string& name, const Node& node, const CouplingTolerance& general) {
+  NamedTolerance named{.name = name, .tolerance = {}, .place = node.place()};
+  if (!node.is(data::Kind::boolean)) {
+    named.tolerance = read_tolerance(node, general);
+  } else if (node.flag()) {
+    named.tolerance = general;
+  }
+  return named;
+}
+
+void read_controller(Object& object, StepControlDescription& control) {
+  const auto within = [](double least, double most) {
+    return [least, most](const Node& node) { return node.number({.min = least, .max = most}); };
+  };
+  constexpr double kMostFactor = 100;
+  object.read_if("safety", control.safety, within(0.01, 1));
+  object.read_if("min_factor", control.min_factor, within(0.001, 1));
+  object.read_if("max_factor", control.max_factor, within(1, kMostFactor));
+  object.read_if("proportional_gain", control.proportional_gain, within(0, 1));
+  object.read_if("integral_gain", control.integral_gain, within(0, 1));
+}
+
+void check_order(const Node& node, const StepControlDescription& control, const SystemDescription& system) {
+  const auto text = [&](std::int64_t steps) { return time_text(system.length_of(steps)); };
+  if (control.min_steps > control.max_steps) {
+    node.complain(ErrorCode::invalid_value, fmt::format("\"min_step\" {} s is longer than \"max_step\" {} s",
+                                                        text(control.min_steps), text(control.max_steps)));
+  } else if (control.initial_steps < control.min_steps || control.initial_steps > control.max_steps) {
+    node.complain(ErrorCode::invalid_value,
+                  fmt::format("\"initial_step\" {} s is not between \"min_step\" {} s and \"max_step\" {} s",
+                              text(control.initial_steps), text(control.min_steps), text(control.max_steps)));
+  }
+}
+
+}  // namespace
+
+void read_step_control(const Node& node, SystemDescription& system) {
+  const auto steps = [&](const Node& member) { return steps_in(member, system); };
+  StepControlDescription control;
+  control.place = node.place();
+  Object object(node);
+  object.comment("text");
+  object.read("max_step", control.max_steps, steps);
+  object.read_if("min_step", control.min_steps, steps);
+  control.initial_steps = control.min_steps;
+  object.read_if("initial_step", control.initial_steps, steps);
+  object.read_if("relative_tolerance", control.tolerance.relative, positive_number);
+  object.read_if("absolute_tolerance", control.tolerance.absolute, positive_number);
+  object.visit_if("tolerances", [&](const Node& tolerances) {
+    for (const auto& [name, tolerance] : tolerances.members()) {
+      tolerance.attempt([&, &name = name, &tolerance = tolerance] {
+        control.tolerances.push_back(read_named_tolerance(name, tolerance, control.tolerance));
+      });
+    }
+  });
+  object.read_if(
+      "rollback", control.rollback,
+      data::word_of<Rollback>(
+          {{"never", Rollback::never}, {"if_possible", Rollback::if_possible}, {"required", Rollback::required}}));
+  read_controller(object, control);
+  object.finish();
+  check_order(node, control, system);
+  system.step_control = std::move(control);
+}
+
 SolverDescription solver_description(const Node& node) {
   constexpr std::int64_t kMostSteps = 1'000'000'000;
-  const auto positive = [](const Node& number) { return number.number(data::Limits::positive()); };
   Object object(node);
   SolverDescription solver;
   solver.place = node.place();
   object.comment("text");
   object.read_if("method", solver.method,
                  data::word_of<SolverMethod>({{"bdf", SolverMethod::bdf}, {"adams", SolverMethod::adams}}));
-  object.read_if("relative_tolerance", solver.relative_tolerance, positive);
-  object.read_if("absolute_tolerance", solver.absolute_tolerance, positive);
-  object.read_if("max_step", solver.max_step_s, positive);
+  object.read_if("relative_tolerance", solver.relative_tolerance, positive_number);
+  object.read_if("absolute_tolerance", solver.absolute_tolerance, positive_number);
+  object.read_if("max_step", solver.max_step_s, positive_number);
   object.read_if("max_steps", solver.max_steps, [&](const Node& number) { return number.whole_number(1, kMostSteps); });
   object.read_if("restart_at_points", solver.restarts_at_points, &Node::flag);
   object.finish();
@@ -121,10 +200,6 @@ void read_uncertainty(const Node& node, SystemDescription& system) {
 
 namespace {
 
-double limit(const Node& node) {
-  return node.number(data::Limits::positive());
-}
-
 BondDescription read_bond(const std::string& name, const Node& node, const SystemDescription& system) {
   Object object(node);
   BondDescription bond;
@@ -133,7 +208,7 @@ BondDescription read_bond(const std::string& name, const Node& node, const Syste
   object.comment("text");
   object.read("effort", bond.effort, variable_of(system));
   object.read("flow", bond.flow, variable_of(system));
-  object.read_if("limit", bond.limit, &limit);
+  object.read_if("limit", bond.limit, positive_number);
   object.finish();
   return bond;
 }
@@ -143,7 +218,7 @@ BondDescription read_bond(const std::string& name, const Node& node, const Syste
 void read_coupling(const Node& node, SystemDescription& system) {
   Object object(node);
   CouplingDescription coupling;
-  object.read_if("input_limit", coupling.input_limit, &limit);
+  object.read_if("input_limit", coupling.input_limit, positive_number);
   object.visit_if("bonds", [&](const Node& bonds) {
     for (const auto& [name, bond] : bonds.members()) {
       bond.attempt([&, &name = name, &bond = bond] { coupling.bonds.push_back(read_bond(name, bond, system)); });

@@ -52,6 +52,8 @@ class ClockGroup {
   /// After the last member has left initialisation mode, handles the events of the start.
   void exit_initialization();
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
+  /// The next tick of any clock [s]; TimedClock::kNever if there is none in sight.
+  double next_tick_s() const;
 
   /// The times of members and clocks, which the first member keeps.
   std::vector<std::byte> save() const;
@@ -73,7 +75,6 @@ class ClockGroup {
     void visit(state::Visitor& v);
   };
 
-  double next_tick_s() const;
   StepResult advance(double end_s);
   StepResult step_members(double& target_s);
   bool is_anything_due(double time_s) const;

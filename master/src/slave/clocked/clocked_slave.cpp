@@ -65,6 +65,11 @@ StepResult ClockedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   return group_->step(start_ns, duration_ns);
 }
 
+std::optional<double> ClockedSlave::next_event_s() const {
+  const double next_s = group_->next_tick_s();
+  return next_s == TimedClock::kNever ? std::nullopt : std::optional(next_s);
+}
+
 ClockedSlave::Held* ClockedSlave::held(ValueReference reference) {
   const auto found = held_.find(reference);
   return found == held_.end() ? nullptr : &found->second;

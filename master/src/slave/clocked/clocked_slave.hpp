@@ -28,6 +28,7 @@ class ClockedSlave final : public ForwardingSlave {
   void setup_experiment(const Experiment& experiment) override;
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
+  std::optional<double> next_event_s() const override;
   std::uint32_t output_derivative_order() const override { return 0; }
 
   void get_reals(std::span<const ValueReference> references, std::span<double> values) override;

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Error over number of steps with fixed and with controlled communication steps, on the quarter truck of libcosim, compared with
+libcosim's ECCO: a Markdown table and a figure.
+
+    step_control.py MEBOTS FOLDER OSCILLATOR.fmu [--out docs/img/step_control.png]
+
+FOLDER is tests/data/fmi2/quarter_truck of a checkout of libcosim (github.com/open-simulation-platform/libcosim): Chassis.fmu and
+Wheel.fmu. libcosimpy comes from PyPI (scripts/setup.sh bench); it is left out if it is missing. OSCILLATOR.fmu is made from
+tests/fmus/oscillator.c. It is the same truck with states that can be restored: libcosim's FMUs return to their first saved state in
+every step while a state is kept (noSetFMUStatePriorToCurrentPoint = false).
+
+The truck is linear (nd = 0.5), so its exact course is a matrix exponential. Steps inside the FMUs are so short that their own error is
+below that of the coupling. The error is the largest difference of the positions of chassis and wheel from the exact course at any
+communication point within 4 s, over the largest position.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as xml
+import zipfile
+
+import numpy
+
+REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
+sys.path.append(str(REPOSITORY / "scripts"))
+
+SECONDS = 4
+TICK = 1e-5
+INNER = 1e-5
+MASS, WHEEL_MASS, SPRING, DAMPER, TIRE, GROUND = 400.0, 40.0, 15000.0, 1000.0, 150000.0, 0.1
+NAMESPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
+
+
+class ExactTruck:
+    """The exact course of positions: chassis, wheel."""
+
+    def __init__(self):
+        # States: chassis position and velocity, wheel position and velocity, each from its place at rest.
+        a = numpy.array([[0, 1, 0, 0],
+                         [-SPRING / MASS, -DAMPER / MASS, SPRING / MASS, DAMPER / MASS],
+                         [0, 0, 0, 1],
+                         [SPRING / WHEEL_MASS, DAMPER / WHEEL_MASS, -(SPRING + TIRE) / WHEEL_MASS, -DAMPER / WHEEL_MASS]])
+        self.values, self.vectors = numpy.linalg.eig(a)
+        self.weights = numpy.linalg.solve(self.vectors, numpy.array([-GROUND, 0, -GROUND, 0], dtype=complex))
+
+    def positions(self, times):
+        modes = self.weights[:, None] * numpy.exp(numpy.outer(self.values, times))
+        return (self.vectors @ modes).real[[0, 2]] + GROUND
+
+
+def error_of(exact, times, chassis, wheel):
+    right = exact.positions(numpy.array(times))
+    return numpy.abs(right - numpy.array([chassis, wheel])).max() / numpy.abs(right).max()
+
+
+class LibcosimTruck:
+    """The FMUs of libcosim."""
+
+    positions = ("chassis.position", "wheel.position")
+    effort, flow = "chassis.force", "wheel.in_vel"
+    shift = 0.0
+
+    def __init__(self, folder):
+        inner = {"solverType": "Euler", "timeStep": INNER}
+        self.instances = {"chassis": {"fmu": str(folder / "Chassis.fmu"), "parameters": dict(inner, mass=MASS)},
+                          "wheel": {"fmu": str(folder / "Wheel.fmu"), "parameters": dict(inner, mass=WHEEL_MASS)}}
+        self.connections = [("chassis.velocity", self.flow), ("wheel.out_spring_damper_f", self.effort)]
+
+
+class OwnTruck:
+    """The same truck; positions count from its place at rest."""
+
+    positions = ("chassis.x", "wheel.x")
+    effort, flow = "chassis.force", "wheel.other_velocity"
+    shift = GROUND
+
+    def __init__(self, fmu):
+        self.instances = {
+            "chassis": {"fmu": str(fmu), "parameters": {"mass": MASS, "stiffness": 0.0, "x": -GROUND}},
+            "wheel": {"fmu": str(fmu), "parameters": {"mass": WHEEL_MASS, "stiffness": TIRE, "grip": SPRING, "damping": DAMPER,
+                                                      "x": -GROUND, "y": -GROUND}}}
+        self.connections = [("chassis.velocity", self.flow), ("wheel.pull", self.effort)]
+
+
+def held(fmu, target):
+    """The same FMU without time derivatives, as the FMUs of libcosim are."""
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w") as copy:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'canInterpolateInputs="true" maxOutputDerivativeOrder="1"', b"")
+            copy.writestr(name, content)
+    return target
+
+
+def config(truck, step, control=None, algorithm="jacobi"):
+    system = {"step": step, "stop_time": SECONDS, "algorithm": algorithm, "instances": truck.instances,
+              "connections": [{"from": source, "to": target} for source, target in truck.connections],
+              "record": list(truck.positions)}
+    if control:
+        system["coupling"] = {"bonds": {"suspension": {"effort": truck.effort, "flow": truck.flow}}}
+        system["step_control"] = control
+    return system
+
+
+def run(mebots, exact, truck, *settings, **more):
+    """Returns steps performed, repeated ones included, and the error."""
+    system = config(truck, *settings, **more)
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        (folder / "truck.json").write_text(json.dumps(system))
+        subprocess.run([mebots, "run", folder / "truck.json", "--out", folder / "out"], check=True, capture_output=True)
+        with open(folder / "out" / "results.csv", newline="", encoding="utf-8") as file:
+            rows = numpy.array([[float(cell) for cell in row] for row in list(csv.reader(file))[1:]])
+        summary = json.loads((folder / "out" / "summary.json").read_text())
+    repeated = summary.get("step_control", {}).get("rejected_steps", 0)
+    return summary["steps"] + repeated, error_of(exact, rows[:, 0], *(rows[:, 1:3].T + truck.shift))
+
+
+def ecco(exact, folder, tolerance):
+    """The same of libcosim, with the settings of its example but for the tolerances."""
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+    from libcosimpy.CosimObserver import CosimObserver
+
+    log_output_level(CosimLogLevel.ERROR)
+    tree = xml.parse(folder / "OspSystemStructure.xml")
+    for value in tree.iterfind(f".//{{{NAMESPACE}}}InitialValue[@variable='timeStep']/{{{NAMESPACE}}}Real"):
+        value.set("value", str(INNER))
+    for key in ("RelativeTolerance", "AbsoluteTolerance"):
+        tree.find(f".//{{{NAMESPACE}}}{key}").text = str(tolerance)
+    with tempfile.TemporaryDirectory() as name:
+        for file in folder.iterdir():
+            if file.suffix in (".fmu", ".xml"):
+                (pathlib.Path(name) / file.name).symlink_to(file)
+        target = pathlib.Path(name) / "OspSystemStructure.xml"
+        target.unlink()
+        xml.register_namespace("", NAMESPACE)
+        tree.write(target)
+        execution = CosimExecution.from_osp_config_file(osp_path=name)
+        observer = CosimObserver.create_last_value()
+        execution.add_observer(observer=observer)
+        chassis, wheel = (execution.slave_index_from_instance_name(instance) for instance in ("chassis", "wheel"))
+        times, positions = [], []
+        while not times or times[-1] < SECONDS:
+            if not execution.step(step_count=1):
+                raise RuntimeError("libcosim did not step")
+            times.append(execution.status().current_time * 1e-9)
+            positions.append([observer.last_real_values(chassis, [11])[0], observer.last_real_values(wheel, [18])[0]])
+    positions = numpy.array(positions)
+    return len(times), error_of(exact, times, *positions.T)
+
+
+STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
+TOLERANCES = (1, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4)
+
+
+def measure_truck(mebots, exact, truck, rollback, add):
+    signals = {"suspension": False, truck.effort: {}, truck.flow: {}}
+    for step in STEPS:
+        add("fixed", f"{step:g} s", run(mebots, exact, truck, step))
+    for tolerance in TOLERANCES:
+        control = {"max_step": 0.05, "relative_tolerance": tolerance, "initial_step": 1e-4, "rollback": rollback}
+        add("bond", f"{tolerance:g}", run(mebots, exact, truck, TICK, control))
+        add("signals", f"{tolerance:g}", run(mebots, exact, truck, TICK, dict(control, tolerances=signals)))
+
+
+def measure(mebots, folder, fmu):
+    """Returns {truck: {way: [(setting, steps, error)]}}."""
+    exact = ExactTruck()
+    trucks = {}
+
+    def adder(truck, suffix=""):
+        def add(way, setting, result):
+            trucks.setdefault(truck, {}).setdefault(way + suffix, []).append((setting, *result))
+            print(f"{truck}, {way}{suffix}, {setting}: {result[0]} steps, error {result[1]:.3g}", file=sys.stderr, flush=True)
+        return add
+
+    of_libcosim = adder("FMUs of libcosim")
+    measure_truck(mebots, exact, LibcosimTruck(folder), "never", of_libcosim)
+    with tempfile.TemporaryDirectory() as name:
+        truck = OwnTruck(held(fmu, pathlib.Path(name) / "held.fmu"))
+        measure_truck(mebots, exact, truck, "never", adder("FMUs with states"))
+        measure_truck(mebots, exact, truck, "required", adder("FMUs with states", " with rollback"))
+    trucks["FMUs with states"].pop("fixed with rollback")
+    try:
+        import libcosimpy  # noqa: F401
+    except ImportError:
+        print("libcosimpy is missing: no curve of ECCO", file=sys.stderr)
+        return trucks
+    for tolerance in (1, 0.3, 0.1, 0.03, 0.01, 1e-3, 1e-4, 1e-5):
+        of_libcosim("ECCO of libcosim", f"{tolerance:g}", ecco(exact, folder, tolerance))
+    return trucks
+
+
+def draw(trucks, out):
+    import figure_style as style
+
+    colours = {"fixed": style.GREY, "bond": style.BLUE, "signals": style.GREEN, "bond with rollback": style.SKY,
+               "signals with rollback": style.OCHRE, "ECCO of libcosim": style.VERMILION}
+    figure, panels = style.plt.subplots(1, 2, figsize=(10, 4.4), sharex=True, sharey=True, layout="constrained")
+    for panel, (title, ways) in zip(panels, trucks.items(), strict=True):
+        for name, rows in ways.items():
+            _, steps, errors = zip(*sorted(rows, key=lambda row: row[1]), strict=True)
+            panel.plot(steps, errors, "o-", color=colours[name], markersize=4, label=name)
+        panel.set(xscale="log", yscale="log", xlabel="communication steps in 4 s, repeated ones included", title=title)
+        panel.grid(True)
+        panel.legend()
+    panels[0].set_ylabel("largest error of the positions, relative")
+    style.save(figure, out)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("mebots", type=pathlib.Path)
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("fmu", type=pathlib.Path)
+    parser.add_argument("--out", type=pathlib.Path)
+    arguments = parser.parse_args()
+    trucks = measure(arguments.mebots.resolve(), arguments.folder.resolve(), arguments.fmu.resolve())
+    print("| truck | way | setting | steps | error |\n|---|---|---|---|---|")
+    for truck, ways in trucks.items():
+        for way, rows in ways.items():
+            for setting, steps, error in rows:
+                print(f"| {truck} | {way} | {setting} | {steps} | {error:.3g} |")
+    if arguments.out:
+        draw(trucks, arguments.out)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "engine/ensemble.hpp"
+#include "model/override_schedule.hpp"
+#include "model/resolved_system.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace mebots::master {
+
+/// The points of the grid that no communication step may pass: the end of the run, the steps of instances that have
+/// their own, the interval of the record, begin and end of overrides, rows of signals, and ticks of clocks. Checkpoints
+/// and pauses are not among them, so they do not change the results.
+class ForcedPoints {
+ public:
+  /// All must outlive this object; `overrides` may be null.
+  ForcedPoints(const ResolvedSystem& system, Ensemble& ensemble, const OverrideSchedule* overrides);
+
+  /// The first one after t_k.
+  std::int64_t after(std::int64_t k) const;
+  /// True if an override begins, ends or changes its course at t_k: variables may jump there.
+  bool is_event(std::int64_t k) const;
+
+ private:
+  std::int64_t point_from(std::int64_t time_ns) const;
+  template <typename Action>
+  void for_each_event(Action action) const;
+  std::int64_t next_row_after(std::int64_t k) const;
+  std::int64_t next_tick_after(std::int64_t k) const;
+
+  Ensemble* ensemble_;
+  const OverrideSchedule* overrides_;
+  TimeGrid grid_;
+  std::int64_t stop_ns_;
+  std::int64_t last_;                     // point of the run
+  std::vector<const SignalTimes*> rows_;  // of all signals
+  std::vector<std::int64_t> periods_;     // in steps of the grid
+  std::vector<std::size_t> with_clocks_;  // one instance of each clock group
+};
+
+}  // namespace mebots::master

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "engine/algorithm/algorithm.hpp"
+#include "engine/step_control/coupling_measure.hpp"
+#include "engine/step_control/forced_points.hpp"
+#include "engine/step_control/step_size_controller.hpp"
+#include "model/step_statistics.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace mebots::master {
+
+/// Lets the length of the communication step follow the coupling's error. An Algorithm performs the steps.
+class StepControl {
+ public:
+  /// All must outlive this object; `overrides` may be null. Before Ensemble::initialize(). Throws as PowerBond does.
+  StepControl(const ResolvedSystem& system, SlaveSteps& slaves, const OverrideSchedule* overrides);
+
+  /// Performs one communication step from t_k, again in halves if its error exceeds the tolerance and all slaves can
+  /// restore their states. `reached` becomes its end. Returns and throws as Algorithm::step() does.
+  std::optional<End> step(Algorithm& algorithm, std::int64_t k, std::int64_t& reached);
+
+  const StepStatistics& statistics() const { return statistics_; }
+  void visit(state::Visitor& v);
+
+ private:
+  /// All that a step changes, except the control itself.
+  struct SavedPoint {
+    std::vector<std::unique_ptr<SlaveState>> slaves;
+    std::vector<std::byte> values;
+  };
+
+  SavedPoint save() const;
+  void restore(const SavedPoint& saved, std::int64_t k);
+  Point point(std::int64_t k) const { return {k, slaves_->time_ns(k)}; }
+  void count(std::int64_t steps, const CouplingMeasure::Error& error);
+
+  const StepControlDescription* description_;
+  SlaveSteps* slaves_;
+  bool rolls_back_;
+  StepSizeController controller_;
+  CouplingMeasure measure_;
+  ForcedPoints forced_;
+  bool begun_ = false;
+  StepStatistics statistics_;
+};
+
+}  // namespace mebots::master

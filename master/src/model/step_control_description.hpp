@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mebots::master {
+
+/// What the coupling may be wrong by in one communication step.
+struct CouplingTolerance {
+  double relative = 1e-3;  ///< of the largest magnitude so far: of the source's value, or of a bond's power
+  double absolute = 1e-6;  ///< of an input times its nominal value; of a bond in the unit of its power
+};
+
+/// The tolerance of one input or bond.
+struct NamedTolerance {
+  std::string name;                            ///< of a bond, or "instance.input"
+  std::optional<CouplingTolerance> tolerance;  ///< if absent, the input or bond is not measured
+  std::string place;
+};
+
+enum class Rollback {
+  never,        ///< a step that exceeds the tolerance counts; the next one is shorter
+  if_possible,  ///< it is repeated in halves if all instances can restore their states
+  required,
+};
+
+/// How the length of the communication step follows the coupling's error. Lengths are in steps of the system. The
+/// defaults of the controller are those of ECCO (Sadjina, Kyllingstad, Skjong, Pedersen 2017).
+struct StepControlDescription {
+  std::int64_t min_steps = 1;
+  std::int64_t max_steps = 1;
+  std::int64_t initial_steps = 1;
+  CouplingTolerance tolerance;
+  std::vector<NamedTolerance> tolerances;
+  Rollback rollback = Rollback::never;
+  double safety = 0.8;
+  double min_factor = 0.2;  ///< from step to step
+  double max_factor = 1.5;
+  double proportional_gain = 0.2;
+  double integral_gain = 0.15;
+  std::string place;
+};
+
+}  // namespace mebots::master

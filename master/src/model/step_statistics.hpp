@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/state/visitor.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace mebots::master {
+
+/// Counts the communication steps of a run under step control. Lengths are in steps of the grid.
+struct StepStatistics {
+  std::int64_t steps = 0;
+  std::int64_t rejected = 0;  ///< steps that were repeated
+  std::int64_t above = 0;     ///< steps that count although their error exceeds the tolerance
+  std::int64_t smallest = 0;
+  std::int64_t largest = 0;
+  double error_sum = 0;  ///< over the tolerance
+  double largest_error = 0;
+  std::vector<std::int64_t> worst;  ///< in how many steps an input or bond had the largest error
+
+  /// Adds a step that counts.
+  void add(std::int64_t length, double error);
+
+  void visit(state::Visitor& v) {
+    v("steps", steps);
+    v("rejected", rejected);
+    v("above", above);
+    v("smallest", smallest);
+    v("largest", largest);
+    v("error_sum", error_sum);
+    v("largest_error", largest_error);
+    v("worst", worst);
+  }
+};
+
+}  // namespace mebots::master
