@@ -49,14 +49,7 @@ std::span<const BondDescription> bonds_of(const SystemDescription& system) {
   return system.coupling ? std::span(system.coupling->bonds) : std::span<const BondDescription>();
 }
 
-/// The inputs that are halves of bonds, as "instance.input".
-std::set<std::string> inputs_in_bonds(const SystemDescription& system) {
-  std::set<std::string> inputs;
-  for (const auto& bond : bonds_of(system)) inputs.insert({bond.effort.text(), bond.flow.text()});
-  return inputs;
-}
-
-/// Bonds first, then inputs that are not in a bond.
+/// Bonds, then inputs. All of them are measured unless a tolerance says otherwise, but of inputs only continuous ones.
 std::vector<MeasuredCoupling> measured_of(const ResolvedSystem& system, std::set<std::string>& unused) {
   const auto& control = *system.description->step_control;
   std::vector<MeasuredCoupling> measured;
@@ -70,13 +63,11 @@ std::vector<MeasuredCoupling> measured_of(const ResolvedSystem& system, std::set
   for (const auto& bond : bonds_of(*system.description)) {
     add({.name = bond.name, .tolerance = control.tolerance, .bond = &bond}, true);
   }
-  const auto in_bonds = inputs_in_bonds(*system.description);
   for (std::size_t i = 0; i < system.connections.size(); ++i) {
     const auto& connection = system.connections[i];
     if (!connection.moves_real()) continue;
-    auto name = system.text(connection.to);
-    const bool by_default = connection.is_continuous() && !in_bonds.contains(name);
-    add({.name = std::move(name), .tolerance = control.tolerance, .connection = i}, by_default);
+    add({.name = system.text(connection.to), .tolerance = control.tolerance, .connection = i},
+        connection.is_continuous());
   }
   return measured;
 }
