@@ -109,7 +109,7 @@ struct ResolvedClockGroup {
 /// An input or bond whose error decides about the length of communication steps.
 struct MeasuredCoupling {
   std::string name;
-  CouplingTolerance tolerance;
+  CouplingTolerance tolerance = {};
   const BondDescription* bond = nullptr;  ///< if null, the input of a connection
   std::size_t connection = 0;             ///< place among ResolvedSystem::connections
 };

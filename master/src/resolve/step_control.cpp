@@ -8,9 +8,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <set>
+#include <map>
 #include <span>
+#include <string_view>
+#include <utility>
 
 namespace mebots::master {
 namespace {
@@ -40,39 +41,39 @@ void check_instances(const ResolvedSystem& system) {
                   time_text(system.description->step)));
 }
 
-const NamedTolerance* find_tolerance(const StepControlDescription& control, const std::string& name) {
-  const auto found = std::ranges::find(control.tolerances, name, &NamedTolerance::name);
-  return found == control.tolerances.end() ? nullptr : &*found;
-}
-
 std::span<const BondDescription> bonds_of(const SystemDescription& system) {
   return system.coupling ? std::span(system.coupling->bonds) : std::span<const BondDescription>();
 }
 
-/// Bonds, then inputs. All of them are measured unless a tolerance says otherwise, but of inputs only continuous ones.
-std::vector<MeasuredCoupling> measured_of(const ResolvedSystem& system, std::set<std::string>& unused) {
-  const auto& control = *system.description->step_control;
-  std::vector<MeasuredCoupling> measured;
-  const auto add = [&](const MeasuredCoupling& item, bool is_measured_by_default) {
-    const auto* named = find_tolerance(control, item.name);
-    unused.erase(item.name);
-    if (named == nullptr ? !is_measured_by_default : !named->tolerance) return;
-    measured.push_back(item);
-    if (named != nullptr) measured.back().tolerance = *named->tolerance;
-  };
-  for (const auto& bond : bonds_of(*system.description)) {
-    add({.name = bond.name, .tolerance = control.tolerance, .bond = &bond}, true);
+/// Chooses among all bonds and inputs by the tolerances that the config names.
+class MeasuredChoice {
+ public:
+  explicit MeasuredChoice(const StepControlDescription& control) : general_(control.tolerance) {
+    for (const auto& named : control.tolerances) named_.emplace(named.name, &named);
   }
-  for (std::size_t i = 0; i < system.connections.size(); ++i) {
-    const auto& connection = system.connections[i];
-    if (!connection.moves_real()) continue;
-    add({.name = system.text(connection.to), .tolerance = control.tolerance, .connection = i},
-        connection.is_continuous());
-  }
-  return measured;
-}
 
-void refuse_unknown(const ResolvedSystem& system, const NamedTolerance& named) {
+  void add(MeasuredCoupling item, bool is_measured_by_default) {
+    item.tolerance = general_;
+    const auto found = named_.find(item.name);
+    if (found != named_.end()) {
+      const auto& tolerance = found->second->tolerance;
+      is_measured_by_default = tolerance.has_value();
+      item.tolerance = tolerance.value_or(general_);
+      named_.erase(found);
+    }
+    if (is_measured_by_default) measured_.push_back(std::move(item));
+  }
+  std::vector<MeasuredCoupling> take() { return std::move(measured_); }
+  /// A tolerance that no bond or input has; null if there is none.
+  const NamedTolerance* unused() const { return named_.empty() ? nullptr : named_.begin()->second; }
+
+ private:
+  CouplingTolerance general_;
+  std::map<std::string_view, const NamedTolerance*> named_;
+  std::vector<MeasuredCoupling> measured_;
+};
+
+[[noreturn]] void refuse_unknown(const ResolvedSystem& system, const NamedTolerance& named) {
   std::vector<std::string> names;
   for (const auto& bond : bonds_of(*system.description)) names.push_back(bond.name);
   for (const auto& connection : system.connections) {
@@ -84,14 +85,18 @@ void refuse_unknown(const ResolvedSystem& system, const NamedTolerance& named) {
                                named.place, named.name, suggest(named.name, names)));
 }
 
+/// Bonds, then inputs. All bonds and all continuous inputs are measured unless a tolerance says otherwise.
 void find_measured(ResolvedSystem& system) {
   const auto& control = *system.description->step_control;
-  std::set<std::string> unused;
-  for (const auto& named : control.tolerances) unused.insert(named.name);
-  system.step_control->measured = measured_of(system, unused);
-  for (const auto& named : control.tolerances) {
-    if (unused.contains(named.name)) refuse_unknown(system, named);
+  MeasuredChoice choice(control);
+  for (const auto& bond : bonds_of(*system.description)) choice.add({.name = bond.name, .bond = &bond}, true);
+  for (std::size_t i = 0; i < system.connections.size(); ++i) {
+    const auto& connection = system.connections[i];
+    if (!connection.moves_real()) continue;
+    choice.add({.name = system.text(connection.to), .connection = i}, connection.is_continuous());
   }
+  if (const auto* named = choice.unused()) refuse_unknown(system, *named);
+  system.step_control->measured = choice.take();
   if (!system.step_control->measured.empty()) return;
   throw InputError(ErrorCode::invalid_value,
                    fmt::format("{}: there is nothing to measure: the system has no connection between continuous Reals "

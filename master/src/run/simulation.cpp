@@ -63,20 +63,13 @@ void Simulation::finish(End end) {
   for (auto* observer : observers_) observer->ended({step_, time_ns()});
 }
 
-/// `reached` becomes the place of the step's end.
-std::optional<End> Simulation::perform_step(std::int64_t& reached) {
-  if (control_) return control_->step(*algorithm_, step_, reached);
-  reached = step_ + 1;
-  return algorithm_->step({step_, reached});
-}
-
 bool Simulation::step() {
   if (ended_) return false;
-  std::int64_t reached = step_;
+  std::int64_t reached = step_ + 1;
   std::optional<End> end;
   try {
     stop_if_interrupted(*interrupted_);
-    end = perform_step(reached);
+    end = control_ ? control_->step(*algorithm_, step_, reached) : algorithm_->step({step_, reached});
   } catch (const InterruptedError& error) {
     end = interrupted_at(time_ns());
     if (*error.what() != '\0') end->text += fmt::format("; {}", error.what());

@@ -85,7 +85,6 @@ class Simulation {
 
  private:
   void reach_point();
-  std::optional<End> perform_step(std::int64_t& reached);
 
   const std::atomic<bool>* interrupted_;
   OrderedMessages messages_;  // before the slaves, which write to it

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace mebots::master {
 
 End interrupted_at(std::int64_t time_ns) {
@@ -28,8 +30,9 @@ StepResult SlaveSteps::step(std::size_t slave, const GridStep& span) {
   stop_if_interrupted(*interrupted_);
   auto& target = ensemble_->slave(slave);
   const auto start_ns = time_ns(span.from);
-  const auto duration_ns = time_ns(end_of_step(slave, span)) - start_ns;
-  if (steps_[slave].is_divided) return step_in_parts(target, start_ns, duration_ns, *interrupted_);
+  const auto& [multiple, is_divided] = steps_[slave];
+  const auto duration_ns = time_ns(multiple == 1 ? span.to : span.from + multiple) - start_ns;
+  if (is_divided) return step_in_parts(target, start_ns, duration_ns, *interrupted_);
   return target.step(start_ns, duration_ns);
 }
 
@@ -40,7 +43,7 @@ StepResult SlaveSteps::finish(std::size_t slave, const GridStep& span, StepResul
       "instance '{}' at {} s: fmi2DoStep refused a step of {} s (fmi2Discard; it came to {} s). Take a smaller step, "
       "or set \"on_discard\": \"divide\" for the instance. {}",
       ensemble_->name(slave), to_seconds(time_ns(span.from)),
-      time_text(system_->description->length_of(end_of_step(slave, span) - span.from)),
+      time_text(system_->description->length_of(std::max(steps_[slave].multiple, span.to - span.from))),
       result.last_successful_s.value_or(to_seconds(time_ns(span.from))), result.messages));
 }
 

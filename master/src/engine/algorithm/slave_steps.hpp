@@ -54,11 +54,6 @@ class SlaveSteps {
     bool is_divided = false;    // into parts, if the slave discards it
   };
 
-  /// The point at which the slave's step ends.
-  std::int64_t end_of_step(std::size_t slave, const GridStep& span) const {
-    return steps_[slave].multiple == 1 ? span.to : span.from + steps_[slave].multiple;
-  }
-
   const ResolvedSystem* system_;
   Ensemble* ensemble_;
   const std::atomic<bool>* interrupted_;

@@ -76,9 +76,10 @@ class OspReader {
     const auto algorithm = child(root, "Algorithm");
     const std::string_view name = algorithm.text().get();
     if (algorithm && name != "fixedStep") {
-      result_.notices.push_back(
-          fmt::format("{}: the algorithm \"{}\" is left out; all simulators step with the base step",
-                      file_.place(algorithm), name));
+      result_.notices.push_back(fmt::format(
+          "{}: the algorithm \"{}\" is left out; all simulators step with the base step. \"step_control\" in a "
+          "config lets the step vary: mebots convert writes one",
+          file_.place(algorithm), name));
     }
   }
 
