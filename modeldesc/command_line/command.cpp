@@ -8,7 +8,7 @@
 namespace mebots::command_line {
 namespace {
 
-/// CLI11 tells a list of values as part of the type: "TEXT:{csv,hdf5}".
+/// Extracts the choices from CLI11's type text, such as "TEXT:{csv,hdf5}".
 std::vector<std::string> choices_in(const std::string& type) {
   std::vector<std::string> choices;
   const auto begin = type.find('{');

@@ -9,7 +9,8 @@
 namespace mebots::command_line {
 namespace {
 
-/// As one word in single quotes, in which all three shells take everything but the quote itself as it stands.
+/// Returns the text as one word in single quotes. Inside them, all three shells take every character except the quote
+/// literally.
 std::string quoted(const std::string& text, const std::string& quote) {
   std::string result = "'";
   for (const char character : text) {
@@ -29,7 +30,7 @@ std::string in_fish(const std::string& text) {
   return quoted(text, "\\'");
 }
 
-/// zsh's _arguments and _describe end a text at a colon or a bracket, unless a backslash stands before it.
+/// Escapes colons and brackets with a backslash: zsh's _arguments and _describe would end the text there.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char character : text) {
@@ -39,7 +40,7 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-/// A program's name as part of a function's name.
+/// Returns the program's name in a form that can be part of a shell function's name.
 std::string function_of(const Command& program) {
   auto name = "_" + program.name;
   std::ranges::replace(name, '-', '_');
@@ -52,8 +53,8 @@ std::vector<std::string> names_of(const std::vector<Argument>& options) {
   return names;
 }
 
-/// What bash offers once the command is known: after an option that takes one of a list the list, after another that
-/// takes a value files, after a dash the options.
+/// Returns bash's completions after the command's name: the listed values after an option that has a list, files after
+/// other options with a value, and options after a dash.
 std::string bash_case(const Command& command, const std::string& pattern) {
   std::string text = fmt::format("    {})\n      case $before in\n", pattern);
   std::vector<std::string> with_value;
@@ -72,7 +73,7 @@ std::string bash_case(const Command& command, const std::string& pattern) {
   return text;
 }
 
-/// Options of one command for fish; `condition` says when they are offered.
+/// Returns the options of a command for fish; `condition` is fish code that enables them.
 std::string fish_options(const Command& command, const std::string& start) {
   std::string text;
   for (const auto& option : command.options) {
@@ -89,7 +90,7 @@ std::string fish_options(const Command& command, const std::string& start) {
   return text;
 }
 
-/// The words that _arguments takes for one command's options and files.
+/// Returns the arguments of zsh's _arguments for the options and files of a command.
 std::string zsh_arguments(const Command& command) {
   std::string text;
   for (const auto& option : command.options) {
@@ -108,7 +109,7 @@ std::string zsh_arguments(const Command& command) {
   return text + " \\\n          '*:file:_files'";
 }
 
-/// The end of the function, and what calls it or gives it to zsh.
+/// Returns the end of the zsh function, and the lines that call or register it.
 std::string zsh_end(const Command& program) {
   return fmt::format(R"(}}
 if [[ $funcstack[1] == {0} ]]; then

@@ -11,7 +11,7 @@
 namespace mebots::command_line {
 namespace {
 
-/// As troff takes it: a backslash and a hyphen are themselves, and no line begins with a control character.
+/// Escapes text for troff: backslashes and hyphens are printed literally, and no line starts with a control character.
 std::string plain(const std::string& text) {
   std::string result;
   for (const char character : text) {
@@ -32,7 +32,7 @@ std::string in_capitals(std::string text) {
   return text;
 }
 
-/// "\fB--out\fR \fITEXT\fR"
+/// Returns a heading such as "\fB--out\fR \fITEXT\fR".
 std::string heading_of(const Argument& argument) {
   std::vector<std::string> names;
   for (const auto& name : argument.names) names.push_back("\\fB" + plain(name) + "\\fR");
@@ -50,7 +50,7 @@ std::string list_of(const std::string& title, const std::vector<Argument>& argum
   return text;
 }
 
-/// The footer's sections: a line that ends with a colon is a title, indented lines below it stand as they are.
+/// Converts the footer: a line that ends with a colon is a section title; indented lines below it are copied unchanged.
 std::string sections_of(const std::string& footer) {
   std::string text;
   bool as_it_stands = false;

@@ -12,13 +12,14 @@
 
 namespace mebots::data {
 
-/// Where the lines of a text start, to turn an offset into line and column; fast also where all is one long line.
+/// Stores the offsets of a text's line starts, to convert an offset to line and column. Fast even if the text is one
+/// long line.
 class TextLines {
  public:
   TextLines() : TextLines(std::string()) {}
   explicit TextLines(std::string text);
 
-  /// ":line:column", both from 1; columns count characters of UTF-8.
+  /// Returns ":line:column", both counted from 1. Columns count UTF-8 characters.
   std::string place(std::size_t offset) const;
 
  private:
@@ -26,45 +27,48 @@ class TextLines {
 
   std::string text_;
   std::vector<std::size_t> starts_{0};
-  std::vector<std::size_t> characters_;  // of UTF-8 before each block of the text
+  std::vector<std::size_t> characters_;  // UTF-8 characters before each block of the text
 };
 
-/// One value. The values of a document stand in the order of its text, an object or list before what is in it. The
-/// first inside of value i is i + 1, and behind a value with all that is in it comes `end`.
+/// A value of the document. Values are in the order of the text, and a container precedes its contents. If value i is
+/// not empty, its first element is i + 1. `end` is the index after its last descendant.
 struct Value {
   Kind kind = Kind::null;
   bool flag = false;
   bool is_literal = false;   // a whole number without point and exponent
-  bool negative = false;     // of a whole number
-  std::size_t parent = 0;    // of the root: itself
+  bool negative = false;     // a whole number with a minus sign
+  std::size_t parent = 0;    // index of the container; the root's is its own
   std::size_t end = 0;       // index
-  std::size_t position = 0;  // in its list
-  std::size_t offset = 0;    // bytes into the text, of a member that of its key; without a text its own index
-  std::uint64_t whole = 0;   // of a whole number, in two's complement
-  double number = 0;         // of any number
-  std::string key;           // of a member
-  std::string text;          // of a text
+  std::size_t position = 0;  // position in its container
+  std::size_t offset = 0;    // byte offset in the text (for a member, of its key); without a text, the value's own
+                             // index
+  std::uint64_t whole = 0;   // a whole number, in two's complement
+  double number = 0;         // any number
+  std::string key;           // key of a member
+  std::string text;          // content of a text
 };
 
 struct Document::Content {
   std::string name;
-  std::optional<TextLines> lines;  // of the text; none for a value without one
+  std::optional<TextLines> lines;  // empty if the document was not read from a text
   std::vector<Value> values;
-  std::map<std::string, std::string> places;  // by JSON pointer, of a value without a text
+  std::map<std::string, std::string> places;  // if the document was not read from a text: place of a value, by JSON
+                                              // pointer
   std::vector<Mistake> mistakes;
 };
 
-/// Takes the text apart. Throws Mistakes when it is not JSON; notes each key that occurs twice in one object.
+/// Parses the text. Throws Mistakes if it is not JSON. Reports each key that occurs twice in an object.
 std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
                          std::vector<Mistake>& mistakes);
 
-/// The values of JSON that is in memory already.
+/// Lists the values of JSON that is in memory.
 std::vector<Value> values_of(const nlohmann::ordered_json& json);
 
-/// A zero byte, which a file can name by \u0000, would end a mistake for who takes it from what(): as JSON names it.
+/// Replaces zero bytes by JSON's \u0000. A file can contain that escape, and a zero byte would cut off the message of
+/// what().
 std::string without_zero_bytes(std::string_view text);
 
-/// Of the value of this index; empty for the root.
+/// Returns the JSON pointer of the value with this index; empty for the root.
 std::string pointer_of(const std::vector<Value>& values, std::size_t index);
 
 }  // namespace mebots::data

@@ -19,7 +19,7 @@ bool is_line_end(char c) {
   return c == '\n' || c == '\r';
 }
 
-/// The first line as far as it is not in quotation marks.
+/// Returns the line without the parts in quotation marks.
 std::string unquoted_part(std::string_view line) {
   std::string part;
   bool quoted = false;
@@ -33,7 +33,7 @@ std::string unquoted_part(std::string_view line) {
   return part;
 }
 
-/// A cell as an error shows it.
+/// Formats a cell for an error message.
 std::string shown(std::string_view cell) {
   constexpr std::size_t kMost = 60;
   return cell.size() <= kMost ? fmt::format("'{}'", cell) : fmt::format("'{}...'", cell.substr(0, kMost));

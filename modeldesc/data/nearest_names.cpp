@@ -18,8 +18,9 @@ char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-/// edit_distance(); a number above `most` when that is greater than `most`. Most names are far from each other, which
-/// a few characters tell: a file with many wrong names is to be refused as fast as a right one is read.
+/// Returns edit_distance(), or any number above `most` if the distance is greater. Most names differ much, and a few
+/// characters show it. This early exit keeps the rejection of a file with many wrong names as fast as the reading of a
+/// correct one.
 std::size_t bounded_distance(std::string_view a, std::string_view b, std::size_t most) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) > most) return most + 1;
   std::vector<std::size_t> rows(3 * (b.size() + 1));
@@ -40,7 +41,7 @@ std::size_t bounded_distance(std::string_view a, std::string_view b, std::size_t
       if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
       nearest = std::min(nearest, row[j]);
     }
-    // A row comes from the two before it, and nothing in it is below both.
+    // Each row depends only on the two before it, and its values are not less than the least of theirs.
     if (std::min(nearest, nearest_of_last) > most) return most + 1;
     nearest_of_last = nearest;
   }
@@ -71,7 +72,7 @@ std::string suggest(std::string_view wrong, std::span<const std::string> known) 
   };
   std::vector<Candidate> candidates;
   for (const auto& name : known) {
-    // A name that contains what was typed, or the other way round, is near however much is missing.
+    // If one name contains the other, they count as near, whatever the difference in length.
     const bool contained = wrong.size() >= 3 && name.size() >= 3 &&
                            (name.find(wrong) != std::string::npos || wrong.find(name) != std::string_view::npos);
     const auto most = contained ? 1 : std::max<std::size_t>(1, std::max(wrong.size(), name.size()) / 3);

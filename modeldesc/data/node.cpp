@@ -54,7 +54,7 @@ bool Node::is_integer_literal() const {
 std::string Node::text() const {
   if (!is(Kind::text)) fail_kind("a text");
   const auto& text = document_->content_->values[index_].text;
-  // Whoever takes it as a C string (the system for a path, FMI for a value) would get another text in silence.
+  // C strings (paths for the system, values for FMI) would end at the zero byte without an error.
   if (text.find('\0') != std::string::npos) {
     fail(ErrorCode::invalid_value, fmt::format("{} holds a zero byte, where a C string ends; remove it", shown()));
   }
@@ -160,7 +160,7 @@ void Node::fail_unknown(std::string_view what, std::string_view name, std::span<
 void Node::note(const Mistakes& mistakes) const {
   auto& all = document_->content_->mistakes;
   for (auto mistake : mistakes.list()) {
-    // Of another file, which this value names: stands where it names it.
+    // The mistake is in another file that this value names; report it at this value.
     if (!mistake.place.starts_with(document_->content_->name)) {
       mistake.offset = document_->content_->values[index_].offset;
     }
@@ -211,7 +211,9 @@ std::string Node::shown() const {
   }
   if (text.size() > kLongest) {
     auto end = kLongest;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // no half character
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
+      --end;  // do not cut a character in
+              // half
     text = text.substr(0, end) + "...";
   }
   return text;

@@ -17,7 +17,7 @@ constexpr std::size_t kUsualKeys = 16;
 }  // namespace
 
 Object::Object(const Node& node) : node_(node), noted_before_(node.noted()) {
-  if (!node.is(Kind::object)) static_cast<void>(node.members());  // which fails
+  if (!node.is(Kind::object)) static_cast<void>(node.members());  // throws
   known_.reserve(kUsualKeys);
 }
 
@@ -46,7 +46,7 @@ std::vector<double> read_numbers(const Node& node, const Limits& limits) {
 std::vector<double> read_rising_numbers(const Node& node, const Limits& limits) {
   auto values = read_numbers(node, limits);
   const auto elements = node.elements();
-  if (values.size() != elements.size()) return values;  // which is told
+  if (values.size() != elements.size()) return values;  // already reported
   for (std::size_t i = 1; i < values.size(); ++i) {
     if (values[i] > values[i - 1]) continue;
     elements[i].complain(ErrorCode::invalid_value,

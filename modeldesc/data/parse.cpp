@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The library's parser calls back for every value, but does not say where it stands. A cursor goes over the same text
-// behind it, one token a call: what it passes is known to be valid, so that it needs to know very little of JSON.
+// The JSON library calls back for every value but does not report its offset. Therefore a cursor follows the parser
+// through the same text, one token per call. The parser has already validated the text that the cursor passes, so the
+// cursor needs few rules of JSON.
 #include "content.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +16,7 @@
 namespace mebots::data {
 namespace {
 
-/// Offset after the string that begins at `at`.
+/// Returns the offset after the string that starts at `at`.
 std::size_t string_end(std::string_view text, std::size_t at) {
   for (++at; at < text.size() && text[at] != '"'; ++at) {
     if (text[at] == '\\') ++at;
@@ -23,7 +24,7 @@ std::size_t string_end(std::string_view text, std::size_t at) {
   return std::min(at + 1, text.size());
 }
 
-constexpr std::size_t kBytesAValue = 16;  // of most texts at least, with its key
+constexpr std::size_t kBytesAValue = 16;  // lower bound in most texts, key included
 
 void put_whole(Value& value, std::uint64_t whole, bool negative, double number) {
   value.kind = Kind::whole_number;
@@ -42,7 +43,7 @@ void put_unsigned(Value& value, std::uint64_t whole) {
 }
 
 void put_float(Value& value, double number) {
-  constexpr double kAllWhole = 9007199254740992;  // 2^53: up to it a double tells neighbouring whole numbers apart
+  constexpr double kAllWhole = 9007199254740992;  // 2^53: the largest double below which all whole numbers are exact
   const bool is_whole = number == std::floor(number) && std::abs(number) <= kAllWhole;
   value.kind = is_whole ? Kind::whole_number : Kind::number;
   value.number = number;
@@ -56,7 +57,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   Builder(std::string_view text, const std::string& name, const TextLines& lines, std::vector<Mistake>& mistakes)
       : text_(text), name_(name), lines_(lines), mistakes_(mistakes) {
     if (text_.starts_with("\xEF\xBB\xBF")) cursor_ = 3;
-    values_.reserve(text.size() / kBytesAValue);  // to grow costs as much as to read
+    values_.reserve(text.size() / kBytesAValue);  // growing costs as much as parsing
   }
 
   std::vector<Value> values() { return std::move(values_); }
@@ -109,7 +110,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     if (error.id == kNumberOverflow) {
       refuse(ErrorCode::value_out_of_range, next_token(), fmt::format("the number {} is too large", token));
     }
-    // The library's text reads "[json.exception.parse_error.101] parse error at line 3, column 5: ...".
+    // The library's message starts with "[json.exception.parse_error.101] parse error at line 3, column 5: ...".
     std::string what = error.what();
     const auto end_of_tag = what.find(": ");
     if (end_of_tag != std::string::npos) what = what.substr(end_of_tag + 2);
@@ -132,7 +133,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     mistakes_.push_back({code, without_zero_bytes(place), without_zero_bytes(what), offset});
   }
 
-  /// Offset of the token that the parser read last; the cursor goes behind it.
+  /// Returns the offset of the token that the parser read last, and moves the cursor past it.
   std::size_t next_token() {
     const auto start = std::min(text_.find_first_not_of(" \t\r\n,:", cursor_), text_.size());
     if (start == text_.size()) return start;
@@ -179,7 +180,8 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
-  /// Of an object that is closed. Most have few members, which are compared with each other; to sort many takes less.
+  /// Reports duplicate keys of a closed object. Most objects have few members, which are compared in pairs; the members
+  /// of large ones are sorted.
   void note_keys_that_stand_twice(std::size_t object) {
     constexpr std::size_t kFew = 16;
     members_.clear();
@@ -210,7 +212,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   const std::string& name_;
   const TextLines& lines_;
   std::vector<Mistake>& mistakes_;
-  std::vector<std::size_t> members_;  // of the object that was closed last
+  std::vector<std::size_t> members_;  // of the last closed object
   std::size_t cursor_ = 0;
   std::vector<Value> values_;
   std::vector<Open> open_;
@@ -224,7 +226,7 @@ class Lister {
  public:
   std::vector<Value> values() { return std::move(values_); }
 
-  /// `position` counts the elements of a list and the members of an object.
+  /// `position` is the index in the list or object.
   void add(const nlohmann::ordered_json& json, std::size_t parent, std::size_t position, std::string key) {
     const auto index = values_.size();
     auto& value = values_.emplace_back();
@@ -288,7 +290,7 @@ std::vector<Value> values_of(const nlohmann::ordered_json& json) {
 std::vector<Value> parse(std::string_view text, const std::string& name, const TextLines& lines,
                          std::vector<Mistake>& mistakes) {
   Builder builder(text, name, lines, mistakes);
-  // The library takes a zero byte for the end, and would leave out what follows without a word.
+  // The library treats a zero byte as the end and would ignore the rest without an error.
   if (const auto zero = text.find('\0'); zero != std::string_view::npos) {
     builder.refuse(ErrorCode::syntax_error, zero,
                    "there is a zero byte, so this is not JSON text; save the file as UTF-8");

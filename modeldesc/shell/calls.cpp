@@ -8,12 +8,12 @@
 namespace mebots::shell {
 namespace {
 
-/// The saved state behind the handle, as this library made it.
+/// Converts the C handle to the saved state that this library created.
 SavedState& saved_state(void* handle) {
   return *static_cast<SavedState*>(&checked(static_cast<SavedState*>(handle), "FMU state"));
 }
 
-/// Puts a state behind *handle, reusing what is there.
+/// Stores the state in *handle; reuses an existing one.
 void hand_out(SavedState saved, void*& handle) {
   if (handle == nullptr)
     handle = std::make_unique<SavedState>(std::move(saved)).release();

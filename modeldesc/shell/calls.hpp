@@ -11,11 +11,11 @@
 #include <span>
 #include <string_view>
 
-/// What the C functions of all versions of FMI share. Each finds its instance, checks that the call is legal now, and
-/// lets no exception out.
+/// The calls that the C functions of all versions of FMI share. Each finds its instance, checks that the call is legal
+/// now, and catches every exception.
 namespace mebots::shell {
 
-/// Never throws: a tool that refuses the message must not keep us from returning the status.
+/// Never throws: if the tool's logger fails, we still return the status.
 void report(Instance& instance, Status status, const Function& function, const char* what) noexcept;
 
 template <typename Body>
@@ -56,8 +56,8 @@ T& checked(T* pointer, std::string_view name) {
   throw Error(fmt::format("this FMU does not offer it: modelDescription.xml says {}", flag));
 }
 
-/// Builds what instances share, once: the C++ library's facets, and the FMU's own tables. Called by a function that
-/// every tool calls after loading the library, before the first instance.
+/// Builds data that instances share, once: the C++ library's facets and the FMU's own tables. Call it from a function
+/// that every tool calls after loading the library and before the first instance.
 void prepare_library() noexcept;
 
 struct Instantiation {
@@ -68,7 +68,8 @@ struct Instantiation {
   bool logging_on;
 };
 
-/// Null with a message if it cannot be; `resources` returns the folder, or throws mebots::Error.
+/// Returns null and sends a message if the instance cannot be created. `resources` returns the folder or throws
+/// mebots::Error.
 Instance* instantiate(const Instantiation& asked, const std::function<Logger::Sink()>& sink,
                       const std::function<std::filesystem::path()>& resources) noexcept;
 void free_instance(void* handle) noexcept;

@@ -4,7 +4,7 @@
 #include "mebots/fmu/definition.hpp"
 #include "mebots/fmu/model.hpp"
 
-/// What the shell and an FMU's author both speak of.
+/// Definitions that the shell shares with the authors of FMUs.
 namespace mebots::shell {
 
 using fmu::Causality;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C functions of FMI 2.0: a thin face over the calls that all versions share.
+// The C functions of FMI 2.0: thin wrappers of the calls that all versions share.
 #include "calls.hpp"
 #include "mebots/fmi2/functions.hpp"
 
 namespace mebots::shell {
 namespace {
 
-/// The table. One row per function that takes an instance.
+/// The table has a row per function that takes an instance.
 namespace call {
 using namespace legal;
 constexpr std::uint8_t kStatus = kStepComplete | kStepFailed | kTerminated;
@@ -56,7 +56,7 @@ fmi2Status guarded2(fmi2Component component, const Function& function, Body body
   return to_fmi2(guarded(component, function, body));
 }
 
-/// The message is a printf format to the tool, without arguments from us.
+/// The tool treats the message as a printf format; we pass no arguments.
 Logger::Sink sink_of(const fmi2CallbackFunctions& callbacks, std::string name) {
   if (callbacks.logger == nullptr) return {};
   return [logger = callbacks.logger, environment = callbacks.componentEnvironment, name = std::move(name)](
@@ -72,7 +72,7 @@ using mebots::Error;
 using namespace mebots::shell;  // NOLINT(google-build-using-namespace): the functions below are the standard's, and
                                 // global
 
-/// Every tool calls it after loading the library, before the first instance.
+/// Every tool calls this function after loading the library and before the first instance.
 const char* fmi2GetTypesPlatform() {
   prepare_library();
   return "default";
@@ -261,7 +261,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component component, fmi2StatusKind /*kind*/
 fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2StatusKind kind, fmi2Boolean* value) {
   return guarded2(component, call::kGetBooleanStatus, [&](Instance&) {
     if (kind != fmi2Terminated) throw Error("only fmi2Terminated is a Boolean; use the function for the other kind");
-    checked(value, "value") = fmi2False;  // this FMU never asks to end the simulation
+    checked(value, "value") = fmi2False;  // this FMU never ends the simulation
   });
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C functions of FMI 3.0: a thin face over the calls that all versions share. Those that read and set values are in
-// fmi3_values.cpp, those that no FMU of ours offers in fmi3_not_offered.cpp.
+// The C functions of FMI 3.0: thin wrappers of the calls that all versions share. Functions that read and set values
+// are in fmi3_values.cpp; functions that our FMUs do not support are in fmi3_not_offered.cpp.
 #include "fmi3_calls.hpp"
 
 #include <optional>
@@ -9,7 +9,7 @@
 namespace mebots::shell {
 namespace {
 
-/// One row per function that takes an instance.
+/// The table has a row per function that takes an instance.
 namespace call {
 using namespace legal;
 constexpr Function kSetDebugLogging{"fmi3SetDebugLogging", kAlive};
@@ -32,7 +32,7 @@ fmi3Status to_fmi3(Status status) {
   return static_cast<fmi3Status>(status);
 }
 
-/// A single # would be the mark of a value reference.
+/// In FMI 3.0, a single # marks a value reference.
 Logger::Sink sink_of(fmi3LogMessageCallback log_message, fmi3InstanceEnvironment environment) {
   if (log_message == nullptr) return {};
   return [=](Status status, const char* category, std::string_view message) {
@@ -40,7 +40,7 @@ Logger::Sink sink_of(fmi3LogMessageCallback log_message, fmi3InstanceEnvironment
   };
 }
 
-/// For kinds of FMU that ours are not.
+/// Rejects instantiation as a kind of FMU that ours do not support.
 fmi3Instance refuse_kind(const char* function, fmi3String name, fmi3String token, std::string_view kind,
                          fmi3LogMessageCallback log_message, fmi3InstanceEnvironment environment) {
   return instantiate(
@@ -55,7 +55,7 @@ using mebots::Error;
 using namespace mebots::shell;  // NOLINT(google-build-using-namespace): the functions below are the standard's, and
                                 // global
 
-/// Every tool calls it after loading the library, before the first instance.
+/// Every tool calls this function after loading the library and before the first instance.
 const char* fmi3GetVersion() {
   prepare_library();
   return "3.0";

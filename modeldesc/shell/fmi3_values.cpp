@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values by FMI 3.0: references of whole arrays become rows of the table, which all versions read and set.
+// Reads and sets values in FMI 3.0: converts references of whole arrays to rows of the table that all versions share.
 #include "fmi3_calls.hpp"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ std::string_view type_word(const Variable& variable) {
     case Type::string:
       return "String";
     case Type::enumeration:
-      return "Int64";  // the functions that enumerations are read and set with
+      return "Int64";  // enumerations are read and set by the functions for Int64
     default:
       return {};
   }
@@ -59,7 +59,7 @@ void read(Instance& instance, Rows rows, std::span<fmi3Boolean> values) {
   std::ranges::transform(own, values.begin(), [](fmi2Boolean value) { return value != fmi2False; });
 }
 
-/// Enumerations and structural parameters.
+/// For enumerations and structural parameters.
 template <typename T>
 void read(Instance& instance, Rows rows, std::span<T> values) {
   std::vector<fmi2Integer> own(rows.size());
@@ -115,7 +115,7 @@ constexpr bool kHasVariables =
     std::is_same_v<T, fmi3Float64> || std::is_same_v<T, fmi3Int32> || std::is_same_v<T, fmi3Int64> ||
     std::is_same_v<T, fmi3UInt64> || std::is_same_v<T, fmi3Boolean> || std::is_same_v<T, fmi3String>;
 
-/// For types that no variable of ours has: right without references only.
+/// For types that none of our variables has. Succeeds only if there are no references.
 fmi3Status refuse_values(fmi3Instance handle, const Function& function, std::string_view type,
                          const fmi3ValueReference references[], std::size_t count, std::size_t value_count) {
   return guarded3(handle, function, [&](Instance& instance) {
@@ -222,7 +222,7 @@ fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference referen
   });
 }
 
-// No FMU of ours has clocks: a reference is that of a variable of another type, or of none.
+// Our FMUs have no clocks, so every reference is wrong.
 
 fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference references[], std::size_t count, fmi3Clock[]) {
   return refuse_values(instance, {"fmi3GetClock", kReadable}, "Clock", references, count, count);

@@ -18,7 +18,7 @@
 namespace mebots::shell {
 namespace {
 
-/// Seconds at the FMI boundary to our nanoseconds.
+/// Converts FMI's seconds to nanoseconds.
 std::int64_t to_ns(double time_s, std::string_view what) {
   constexpr double kLimit_s = 9.2e9;  // 292 years fill 63 bits of nanoseconds
   if (!(std::abs(time_s) < kLimit_s))
@@ -30,8 +30,8 @@ double to_s(std::int64_t time_ns) {
   return static_cast<double>(time_ns) / 1e9;
 }
 
-/// How far two ways of computing the same time may differ: sums of steps drift in tools that add them up. Never as far
-/// as half a step: the point would be another one.
+/// Returns the permitted difference between two computations of the same time: tools that add up steps accumulate
+/// rounding errors. Less than half a step, so that communication points stay distinct.
 double time_tolerance_s(double time_s, double step_s) {
   return 1e-6 + std::min(1e-9 * std::abs(time_s), step_s / 4);
 }
@@ -264,7 +264,7 @@ void Instance::do_step(double point_s, double step_s) {
   if (!(std::abs(point_s - own_s) <= time_tolerance_s(own_s, step_s)))
     throw Error(fmt::format("currentCommunicationPoint = {} s, but this instance is at {} s", point_s, own_s));
   const std::int64_t end_ns = to_ns(point_s + step_s, "end of the step");
-  // Tools that add up their steps end a run with what rounding left, 2e-13 s, say: the nanosecond is reached already.
+  // Tools that add up their steps may end with a rest of about 2e-13 s; the nanosecond is already reached.
   if (end_ns <= time_ns_) return;
   if (stop_ns_ && to_s(end_ns - *stop_ns_) > time_tolerance_s(to_s(*stop_ns_), step_s))
     throw Error(fmt::format("the step would end at {} s, after the stopTime of {} s given to {}", to_s(end_ns),
@@ -336,7 +336,8 @@ void Instance::restore(const SavedState& saved) {
                       definition_.model_identifier, saved.layout, layout));
   };
 
-  // A model made of the same parameters can take the state in place; otherwise a new one is made and takes over.
+  // If the current model has the same parameters, restores the state in place. Otherwise creates a new model, which
+  // replaces the old one.
   const bool in_place = model_ && saved.model && !model_is_stale_ && state_ != State::error &&
                         start_ns_ == saved.start_ns && values(Causality::parameter) == saved.parameters;
   if (in_place) {
@@ -344,7 +345,7 @@ void Instance::restore(const SavedState& saved) {
     try {
       restore_all(variables_.get(), model_.get());
     } catch (...) {
-      binaries_ = std::move(binaries);  // the inputs may point there
+      binaries_ = std::move(binaries);  // the inputs may point into them
       state_ = State::error;
       throw;
     }
@@ -355,11 +356,11 @@ void Instance::restore(const SavedState& saved) {
       restore_into(variables.get(), Causality::parameter, saved.parameters);
       restore_into(variables.get(), Causality::input, saved.inputs);
       model = make_model(variables.get(), saved.start_ns);
-      held_.clear();  // old news
+      held_.clear();  // messages from before the restore
       check_layout(state::layout_of(*model));
     }
     restore_all(variables.get(), model.get());
-    take(std::move(model));  // before its variables go
+    take(std::move(model));  // destroy the old model before its variables
     variables_ = variables;
   }
   binaries_ = std::move(binaries);

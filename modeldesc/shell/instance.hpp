@@ -18,8 +18,8 @@
 
 namespace mebots::shell {
 
-/// One instance of the FMU. Every method throws mebots::Error for what the caller can mend, and then has changed
-/// nothing, unless it says otherwise.
+/// An instance of the FMU. Every method throws mebots::Error for what the caller can correct; unless stated otherwise,
+/// it has then changed nothing.
 class Instance final : public Host {
  public:
   Instance(const Definition& definition, const Version& version, Logger logger, std::filesystem::path resources);
@@ -29,7 +29,7 @@ class Instance final : public Host {
 
   void setup_experiment(double start_s, std::optional<double> stop_s);
   void enter_initialization();
-  /// An error in the model's parameters leaves the state `error`.
+  /// An error in the model's parameters sets the state to `error`.
   void exit_initialization();
   void terminate();
   void reset();
@@ -45,21 +45,22 @@ class Instance final : public Host {
   void set_booleans(References references, std::span<const fmi2Boolean> values);
   void set(References references, std::span<const fmi2String> values);
 
-  /// The bytes of a Binary by its first row; valid until the next call.
+  /// Returns the bytes of a Binary by its first row; valid until the next call.
   std::span<const std::uint8_t> get_binary(fmi2ValueReference reference);
-  /// Keeps a copy of them.
+  /// Copies the bytes.
   void set_binary(fmi2ValueReference reference, std::span<const std::uint8_t> bytes);
 
-  /// The number of elements of the variable of FMI 3.0 that begins in this row, by the structural parameter as it is.
+  /// Returns the number of elements of the FMI 3.0 variable that begins in this row: the current value of its
+  /// structural parameter.
   std::size_t elements_of(const Variable& variable) const;
 
-  /// Wrong arguments change nothing; an error in the model leaves the state `error`.
+  /// Wrong arguments change nothing. An error in the model sets the state to `error`.
   void do_step(double point_s, double step_s);
   double time_s() const;
   Status last_step_status() const { return last_step_status_; }
 
   SavedState save();
-  /// An error after the checks leaves the state `error`.
+  /// After the checks, an error sets the state to `error`.
   void restore(const SavedState& saved);
 
   State state() const { return state_; }
@@ -67,7 +68,7 @@ class Instance final : public Host {
   Logger& logger() { return logger_; }
   const Definition& definition() const { return definition_; }
   const Version& version() const { return version_; }
-  /// Returns the FMU and build that its states belong to.
+  /// Returns the FMU and build to which its states belong.
   Owner owner() const { return {definition_.model_identifier, version_.token_name, definition_.*version_.token}; }
 
   const std::filesystem::path& resources() const override;
@@ -79,13 +80,14 @@ class Instance final : public Host {
   template <typename T, typename Check, typename Write>
   void set_values(References references, std::span<const T> values, Type type, Check check, Write write);
   void check_may_set(const Variable& variable) const;
-  /// In initialization mode, outputs exist once the model was made of the values set so far.
+  /// In initialization mode, creates the model from the current values, so that outputs exist.
   void bring_model_up_to_date();
   std::vector<std::byte> values(Causality causality);
-  /// Makes a model and holds back what it says meanwhile, errors excepted.
+  /// Creates a model and holds back its messages, except errors.
   std::unique_ptr<Model> make_model(void* variables, std::int64_t start_ns);
   void take(std::unique_ptr<Model> model);
-  /// What the model said while it was made: told once, when initialisation ends, however often it was made.
+  /// Sends the messages of the model's construction once, at the end of initialisation, even if it was created several
+  /// times.
   void deliver_held_messages();
 
   const Definition& definition_;
@@ -102,8 +104,8 @@ class Instance final : public Host {
   Binaries binaries_;                   // of inputs
   std::shared_ptr<void> variables_;     // outlives the model
   std::unique_ptr<Model> model_;
-  std::uint64_t layout_ = 0;    // of what the model shows
-  bool model_is_stale_ = true;  // parameters or inputs were set since the model was made
+  std::uint64_t layout_ = 0;    // of the model's visited state
+  bool model_is_stale_ = true;  // parameters or inputs were set after the model was created
 
   struct HeldMessage {
     Severity severity;
@@ -114,7 +116,7 @@ class Instance final : public Host {
   bool holds_messages_ = false;
 };
 
-/// The folder that a `file:` URI (RFC 8089) names; percent-encoded bytes are taken apart. Throws mebots::Error.
+/// Returns the folder of a `file:` URI (RFC 8089) and decodes percent-encoded bytes. Throws mebots::Error.
 std::filesystem::path path_of_file_uri(std::string_view uri);
 
 }  // namespace mebots::shell

@@ -11,7 +11,7 @@ namespace {
 /// {0} is the prefix of the version's functions, {1} sets a state, {2} initialises.
 struct StateText {
   State state;
-  std::string_view name;  // empty: the version's own
+  std::string_view name;  // empty: use the version's own name
   std::string_view way_out;
 };
 

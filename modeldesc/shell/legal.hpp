@@ -7,18 +7,18 @@
 #include <string>
 #include <string_view>
 
-/// Which function may be called when: the state machines of co-simulation of FMI 2.0 (standard 2.0.4, section 4.2.4)
-/// and FMI 3.0 (3.0.2, sections 2.3 and 4.2).
+/// The state machines of co-simulation in FMI 2.0 (standard 2.0.4, section 4.2.4) and FMI 3.0 (3.0.2, sections 2.3 and
+/// 4.2): which function is legal in which state.
 namespace mebots::shell {
 
-/// States of an instance, as bits. A step of ours never stays in progress, so that state is missing; for the same
-/// reason no step is ever cancelled.
+/// States of an instance, as bits. Our steps finish before they return, so the states "step in progress" and "step
+/// canceled" are left out.
 enum class State : std::uint8_t {
   instantiated = 1 << 0,
   initialization = 1 << 1,
   step_complete = 1 << 2,  // FMI 3.0: step mode
   step_failed = 1 << 3,
-  configuration = 1 << 4,  // of FMI 3.0
+  configuration = 1 << 4,  // FMI 3.0
   terminated = 1 << 5,
   error = 1 << 6,
   fatal = 1 << 7,
@@ -29,7 +29,7 @@ struct Function {
   std::uint8_t legal_states;
 };
 
-/// Sets of states that functions of both versions are legal in.
+/// Sets of states in which functions of both versions are legal.
 namespace legal {
 inline constexpr std::uint8_t kInstantiated = 1 << 0;
 inline constexpr std::uint8_t kInitialization = 1 << 1;
@@ -46,7 +46,7 @@ inline bool is_legal(const Function& function, State state) {
   return (function.legal_states & static_cast<std::uint8_t>(state)) != 0;
 }
 
-/// Returns what is wrong with this call in this state, and what to call instead.
+/// Explains why the call is illegal in this state, and names the call to make instead.
 std::string illegal_call_text(const Function& function, State state, const Version& version);
 
 }  // namespace mebots::shell

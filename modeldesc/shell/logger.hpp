@@ -11,11 +11,11 @@
 
 namespace mebots::shell {
 
-/// Hands messages of one instance to the importing tool's logger. Errors always pass; warnings and the rest pass
-/// when their category, or logAll, is on.
+/// Sends messages of an instance to the importing tool's logger. Errors always pass; others pass if their category or
+/// logAll is enabled.
 class Logger {
  public:
-  /// Calls the tool's logger as its version of FMI has it.
+  /// Calls the tool's logger in the form of its version of FMI.
   using Sink = std::function<void(Status status, const char* category, std::string_view message)>;
 
   /// An empty sink drops all messages.
@@ -23,7 +23,7 @@ class Logger {
 
   void log(Status status, std::string_view category, std::string_view message);
 
-  /// No categories mean all. Throws mebots::Error for an unknown one, with nothing changed.
+  /// No categories means all. Throws mebots::Error if a category is unknown, and then changes nothing.
   void set_logging(bool on, std::span<const char* const> categories);
 
  private:
@@ -38,7 +38,7 @@ class Logger {
   std::vector<Category> categories_;
 };
 
-/// The text with each `mark` written twice: tools take a single one for a sign of their own.
+/// Returns the text with each `mark` doubled, because tools give a single one a meaning of their own.
 std::string doubled(std::string_view text, char mark);
 
 }  // namespace mebots::shell

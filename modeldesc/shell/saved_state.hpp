@@ -13,7 +13,7 @@
 
 namespace mebots::shell {
 
-/// What fmi2GetFMUstate and fmi3GetFMUState hand out.
+/// The object behind the handles of fmi2GetFMUstate and fmi3GetFMUState.
 struct SavedState {
   State state = State::instantiated;
   bool experiment_is_set = false;
@@ -24,24 +24,25 @@ struct SavedState {
   std::vector<std::byte> parameters;
   std::vector<std::byte> inputs;
   std::vector<std::byte> outputs;
-  std::optional<std::vector<std::byte>> model;  // none before the model came into life
-  std::uint64_t layout = 0;                     // of the model's part, see mebots/state/layout.hpp; in the header
+  std::optional<std::vector<std::byte>> model;  // empty before the model exists
+  std::uint64_t layout = 0;                     // hash of the model's layout, see mebots/state/layout.hpp; in the
+                                                // header
 
   void visit(state::Visitor& v);
 };
 
-/// The FMU and build that a state belongs to.
+/// The FMU and build to which a state belongs.
 struct Owner {
   std::string_view model_identifier;
   std::string_view token_name;
   std::string_view token;
 };
 
-/// The state as bytes that survive the process, behind a header that says whose they are.
+/// Serializes the state; a header identifies its owner.
 std::vector<std::byte> serialize(const Owner& owner, const SavedState& saved);
 
-/// Throws mebots::Error when the bytes are damaged or belong to another FMU or version. Whether the layout is that of
-/// this build shows when the state is restored: before that there may be no model.
+/// Throws mebots::Error if the bytes are damaged or belong to another FMU or version. The layout is not checked here
+/// but when the state is restored, because before that there may be no model.
 SavedState deserialize(const Owner& owner, std::span<const std::byte> bytes);
 
 }  // namespace mebots::shell

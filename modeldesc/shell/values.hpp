@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-/// Typed access to an instance's variables by the offsets in the table, and their checks.
+/// Typed access to an instance's variables by the table's offsets, with checks.
 namespace mebots::shell {
 
 template <typename T>
@@ -26,21 +26,22 @@ const T& field(const void* variables, const Variable& variable) {
   return *reinterpret_cast<const T*>(static_cast<const std::byte*>(variables) + variable.offset);
 }
 
-/// The variable of this reference if it is of this type (enumerations count as Integer). Throws mebots::Error.
+/// Returns the variable with this reference. Throws mebots::Error if there is none or if it has another type
+/// (enumerations count as Integer).
 const Variable& find_variable(const Definition& definition, fmi2ValueReference reference, Type type);
 
-/// Throw mebots::Error naming variable, value and limit when the value may not be set.
+/// Throw mebots::Error with variable, value and limit if the value may not be set.
 void check_value(const Variable& variable, fmi2Real value);
 void check_value(const Variable& variable, fmi2Integer value);
 void check_boolean(const Variable& variable, fmi2Boolean value);
 void check_value(const Variable& variable, fmi2String value);
 
-/// The bytes of binary inputs by their first rows, where the instance owns them.
+/// The instance's own copies of binary inputs, by their first rows.
 using Binaries = std::map<fmi2ValueReference, std::vector<std::uint8_t>>;
 
-/// All values of one causality as states hold them, by their FMI names. Pointers are not among them. When the others
-/// are restored, pointers of inputs point into `binaries`, whose contents are kept; the rest, and all without
-/// `binaries`, become null.
+/// All values of one causality as stored in states, by FMI name. Pointers are not stored. After a restore, pointers of
+/// inputs point into `binaries`, whose contents are stored. All other pointers are null, and all are if there are no
+/// `binaries`.
 class KeptValues {
  public:
   KeptValues(const Definition& definition, Causality causality, void* variables, Binaries* binaries)
@@ -60,7 +61,7 @@ class KeptValues {
   Binaries* binaries_;
 };
 
-/// Copies the values of one causality from other variables of the same definition, pointers too.
+/// Copies the values of one causality, pointers included, from other variables of the same definition.
 void copy_values(const Definition& definition, Causality causality, const void* from, void* to);
 
 }  // namespace mebots::shell

@@ -8,16 +8,16 @@
 
 namespace mebots::shell {
 
-/// What differs between the versions of FMI for code that serves them all: mostly names in messages.
+/// The differences between versions of FMI in shared code, mostly names in messages.
 struct Version {
   std::string_view prefix;               ///< of its functions
-  std::string_view experiment_function;  ///< that receives start and stop time
+  std::string_view experiment_function;  ///< function that sets start and stop time
   std::string_view set_state_function;
   std::string_view initialising_functions;
   std::string_view step_state;          ///< name of State::step_complete
-  std::string_view token_name;          ///< of what identifies the build
-  std::string_view Definition::*token;  ///< where the build's own one is
-  bool keeps_binaries;                  ///< binary inputs belong to the instance, and to its saved states
+  std::string_view token_name;          ///< name of the build's identifier
+  std::string_view Definition::*token;  ///< member that holds this build's identifier
+  bool keeps_binaries;                  ///< the instance owns binary inputs, and its saved states contain them
 };
 
 inline constexpr Version kFmi2 = {
@@ -40,7 +40,7 @@ inline constexpr Version kFmi3 = {
     .token = &Definition::instantiation_token,
     .keeps_binaries = true};
 
-/// The values of fmi2Status and fmi3Status that both have.
+/// The values that fmi2Status and fmi3Status have in common.
 enum class Status : std::uint8_t { ok, warning, discard, error, fatal };
 
 }  // namespace mebots::shell

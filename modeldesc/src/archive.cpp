@@ -35,7 +35,7 @@ void make_folder(const fs::path& folder) {
               fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
 }
 
-/// A new file. Costs less than a stream does, which counts in an archive of many small files.
+/// A new file. Cheaper than a stream, which matters in an archive of many small files.
 class NewFile {
  public:
   explicit NewFile(const fs::path& path) : path_(&path) {
@@ -57,7 +57,7 @@ class NewFile {
       bytes.remove_prefix(static_cast<std::size_t>(count));
     }
   }
-  /// Linux has closed a descriptor also if a signal interrupted the call.
+  /// Linux closes the descriptor even if a signal interrupts the call.
   void close() {
     if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) cannot_write(*path_);
   }
@@ -89,7 +89,7 @@ ZipHandle create_archive(const fs::path& path) {
 std::vector<std::string> unpack(const fs::path& archive, const fs::path& folder, const UnpackLimits& limits) {
   const ArchiveReader reader(open_zip(archive), archive.string(), limits);
   make_folder(folder);
-  std::string made;  // the folder of the entry before, which often is that of the next
+  std::string made;  // the previous entry's folder; the next entry often has the same
   for (const auto& entry : reader.entries()) {
     if (auto parent = entry.name.substr(0, entry.name.rfind('/') + 1); parent != made) {
       make_folder(folder / parent);
@@ -109,7 +109,7 @@ std::string why_missing(const fs::path& folder, const std::string& name) {
     std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return text;
   };
-  std::string found;  // the shortest path, so that the answer does not depend on the order of a folder
+  std::string found;  // the shortest path, so that the result does not depend on the order of directory entries
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file() || lower(entry.path().filename().string()) != lower(name)) continue;
     const auto path = entry.path().lexically_relative(folder).generic_string();
@@ -150,7 +150,7 @@ void pack(const fs::path& archive, std::vector<PackedFile> files) {
       fail();
     }
     const auto index = static_cast<zip_uint64_t>(added);
-    // The same files give the same archive: 1 January 1980, the first day that zip knows, and plain permissions.
+    // Fixed date and permissions make the archive reproducible: 1 January 1980, the first day that zip can represent.
     constexpr zip_uint16_t kDosTime = 0;
     constexpr zip_uint16_t kDosDate = (1U << 5) | 1U;
     constexpr zip_uint32_t kMode = (S_IFREG | 0644U);

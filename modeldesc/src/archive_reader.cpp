@@ -41,7 +41,7 @@ std::string_view other_archive(std::string_view bytes) {
   return {};
 }
 
-/// `start`: the file's first bytes.
+/// `start` holds the first bytes of the file.
 [[noreturn]] void cannot_open(std::string_view name, std::string_view reason, std::string_view start) {
   if (const auto kind = other_archive(start); !kind.empty()) {
     throw Error(ErrorCode::archive_damaged,
@@ -73,7 +73,7 @@ std::string compression_name(std::uint16_t method) {
       return "XZ";
     case ZIP_CM_PPMD:
       return "PPMd";
-    case 93:  // libzip 1.7 has no name for it
+    case 93:  // libzip 1.7 does not name it
       return "Zstandard";
     default:
       return fmt::format("method {}", method);

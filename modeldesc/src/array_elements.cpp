@@ -19,7 +19,7 @@ std::uint64_t value_of(const ModelDescription& description, std::uint32_t refere
   return start == nullptr ? 0 : static_cast<std::uint64_t>(*start);
 }
 
-/// The product, at most kMostElements + 1.
+/// Returns the product, or kMostElements + 1 if it is larger.
 std::size_t count_of(const std::vector<std::uint64_t>& sizes) {
   std::size_t count = 1;
   for (const auto size : sizes) {
@@ -29,7 +29,7 @@ std::size_t count_of(const std::vector<std::uint64_t>& sizes) {
   return count;
 }
 
-/// "y[2,3]" of an index in row-major order.
+/// Returns the element's name, "y[2,3]", for an index in row-major order.
 std::string element_name(const std::string& array, const std::vector<std::uint64_t>& sizes, std::size_t index) {
   std::vector<std::size_t> places(sizes.size());
   for (std::size_t i = sizes.size(); i-- > 0;) {
@@ -39,7 +39,7 @@ std::string element_name(const std::string& array, const std::vector<std::uint64
   return fmt::format("{}[{}]", array, fmt::join(places, ","));
 }
 
-/// Value references that no variable has, in ascending order from the upper half.
+/// Yields value references that no variable has, in ascending order from the upper half.
 class FreeReferences {
  public:
   explicit FreeReferences(const ModelDescription& description) {
@@ -55,7 +55,7 @@ class FreeReferences {
   std::uint32_t next_ = 0x80000000U;
 };
 
-/// The variables with elements in place of arrays, and where each variable went.
+/// Replaces arrays by their elements and records the new index of each variable.
 class Expansion {
  public:
   Expansion(const ModelDescription& description, const StructuralValues& values)
@@ -115,7 +115,7 @@ class Expansion {
     }
   }
 
-  /// The state of a derivative's element: the one of the same index.
+  /// Returns the state of a derivative's element: the element of the same index.
   std::size_t state_of(const Variable& derivative) const {
     const auto& place = places_[*derivative.derivative_of];
     const auto index = derivative.fmi3->element ? derivative.fmi3->element->index : 0;

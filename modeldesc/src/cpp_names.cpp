@@ -32,7 +32,7 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-/// Takes a letter and then letters and digits from the front; false when there is no letter.
+/// Removes a word (a letter, then letters and digits) from the front. Returns false if there is none.
 bool take_word(std::string_view& text) {
   if (text.empty() || !is_letter(text.front())) return false;
   const auto* const end = std::ranges::find_if_not(text, [](char c) { return is_letter(c) || is_digit(c); });
@@ -53,7 +53,7 @@ bool take(std::string_view& text, std::string_view mark) {
   return true;
 }
 
-/// `[1]` or `[1,2]` at the front, or nothing; false when it is broken.
+/// Removes an optional `[1]` or `[1,2]` from the front. Returns false if it is malformed.
 bool take_indices(std::string_view& text) {
   if (!take(text, "[")) return true;
   do {

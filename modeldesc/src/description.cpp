@@ -22,8 +22,7 @@ namespace {
 using data::Node;
 using data::Object;
 
-/// Builds a Description piece by piece and keeps the names unique. Whatever is wrong is noted in the documents that the
-/// nodes are of.
+/// Builds a Description step by step and keeps its names unique. Adds mistakes to the documents of the nodes.
 class DescriptionReader {
  public:
   void read_own(const Node& root, const std::filesystem::path& file) {
@@ -39,7 +38,7 @@ class DescriptionReader {
     object.read("text", result_.text, &xml_text);
     object.read_if("namespace", result_.cpp_namespace, [](const Node& node) {
       auto name = node.text();
-      if (name.empty() || is_cpp_namespace(name)) return name;  // none: global
+      if (name.empty() || is_cpp_namespace(name)) return name;  // empty means global
       node.fail(ErrorCode::invalid_value, fmt::format("{} is not a C++ namespace", node.shown()));
     });
     object.read_if("fmi", result_.fmi, &read_fmi_versions);
@@ -61,7 +60,7 @@ class DescriptionReader {
     object.finish();
   }
 
-  /// What is not of the variables is for the reader of boards (fmu_soc).
+  /// fmu_soc's reader of boards reads the other members.
   void join_board(const Node& root, const std::filesystem::path& file) {
     for (const auto& device : root.at("devices").elements()) {
       device.attempt([&] {
@@ -73,7 +72,7 @@ class DescriptionReader {
     result_.source += " and " + file.filename().string();
   }
 
-  /// Reads and checks what refers to variables, once all are known.
+  /// Resolves references to variables after all of them were read.
   void read_references() {
     check_dependencies();
     for (const auto& [group, node] : size_sources_) check_size_source(node, group, result_);
@@ -83,7 +82,7 @@ class DescriptionReader {
   Description take() { return std::move(result_); }
 
  private:
-  using Names = std::map<std::string, std::string>;  // name -> where it was declared
+  using Names = std::map<std::string, std::string>;  // name -> place of its declaration
 
   void check_dependencies() const {
     for (const auto& [node, names] : dependencies_) {
@@ -140,7 +139,7 @@ class DescriptionReader {
       });
     }
     if (node.members().empty()) node.fail(ErrorCode::invalid_value, "an enumeration needs at least one item");
-    std::ranges::sort(items, {}, &EnumerationItem::value);  // as the chip has a board's
+    std::ranges::sort(items, {}, &EnumerationItem::value);  // the same order as on the chip
     return items;
   }
 
@@ -165,7 +164,7 @@ class DescriptionReader {
     object.allow({"variability", "unit", "start", "min", "max", "nominal", "depends_on", "first_depends_on",
                   "mime_type", "on_demand"});
     object.finish();
-    if (!sound) return;  // what the rest may be follows from these
+    if (!sound) return;  // the rest may depend on the wrong values
     node.attempt([&] { read_names(node, field); });
     read_variability(object, field);
     read_dependencies(object, field);
@@ -177,13 +176,13 @@ class DescriptionReader {
     if (!field.on_demand) {
       field.cpp_name = cpp_name(field);
       check_cpp_name(node.at("name"), field.cpp_name);
-      // Three structs, so the same name in two of them would compile; but it would mislead a reader.
+      // C++ would accept the same name in two of the three structs, but it would mislead readers.
       claim(cpp_names_, field.cpp_name, node.at("name"));
     }
     result_.fields.push_back(std::move(field));
   }
 
-  /// False when the type is not one. Absent, it is Real.
+  /// Returns false if the type is unknown. The default is Real.
   bool read_type(Object& object, Field& field) const {
     static constexpr std::array<std::pair<std::string_view, FieldType>, 5> kTypes{{{"Real", FieldType::real},
                                                                                    {"Integer", FieldType::integer},
@@ -232,7 +231,7 @@ class DescriptionReader {
     }
   }
 
-  /// Names of inputs, groups taken apart.
+  /// Reads names of inputs and expands groups.
   void read_dependencies(Object& object, Field& field) {
     const auto names = [&](const Node& node) {
       if (field.causality != Causality::output) node.fail(ErrorCode::invalid_value, "this is for outputs only");
@@ -250,7 +249,7 @@ class DescriptionReader {
     object.read_if("first_depends_on", field.first_depends_on, names);
   }
 
-  /// Takes `{group}` apart: the group's index and one name per word.
+  /// Expands `{group}`: returns the group's index and one name per word.
   std::pair<std::optional<std::size_t>, std::vector<std::string>> expand(const Node& node,
                                                                          const std::string& name) const {
     const auto open = name.find('{');
@@ -366,7 +365,7 @@ class DescriptionReader {
     return {};
   }
 
-  /// What only one kind of variable has.
+  /// Reads the keys that only one kind of variable has.
   static void read_kind(Object& object, Field& field) {
     if (field.type == FieldType::binary) {
       object.read("mime_type", field.mime_type, &xml_text);
@@ -409,7 +408,7 @@ class DescriptionReader {
     if (field.group) {
       const std::string& group = result_.groups[*field.group].name;
       const auto open = name.find('{');
-      // At the front the group's name says whose value it is (load_power_w); elsewhere the rest does
+      // At the front, the group's name says whose value it is (load_power_w). Elsewhere it is left out
       // (drone_position_m).
       name.replace(open, group.size() + 2, open == 0 ? group : "");
     }

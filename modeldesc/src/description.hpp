@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-/// description.json, read and checked: what every generator of ours starts from.
+/// The checked content of description.json, the input of all our generators.
 namespace mebots::modeldesc {
 
 enum class FieldType { real, integer, boolean, string, binary, enumeration };
@@ -19,8 +19,8 @@ enum class FieldType { real, integer, boolean, string, binary, enumeration };
 struct Group {
   std::string name;
   std::vector<std::string> words;
-  bool is_array = false;    // FMI 3.0 has one variable for all words
-  std::string size_source;  // name of the parameter with the array's number of elements; empty = one per word
+  bool is_array = false;    // in FMI 3.0 all words form one array variable
+  std::string size_source;  // name of the parameter that holds the number of elements; empty = one per word
 };
 
 struct Enumeration {
@@ -28,29 +28,29 @@ struct Enumeration {
   std::vector<EnumerationItem> items;
 };
 
-/// One entry of `variables`: a C++ field (an array for a group) and the FMI variables that it stands for.
+/// An entry of `variables`: a C++ field (an array for a group) and its FMI variables.
 struct Field {
   std::string name;                    // as written, `{load}.power`
   std::optional<std::size_t> group;    // index in Description::groups
   std::vector<std::string> fmi_names;  // one, or one per word of the group
   std::string cpp_name;                // `load_power_w`; empty when on_demand
   FieldType type = FieldType::real;
-  std::string enumeration;  // name of the type when it is one
+  std::string enumeration;  // type name of an enumeration, else empty
   Causality causality = Causality::parameter;
   Variability variability = Variability::fixed;
   std::string unit;
-  std::vector<Value> starts;  // as many as fmi_names; empty when there is none
+  std::vector<Value> starts;  // as many as fmi_names; empty if there are no start values
   std::optional<double> min;
   std::optional<double> max;
   std::optional<double> nominal;
   std::string text;
-  std::vector<std::string> depends_on;                       // FMI names of inputs, groups taken apart
-  std::optional<std::vector<std::string>> first_depends_on;  // of the value at t = 0; nothing: on any input
+  std::vector<std::string> depends_on;                       // FMI names of inputs, groups expanded
+  std::optional<std::vector<std::string>> first_depends_on;  // of the value at t = 0; empty: on any input
   std::string mime_type;
   bool on_demand = false;
 };
 
-/// The whole number that a value holds; 0 for other kinds.
+/// Returns the whole number in a value; 0 for other kinds.
 inline std::int64_t whole_number_of(const Value& value) {
   return std::visit(
       [](const auto& held) -> std::int64_t {
@@ -61,12 +61,12 @@ inline std::int64_t whole_number_of(const Value& value) {
       value);
 }
 
-/// A bundle of variables that a tool connects at once: a terminal of FMI 3.0.
+/// A terminal of FMI 3.0: a set of variables that a tool connects together.
 struct Terminal {
   struct Member {
     std::string name;
     std::size_t field = 0;    // index in Description::fields
-    std::size_t element = 0;  // of the field, if its group is no array
+    std::size_t element = 0;  // index in the field, if its group is not an array
   };
   std::string name;
   std::string text;
@@ -95,15 +95,14 @@ struct Description {
   const Enumeration& enumeration(std::string_view name) const;
 };
 
-/// Reads description.json and, when `board` is not empty, joins the variables and enumerations of the board's
-/// devices to it. Throws mebots::Error naming everything that is wrong, with file, line and key.
+/// Reads description.json. If `board` is not empty, adds the variables and enumerations of the board's devices. Throws
+/// mebots::Error with all mistakes, each with file, line and key.
 Description read_description(const std::filesystem::path& file, const std::filesystem::path& board = {});
 
-/// Reads the variables and enumerations of a board's devices alone. Throws mebots::Error naming everything that is
-/// wrong with them.
+/// Reads only the variables and enumerations of a board's devices. Throws mebots::Error with all mistakes.
 void check_board_variables(const std::filesystem::path& board);
 
-/// The parts of an OSMP binary, in the order in which they get value references.
+/// The parts of an OSMP binary in the order of their value references.
 inline constexpr std::array<std::string_view, 3> kOsmpRoles = {"base.lo", "base.hi", "size"};
 
 }  // namespace mebots::modeldesc

@@ -49,17 +49,18 @@ class Mapping {
   std::size_t size_ = 0;
 };
 
-/// The bytes of a loadable segment, at the addresses that the library counts from 0.
+/// The bytes of a loadable segment, by address relative to the library's start.
 struct Segment {
   std::uint64_t address;
   std::string_view bytes;
   bool writable;
 };
 
-/// Bounds-checked reading of the structures in <elf.h>, from a file or from memory.
+/// Reads the structures of <elf.h> with bounds checks, from a file or from memory.
 class ElfImage {
  public:
-  /// `name` is for errors. `base`: where the loader put it, which it has added to the pointers of the dynamic section.
+  /// `name` is for errors. `base` is the load address, which the loader has added to the pointers of the dynamic
+  /// section.
   ElfImage(std::string name, std::uint64_t base) : name_(std::move(name)), base_(base) {}
 
   void add(Segment segment) { segments_.push_back(segment); }
@@ -120,7 +121,7 @@ class ElfImage {
     const auto found = values_.find(tag);
     return found == values_.end() ? 0 : found->second;
   }
-  /// The loader of glibc makes pointers of most objects absolute, but not of the kernel's own.
+  /// glibc's loader makes the pointers of most objects absolute, but not those of the kernel's vDSO.
   std::uint64_t pointer(std::int64_t tag) const {
     const auto address = value(tag);
     return address >= base_ ? address - base_ : address;
@@ -157,14 +158,14 @@ class ElfImage {
 
   Elf64_Sym symbol(std::uint64_t index) const { return at<Elf64_Sym>(pointer(DT_SYMTAB) + index * sizeof(Elf64_Sym)); }
 
-  /// The number of symbols up to the last in a hash table. Those that no table holds are undefined.
+  /// Returns the number of symbols up to the last one in a hash table. Symbols in no table are undefined ones.
   std::uint64_t hashed_symbols() const {
     if (values_.contains(DT_HASH)) return at<std::uint32_t>(pointer(DT_HASH) + sizeof(std::uint32_t));
     return values_.contains(DT_GNU_HASH) ? gnu_hashed_symbols(pointer(DT_GNU_HASH)) : 0;
   }
 
-  /// The table: counts, bloom filter, first symbol of each bucket, then one word per symbol; a set lowest bit ends a
-  /// bucket.
+  /// The table has counts, a bloom filter, the first symbol of each bucket, and a word per symbol whose lowest bit ends
+  /// a bucket.
   std::uint64_t gnu_hashed_symbols(std::uint64_t table) const {
     constexpr std::uint64_t kWord = sizeof(std::uint32_t);
     const auto word = [&](std::uint64_t i) { return std::uint64_t{at<std::uint32_t>(table + i * kWord)}; };
@@ -178,7 +179,7 @@ class ElfImage {
     return last + 1;
   }
 
-  /// By index, whether a relocation names the symbol.
+  /// Returns for each index whether a relocation names the symbol.
   std::vector<bool> bound_symbols() const {
     std::vector<bool> bound;
     const auto scan = [&](std::uint64_t address, std::uint64_t size) {
@@ -186,7 +187,7 @@ class ElfImage {
         const auto index = ELF64_R_SYM(at<Elf64_Rela>(address + offset).r_info);
         if (index == 0) continue;
         if (index >= bound.size()) {
-          static_cast<void>(symbol(index));  // within the file, so that the vector does not outgrow it
+          static_cast<void>(symbol(index));  // checks that it is inside the file, which limits the vector's size
           bound.resize(index + 1);
         }
         bound[index] = true;
@@ -197,7 +198,7 @@ class ElfImage {
     return bound;
   }
 
-  /// A search path taken apart at its colons.
+  /// Splits a search path at its colons.
   static std::vector<std::string> parts(const std::string& path) {
     std::vector<std::string> found;
     std::size_t at = 0;
@@ -345,7 +346,7 @@ std::vector<LoadedLibrary> loaded_libraries(UniqueSymbols unique) {
   auto take = [&](const dl_phdr_info& info) {
     try {
       libraries.push_back(read_loaded(info, unique));
-    } catch (const Error&) {  // an object without the tables of a library
+    } catch (const Error&) {  // an object without a library's tables
       libraries.push_back({info.dlpi_name, {}, {}, {}});
     }
   };

@@ -16,7 +16,7 @@ namespace {
 using data::Node;
 using data::Object;
 
-/// The name with its {group} replaced.
+/// Returns the name with its {group} replaced by a word.
 std::string with_word(std::string_view name, const Group& group, std::string_view word) {
   std::string result(name);
   const std::string mark = "{" + group.name + "}";
@@ -24,7 +24,7 @@ std::string with_word(std::string_view name, const Group& group, std::string_vie
   return result;
 }
 
-/// The group that stands in a terminal's name, if any.
+/// Returns the group in a terminal's name, or null.
 const Group* group_in(const Node& node, std::string_view name, const std::vector<Group>& groups) {
   const auto open = name.find('{');
   if (open == std::string_view::npos) return nullptr;
@@ -56,7 +56,7 @@ class TerminalReader {
       if (std::ranges::find(description_.terminals, terminal.name, &Terminal::name) != description_.terminals.end())
         node.fail(ErrorCode::duplicate_name, fmt::format("the terminal {} is already there", terminal.name));
       description_.terminals.push_back(terminal);
-      if (node.noted() != 0) return;  // the other words would say the same
+      if (node.noted() != 0) return;  // the mistakes would be the same for the other words
     }
   }
 
@@ -73,7 +73,7 @@ class TerminalReader {
     return members;
   }
 
-  /// A variable as `variables` names it, or one of a group's by its own name.
+  /// Resolves a name to a variable: as written in `variables`, or the FMI name of one variable of a group.
   Terminal::Member member(const std::string& name, const Node& node, const Group* group, std::size_t word) const {
     const std::string variable = node.text();
     std::vector<std::string> known;

@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-/// Keys of description.json that concern versions of FMI, and those that only FMI 3.0 has a use for.
+/// Keys of description.json that concern versions of FMI, or that only FMI 3.0 uses.
 namespace mebots::modeldesc {
 
-/// Throws Mistakes if a modelDescription.xml could not hold the text.
+/// Throws Mistakes if XML cannot represent the text.
 void check_xml_text(const data::Node& node, std::string_view text);
 std::string xml_text(const data::Node& node);
 
@@ -23,16 +23,16 @@ std::vector<std::string> names_of(const std::vector<T>& list) {
   return names;
 }
 
-/// `fmi`: 2, 3 or a list of both; returned in rising order.
+/// Reads `fmi`: 2, 3 or a list of both. Returns them in ascending order.
 std::vector<FmiVersion> read_fmi_versions(const data::Node& node);
 
-/// `arrays`: marks groups as arrays. Returns where those with a parameter of their size name it, by group.
+/// Reads `arrays` and marks groups as arrays. Returns, by group, the nodes that name size parameters.
 std::map<std::string, data::Node> read_arrays(const data::Node& node, std::vector<Group>& groups);
 
-/// Notes if the parameter of an array's size is none, or could ask for more elements than the group has words.
+/// Adds a mistake if the size parameter of an array does not exist, or could exceed the number of the group's words.
 void check_size_source(const data::Node& node, std::string_view group, const Description& description);
 
-/// `terminals`, of a description or of a board's device. A name with a {group} stands for one terminal per word.
+/// Reads `terminals` of a description or of a board's device. A name with a {group} declares one terminal per word.
 void read_terminals(const data::Node& node, Description& description);
 
 }  // namespace mebots::modeldesc

@@ -12,7 +12,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// "rotor" of "rotor[1]", "rotor[2]" and so on; empty for other words.
+/// Returns "rotor" for the words "rotor[1]", "rotor[2]" and so on; empty for other words.
 std::string common_stem(const Group& group) {
   const std::string stem = group.words.front().substr(0, group.words.front().rfind('['));
   const auto has_stem = [&](const std::string& word) {
@@ -21,7 +21,7 @@ std::string common_stem(const Group& group) {
   return std::ranges::all_of(group.words, has_stem) ? stem : "";
 }
 
-/// The field's name with a stem for the {group}, or without it: drone.position of drone.position.{axis}.
+/// Returns the field's name with a stem for the {group}, or without it: drone.position for drone.position.{axis}.
 std::string array_name(const Field& field, const Group& group) {
   std::string name = field.name;
   const auto open = name.find('{');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-modeldesc: from an FMU's description to its generated files, and from those to the archive.
+// mebots-modeldesc: generates files from an FMU's description, and packs them into the archive.
 #include "command_line/command.hpp"
 #include "description.hpp"
 #include "generate.hpp"

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Libraries that every desktop or server Linux of our C library has, and those that a sanitizer build brings in.
+/// True for libraries that every desktop or server Linux with our C library has, and for those of sanitizers.
 bool is_part_of_the_system(std::string_view soname) {
   constexpr std::string_view kPrefixes[] = {
       "libc.so.",      "libm.so.",     "libdl.so.",   "libpthread.so.", "librt.so.",   "ld-linux",
@@ -48,7 +48,7 @@ void add_folder(const fs::path& folder, const std::string& target, std::vector<P
       files.push_back({target + entry.path().lexically_relative(folder).generic_string(), entry.path()});
 }
 
-/// What the archive's layout and papers need of a modelDescription.xml.
+/// The parts of a modelDescription.xml that determine the archive's layout and documents.
 struct Subject {
   bool is_fmi3 = false;
   std::string name;
@@ -67,13 +67,13 @@ Subject read_subject(const fs::path& file) {
           root.attribute("version").value(), co_simulation.attribute("modelIdentifier").value()};
 }
 
-/// The folder of the library's platform. FMI 2.0 has one name for all 64-bit Linux.
+/// Returns the folder of the library's platform. FMI 2.0 has one name for all 64-bit Linux.
 std::string_view platform(const fs::path& binary, bool is_fmi3) {
   if (!is_fmi3) return "linux64";
   return read_elf_library(binary).machine == EM_AARCH64 ? "aarch64-linux" : "x86_64-linux";
 }
 
-/// Folders and files whose places differ between the versions.
+/// Adds folders and files whose places differ between the versions.
 void add_versioned(const FmuParts& parts, const Subject& subject, std::vector<PackedFile>& files) {
   if (!parts.icon.empty()) files.push_back({subject.is_fmi3 ? "terminalsAndIcons/icon.png" : "model.png", parts.icon});
   std::error_code error;
@@ -106,7 +106,7 @@ void pack_fmu(const fs::path& archive, const FmuParts& parts) {
   add_versioned(parts, subject, files);
   if (!parts.license.empty()) files.push_back({"documentation/licenses/license.txt", parts.license});
   const auto others = parts.parts.empty() ? std::vector<Part>{} : read_parts(parts.parts);
-  std::set<std::string> licensed;  // two libraries of one package share its licence
+  std::set<std::string> licensed;  // libraries of one package share its licence
   for (const Part& part : others)
     if (!part.text.empty() && licensed.insert(part.name).second)
       files.push_back({fmt::format("documentation/licenses/{}.txt", part.name), part.text});

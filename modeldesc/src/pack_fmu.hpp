@@ -7,18 +7,19 @@
 
 namespace mebots::modeldesc {
 
-/// A piece of other people's software in a product.
+/// A third-party component of a product.
 struct Part {
-  std::string relation;        ///< "linked": its code is inside; "bundled": a file of it is; "needed": it is not
-  std::string name;            ///< of the package that it comes from
-  std::string version;         ///< of the package; may be empty
-  std::string license;         ///< SPDX expression; empty where nobody wrote it down
+  std::string relation;        ///< "linked": its code is inside; "bundled": one of its files is; "needed": it is
+                               ///< required but not included
+  std::string name;            ///< of its package
+  std::string version;         ///< of its package; may be empty
+  std::string license;         ///< SPDX expression; empty if unknown
   std::string locator;         ///< package URL (purl); may be empty
-  std::filesystem::path text;  ///< the licence's text; may be empty
+  std::filesystem::path text;  ///< file with the licence's text; may be empty
 };
 
-/// Reads what MebotsParts.cmake writes: a line for each part, its fields in the order above, separated by '|'. Throws
-/// mebots::Error naming file and line.
+/// Reads the output of MebotsParts.cmake: a line per part, its fields in the order above, separated by '|'. Throws
+/// mebots::Error with file and line.
 std::vector<Part> read_parts(const std::filesystem::path& file);
 
 /// The subject of a bill of materials.
@@ -33,7 +34,7 @@ struct Product {
 /// entries of our archives, and the document's name space holds the hash of the rest.
 std::string spdx_document(const Product& product, std::vector<Part> parts);
 
-/// What goes into an FMU.
+/// The input files of an FMU.
 struct FmuParts {
   std::filesystem::path description;             // modelDescription.xml
   std::filesystem::path documentation;           // index.html
@@ -42,15 +43,15 @@ struct FmuParts {
   std::filesystem::path terminals;               // terminalsAndIcons.xml of FMI 3.0; may be empty, or an empty file
   std::filesystem::path license;                 // becomes documentation/licenses/license.txt; may be empty
   std::filesystem::path reference;               // folder, becomes documentation/reference; may be empty
-  std::vector<std::filesystem::path> libraries;  // beside the binary, under their SONAME
-  std::filesystem::path parts;                   // list of other people's (parts.hpp); may be empty
+  std::vector<std::filesystem::path> libraries;  // placed next to the binary, under their SONAME
+  std::filesystem::path parts;                   // list of third-party parts (parts.hpp); may be empty
   std::string license_id;                        // SPDX expression of `license`; may be empty
-  std::vector<std::filesystem::path> resource_folders;  // their contents go to resources/
-  std::vector<std::filesystem::path> resource_files;    // go to resources/
+  std::vector<std::filesystem::path> resource_folders;  // their contents are copied to resources/
+  std::vector<std::filesystem::path> resource_files;    // are copied to resources/
 };
 
-/// Writes the .fmu. Throws mebots::Error naming what is missing, also when the binary or a library beside it
-/// needs one that neither travels along nor belongs to every Linux.
+/// Writes the .fmu. Throws mebots::Error with the name of a missing file. Also if the binary or one of its libraries
+/// needs a library that is neither in the archive nor part of every Linux.
 void pack_fmu(const std::filesystem::path& archive, const FmuParts& parts);
 
 }  // namespace mebots::modeldesc

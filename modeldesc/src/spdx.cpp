@@ -25,7 +25,7 @@ std::string or_not_said(const std::string& text) {
   return text.empty() ? kNotSaid : text;
 }
 
-/// Letters, digits, '.' and '-' are what an identifier may hold.
+/// An identifier may contain letters, digits, '.' and '-' only.
 std::string identifier(const std::string& name) {
   std::string text = "SPDXRef-Package-";
   for (const char c : name) text += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' ? c : '-';
@@ -33,7 +33,7 @@ std::string identifier(const std::string& name) {
 }
 
 std::string time_text() {
-  constexpr std::time_t kOfArchiveEntries = 315532800;  // 1980-01-01, where zip's time begins
+  constexpr std::time_t kOfArchiveEntries = 315532800;  // 1980-01-01, the first day of zip's calendar
   std::time_t time = kOfArchiveEntries;
   if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {  // NOLINT(concurrency-mt-unsafe): one thread
     char* end = nullptr;
@@ -71,7 +71,7 @@ const char* relation_of(const Part& part) {
 std::string spdx_document(const Product& product, std::vector<Part> parts) {
   const auto key = [](const Part& part) { return std::tie(part.name, part.relation); };
   std::ranges::sort(parts, {}, key);
-  // Not std::ranges::unique(): clang 14, which the fuzzers are built with, does not take libstdc++'s subrange.
+  // Not std::ranges::unique(): clang 14, which builds the fuzzers, does not accept libstdc++'s subrange.
   const auto same = [&key](const Part& one, const Part& other) { return key(one) == key(other); };
   parts.erase(std::unique(parts.begin(), parts.end(), same), parts.end());
 

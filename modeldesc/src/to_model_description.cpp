@@ -12,7 +12,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// What a reader of the FMI standard expects beside our own categories.
+/// Returns the log categories that the FMI standard recommends, in addition to our own.
 const std::vector<LogCategory>& standard_log_categories() {
   static const std::vector<LogCategory> categories = {
       {"logStatusWarning", "Warnings"},
@@ -92,8 +92,8 @@ void add_structure(const Description& description, ModelDescription& result) {
   for (const Field& field : description.fields) {
     if (field.causality != Causality::output) continue;
     const auto dependencies = with_indices({}, field.depends_on);
-    // The first outputs come from the whole model, made of every parameter: any may count, and any input of which
-    // nothing is said.
+    // The whole model, made from all parameters, computes the first outputs. Therefore they may depend on every
+    // parameter, and on every input unless the description excludes it.
     std::optional<std::vector<std::size_t>> first;
     if (field.first_depends_on) first = with_indices(parameters, *field.first_depends_on);
     for (const std::string& name : field.fmi_names) {

@@ -128,7 +128,7 @@ std::vector<KnownUnit> make_table() {
   };
 }
 
-/// The unit of this name in our table, or null.
+/// Returns the unit of this name in our table, or null.
 const KnownUnit* find_known_unit(std::string_view name) {
   const auto units = known_units();
   const auto found = std::ranges::find_if(units, [&](const KnownUnit& known) { return known.unit.name == name; });
@@ -140,7 +140,7 @@ struct Factor {
   int exponent;
 };
 
-/// A unit expression as FMI 2.0 takes it over from Modelica:
+/// Parses a unit expression of FMI 2.0, which is that of Modelica:
 ///
 ///     expression = numerator [ "/" denominator ]
 ///     numerator = "1" | factor { "." factor } | "(" expression ")"
@@ -151,7 +151,7 @@ class UnitParser {
   explicit UnitParser(std::string_view text) : text_(text) {}
 
   std::vector<Factor> factors() {
-    constexpr std::size_t kLongest = 100;  // which bounds the depth of brackets, too
+    constexpr std::size_t kLongest = 100;  // also limits the depth of brackets
     if (text_.size() > kLongest) fail(fmt::format("longer than {} characters", kLongest));
     expression(1);
     if (at_ < text_.size()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// modelDescription.xml and terminalsAndIcons.xml of FMI 3.0, from the same description as those of FMI 2.0.
+// Writes modelDescription.xml and terminalsAndIcons.xml of FMI 3.0 from the description that FMI 2.0 uses too.
 #include "fmi3_variables.hpp"
 #include "generate.hpp"
 #include "xml_writer.hpp"
@@ -92,7 +92,7 @@ void write_variables(Element root, const std::vector<Fmi3Variable>& variables, s
   for (const Fmi3Variable& variable : variables) write_variable(element, variable);
 }
 
-/// The entries of FMI 2.0, which are about rows, as entries about variables of FMI 3.0.
+/// Converts entries of FMI 2.0, which refer to rows, to entries for variables of FMI 3.0.
 void write_unknowns(Element structure, const char* name, const std::vector<Unknown>& unknowns,
                     const std::vector<Fmi3Variable>& variables) {
   const auto variable_of = [&](std::size_t row) {
@@ -101,7 +101,7 @@ void write_unknowns(Element structure, const char* name, const std::vector<Unkno
   };
   for (const Unknown& unknown : unknowns) {
     const auto reference = variable_of(unknown.variable);
-    if (reference != unknown.variable) continue;  // the first row stands for all
+    if (reference != unknown.variable) continue;  // the first row represents all
     Element element = structure.child(name).text("valueReference", std::to_string(reference));
     if (!unknown.dependencies) continue;
     std::set<std::uint32_t> dependencies;

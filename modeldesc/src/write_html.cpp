@@ -70,7 +70,7 @@ Rows rows_of(const ModelDescription& description) {
   return rows;
 }
 
-/// Of an array, the start values of its elements in one cell.
+/// Puts the start values of an array's elements into one cell.
 Rows fmi3_rows(const Description& description, const ModelDescription& common) {
   Rows rows;
   for (const Fmi3Variable& variable : fmi3_variables(description)) {

@@ -15,7 +15,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// By byte order mark, or by what "<" looks like; empty = a superset of ASCII.
+/// Returns the encoding by byte order mark or by the bytes of "<"; empty = a superset of ASCII.
 std::string_view wide_encoding(std::string_view bytes) {
   using namespace std::string_view_literals;
   constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kStarts = {{
@@ -34,7 +34,7 @@ std::string_view wide_encoding(std::string_view bytes) {
   return {};
 }
 
-/// What `<?xml ... encoding="..."?>` says; empty when it says nothing.
+/// Returns the encoding in `<?xml ... encoding="..."?>`; empty if there is none.
 std::string declared_encoding(std::string_view text) {
   if (!text.starts_with("<?xml")) return {};
   const auto declaration = text.substr(0, std::min(text.find("?>"), text.size()));
@@ -57,7 +57,7 @@ class Converter {
   // NOLINTNEXTLINE(performance-no-int-to-ptr): so iconv_open says that it failed
   bool known() const { return handle_ != reinterpret_cast<iconv_t>(-1); }
 
-  /// False for bytes that are nothing in the encoding.
+  /// Returns false if the bytes are invalid in the encoding.
   bool convert(std::string_view bytes, std::string& text) {
     std::array<char, 65536> buffer;              // NOLINT(cppcoreguidelines-pro-type-member-init): filled by iconv
     auto* in = const_cast<char*>(bytes.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast): iconv only reads
@@ -76,7 +76,7 @@ class Converter {
   iconv_t handle_;
 };
 
-/// Depth by one walk without recursion: stops at the first element that is too deep.
+/// Walks the tree without recursion. Returns the first element that is nested too deep.
 pugi::xml_node too_deep(const pugi::xml_document& document) {
   int depth = 0;
   for (auto node = document.first_child(); node;) {
@@ -95,7 +95,7 @@ pugi::xml_node too_deep(const pugi::xml_document& document) {
   return {};
 }
 
-/// pugixml leaves a reference to an entity of the DTD as it stands, so what a writer meant would be lost in silence.
+/// pugixml does not expand references to entities of the DTD; their meaning would be lost without an error.
 void refuse_entities(const pugi::xml_document& document, std::string_view text, std::string_view source) {
   constexpr std::string_view kDefinition = "<!ENTITY";
   constexpr std::string_view kSpace = " \t\r\n";
@@ -122,7 +122,7 @@ bool is_xml_character(std::uint32_t code) {
          (code >= 0xE000 && code <= 0xFFFD) || (code >= 0x10000 && code <= 0x10FFFF);
 }
 
-/// pugixml makes bytes of any number in a reference such as &#xD800;, also of those that are not characters
+/// pugixml converts any number in a reference such as &#xD800; to bytes, even if it is not a character.
 void refuse_references(std::string_view text, std::string_view source) {
   for (auto at = text.find("&#"); at != std::string_view::npos; at = text.find("&#", at + 1)) {
     const bool hex = text.substr(at + 2).starts_with('x');
@@ -159,7 +159,7 @@ std::string xml_as_utf8(std::string_view bytes, std::string_view source) {
 std::optional<std::uint32_t> first_no_xml_character(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     std::uint32_t code = static_cast<unsigned char>(text[at++]);
-    const int more = code < 0xC0 ? 0 : code < 0xE0 ? 1 : code < 0xF0 ? 2 : 3;  // bytes of six bits each
+    const int more = code < 0xC0 ? 0 : code < 0xE0 ? 1 : code < 0xF0 ? 2 : 3;  // bytes with six bits each
     if (more > 0) code &= 0x3FU >> more;
     for (int i = 0; i < more && at < text.size(); ++i)
       code = code << 6 | (static_cast<unsigned char>(text[at++]) & 0x3FU);

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-/// What the writers of XML for all versions of FMI share.
+/// Shared by the writers of XML for all versions of FMI.
 namespace mebots::modeldesc {
 
-/// The shortest text that reads back as the same number; pugixml would print fixed digits.
+/// Returns the shortest text that reads back as the same number; pugixml would print a fixed number of digits.
 std::string number_text(double value);
 
 class Element {
@@ -35,7 +35,7 @@ class Element {
   pugi::xml_node node_;
 };
 
-/// A document of one root, as text.
+/// Builds a document with one root and returns it as text.
 class XmlText {
  public:
   explicit XmlText(const char* root);

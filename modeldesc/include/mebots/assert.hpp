@@ -4,13 +4,14 @@
 #include <cstdio>
 #include <cstdlib>
 
-/// MEBOTS_ASSERT(condition) and MEBOTS_ASSERT(condition, "why it holds") state what the code around relies on: an index
-/// inside its array, an order of calls, an invariant of a class. Where it does not hold, our own code is wrong: file,
-/// line, function and condition go to stderr and the process aborts. Input from outside gets a mebots::Error instead.
+/// MEBOTS_ASSERT(condition) and MEBOTS_ASSERT(condition, "why it holds") state an assumption of the code around them:
+/// an index inside its array, an order of calls, an invariant of a class. If the condition is false, our code has a
+/// bug: the macro prints file, line, function and condition to stderr and aborts the process. Wrong input from outside
+/// throws a mebots::Error instead.
 ///
-/// On where MEBOTS_ASSERTIONS is defined (presets dev, ci and the sanitizers'). Elsewhere (preset release) the
-/// condition is compiled but never evaluated: it costs nothing and its variables count as used. A condition with a
-/// comma outside of parentheses needs parentheses of its own.
+/// Active if MEBOTS_ASSERTIONS is defined (presets dev, ci and those of the sanitizers). Otherwise (preset release) the
+/// condition is compiled but not evaluated, so it costs nothing and its variables count as used. Put a condition that
+/// contains a top-level comma in parentheses.
 #ifdef MEBOTS_ASSERTIONS
 #define MEBOTS_ASSERT(condition, ...) \
   (static_cast<bool>(condition)       \
@@ -22,7 +23,7 @@
 
 namespace mebots {
 
-/// stdio, because it works without memory and before main.
+/// Uses stdio because it works without memory and before main().
 [[noreturn, gnu::cold]] inline void assertion_failed(const char* condition, const char* file, int line,
                                                      const char* function, const char* why = nullptr) noexcept {
   std::fprintf(stderr, "%s:%d: %s: assertion failed: %s%s%s\n", file, line, function, condition,

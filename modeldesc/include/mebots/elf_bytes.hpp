@@ -16,15 +16,15 @@
 
 namespace mebots {
 
-/// Reads structures from the bytes of an ELF file, which may end anywhere. Both readers of ELF files use it: that of
-/// shared libraries and that of the chip's programs. The bytes must outlive this object.
+/// Reads structures from the bytes of an ELF file, which may be truncated. Both readers of ELF files use it: the one of
+/// shared libraries and the one of the chip's programs. The bytes must outlive this object.
 class ElfBytes {
  public:
   /// `name` and `code` are for errors.
   ElfBytes(std::span<const std::uint8_t> bytes, std::string name, ErrorCode code)
       : bytes_(bytes), name_(std::move(name)), code_(code) {}
 
-  /// Throws Error with the file's name in front of `what`.
+  /// Throws Error with the file's name before `what`.
   [[noreturn]] void fail(std::string_view what) const { throw Error(code_, fmt::format("{}: {}", name_, what)); }
 
   /// True if the file starts with the four bytes of every ELF file.

@@ -8,12 +8,12 @@
 
 namespace mebots {
 
-/// The one error type. Its text says what is wrong, where (file, instance, variable), the offending value and the way
-/// out; its code says the same to programs. Who catches one to say more keeps the code:
+/// The error type of the project. Its message says what is wrong, where (file, instance, variable), which value, and
+/// what to do. Its code carries the kind of error for programs. To add context, catch it and keep the code:
 ///
 ///     throw Error(error.code(), place + ": " + error.what());
 ///
-/// Guards at the C boundary and in `main` turn it into a status and a message.
+/// At the C boundary and in `main`, guards convert it into a status and a message.
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& text) : Error(ErrorCode::unspecified, text) {}

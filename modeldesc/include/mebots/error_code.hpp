@@ -9,15 +9,15 @@
 
 namespace mebots {
 
-/// What kind of thing went wrong. The name of a code is stable: it keeps its meaning from version to version, in C++,
-/// in Python and in files. Its number is not. New codes may come.
+/// The kind of an error. The name of a code is stable: it keeps its meaning across versions, in C++, Python and files.
+/// Its number is not stable. New codes may be added.
 enum class ErrorCode {
   unspecified,
   // files
   file_not_found,
   file_unreadable,
   file_unwritable,
-  // what stands in them, on a command line or in a call
+  // contents of files, command lines and calls
   syntax_error,
   unknown_key,
   missing_key,
@@ -112,7 +112,7 @@ constexpr std::string_view name_of(ErrorCode code) {
   return kErrorCodes[static_cast<std::size_t>(code)].name;
 }
 
-/// The code of this name, if there is one: for codes that crossed a process or a file.
+/// Returns the code with this name, if it exists. For codes from another process or a file.
 constexpr std::optional<ErrorCode> error_code_of(std::string_view name) {
   const auto* const found =
       std::find_if(kErrorCodes.begin(), kErrorCodes.end(), [&](const ErrorCodeRow& row) { return row.name == name; });

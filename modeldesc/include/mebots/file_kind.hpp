@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What lies under a name that somebody gave. std::filesystem throws for a name that no file can have, such as one that
-// is too long; here nothing lies under it. Where only the system's answer is missing (no permission on the way),
-// something may lie there: opening it tells why not.
+// Checks whether a path names a file or a folder. std::filesystem throws for a path that no file can have, such as one
+// that is too long; these functions return false. If permission for a folder of the path is missing, is_there() returns
+// true, because a file may exist: opening it reports the reason.
 #pragma once
 
 #include <filesystem>

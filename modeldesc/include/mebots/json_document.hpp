@@ -10,14 +10,14 @@
 
 namespace mebots::data {
 
-/// Makes documents of values that were put together from another format, such as an SSP. Not installed, because it
-/// shows a type of nlohmann-json.
+/// Creates documents from values of another format, such as SSP. Not installed, because it exposes a type of
+/// nlohmann-json.
 struct JsonDocument {
-  /// By JSON pointer: the place of a value in `name`, for messages. A value that is not listed has the place of the
-  /// object or list around it.
+  /// Maps JSON pointers to the places of values in `name`, for messages. A value that is not listed has the place of
+  /// its container.
   using Places = std::map<std::string, std::string>;
 
-  /// All texts must be UTF-8. A number that is not finite becomes null.
+  /// All texts must be UTF-8. Numbers that are not finite become null.
   static Document of(const nlohmann::ordered_json& value, std::string name, Places places);
 };
 

@@ -7,12 +7,12 @@
 
 namespace mebots {
 
-/// How many characters must be inserted, removed, replaced or swapped with a neighbour to get from one
-/// text to the other; upper and lower case count as the same.
+/// Returns the number of insertions, removals, replacements and swaps of neighbouring characters that turn one text
+/// into the other. Ignores case.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// A sentence for the end of an error message that offers the known names nearest to `wrong`:
-/// "Did you mean 'x' or 'y'?", or, when none is near, a list of the known ones (shortened when long).
+/// Returns a sentence for the end of an error message: "Did you mean 'x' or 'y'?" with the known names nearest to
+/// `wrong`. If none is near, lists the known names, shortened if there are many.
 std::string suggest(std::string_view wrong, std::span<const std::string> known);
 
 }  // namespace mebots

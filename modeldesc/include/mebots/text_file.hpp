@@ -6,8 +6,8 @@
 
 namespace mebots {
 
-/// The whole content of a file or a pipe. Throws Error naming it and why it cannot be read; a device such as /dev/zero,
-/// which may never end, is not a file.
+/// Returns the whole content of a file or pipe. Throws Error with its name and the reason if it cannot be read. Rejects
+/// devices such as /dev/zero, which may never end.
 std::string text_of(const std::filesystem::path& path);
 
 }  // namespace mebots

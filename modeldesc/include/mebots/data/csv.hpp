@@ -24,7 +24,7 @@ class CsvReader {
 
   const std::string& name() const { return name_; }
   const std::vector<std::string>& header() const { return header_; }
-  /// The place of a column by its name, if there is one.
+  /// Returns the index of the column with this name, if it exists.
   std::optional<std::size_t> column(std::string_view name) const;
 
   /// Reads the next row. Returns false at the end. Throws Error if the row has more or fewer cells than the header.
@@ -33,10 +33,10 @@ class CsvReader {
   std::size_t line() const { return line_; }
   /// A cell of the row, without its quotation marks. Valid until the next call of next().
   std::string_view cell(std::size_t column) const { return cells_[column]; }
-  /// The finite number that a cell of the row is. Throws Error for anything else.
+  /// Returns the cell as a finite number. Throws Error if it is not one.
   double number(std::size_t column) const;
 
-  /// Throws Error about a cell of the row.
+  /// Throws Error with the place of the cell.
   [[noreturn]] void fail(std::size_t column, ErrorCode code, std::string_view what) const;
 
  private:
@@ -51,14 +51,14 @@ class CsvReader {
   std::string_view text_;
   std::string name_;
   std::vector<std::string> header_;
-  std::vector<std::string_view> cells_;  // of the row: views of the text, or of `unquoted_`
+  std::vector<std::string_view> cells_;  // cells of the row: views of the text or of `unquoted_`
   std::deque<std::string> unquoted_;     // cells with doubled quotation marks
   std::size_t at_ = 0;
   std::size_t next_line_ = 1;
   std::size_t line_ = 0;
 };
 
-/// The number that the whole text is; nothing for anything else.
+/// Returns the number in `text`; empty if the text contains anything else.
 template <typename T>
 std::optional<T> csv_number(std::string_view text) {
   T value{};
@@ -70,7 +70,7 @@ std::optional<T> csv_number(std::string_view text) {
 /// The text without blanks and tabs at both ends.
 std::string_view trimmed(std::string_view text);
 
-/// A column's title "speed [km/h]" as name and unit. The unit is empty if the title has none or if it is "-".
+/// Name and unit from a column title such as "speed [km/h]". The unit is empty if the title has none or "-".
 struct CsvTitle {
   std::string name;
   std::string unit;

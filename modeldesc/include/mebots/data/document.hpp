@@ -14,23 +14,23 @@
 
 namespace mebots::data {
 
-/// A JSON text (RFC 8259) that knows where each of its values stands, and collects what its readers find wrong. Reading
-/// one takes time in proportion to its length. One thread at a time.
+/// A JSON text (RFC 8259) with the place of each value. Collects the mistakes that its readers report. Parsing takes
+/// linear time. For one thread at a time.
 class Document {
  public:
-  /// Deeper texts are refused: no file of ours needs more, and whoever walks one may recurse.
+  /// Rejects deeper nesting: none of our files needs it, and readers may recurse.
   static constexpr std::size_t kDeepest = 100;
 
-  /// Throws Error when the file cannot be read, Mistakes when it is not JSON.
+  /// Throws Error if the file cannot be read, Mistakes if it is not JSON.
   explicit Document(const std::filesystem::path& file);
-  /// `name` stands in mistakes.
+  /// `name` is the file name in mistakes.
   Document(std::string_view text, std::string name);
   ~Document();
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
-  /// What `read` makes of the root. Throws Mistakes when there were any, each key that occurs twice included. Nodes
-  /// must not outlive the document.
+  /// Returns read(root). Throws Mistakes if any were reported, duplicate keys included. Nodes must not outlive the
+  /// document.
   template <typename Read>
   auto read(const Read& read) {
     using Result = std::invoke_result_t<const Read&, const Node&>;

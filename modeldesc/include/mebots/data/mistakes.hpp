@@ -9,19 +9,18 @@
 
 namespace mebots::data {
 
-/// One thing that is wrong in a file.
+/// An error in a file.
 struct Mistake {
   ErrorCode code = ErrorCode::unspecified;
   std::string place;       // "cell.json:12:5: /mass/value"
-  std::string text;        // what is wrong, and what to do
-  std::size_t offset = 0;  // bytes into the file
+  std::string text;        // the problem and its remedy
+  std::size_t offset = 0;  // byte offset in the file
 };
 
-/// Everything that is wrong with a file, in the order of the file. Its text has a line for each mistake, the code is
-/// that of the first.
+/// All errors of a file, in the order of the file. The message has a line per error; the code is that of the first.
 class Mistakes : public Error {
  public:
-  /// At least one.
+  /// `mistakes` must not be empty.
   explicit Mistakes(std::vector<Mistake> mistakes);
 
   const std::vector<Mistake>& list() const { return mistakes_; }

@@ -17,46 +17,46 @@ namespace mebots::data {
 class Document;
 struct Member;
 
-/// A whole number is one that is written as such, 3 or 3.0, and fits into 64 bits.
+/// A whole number has no fractional part (3 or 3.0) and fits into 64 bits.
 enum class Kind : std::uint8_t { null, boolean, whole_number, number, text, list, object };
 
-/// One value of a Document together with its place: cheap to copy, valid as long as the document. All that read
-/// throw Mistakes, naming file, line, column and JSON pointer, when the value is not what was asked for.
-/// Whoever wants to go on reading behind it calls them inside attempt(), as Object does.
+/// A value of a Document, with its place. Cheap to copy; valid as long as the document. All functions that read throw
+/// Mistakes, naming file, line, column and JSON pointer, if the value is not of the requested kind. Call them inside
+/// attempt() to continue after a mistake, as Object does.
 class Node {
  public:
   Kind kind() const;
   bool is(Kind wanted) const { return kind() == wanted; }
-  /// A whole number without point and exponent.
+  /// True if this is a whole number written without point and exponent.
   bool is_integer_literal() const;
   bool is_number() const { return is(Kind::number) || is(Kind::whole_number); }
 
   std::string text() const;
-  /// A text that is not empty.
+  /// Returns a text that is not empty.
   std::string readable_text() const;
   bool flag() const;
   double number(const Limits& limits = {}) const;
   std::int64_t whole_number(std::int64_t least, std::int64_t most) const;
-  /// A whole number that is not negative.
+  /// Returns a whole number that is not negative.
   std::uint64_t natural_number() const;
 
-  /// Of a list.
+  /// Returns the elements of a list.
   std::vector<Node> elements() const;
-  /// Of an object, in the order of the file. A key that occurs twice is told, and its first value taken.
+  /// Returns the members of an object, in the order of the file. A duplicate key is reported; its first value counts.
   std::vector<Member> members() const;
   bool has(std::string_view key) const { return find(key).has_value(); }
-  /// Nothing also where this is not an object.
+  /// Returns the member of this key. Empty if there is none or if this is not an object.
   std::optional<Node> find(std::string_view key) const;
   Node at(std::string_view key) const;
 
-  /// Notes a mistake at this value; reading goes on.
+  /// Adds a mistake at this value; does not throw.
   void complain(ErrorCode code, std::string_view what) const;
   [[noreturn]] void fail(ErrorCode code, std::string_view what) const;
-  /// "the state 'onn' is unknown. Did you mean 'on'?"
+  /// Adds a mistake such as "the state 'onn' is unknown. Did you mean 'on'?"
   void complain_unknown(std::string_view what, std::string_view name, std::span<const std::string> known) const;
   [[noreturn]] void fail_unknown(std::string_view what, std::string_view name,
                                  std::span<const std::string> known) const;
-  /// Calls `read`; whatever Error it throws is noted and reading goes on. False when it threw.
+  /// Calls `read`. If it throws an Error, adds it to the mistakes and returns false.
   template <typename Read>
   bool attempt(const Read& read) const {
     try {
@@ -69,14 +69,14 @@ class Node {
     }
     return false;
   }
-  /// How many mistakes of the document are noted by now.
+  /// Returns the number of mistakes in the document until now.
   std::size_t noted() const;
 
-  /// The value as it could be written, shortened.
+  /// Returns the value as JSON, shortened.
   std::string shown() const;
-  /// RFC 6901; empty for the root.
+  /// Returns the JSON pointer (RFC 6901); empty for the root.
   std::string pointer() const;
-  /// "file.json:12:5: /pointer/to/it". A member stands where its key stands.
+  /// Returns "file.json:12:5: /pointer/to/it". The place of a member is that of its key.
   std::string place() const;
 
  private:
@@ -90,7 +90,7 @@ class Node {
   std::size_t index_;
 };
 
-/// One step of a JSON pointer (RFC 6901): "/a~1b" of "a/b".
+/// Escapes a key for a JSON pointer (RFC 6901): returns "/a~1b" for "a/b".
 std::string pointer_step(std::string_view key);
 
 struct Member {

@@ -13,21 +13,21 @@
 
 namespace mebots::data {
 
-/// Reads the members of an object one after the other, each into its variable:
+/// Reads the members of an object into variables, one after the other:
 ///
 ///     Object object(node);
 ///     object.read("name", gate.name, &Node::text);
 ///     object.read_if("yaw", gate.yaw_rad, number());
 ///     object.finish();
 ///
-/// A member that is missing or wrong is noted and leaves its variable alone; reading goes on with the next. The keys
-/// that were asked for are the keys that there are, so none is written twice.
+/// If a member is missing or wrong, adds a mistake, leaves its variable unchanged, and continues with the next. The
+/// known keys are those that were read, so there is no second list of them.
 class Object {
  public:
-  /// Throws Mistakes when the node is not an object.
+  /// Throws Mistakes if the node is not an object.
   explicit Object(const Node& node);
 
-  /// `reader` makes the value from the member's node. True when it did so without a mistake.
+  /// Sets `into` to reader(member). Returns true if there was no mistake.
   template <typename T, typename Reader>
   bool read(std::string_view key, T& into, const Reader& reader) {
     known_.emplace_back(key);
@@ -35,14 +35,14 @@ class Object {
     if (!member) complain_missing(key);
     return member && take(*member, into, reader);
   }
-  /// The same for a key that may be absent, which leaves the variable alone; then false.
+  /// As read(), for an optional key. If the key is absent, leaves the variable unchanged and returns false.
   template <typename T, typename Reader>
   bool read_if(std::string_view key, T& into, const Reader& reader) {
     known_.emplace_back(key);
     const auto member = node_.find(key);
     return member && take(*member, into, reader);
   }
-  /// The same for a reader that puts what it reads into several places, and returns nothing.
+  /// As read(), for a reader that returns nothing and stores the values itself.
   template <typename Reader>
   bool visit(std::string_view key, const Reader& reader) {
     bool done = false;
@@ -55,15 +55,15 @@ class Object {
   bool visit_if(std::string_view key, const Reader& reader) {
     return node_.has(key) ? visit(key, reader) : (known_.emplace_back(key), false);
   }
-  /// Keys that may stand here and are read elsewhere, or by people only.
+  /// Permits keys that other code reads, or that are for people only.
   void allow(std::initializer_list<std::string_view> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
-  /// A text for people, or for editors, that may be absent.
+  /// Permits an optional text for people or for editors.
   void comment(std::string_view key);
 
-  /// Notes the keys that nobody asked for: most often typing errors, which are answered by the nearest key.
+  /// Reports the keys that were not read. Most are typing errors; the message suggests the nearest known key.
   void finish() const;
 
-  /// No mistake came since this Object began, here or in what is inside: what members say of each other can be checked.
+  /// True if no mistake was added since this Object was made, so that members can be compared with each other.
   bool sound() const { return node_.noted() == noted_before_; }
   bool has(std::string_view key) const { return node_.has(key); }
   const Node& node() const { return node_; }
@@ -85,33 +85,34 @@ class Object {
   std::vector<std::string> known_;
 };
 
-/// Readers of one value, for Object::read.
+/// Return readers of a value for Object::read.
 inline auto number(const Limits& limits = {}) {
   return [limits](const Node& node) { return node.number(limits); };
 }
 inline auto whole_number(std::int64_t least, std::int64_t most) {
   return [=](const Node& node) { return node.whole_number(least, most); };
 }
-/// Numbers of a list that is not empty.
+/// Reads a list of numbers that is not empty.
 std::vector<double> read_numbers(const Node& node, const Limits& limits);
 inline auto numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_numbers(node, limits); };
 }
-/// The same with each greater than the one before.
+/// As read_numbers(); each number must be greater than the one before.
 std::vector<double> read_rising_numbers(const Node& node, const Limits& limits);
 inline auto rising_numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_rising_numbers(node, limits); };
 }
-/// The value of {"value", "unit", "source"}; checks the unit. "interval": [low, high] and "fitted_on" are optional.
+/// Returns the value of {"value", "unit", "source"} and checks the unit. "interval": [low, high] and "fitted_on" are
+/// optional.
 double read_quantity(const Node& node, std::string_view unit, const Limits& limits);
 inline auto quantity(std::string_view unit, const Limits& limits = {}) {
   return [=](const Node& node) { return read_quantity(node, unit, limits); };
 }
-/// Members `unit`, which must be the one asked for, and `source`, which must not be empty.
+/// Reads the members `unit`, which must equal the argument, and `source`, which must not be empty.
 void read_unit(Object& object, std::string_view unit);
 void read_source(Object& object);
 
-/// What a word stands for. An unknown one is answered by the nearest.
+/// Returns the meaning of a word. If it is unknown, the mistake suggests the nearest.
 template <typename T>
 auto word_of(std::vector<std::pair<std::string, T>> words) {
   return [words = std::move(words)](const Node& node) {
@@ -125,7 +126,7 @@ auto word_of(std::vector<std::pair<std::string, T>> words) {
   };
 }
 
-/// What `reader` makes of each element of a list; elements that it refuses are noted and left out.
+/// Returns reader(element) for each element of a list. Elements that the reader rejects are reported and left out.
 template <typename Reader>
 auto list_of(Reader reader) {
   return [reader = std::move(reader)](const Node& node) {

@@ -41,7 +41,7 @@ enum class Causality : std::uint8_t {
 enum class Variability : std::uint8_t { constant, fixed, tunable, discrete, continuous };
 enum class Initial : std::uint8_t { exact, approx, calculated };
 
-// The words of each in the order of its values.
+// The words of each enumeration in the order of its values.
 inline constexpr std::string_view kTypeWords2[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
 inline constexpr std::string_view kTypeWords3[] = {"Float64", "Int32", "Boolean", "String", "Enumeration",
                                                    "Float32", "Int8",  "UInt8",   "Int16",  "UInt16",
@@ -56,7 +56,7 @@ inline constexpr std::string_view kVariabilityWords1[] = {"constant", "parameter
 inline constexpr std::string_view kAliasWords1[] = {"noAlias", "alias", "negatedAlias"};
 inline constexpr std::string_view kInitialWords[] = {"exact", "approx", "calculated"};
 
-/// The word of FMI 2.0, or of 3.0 for a type that only 3.0 has.
+/// Returns the word of FMI 2.0; for a type that only FMI 3.0 has, the word of FMI 3.0.
 constexpr std::string_view to_string(Type type) {
   const auto place = static_cast<std::size_t>(type);
   return place < std::size(kTypeWords2) ? kTypeWords2[place] : kTypeWords3[place];

@@ -7,8 +7,8 @@
 /// The functions of an FMU's shared library as a table of pointers, and what the standard says about each.
 namespace mebots::fmi2 {
 
-/// When the standard demands a function of a library: always (`to_run`: no simulation does without it), for
-/// co-simulation (`to_step`: none does without it) or model exchange, or when modelDescription.xml claims a capability.
+/// Tells which FMUs must export a function: all (`to_run`: no simulation works without it), those for co-simulation
+/// (`to_step`) or model exchange, or those whose modelDescription.xml claims a capability.
 enum class Need {
   to_run,
   always,
@@ -20,7 +20,7 @@ enum class Need {
   directional_derivative
 };
 
-/// Null where the library does not bring the function.
+/// A pointer is null if the library lacks the function.
 struct Functions {
   using Byte = fmi2Byte;
 
@@ -120,7 +120,7 @@ void for_each_function(Action action) {
   action("fmi2GetNominalsOfContinuousStates", &F::get_nominals_of_continuous_states, Need::to_integrate);
 }
 
-/// Looks all functions up in a library from dlopen; those that it lacks stay null.
+/// Looks up all functions in a library from dlopen(); those that it lacks are null.
 inline Functions find_functions(void* library) {
   return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }

@@ -55,7 +55,7 @@ struct fmi2CallbackFunctions {
 
 namespace mebots::fmi2 {
 
-/// As the standard spells it; FMUs may answer anything.
+/// Returns the standard's name of a status. FMUs may return any number.
 constexpr std::string_view status_name(fmi2Status status) {
   switch (status) {
     case fmi2OK:

@@ -13,7 +13,7 @@ namespace mebots::fmi3 {
 /// Others are needed if modelDescription.xml claims a capability or has variables of a type.
 enum class Need { to_run, to_step, to_integrate, events, event_mode, always, fmu_state, serialization };
 
-/// Null where the library does not have the function.
+/// A pointer is null if the library lacks the function.
 struct Functions {
   using Byte = fmi3Byte;
 
@@ -157,7 +157,7 @@ void for_each_function(Action action) {
   action("fmi3DoStep", &F::do_step, Need::to_step);
 }
 
-/// Looks all functions up in a library from dlopen; those that it lacks stay null.
+/// Looks up all functions in a library from dlopen(); those that it lacks are null.
 inline Functions find_functions(void* library) {
   return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }

@@ -7,18 +7,18 @@
 
 namespace mebots::fmu {
 
-/// Binds a plain C++ model of the usual shape to the shell:
+/// Binds a plain C++ model with these members to the shell:
 ///
 ///     Own(const Parameters&, const std::filesystem::path& resources, extras...)
 ///     void start(const Inputs&, std::int64_t start_ns, Outputs&)
 ///     void step(const Inputs&, std::int64_t start_ns, std::int64_t duration_ns, Outputs&)
 ///     void visit(state::Visitor&)
 ///
-/// A model that does not ask what time it is leaves start_ns out. `Variables` is the generated struct.
+/// A model that does not depend on time leaves out start_ns. `Variables` is the generated struct.
 template <typename Own, typename Variables>
 class BoundModel final : public Model {
  public:
-  /// `extras` go to the model's constructor after the resources folder.
+  /// Passes `extras` to the model's constructor after the resources folder.
   template <typename... Extras>
   BoundModel(Variables& variables, const Host& host, std::int64_t start_ns, Extras&&... extras)
       : variables_(variables), model_(variables.parameters, host.resources(), std::forward<Extras>(extras)...) {

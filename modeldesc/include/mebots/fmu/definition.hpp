@@ -10,7 +10,7 @@
 #include <span>
 #include <string_view>
 
-/// What the shell knows of the FMU that it serves: constant tables that the build generates.
+/// The constant tables of an FMU that the shell uses; the build generates them.
 namespace mebots::fmu {
 
 using fmi::Causality;
@@ -22,14 +22,14 @@ struct EnumerationItem {
   std::string_view name;
 };
 
-/// Offset of a variable that is made when read.
+/// Offset of a variable that is computed when read.
 inline constexpr std::size_t kNoField = static_cast<std::size_t>(-1);
 
 /// Marks a variable whose number of elements is fixed.
 inline constexpr std::size_t kFixedSize = static_cast<std::size_t>(-1);
 
-/// One scalar variable of FMI 2.0 and where its value lies in the instance's variables. FMI 3.0 sees rows that follow
-/// each other as one variable where they are the elements of an array, or the parts of a Binary.
+/// A scalar variable of FMI 2.0 and the place of its value in the instance's variables. Consecutive rows that are the
+/// elements of an array or the parts of a Binary are one variable in FMI 3.0.
 struct Variable {
   std::string_view name;
   Type type;
@@ -40,23 +40,23 @@ struct Variable {
   double max;
   std::string_view unit;
   std::span<const EnumerationItem> items;
-  bool is_pointer;                    // part of an OSMP triple: not kept in a state
-  std::size_t elements = 1;           // of the variable of FMI 3.0 that begins here; 0 = none begins here
-  std::size_t size_row = kFixedSize;  // row of the structural parameter with the number of elements, if there is one
-  bool is_structural = false;         // such a parameter
+  bool is_pointer;                    // part of an OSMP triple: not saved in states
+  std::size_t elements = 1;           // elements of the FMI 3.0 variable that begins here; 0 = none begins here
+  std::size_t size_row = kFixedSize;  // row of the structural parameter that holds the number of elements, if it exists
+  bool is_structural = false;         // true for such a parameter
 };
 
 struct Definition {
   std::string_view model_identifier;
   std::string_view guid;                 // of FMI 2.0
-  std::string_view instantiation_token;  // of FMI 3.0; empty when it is not built for that
-  std::span<const Variable> variables;   // the value reference is the index; in FMI 3.0, that of the first row
+  std::string_view instantiation_token;  // of FMI 3.0; empty if the FMU is not built for FMI 3.0
+  std::span<const Variable> variables;   // the index is the value reference; in FMI 3.0, the index of the first row
   std::span<const std::string_view> log_categories;
   std::shared_ptr<void> (*make_variables)();
   std::unique_ptr<Model> (*make_model)(void* variables, Host& host, std::int64_t start_ns);
 };
 
-/// Defined once per FMU, in the generated variable_table.cpp.
+/// Each FMU defines it once, in the generated variable_table.cpp.
 extern const Definition kDefinition;
 
 }  // namespace mebots::fmu

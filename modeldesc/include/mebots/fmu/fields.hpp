@@ -10,11 +10,11 @@
 #include <string>
 #include <string_view>
 
-/// Where an instance keeps its variables, for models that learn the names of some of them from data. Everywhere,
-/// `variables` is the instance's generated struct, in which what is found lies as long as the struct.
+/// Finds an instance's variables by name, for models that read variable names from data. `variables` is always the
+/// instance's generated struct; the results are valid as long as it.
 namespace mebots::fmu {
 
-/// A variable that is a number, of any type: false and true are 0 and 1, an enumeration's item is its value.
+/// A numeric variable of any type: false and true are 0 and 1, an enumeration item is its value.
 class NumberField {
  public:
   NumberField(Type type, void* at) : type_(type), at_(at) {}
@@ -39,7 +39,7 @@ class NumberField {
   void* at_;
 };
 
-/// Null when the FMU has no such variable with this causality, or none that is kept.
+/// Returns null if the FMU has no such variable with this causality, or if it has no field.
 inline const Variable* find_variable(Causality causality, std::string_view name) {
   for (const auto& variable : kDefinition.variables) {
     if (variable.name == name && variable.causality == causality && variable.offset != kNoField) return &variable;
@@ -59,7 +59,7 @@ inline const std::string* text_field(const void* variables, Causality causality,
   return reinterpret_cast<const std::string*>(static_cast<const std::byte*>(variables) + found->offset);
 }
 
-/// Of an OSMP triple, by the name in front of its three parts.
+/// Returns an OSMP triple by the common prefix of its three names.
 inline const BinaryRef* binary_field(const void* variables, Causality causality, std::string_view name) {
   const auto* found = find_variable(causality, std::string(name) + ".base.lo");
   if (found == nullptr || !found->is_pointer) return nullptr;

@@ -12,40 +12,41 @@
 
 namespace mebots::modeldesc {
 
-/// What unpack() takes at most; meant to stop decompression bombs, far above any honest FMU.
+/// The limits of unpack(). They stop decompression bombs and are far above the size of any real FMU.
 struct UnpackLimits {
   std::uint64_t total_bytes = std::uint64_t{4} << 30;
   std::uint64_t entries = 100'000;
-  double ratio = 1000;  // unpacked / packed bytes of one entry larger than 16 MiB
+  double ratio = 1000;  // unpacked / packed bytes, for entries larger than 16 MiB
 };
 
-/// Unpacks an FMU (a zip archive) into `folder`, which is made if missing. Throws mebots::Error naming archive
-/// and entry for: a missing or damaged archive; an entry that would leave the folder (absolute, `..`, drive
-/// letter, symbolic link), two entries of one name, or a limit passed. Nothing is written before all names
-/// passed. A backslash in a name separates folders, as a slash does. Returns notices for the user: which names had one.
+/// Unpacks an FMU (a zip archive) into `folder`, which is created if missing. Throws mebots::Error naming archive and
+/// entry if the archive is missing or damaged, an entry would be written outside of the folder (absolute, `..`, drive
+/// letter, symbolic link), two entries have the same name, or a limit is exceeded. All names are checked before the
+/// first write. A backslash in a name separates folders, as a slash does. Returns notices for the user that list such
+/// names.
 std::vector<std::string> unpack(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                 const UnpackLimits& limits = {});
 
-/// Why an unpacked archive has no file `name` at its root, and what to do: the file is in a folder, or its name differs
-/// in capitals. "It contains no `name`" if neither is so.
+/// Explains why an unpacked archive has no file `name` at its root, and what to do: the file is in a folder, or its
+/// name differs in case. Otherwise returns "It contains no `name`".
 std::string why_missing(const std::filesystem::path& folder, const std::string& name);
 
-/// One file of an archive to be: `entry` is its path inside, with forward slashes.
+/// A file to pack: `entry` is its path in the archive, with forward slashes.
 struct PackedFile {
   std::string entry;
   std::filesystem::path source;
 };
 
-/// Writes a zip archive: entries sorted by name, fixed times, so that the same files give the same bytes.
-/// Throws mebots::Error for a missing file, two files for one entry, or an archive that cannot be written.
+/// Writes a zip archive with sorted entries and fixed times: equal files give equal bytes. Throws mebots::Error if a
+/// file is missing, two files have the same entry, or the archive cannot be written.
 void pack(const std::filesystem::path& archive, std::vector<PackedFile> files);
 
-/// A folder of unique name that goes, with all it holds, when this object goes.
+/// A folder of unique name. The destructor deletes it with its contents.
 class TemporaryFolder {
  public:
-  /// Makes `<parent>/<prefix>-XXXXXX`; the system's folder for temporary files when `parent` is empty.
+  /// Creates `<parent>/<prefix>-XXXXXX`. If `parent` is empty, uses the system's folder for temporary files.
   explicit TemporaryFolder(std::string_view prefix, const std::filesystem::path& parent = {});
-  /// Makes exactly this folder; nothing when it cannot be made, or is there already.
+  /// Creates exactly this folder. Returns empty if it exists or cannot be created.
   static std::optional<TemporaryFolder> at(std::filesystem::path path);
   ~TemporaryFolder();
   TemporaryFolder(TemporaryFolder&& other) noexcept;
@@ -59,7 +60,7 @@ class TemporaryFolder {
   TemporaryFolder();
   void remove() noexcept;
   std::filesystem::path path_;
-  pid_t owner_;  // a fork of the process leaves the folder alone
+  pid_t owner_;  // only this process deletes the folder, not its forks
 };
 
 }  // namespace mebots::modeldesc

@@ -18,31 +18,31 @@ using ZipHandle = std::unique_ptr<zip, DiscardZip>;
 
 /// Opens a zip archive for reading. Throws mebots::Error with libzip's reason.
 ZipHandle open_zip(const std::filesystem::path& archive);
-/// The same from memory, which must outlive the handle; `name` stands for the archive in messages.
+/// As above, from memory that must outlive the handle. Messages call the archive `name`.
 ZipHandle open_zip(std::string_view bytes, std::string_view name);
 
 /// Returns the name of an entry without parts that are empty or ".", with a slash at its end if it is a folder; null if
 /// a part is "..".
 std::optional<std::string> normal_entry_name(std::string_view name);
 
-/// An archive whose names, kinds and declared sizes have passed: see unpack().
+/// An archive whose names, kinds and declared sizes were checked as described at unpack().
 class ArchiveReader {
  public:
   struct Entry {
     std::uint64_t index = 0;
-    std::string name;        ///< with slashes; leads to no place outside of the folder that it is unpacked to
+    std::string name;        ///< with slashes; never a path outside of the destination folder
     std::uint64_t size = 0;  ///< unpacked bytes, as declared
     bool is_folder = false;
   };
 
-  /// Throws mebots::Error as unpack() does. `name` stands for the archive in messages.
+  /// Throws mebots::Error as unpack() does. Messages call the archive `name`.
   ArchiveReader(ZipHandle archive, std::string name, const UnpackLimits& limits = {});
 
   const std::vector<Entry>& entries() const { return entries_; }
-  /// The number of entries whose names hold backslashes in the archive.
+  /// Returns the number of entries whose names contain backslashes.
   std::size_t backslashes() const { return backslashes_; }
-  /// Hands over the entry's bytes, part by part. Throws mebots::Error when they are damaged, or more or fewer than
-  /// declared; never hands over more.
+  /// Passes the entry's bytes to `take`, part by part. Throws mebots::Error if they are damaged, or if their number
+  /// differs from the declared size; never passes more.
   void read(const Entry& entry, const std::function<void(std::string_view)>& take) const;
 
  private:

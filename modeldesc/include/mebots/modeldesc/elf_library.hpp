@@ -8,15 +8,15 @@
 
 namespace mebots::modeldesc {
 
-/// A dynamic symbol of a library that other libraries see.
+/// A dynamic symbol that is visible to other libraries.
 struct ElfSymbol {
   std::string name;
-  bool defined = false;      ///< the library defines it; false: another library must
+  bool defined = false;      ///< true: defined in this library; false: imported from another
   bool weak = false;         ///< an undefined weak symbol may stay undefined
   bool unique = false;       ///< STB_GNU_UNIQUE: the loader keeps one definition for the whole process
   bool bound = false;        ///< a relocation of the library names it, so the loader looks it up by name
   bool preemptible = false;  ///< defined with default visibility: the lookup may find another library's first
-  std::string constant;      ///< the bytes of a unique symbol in memory that nobody writes; else empty
+  std::string constant;      ///< the bytes of a unique symbol in read-only memory; else empty
 };
 
 /// The dynamic section and the dynamic symbols of a 64-bit little-endian ELF shared library.
@@ -26,20 +26,20 @@ struct ElfLibrary {
   std::vector<std::string> needed;   ///< in the order of the file
   std::vector<std::string> rpath;    ///< DT_RPATH, as written: `$ORIGIN` is not expanded
   std::vector<std::string> runpath;  ///< DT_RUNPATH
-  bool symbolic = false;             ///< DF_SYMBOLIC: finds its own definitions before all others
+  bool symbolic = false;             ///< DF_SYMBOLIC: the library's own definitions come first in its lookups
   std::vector<ElfSymbol> symbols;    ///< in the order of the file
 
-  /// The names that the library defines for others.
+  /// Returns the names that the library defines for others.
   std::vector<std::string> exports() const;
-  /// The names that the library takes from others.
+  /// Returns the names that the library imports.
   std::vector<std::string> imports() const;
 };
 
-/// Reads what the loader reads: program headers, not sections, which may be stripped. Throws mebots::Error if the file
-/// is not such a library.
+/// Reads the same data as the loader: program headers, not sections, which may be stripped. Throws mebots::Error if the
+/// file is not a 64-bit little-endian shared library.
 ElfLibrary read_elf_library(const std::filesystem::path& file);
 
-/// The folders of DT_RPATH or DT_RUNPATH of the library in `file`, with `$ORIGIN` expanded.
+/// Returns the folders of DT_RPATH or DT_RUNPATH of the library in `file`, with `$ORIGIN` expanded.
 std::vector<std::string> search_folders(const std::vector<std::string>& paths, const std::filesystem::path& file);
 
 /// A library that this process has loaded.
@@ -47,10 +47,10 @@ struct LoadedLibrary {
   std::filesystem::path file;  ///< as the loader names it; empty for the program itself
   std::string soname;
   std::vector<std::string> needed;
-  std::vector<ElfSymbol> unique;  ///< its definitions of unique symbols, if asked for
+  std::vector<ElfSymbol> unique;  ///< its definitions of unique symbols, if requested
 };
 
-/// Lists the libraries of this process, read from memory: their files may be gone.
+/// Lists the libraries of this process. Reads them from memory, because their files may be deleted.
 enum class UniqueSymbols { skip, read };
 std::vector<LoadedLibrary> loaded_libraries(UniqueSymbols unique);
 

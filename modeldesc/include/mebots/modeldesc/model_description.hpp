@@ -25,8 +25,8 @@ using fmi::to_string;
 using fmi::Type;
 using fmi::Variability;
 
-/// A start value. All types of whole numbers and enumerations hold std::int64_t, UInt64 the same 64 bits; both float
-/// types hold double; Binary holds its bytes as std::string. Empty when none is given.
+/// A start value. Whole numbers and enumerations are std::int64_t (UInt64: the same 64 bits); both float types are
+/// double; Binary holds its bytes as std::string. Empty if the description gives none.
 using Value = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
 
 struct EnumerationItem {
@@ -51,15 +51,15 @@ struct TypeDefinition {
   bool operator==(const TypeDefinition&) const = default;
 };
 
-/// Marks an Integer variable as one third of an OSMP binary variable (a pointer's halves and a size).
+/// Marks an Integer variable as a part of an OSMP binary variable (low or high half of the pointer, or the size).
 struct OsmpPart {
-  std::string name;  // of the whole, `camera.frame`
+  std::string name;  // name of the binary variable, `camera.frame`
   std::string role;  // `base.lo`, `base.hi` or `size`
   std::string mime_type;
   bool operator==(const OsmpPart&) const = default;
 };
 
-/// One dimension of an array: a fixed size, or the value of a structural parameter.
+/// A dimension of an array: a fixed size, or the value of a structural parameter.
 struct Dimension {
   std::optional<std::uint64_t> start;
   std::optional<std::uint32_t> value_reference;
@@ -79,7 +79,7 @@ enum class IntervalVariability : std::uint8_t { constant, fixed, tunable, changi
 inline constexpr std::string_view kIntervalVariabilityWords[] = {"constant", "fixed",     "tunable",
                                                                  "changing", "countdown", "triggered"};
 
-/// What a variable of type Clock declares about its ticks.
+/// The declared timing of a variable of type Clock.
 struct ClockTiming {
   IntervalVariability interval_variability = IntervalVariability::triggered;
   std::optional<double> interval_s;
@@ -92,27 +92,28 @@ struct ClockTiming {
   std::optional<std::uint32_t> priority;
   bool operator==(const ClockTiming&) const = default;
 
-  /// True for clocks that tick at times, which the importer of an input clock must schedule.
+  /// True for time-based Clocks. The importer must schedule the ticks of those that are inputs.
   bool is_time_based() const { return interval_variability != IntervalVariability::triggered; }
 };
 
-/// What only variables of FMI 3.0 have.
+/// The attributes that only variables of FMI 3.0 have.
 struct Fmi3Part {
   std::vector<Dimension> dimensions;  ///< empty: a scalar
-  std::vector<Value> starts;          ///< of an array, in row-major order; one for all if it has one element
+  std::vector<Value> starts;          ///< start values of an array in row-major order; a single value applies to all
+                                      ///< elements
   std::vector<std::uint32_t>
-      clocks;  ///< value references: the variable may be read and set only when one of them ticks
+      clocks;  ///< value references: the variable may be read and set only at ticks of these Clocks
   std::optional<ClockTiming> timing;      ///< of a Clock
   std::string mime_type;                  ///< of a Binary
   std::optional<std::uint64_t> max_size;  ///< of a Binary
   std::optional<std::uint32_t> previous;
   bool intermediate_update = false;
-  std::optional<std::string> alias_of;  ///< name of the variable that this is another name of
+  std::optional<std::string> alias_of;  ///< name of the variable of which this is an alias
   std::optional<ArrayElement> element;
   bool operator==(const Fmi3Part&) const = default;
 };
 
-/// The part of a variable that only FMI 3.0 has; empty, and one pointer large, for variables of FMI 2.0.
+/// Holds a variable's Fmi3Part. For variables of FMI 2.0 it is empty and takes the size of one pointer.
 class Fmi3Holder {
  public:
   Fmi3Holder() = default;
@@ -138,7 +139,7 @@ struct Variable {
   Type type = Type::real;
   Causality causality = Causality::local;
   Variability variability = Variability::continuous;
-  std::optional<Initial> initial;  // none for inputs and the independent variable
+  std::optional<Initial> initial;  // empty for inputs and the independent variable
   Value start;
   std::string declared_type;
   std::string quantity;
@@ -160,15 +161,15 @@ struct Variable {
   bool operator==(const Variable&) const = default;
 };
 
-/// An entry of the model structure. Indices count from 0 in ModelDescription::variables.
+/// An entry of the model structure. Indices refer to ModelDescription::variables.
 struct Unknown {
   std::size_t variable = 0;
-  std::optional<std::vector<std::size_t>> dependencies;  // none = may depend on every known
+  std::optional<std::vector<std::size_t>> dependencies;  // empty = may depend on every known
   std::vector<std::string> dependency_kinds;             // empty or one per dependency
   bool operator==(const Unknown&) const = default;
 };
 
-/// What <CoSimulation> and <ModelExchange> have in common.
+/// The common attributes of <CoSimulation> and <ModelExchange>.
 struct Implementation {
   std::string model_identifier;  // name of the shared library without suffix
   bool needs_execution_tool = false;
@@ -181,13 +182,13 @@ struct Implementation {
   bool operator==(const Implementation&) const = default;
 };
 
-/// The <CoSimulation> element: present when the FMU can be stepped.
+/// The <CoSimulation> element; present if the FMU supports co-simulation.
 struct CoSimulation : Implementation {
   bool can_handle_variable_communication_step_size = false;
   bool can_interpolate_inputs = false;
   std::uint32_t max_output_derivative_order = 0;
   bool can_run_asynchronuously = false;
-  // Only in FMI 3.0.
+  // FMI 3.0 only.
   bool has_event_mode = false;
   bool might_return_early = false;
   bool can_return_early_after_intermediate_update = false;
@@ -197,7 +198,7 @@ struct CoSimulation : Implementation {
   bool operator==(const CoSimulation&) const = default;
 };
 
-/// The <ModelExchange> element: present when the FMU gives derivatives for a solver outside.
+/// The <ModelExchange> element; present if the FMU provides derivatives for an external solver.
 struct ModelExchange : Implementation {
   bool completed_integrator_step_not_needed = false;
   bool operator==(const ModelExchange&) const = default;
@@ -210,7 +211,7 @@ struct DefaultExperiment {
   std::optional<double> step_size_s;
   bool operator==(const DefaultExperiment&) const = default;
 
-  /// The tolerance if an FMU can be given it: a finite number above 0.
+  /// Returns the tolerance if it can be passed to an FMU: a finite number above 0.
   std::optional<double> usable_tolerance() const;
 };
 
@@ -220,19 +221,18 @@ struct LogCategory {
   bool operator==(const LogCategory&) const = default;
 };
 
-/// The positions of a list's elements, sorted by their names, so that looking one up takes logarithmic time. Four bytes
-/// per element.
+/// Indexes a list by name, for lookups in logarithmic time. Takes four bytes per element.
 class NameIndex {
  public:
-  /// Indexes elements with a member `name`. Of equal names the first one is found.
+  /// Indexes elements that have a member `name`. If names are equal, the first element counts.
   template <typename T>
   void build(const std::vector<T>& list) {
     positions_.resize(list.size());
     std::iota(positions_.begin(), positions_.end(), std::uint32_t{0});
     std::ranges::stable_sort(positions_, {}, [&](std::uint32_t i) { return std::string_view(list[i].name); });
   }
-  /// The element of `list` that has this name, or null. If the list has another size than the indexed one, searches it
-  /// from the front.
+  /// Returns the element of `list` with this name, or null. If the size of `list` has changed since it was indexed,
+  /// searches linearly.
   template <typename T>
   const T* find(const std::vector<T>& list, std::string_view name) const {
     if (positions_.size() != list.size()) {
@@ -243,7 +243,7 @@ class NameIndex {
     const auto found = std::ranges::lower_bound(positions_, name, {}, name_of);
     return found == positions_.end() || name_of(*found) != name ? nullptr : &list[*found];
   }
-  /// Two descriptions are equal if their lists are.
+  /// The index does not affect the comparison of descriptions.
   bool operator==(const NameIndex& /*other*/) const { return true; }
 
  private:
@@ -276,14 +276,15 @@ struct ModelDescription {
   std::vector<Unknown> initial_unknowns;
   std::vector<Unknown> clocked_states;        // FMI 3.0
   std::vector<Unknown> event_indicators;      // FMI 3.0
-  std::vector<std::string> structure_faults;  // of ModelStructure: what is wrong and where; these parts are left out
+  std::vector<std::string> structure_faults;  // errors in ModelStructure with their places; the wrong entries are left
+                                              // out
   bool operator==(const ModelDescription&) const = default;
 
   bool is_fmi1() const { return fmi_version == "1.0"; }
   bool is_fmi3() const { return fmi_version == "3.0"; }
 
-  /// Indexes variables, units and types by name. Readers of descriptions call it last. Lists that change afterwards
-  /// must keep names and order, or be indexed again.
+  /// Indexes variables, units and types by name. Readers of descriptions call it last. If you change names or order of
+  /// a list afterwards, call it again.
   void index_names();
   /// Returns the variable of this name, or null. Takes logarithmic time after index_names(), else linear time.
   const Variable* find(std::string_view name) const { return variable_index.find(variables, name); }

@@ -7,21 +7,20 @@
 
 namespace mebots::modeldesc {
 
-/// A <Terminal> of terminalsAndIcons.xml (FMI 3.0, and 2.0.4): variables that a tool connects at once.
+/// A <Terminal> of terminalsAndIcons.xml (FMI 3.0, and 2.0.4): variables that a tool connects together.
 struct DeclaredTerminal {
   struct Member {
     std::string name;  ///< may be empty
     std::string variable;
   };
-  std::string name;  ///< of a terminal inside another one: both names with a dot between
+  std::string name;  ///< a nested terminal has the names of both, joined by a dot
   std::string kind;  ///< may be empty
   std::string matching_rule;
   std::string text;
   std::vector<Member> members;
 };
 
-/// Reads the text of a terminalsAndIcons.xml; `source` names it in messages. Throws mebots::Error for text that is no
-/// XML.
+/// Reads the text of a terminalsAndIcons.xml; messages name it `source`. Throws mebots::Error if the text is not XML.
 std::vector<DeclaredTerminal> read_terminals(std::string_view text, std::string_view source);
 
 }  // namespace mebots::modeldesc

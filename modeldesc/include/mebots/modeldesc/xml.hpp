@@ -19,32 +19,33 @@ namespace mebots::modeldesc {
 /// value.
 ModelDescription read_xml(const std::filesystem::path& file);
 
-/// The same from text; `source` names it in messages.
+/// As above, from text; messages name it `source`.
 ModelDescription read_xml_text(std::string_view text, std::string_view source);
 
-/// The text of a modelDescription.xml. Same description, same bytes.
+/// Returns the text of a modelDescription.xml. Equal descriptions give equal bytes.
 std::string write_xml(const ModelDescription& description);
 
-/// Elements deeper than this are refused: no format that we read needs more, and whoever walks one may recurse.
+/// Rejects elements nested deeper than this: no format that we read needs more, and readers may recurse.
 inline constexpr int kDeepestXml = 200;
 
-/// The text as UTF-8 without byte order mark, whatever its mark or its XML declaration says: UTF-16, UTF-32, ISO
-/// 8859-1, Windows-1252 and whatever else iconv knows. Throws Error naming `source` for an unknown encoding, or bytes
-/// that are none of it.
+/// Converts the text to UTF-8 without byte order mark. The encoding is that of its byte order mark or XML declaration:
+/// UTF-16, UTF-32, ISO 8859-1, Windows-1252 or any other that iconv supports. Throws Error naming `source` if the
+/// encoding is unknown or the bytes are invalid in it.
 std::string xml_as_utf8(std::string_view bytes, std::string_view source);
 
-/// Parses UTF-8 text. Nothing outside of it is ever loaded. Throws Error naming `source` and line for text that is
-/// not well-formed, for a use of an entity of the DTD (it could multiply, or fetch files). Also for elements nested
-/// deeper than kDeepestXml.
+/// Parses UTF-8 text and never loads anything outside of it. Throws Error naming `source` and line if the text is not
+/// well-formed, uses an entity of the DTD (which could multiply, or load files), or nests elements deeper than
+/// kDeepestXml.
 void parse_xml(pugi::xml_document& document, std::string_view text, std::string_view source);
 
-/// The words of an attribute that is a list: separated by white space.
+/// Returns the words of a list attribute, which white space separates.
 std::vector<std::string> words_of(std::string_view text);
 
-/// The first character that XML 1.0 (section 2.2) cannot hold, not even as a reference. `text` is valid UTF-8.
+/// Returns the first character that XML 1.0 (section 2.2) cannot represent, not even as a reference. `text` must be
+/// valid UTF-8.
 std::optional<std::uint32_t> first_no_xml_character(std::string_view text);
 
-/// Line of an offset, from 1.
+/// Returns the line of an offset, from 1.
 std::ptrdiff_t line_of(std::string_view text, std::ptrdiff_t offset);
 
 }  // namespace mebots::modeldesc

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-/// Values as bytes, in host byte order: a state is read back on the same kind of machine.
+/// Converts values to bytes in host byte order: a state is restored on the same kind of machine.
 namespace mebots::state {
 
 /// Appends values to a byte vector.
@@ -48,7 +48,7 @@ class Writer {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads back what a Writer wrote, in the same order. Throws Error (state_damaged) when the bytes end too early.
+/// Reads what a Writer wrote, in the same order. Throws Error (state_damaged) if the bytes end too early.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -77,7 +77,7 @@ class Reader {
 
   bool at_end() const { return bytes_.empty(); }
 
-  /// The length of a list, each element of which takes at least so many of the bytes left.
+  /// Reads the length of a list. Throws if the remaining bytes cannot hold that number of elements.
   std::size_t count(std::size_t element_size) {
     const auto n = get<std::uint64_t>();
     if (n > bytes_.size() / element_size)

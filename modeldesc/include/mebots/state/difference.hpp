@@ -19,18 +19,18 @@ namespace mebots::state {
 /// A state with its table of contents.
 struct Listing {
   struct Variable {
-    std::string path;  ///< of names, as in "cluster.core[3].hart.x"
+    std::string path;  ///< names joined by dots, "cluster.core[3].hart.x"
     Type type;
-    std::size_t size;   ///< of one value, in bytes
+    std::size_t size;   ///< bytes of one value
     std::size_t count;  ///< of values
-    std::size_t at;     ///< in bytes
-    bool is_one;        ///< a value, not an array or a list
+    std::size_t at;     ///< offset in bytes
+    bool is_one;        ///< a single value, not an array or list
   };
   std::vector<Variable> variables;
   std::vector<std::byte> bytes;
 };
 
-/// Saves, and notes where each value lies.
+/// Saves a state and records the offset of each value.
 class Lister final : public Saver {
  public:
   Lister() : Saver(writer_, Purpose::list) {}
@@ -73,7 +73,7 @@ class Lister final : public Saver {
   Writer writer_;
   std::vector<Listing::Variable> variables_;
   std::string path_;
-  std::vector<std::size_t> lengths_;  // of the path before each enter()
+  std::vector<std::size_t> lengths_;  // length of the path before each enter()
 };
 
 template <Visited T>
@@ -83,7 +83,7 @@ Listing list(const T& object) {
   return lister.take();
 }
 
-/// The first variable in which two states differ, and what it is in each.
+/// The first variable in which two states differ, and its value in each.
 struct Difference {
   std::string path;
   std::string first;
@@ -144,14 +144,14 @@ inline std::string value_text(Type type, const std::byte* at) {
 
 }  // namespace detail
 
-/// Nothing when both hold the same bits under the same names.
+/// Returns empty if both hold the same bits under the same names.
 inline std::optional<Difference> first_difference(const Listing& first, const Listing& second) {
   const std::size_t common = std::min(first.variables.size(), second.variables.size());
   for (std::size_t v = 0; v < common; ++v) {
     const auto& one = first.variables[v];
     const auto& other = second.variables[v];
     if (one.path != other.path || one.type != other.type)
-      return Difference{one.path, "the next variable", other.path};  // their lists differed in length, or their builds
+      return Difference{one.path, "the next variable", other.path};  // the lists differ in length, or the builds differ
     const auto* a = first.bytes.data() + one.at;
     const auto* b = second.bytes.data() + other.at;
     for (std::size_t i = 0; i < std::min(one.count, other.count); ++i, a += one.size, b += one.size) {
@@ -168,13 +168,13 @@ inline std::optional<Difference> first_difference(const Listing& first, const Li
   return first.variables.size() > common ? Difference{path, "there", "missing"} : Difference{path, "missing", "there"};
 }
 
-/// Nothing when both objects know the same.
+/// Returns empty if the states of both objects are equal.
 template <Visited T>
 std::optional<Difference> first_difference(const T& first, const T& second) {
   return first_difference(list(first), list(second));
 }
 
-/// The same for two saved states of one object, which holds neither of them afterwards but the second.
+/// As above for two saved states of one object. Afterwards the object has the second state.
 template <Visited T>
 std::optional<Difference> first_difference(T& object, std::span<const std::byte> first,
                                            std::span<const std::byte> second) {

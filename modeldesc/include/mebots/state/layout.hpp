@@ -9,8 +9,8 @@
 
 namespace mebots::state {
 
-/// A number that follows from the names, types, numbers and order of all values that an object shows, whatever they
-/// are. States of two builds can be exchanged when it is the same. 64-bit FNV-1a.
+/// Computes a hash (64-bit FNV-1a) of names, types, sizes and order of all visited values; the values do not count. If
+/// it is equal in two builds, their states can be exchanged.
 class Layout final : public Visitor {
  public:
   Layout() : Visitor(Purpose::layout) {}

@@ -9,7 +9,7 @@
 
 namespace mebots::state {
 
-/// Writes what it is shown.
+/// Writes all visited values.
 class Saver : public Visitor {
  public:
   explicit Saver(Writer& writer) : Saver(writer, Purpose::save) {}
@@ -32,7 +32,7 @@ class Saver : public Visitor {
   Writer& writer_;
 };
 
-/// Puts back what a Saver wrote, in the same order. Throws Error (state_damaged) when the bytes end too early.
+/// Restores what a Saver wrote, in the same order. Throws Error (state_damaged) if the bytes end too early.
 class Restorer final : public Visitor {
  public:
   explicit Restorer(Reader& reader) : Visitor(Purpose::restore), reader_(reader) {}
@@ -49,7 +49,7 @@ class Restorer final : public Visitor {
   Reader& reader_;
 };
 
-/// Appends what the object knows. A visitor that only reads is shown a constant object too.
+/// Appends the object's state. Accepts constant objects: a visitor that only reads does not change them.
 template <Visited T>
 void save(const T& object, Writer& writer) {
   Saver saver(writer);
@@ -63,15 +63,15 @@ std::vector<std::byte> save(const T& object) {
   return writer.take();
 }
 
-/// Takes from the reader what save() wrote. Throws Error (state_damaged) when the bytes end too early or do not fit;
-/// the object is then neither what it was nor what was saved.
+/// Restores the object from what save() wrote. Throws Error (state_damaged) if the bytes end too early or do not fit;
+/// the object may then be restored in part.
 template <Visited T>
 void restore(T& object, Reader& reader) {
   Restorer restorer(reader);
   object.visit(restorer);
 }
 
-/// The same for bytes that hold nothing else.
+/// As above, for bytes that contain a single state.
 template <Visited T>
 void restore(T& object, std::span<const std::byte> bytes) {
   Reader reader(bytes);

@@ -15,7 +15,7 @@
 #include <variant>
 #include <vector>
 
-/// What a model knows, said once per class: a member function
+/// Each class declares its state once, in a member function
 ///
 ///     void Cell::visit(state::Visitor& v) {
 ///       v("soc", soc_);
@@ -23,15 +23,15 @@
 ///       if (v.restores()) find_curve();  // what follows from the values above
 ///     }
 ///
-/// shows every value with its name to whoever comes. From it follow saving and restoring (mebots/state/save.hpp), the
-/// fingerprint of the layout (mebots/state/layout.hpp) and the comparison of two states (mebots/state/difference.hpp).
-/// Two rules keep them one. Which names are shown follows from how the object was made, never from values that change
-/// (a list and an optional are shown as a whole). And only where restores() holds does anything change.
+/// that passes every value with its name to the visitor. Saving and restoring (mebots/state/save.hpp), the layout hash
+/// (mebots/state/layout.hpp) and the comparison of two states (mebots/state/difference.hpp) all use it. Two rules keep
+/// them consistent. The set of visited names depends on how the object was constructed, never on values that change; a
+/// list or an optional is visited as a whole. An object changes only if restores() is true.
 namespace mebots::state {
 
 class Visitor;
 
-/// Classes that show what they know.
+/// Classes with a visit() member.
 template <typename T>
 concept Visited = requires(T& value, Visitor& visitor) {
   value.visit(visitor);
@@ -73,17 +73,17 @@ constexpr Type type_of() {
   }
 }
 
-/// Plain values side by side, of a number that does not change.
+/// A fixed number of plain values in contiguous memory.
 struct Values {
   Type type;
-  std::size_t size;  ///< of one, in bytes
+  std::size_t size;  ///< bytes of one value
   std::size_t count;
   void* data;
 
   std::size_t bytes() const { return size * count; }
 };
 
-/// Plain values side by side, of a number that does: a vector or a text.
+/// A variable number of plain values in contiguous memory: a vector or a text.
 class List {
  public:
   virtual ~List() = default;
@@ -91,18 +91,18 @@ class List {
   virtual void resize(std::size_t count) = 0;
 };
 
-/// One who comes to see, or to change, what objects know. Not for use by two threads at once.
+/// Base of all visitors, which read or restore the state of objects. For one thread at a time.
 class Visitor {
  public:
   virtual ~Visitor() = default;
   Visitor(const Visitor&) = delete;
   Visitor& operator=(const Visitor&) = delete;
 
-  /// Whether values are being put back.
+  /// True if this visitor restores values.
   bool restores() const { return purpose_ == Purpose::restore; }
 
-  /// A plain value, an object with visit(), an array, vector, text, optional or variant of such. Names are those of the
-  /// members, without the underscore; they are only read during the call.
+  /// Visits a plain value, an object with visit(), or an array, vector, text, optional or variant of these. Names are
+  /// those of the members without the underscore; they are read only during the call.
   template <typename T>
   void operator()(std::string_view name, T& value) {
     if constexpr (Visited<T>) {
@@ -115,7 +115,7 @@ class Visitor {
     }
   }
 
-  /// As many values as the object was made with.
+  /// The number of values is fixed when the object is constructed.
   template <typename T, std::size_t Extent>
   void operator()(std::string_view name, std::span<T, Extent> values) {
     if constexpr (Plain<T>) {
@@ -132,9 +132,9 @@ class Visitor {
 
   virtual void fixed(std::string_view name, const Values& values) = 0;
   virtual void changing(std::string_view name, List& list) = 0;
-  /// A list of objects, of which there are `present`: how many are to be there.
+  /// Visits the size of a list of objects, now `present`. Returns the size that the list must have.
   virtual std::size_t count(std::string_view name, std::size_t present) = 0;
-  /// What comes until the matching leave() is part of this. Called only for those who want names.
+  /// Opens a scope: everything up to the matching leave() is part of `name`. Called only for visitors that use names.
   virtual void enter(std::string_view /*name*/) {}
   virtual void leave() {}
 
@@ -223,7 +223,7 @@ class Visitor {
     if (value) (*this)(name, *value);
   }
 
-  /// One of several types, and which.
+  /// Visits the active alternative and its index.
   template <typename... Types>
   void parts(std::string_view name, std::variant<Types...>& value) {
     auto kind = static_cast<std::uint8_t>(value.index());
@@ -241,7 +241,7 @@ class Visitor {
     std::visit([&](auto& held) { (*this)(name, held); }, value);
   }
 
-  /// A layout says what an element is like, whether there is one or not.
+  /// Visits one element for the layout, even if the list is empty.
   template <typename T>
   bool show_one_as_pattern(std::string_view name) {
     if (purpose_ != Purpose::layout) return false;
