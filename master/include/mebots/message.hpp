@@ -8,13 +8,13 @@ namespace mebots {
 
 enum class Severity { info, warning, error };
 
-/// Something that an FMU, or the run itself, has to say. The texts live only during the call that hands it over.
+/// A message of an FMU or of the run itself. Its texts are valid only during the call that delivers it.
 struct Message {
-  std::string_view instance;  ///< empty: said by the run itself
+  std::string_view instance;  ///< empty: a message of the run itself
   Severity severity = Severity::info;
-  std::string_view category;  ///< the FMU's log category; "notice" of the run
+  std::string_view category;  ///< the FMU's log category; for the run "notice"
   std::string_view text;
-  std::int64_t time_ns = 0;  ///< start of the step in which it was said, or the communication point between two steps
+  std::int64_t time_ns = 0;  ///< start of the step that logged it, or the communication point between two steps
 };
 
 }  // namespace mebots

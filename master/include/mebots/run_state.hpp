@@ -6,34 +6,34 @@
 
 namespace mebots {
 
-/// Where a run stands. A run goes through the states from top to bottom; `failed` can follow each of the first three.
+/// The states of a run, in order. Each of the first three can be followed by `failed`.
 enum class RunState {
-  open,     ///< described; settings can still change
-  ready,    ///< every FMU is initialised, and the run stands at t = 0 or at the checkpoint that it resumes
+  open,     ///< the system is described; settings can still change
+  ready,    ///< every FMU is initialised; the time is t = 0, or that of the resumed checkpoint
   running,  ///< at least one communication step was taken
-  ended,    ///< the end was reached, or the run was interrupted or closed; the reports are written
-  failed,   ///< an error ended it; the reports are written as far as it came. No FMU is called any more
+  ended,    ///< the run is over, was interrupted or closed; the reports are written
+  failed,   ///< an error ended the run; the reports contain the part before it. No FMU is called after it
 };
 
-/// Why a run ended.
+/// The reason why a run ended.
 enum class EndReason {
   stop_time,       ///< the stop time was reached
   stop_condition,  ///< a condition of the config's `stop_when` held
-  terminated,      ///< an FMU asked for the end (fmi2Discard with fmi2Terminated)
+  terminated,      ///< an FMU requested the end (fmi2Discard with fmi2Terminated)
   interrupted,     ///< interrupt(), Ctrl-C, SIGTERM
   closed,          ///< close() before the end
   failed,          ///< an error
 };
 
-/// "ready"
+/// Returns a name such as "ready".
 std::string_view name_of(RunState state);
-/// "stop_time", as summary.json has it
+/// Returns the name used in summary.json, such as "stop_time".
 std::string_view name_of(EndReason reason);
 
-/// An FMU that is not clean, and why: "o.fmu: it imports srand(), which changes random numbers".
+/// An FMU that is not clean, with the reason: "o.fmu: it imports srand(), which changes random numbers".
 struct Leftover {
   std::string text;
-  bool in_process = false;  ///< it ran in this process, whose next run might find what it left
+  bool in_process = false;  ///< it ran in this process, so that the next run here could be affected
 };
 
 }  // namespace mebots

@@ -6,7 +6,7 @@
 
 namespace mebots {
 
-/// One recorded variable, with a value for every entry of Mission::times(); Booleans as 0 and 1.
+/// A recorded variable with one value per entry of Mission::times(); Booleans are 0 and 1.
 struct Series {
   std::string name;  ///< instance.variable
   std::string unit;  ///< empty = none

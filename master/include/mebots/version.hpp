@@ -5,7 +5,7 @@
 
 namespace mebots {
 
-/// The version of the library that runs, "0.3.0".
+/// Returns the version of the loaded library, such as "0.3.0".
 std::string_view version() noexcept;
 
 }  // namespace mebots

@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 using modeldesc::ElfSymbol;
 using modeldesc::LoadedLibrary;
 
-/// The last folders that ld.so(8) searches. Folders of /etc/ld.so.conf.d are missing: a library that only they have
-/// counts by its name.
+/// The folders that ld.so(8) searches last. Folders in /etc/ld.so.conf.d are missing; a library found only there is
+/// identified by its name.
 constexpr const char* kSystemFolders[] = {"/lib/x86_64-linux-gnu",
                                           "/usr/lib/x86_64-linux-gnu",
                                           "/lib/aarch64-linux-gnu",
@@ -81,8 +81,8 @@ std::vector<std::string> environment_folders() {
   return folders;
 }
 
-/// Follows needed libraries as ld.so(8) does, except that one of the FMU comes before one that is loaded: the
-/// difference is what a caller looks for.
+/// Resolves needed libraries as ld.so(8) does, with one exception: the FMU's own libraries precede loaded ones. Callers
+/// look for that difference.
 class NeedsReader {
  public:
   NeedsReader(const fs::path& folder, const std::vector<LoadedLibrary>& loaded)
@@ -133,12 +133,12 @@ class NeedsReader {
     const std::vector<std::string> system(std::begin(kSystemFolders), std::end(kSystemFolders));
     try {
       if (const auto file = found ? found : first_with(name, system)) follow_file(*file, inherited);
-    } catch (const Error&) {  // of another machine: the loader goes on to the next folder
+    } catch (const Error&) {  // for another machine: the loader continues with the next folder
       return;
     }
   }
 
-  /// Adds every library in the FMU: it may load any of them later.
+  /// Adds all libraries of the FMU, because it may load any of them later.
   void follow_all_files() {
     std::error_code ignored;
     for (const auto& entry : fs::recursive_directory_iterator(*folder_, ignored)) {

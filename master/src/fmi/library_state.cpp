@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Libraries of the system whose functions the list knows.
+/// System libraries whose relevant functions are in the list.
 constexpr auto kKnownLibraries = std::to_array<std::string_view>(
     {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "librt.so.1", "libgcc_s.so.1", "libstdc++.so.6",
      "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"});
@@ -48,12 +48,12 @@ std::uint64_t all_loads() {
   return loads;
 }
 
-/// Loads of anybody but mebots.
+/// Returns the number of loads that mebots did not cause.
 std::uint64_t foreign_loads() {
   return all_loads() - own_loads.load();
 }
 
-/// Address and size of the part that the loader makes read-only after it has relocated the library.
+/// Returns address and size of the part that the loader makes read-only after relocation.
 std::pair<std::uintptr_t, std::size_t> read_only_part(const dl_phdr_info& info) {
   for (std::size_t i = 0; i < info.dlpi_phnum; ++i) {
     const auto& header = info.dlpi_phdr[i];
@@ -78,7 +78,7 @@ struct Range {
   std::uintptr_t end;
 };
 
-/// The memory that belongs to no file: heap, stacks, and the parts of libraries that begin as zeros.
+/// Returns the memory that is not backed by a file: heap, stacks, and the zero-initialised parts of libraries.
 std::vector<Range> anonymous_memory() {
   std::vector<Range> ranges;
   std::ifstream maps("/proc/self/maps");
@@ -114,7 +114,7 @@ bool is_in(std::uintptr_t address, const std::vector<Range>& ranges) {
                              [address](const Range& range) { return address >= range.begin && address < range.end; });
 }
 
-/// True for the memory that GCC's C++ library sets aside for exceptions when it is loaded: one free block. Its size is
+/// True for the memory that GCC's C++ library reserves for exceptions when it is loaded: one free block. Its size is
 /// its first word, and follows the pointer to it.
 bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   const auto size_at = [&](std::size_t place) { return place < words.size() ? words[place] : 0; };
@@ -125,8 +125,8 @@ bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   return first || second;
 }
 
-/// Calls `visit` with copies of the blocks of a part of the memory until it returns false. The kernel copies: between
-/// an FMU's variables a sanitizer may forbid to read. Returns what the last call returned.
+/// Calls `visit` with copies of the blocks of a memory range until it returns false. The kernel copies, because a
+/// sanitizer may forbid reading between an FMU's variables. Returns the result of the last call.
 bool for_each_block(std::uintptr_t address, std::size_t size,
                     const std::function<bool(std::span<const std::byte>)>& visit) {
   constexpr std::size_t kBlock = std::size_t{1} << 16;
@@ -143,13 +143,13 @@ bool for_each_block(std::uintptr_t address, std::size_t size,
   return true;
 }
 
-/// A block that equals itself shifted by a byte has one value in all its bytes.
+/// If a block equals itself shifted by a byte, all its bytes are equal.
 bool is_zero(std::span<const std::byte> block) {
   return block.empty() ||
          (block[0] == std::byte{0} && std::memcmp(block.data(), block.data() + 1, block.size() - 1) == 0);
 }
 
-/// The words of a part of the memory, zeros at its end left out.
+/// Returns the words of a memory range without the zeros at its end.
 std::vector<std::uintptr_t> words_of(std::span<const std::byte> bytes, std::uintptr_t address) {
   std::vector<std::uintptr_t> words;
   for (std::size_t at = -address % sizeof(std::uintptr_t); at < bytes.size(); at += sizeof(std::uintptr_t)) {
@@ -161,7 +161,7 @@ std::vector<std::uintptr_t> words_of(std::span<const std::byte> bytes, std::uint
   return words;
 }
 
-/// The loader's record of the library at this address.
+/// Returns the loader's record of the library at this address.
 const void* record_of(std::uintptr_t address) {
   Dl_info info{};
   void* record = nullptr;
@@ -231,7 +231,7 @@ std::vector<fs::path> libraries_of(const fs::path& folder) {
   return files;
 }
 
-/// Finds words that point to memory that a library was given when it was loaded.
+/// Finds pointers to memory that a library allocated while it was loaded.
 class LibraryState::OwnedMemory {
  public:
   OwnedMemory() : anonymous_(anonymous_memory()), libraries_(memory_of_libraries()) {}
@@ -283,7 +283,7 @@ LibraryState::Object LibraryState::object_of(const dl_phdr_info& info) {
     const auto& header = info.dlpi_phdr[i];
     const auto begin = info.dlpi_addr + header.p_vaddr;
     if (header.p_type == PT_LOAD && (header.p_flags & PF_W) != 0) {
-      // The linker puts the read-only part at the beginning of the writable segment.
+      // The linker places the read-only part at the start of the writable segment.
       const auto skipped = fixed == begin ? std::min<std::size_t>(fixed_size, header.p_memsz) : 0;
       object.segments.push_back(memory_at(begin + skipped, header.p_memsz - skipped));
     }

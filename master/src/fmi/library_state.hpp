@@ -20,53 +20,54 @@
 
 namespace mebots::master {
 
-/// The functions of a list of libraries that change the process, as their ELF files say.
+/// The functions imported by a list of libraries that change the process, from their ELF files.
 struct LibraryImports {
   std::vector<const ProcessFunction*> functions;
-  std::vector<std::string> unknown;  ///< needed libraries that the FMU does not bring and mebots does not know
+  std::vector<std::string> unknown;  ///< needed libraries that are neither in the FMU nor known to mebots
   bool opens_libraries = false;      ///< imports dlopen()
   ProcessReach reach = ProcessReach::nothing;
 
-  /// "it imports srand(), which changes random numbers"; nothing for libraries that leave the process as it is.
+  /// Returns "it imports srand(), which changes random numbers"; empty if the libraries do not change the process.
   std::optional<std::string> reason() const;
 };
 
-/// A library that exports this symbol states that no instance computes with static memory that another one, or an
-/// earlier step, has changed: such memory holds constants, what living instances share, and the number of its users.
+/// A library that exports this symbol declares that no instance depends on static memory changed by another instance or
+/// by an earlier step. Its static memory contains only constants, data shared by living instances, and their reference
+/// count.
 inline constexpr std::string_view kKeepsNoState = "mebots_keeps_no_state_outside_instances";
 
-/// Reads the ELF files. One that cannot be read counts as a needed library that is not known.
+/// Reads the ELF files. A file that cannot be read counts as an unknown needed library.
 LibraryImports read_imports(std::span<const std::filesystem::path> libraries);
 
-/// The ELF files of an unpacked FMU for this machine.
+/// Returns the ELF files of an unpacked FMU for this machine.
 std::vector<std::filesystem::path> libraries_of(const std::filesystem::path& folder);
 
-/// The memory of an FMU's libraries directly after they were loaded: all writable segments of every object that the
-/// FMU brought, and the calling thread's copy of their thread-local variables.
+/// A copy of the memory of an FMU's libraries directly after loading: all writable segments of its objects, and the
+/// calling thread's copy of their thread-local variables.
 ///
-/// An FMU is clean if its libraries import no function that changes the process, their static objects own no memory of
-/// the heap, and their memory after all instances were freed equals that directly after loading. The next run in the
-/// process then begins as in a fresh one.
+/// An FMU is clean under three conditions: its libraries import no function that changes the process, their static
+/// objects own no heap memory, and their memory after all instances were freed equals that directly after loading. Then
+/// the next run in the process starts as in a new process.
 class LibraryState {
  public:
   /// Copies the memory of the loaded libraries of this folder.
   explicit LibraryState(const std::filesystem::path& folder);
 
   const LibraryImports& imports() const { return imports_; }
-  /// "static objects of libgain.so.1 own memory, which a run may change"; nothing if they own none, or if the library
-  /// exports kKeepsNoState.
+  /// Returns "static objects of libgain.so.1 own memory, which a run may change"; empty if they own none, or if the
+  /// library exports kKeepsNoState.
   const std::optional<std::string>& owned_memory() const { return owned_memory_; }
-  /// "static variables of libgain.so.1 changed"; nothing if all memory is as it was. No instance may live.
+  /// Returns "static variables of libgain.so.1 changed"; empty if all memory is unchanged. No instance may exist.
   std::optional<std::string> difference() const {
     return difference_in([](const Object&) { return true; });
   }
-  /// The same while instances live, of libraries that do not export kKeepsNoState.
+  /// As difference(), while instances exist, for libraries that do not export kKeepsNoState.
   std::optional<std::string> difference_while_used() const {
     return difference_in([](const Object& object) { return !object.keeps_no_state; });
   }
 
  private:
-  /// Bytes as they were. Zeros at the end are left out.
+  /// Copied bytes without the zeros at the end.
   struct Memory {
     std::uintptr_t address = 0;
     std::size_t size = 0;
@@ -74,9 +75,9 @@ class LibraryState {
 
     bool is_unchanged() const;
   };
-  /// Thread-local variables: each thread that has not used them yet starts from `fresh`.
+  /// Thread-local variables. A thread that has not used them yet starts with `fresh`.
   struct ThreadMemory {
-    std::uintptr_t library = 0;  ///< where it was loaded
+    std::uintptr_t library = 0;  ///< load address
     std::vector<std::byte> fresh;
   };
   struct Object {
@@ -99,7 +100,7 @@ class LibraryState {
   std::uint64_t loads_ = 0;
 };
 
-/// Adds to the number of libraries that mebots itself has loaded, which no FMU opened.
+/// Counts the libraries that mebots itself has loaded, to distinguish them from those that FMUs load.
 class OwnLoad {
  public:
   OwnLoad();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loader matches needed libraries by name, keeps one copy of a unique symbol (STB_GNU_UNIQUE), and looks symbols up
-// in the program and its libraries first. So FMUs of one process can get each other's code and variables. Namespaces of
-// the loader (dlmopen) are no way out: there are 16, with one C library each.
+// in the program and its libraries first. Therefore FMUs in one process can bind to each other's code and variables.
+// The loader's namespaces (dlmopen) are no solution: there are 16, each with its own C library.
 #include "fmi/library_state.hpp"
 
 #include "fmi/fmu.hpp"
@@ -55,7 +55,7 @@ std::string readable(const std::string& symbol) {
   return name ? std::string(name.get()) : symbol;
 }
 
-/// The loader keeps the first definition of a unique symbol. That of a constant is as good as any of the same bytes.
+/// The loader keeps the first definition of a unique symbol. Constants with equal bytes do not collide.
 bool collide(const ElfSymbol& one, const ElfSymbol& other) {
   return one.name == other.name && (one.constant.empty() || one.constant != other.constant);
 }
@@ -68,8 +68,8 @@ std::vector<ElfSymbol> unique_symbols(const LibraryNeeds& needs) {
   return symbols;
 }
 
-/// The names that the libraries both define and look up, so that another definition can come first. Unique symbols are
-/// compared on their own.
+/// Returns the names that the libraries both define and look up, so that another definition may take precedence. Unique
+/// symbols are compared separately.
 std::set<std::string> preemptible_names(const LibraryNeeds& needs) {
   std::set<std::string> bound;
   for (const auto& library : needs.libraries) {
@@ -88,7 +88,7 @@ std::set<std::string> preemptible_names(const LibraryNeeds& needs) {
   return names;
 }
 
-/// Compares one FMU with what the process has.
+/// Compares an FMU with the libraries of the process.
 class ProcessComparison {
  public:
   ProcessComparison(const LibraryNeeds& needs, const std::vector<LoadedLibrary>& loaded,
@@ -192,7 +192,7 @@ class ProcessComparison {
     return std::nullopt;
   }
 
-  /// The loader looks into the program, its libraries and those opened with RTLD_GLOBAL before the FMU's own.
+  /// The loader searches the program, its libraries, and libraries opened with RTLD_GLOBAL before the FMU's own.
   Reason global_symbols() const {
     void* const program = dlopen(nullptr, RTLD_LAZY);
     if (program == nullptr) return std::nullopt;
@@ -245,7 +245,7 @@ class ProcessComparison {
   const std::map<fs::path, std::string>* archives_;
 };
 
-/// The FMUs in this process, and the folders that libraries of earlier ones came from: the loader may have kept some.
+/// The FMUs in this process, and the folders of libraries of earlier FMUs, some of which may still be loaded.
 struct Residents {
   std::mutex mutex;
   std::vector<Resident> all;
@@ -283,7 +283,7 @@ Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk) {
   try {
     needs = read_library_needs(fmu->library_file(), fmu->folder(), present);
   } catch (const Error&) {
-    fmu->require_library();  // the loader says what is wrong
+    fmu->require_library();  // throws the loader's error
     return loaded;
   }
   auto reason = ProcessComparison(needs, present, residents.all, residents.archives).reason();

@@ -7,20 +7,20 @@
 
 namespace mebots::master {
 
-/// A temporary folder for an unpacked FMU, which goes with this object. A process that is killed leaves its folders
-/// behind; whoever makes the next one removes those whose owner is gone.
+/// A temporary folder for an unpacked FMU; the destructor deletes it. A process that is killed leaves its folders
+/// behind. The next process that creates one deletes those whose owner has ended.
 class UnpackFolder {
  public:
-  /// Throws Error when there is no place for temporary files.
+  /// Throws Error if there is no folder for temporary files.
   UnpackFolder();
   UnpackFolder(const UnpackFolder&) = delete;
   UnpackFolder& operator=(const UnpackFolder&) = delete;
 
-  /// No library is loaded from here any more: a later folder of this process may have its path. The loader keeps every
-  /// path that it ever looked in.
+  /// Releases the path for a later folder of this process, once no library is loaded from it. Reusing paths saves
+  /// memory, because the loader keeps every path that it has searched.
   void release_path();
 
-  /// Where to unpack to.
+  /// Returns the folder to unpack into.
   std::filesystem::path path() const { return folder_.path() / "fmu"; }
 
  private:
@@ -33,11 +33,11 @@ class UnpackFolder {
     int file = -1;
   };
 
-  Lock lock_;  // held until the folder is gone, so that nobody else removes it at the same time
+  Lock lock_;  // held until the folder is deleted, so that no other process deletes it at the same time
   modeldesc::TemporaryFolder folder_;
 };
 
-/// Removes the folders that processes of this user left behind when they were killed.
+/// Deletes the folders that killed processes of this user left behind.
 void remove_abandoned_unpack_folders();
 
 }  // namespace mebots::master

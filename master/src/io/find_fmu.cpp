@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".fmu";
 
-// To ask all folders, and for the nearest of many names, takes a while: not for mistakes that nobody gets to see.
+// Searching all folders, and the nearest of many names, is slow; do it only for the problems that are shown.
 constexpr std::size_t kFullyAnswered = 20;
 
 void append_search_path(std::string_view search_path, std::vector<fs::path>& folders) {
@@ -45,7 +45,7 @@ std::vector<std::string> names_in(const std::vector<fs::path>& folders) {
   return {names.begin(), names.end()};
 }
 
-/// The folders as an error lists them.
+/// Formats the folders for an error.
 std::string listed(const std::vector<fs::path>& folders) {
   std::vector<std::string> texts;
   texts.reserve(folders.size());
@@ -81,7 +81,7 @@ const FmuSearch::Answer& FmuSearch::find(std::string_view text) {
 
 FmuSearch::Answer FmuSearch::look_for(std::string_view text) {
   std::error_code error;
-  const auto path = beside_ / text;  // an absolute path stays as it is
+  const auto path = beside_ / text;  // keeps an absolute path
   const auto status = fs::status(path, error);
   if (!is_fmu_name(text) || fs::is_regular_file(status)) {
     auto found = fs::exists(status) ? fs::canonical(path, error) : fs::path();
@@ -91,7 +91,7 @@ FmuSearch::Answer FmuSearch::look_for(std::string_view text) {
                         path.lexically_normal().string(), error.message())};
   }
   if (!folders_) folders_ = fmu_folders(beside_);
-  // It is known by now what there is, but for folders that may be entered and not listed.
+  // The available names are already listed, except in folders that cannot be listed.
   if (problems_ >= kFullyAnswered && !listed_.empty() && !std::ranges::binary_search(names_, text))
     return {{}, problem_of_name(text)};
   for (const auto& folder : *folders_) {

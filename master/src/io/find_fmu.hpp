@@ -13,29 +13,29 @@
 
 namespace mebots::master {
 
-/// True for "fmu_battery": neither folder nor suffix. Everything else is a path.
+/// True for a name such as "fmu_battery", without folder and suffix. Everything else is a path.
 bool is_fmu_name(std::string_view text);
 
-/// Folders in which an FMU is looked for by its name, in this order:
+/// Returns the folders in which FMUs are searched by name, in this order:
 ///
 /// 1. `beside`, the folder of the config,
 /// 2. those of MEBOTS_FMU_PATH, separated by colons; relative ones count from the working folder,
 /// 3. `fmus` of the running program's build, installation or Python package.
 std::vector<std::filesystem::path> fmu_folders(const std::filesystem::path& beside);
 
-/// Finds the FMUs of one config. What was asked for before is answered from memory, also when it is not there: a config
-/// has up to 100,000 instances, most often of a few FMUs.
+/// Finds the FMUs of one config. Caches every answer, negative ones too: a config may have 100,000 instances, usually
+/// of a few FMUs.
 class FmuSearch {
  public:
   explicit FmuSearch(std::filesystem::path beside) : beside_(std::move(beside)) {}
 
-  /// One of the two is empty.
+  /// Exactly one of the two members is set.
   struct Answer {
     std::filesystem::path path;  // canonical
-    std::string problem;         // the places looked at and, in the first problems, the FMUs with similar names
+    std::string problem;         // the searched places; in the first problems also the FMUs with similar names
   };
-  /// The archive that `text` means: a path relative to `beside`, or a name, which stands for the first NAME.fmu of
-  /// fmu_folders(). The answer lives as long as this object.
+  /// Finds the archive for `text`: a path relative to `beside`, or a name, which means the first NAME.fmu in
+  /// fmu_folders(). The answer is valid as long as this object.
   const Answer& find(std::string_view text);
 
  private:
@@ -45,12 +45,14 @@ class FmuSearch {
   std::filesystem::path beside_;
   std::map<std::string, Answer, std::less<>> answers_;
   std::size_t problems_ = 0;
-  std::optional<std::vector<std::filesystem::path>> folders_;  // for names, once one is asked for
-  std::string listed_;                                         // the folders as an error lists them, once it has to
-  std::vector<std::string> names_;                             // of all FMUs in them, sorted, likewise
+  std::optional<std::vector<std::filesystem::path>> folders_;  // for names; empty until the first search by name
+  std::string listed_;                                         // the folders formatted for an error; empty until the
+                                                               // first error
+  std::vector<std::string> names_;                             // of all FMUs in them, sorted; empty until the first
+                                                               // error
 };
 
-/// The same for a single FMU. Throws InputError with the problem.
+/// Finds a single FMU. Throws InputError with the problem.
 std::filesystem::path find_fmu(std::string_view text, const std::filesystem::path& beside);
 
 }  // namespace mebots::master

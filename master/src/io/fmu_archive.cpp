@@ -36,7 +36,7 @@ std::optional<modeldesc::ModelDescription> read_description(const std::filesyste
   }
 }
 
-/// Throws the error as one of the archive, rather than of the temporary copy of a file in it.
+/// Throws the error for the archive instead of the temporary copy of a file in it.
 [[noreturn]] void throw_as_input(const Error& error, const std::filesystem::path& archive,
                                  const std::filesystem::path& file) {
   std::string what = error.what();
@@ -74,7 +74,7 @@ modeldesc::ModelDescription read_fmu_description(const std::filesystem::path& ar
   } catch (const Error& error) {
     throw_as_input(error, archive, kDescription);
   }
-  // The error that this throws depends on the names of the other files.
+  // The error message depends on the names of the other files.
   const modeldesc::TemporaryFolder folder("mebots");
   std::vector<std::string> notices;
   return unpack_fmu(archive, folder.path(), notices);

@@ -41,7 +41,7 @@ double real_cell(const CsvReader& reader, const WantedSignal& wanted) {
   return value;
 }
 
-/// Spreadsheets and programs write whole numbers as 3.0 and Booleans as TRUE.
+/// Spreadsheets and programs may write whole numbers as 3.0 and Booleans as TRUE.
 WrittenValue as_written(std::string_view cell, Type type) {
   if (type == Type::string || type == Type::binary) return std::string(cell);
   const auto text = data::trimmed(cell);
@@ -61,7 +61,7 @@ WrittenValue as_written(std::string_view cell, Type type) {
   return static_cast<std::int64_t>(*number);
 }
 
-/// Integers, items of enumerations, Booleans and texts, by the rules for values of a config.
+/// Reads Integers, enumeration items, Booleans and texts by the rules for values of a config.
 modeldesc::Value other_cell(const CsvReader& reader, const WantedSignal& wanted) {
   const auto cell = reader.cell(wanted.column);
   const auto type = wanted.variable->type;

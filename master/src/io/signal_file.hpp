@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// A column to read as the course of a variable. A Real becomes factor * cell + offset.
+/// A column to read as the values of a variable over time. A Real becomes factor * cell + offset.
 struct WantedSignal {
   std::size_t column = 0;
   const modeldesc::ModelDescription* model = nullptr;
@@ -28,8 +28,8 @@ struct WantedSignal {
 /// "speed [km/h]". Values of continuous Reals are interpolated between rows; all others are held until the next row.
 class SignalFile {
  public:
-  /// Reads the header. Errors name the file by `name`. If `time_column` is empty, the column of times is the one named
-  /// time or t, in any case of letters; its unit is the second unless its title has another. Throws InputError.
+  /// Reads the header. Errors name the file by `name`. If `time_column` is empty, the time column is the one named time
+  /// or t, in upper or lower case. Its unit is the second unless its title has another. Throws InputError.
   SignalFile(const std::filesystem::path& file, std::string name, const std::string& time_column);
   SignalFile(const SignalFile&) = delete;
   SignalFile& operator=(const SignalFile&) = delete;
@@ -37,11 +37,11 @@ class SignalFile {
   const std::string& name() const { return reader_.name(); }
   const std::vector<data::CsvTitle>& titles() const { return titles_; }
   std::size_t time_column() const { return time_column_; }
-  /// The column with this name, with or without its unit.
+  /// Returns the column with this name, with or without its unit.
   std::optional<std::size_t> find(std::string_view title) const;
 
-  /// Reads all rows, once. Throws InputError that names line, column and value of a cell that is no time, that is later
-  /// than the next, or that the variable cannot take.
+  /// Reads all rows; call it once. Throws InputError with line, column and value if a time is invalid or not ascending,
+  /// or if the variable cannot have the value.
   std::vector<std::shared_ptr<const Signal>> read(std::span<const WantedSignal> wanted);
 
  private:

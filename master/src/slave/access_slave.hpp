@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// A forwarding slave that treats the values of all kinds alike: ten accesses become two. The kind tells Booleans from
-/// Integers, and Binaries from Strings.
+/// A forwarding slave that treats values of all kinds alike: it reduces ten access functions to two. The kind
+/// distinguishes Booleans from Integers and Binaries from Strings.
 class AccessSlave : public ForwardingSlave {
  public:
   using ForwardingSlave::ForwardingSlave;
@@ -51,7 +51,7 @@ class AccessSlave : public ForwardingSlave {
   virtual void get(ValueKind kind, std::span<const ValueReference> references, Destination values) = 0;
   virtual void set(ValueKind kind, std::span<const ValueReference> references, Source values) = 0;
 
-  /// The access to the slave behind.
+  /// Access the wrapped slave.
   void pass_get(ValueKind kind, std::span<const ValueReference> references, Destination values);
   void pass_set(ValueKind kind, std::span<const ValueReference> references, Source values);
 };

@@ -12,13 +12,14 @@
 
 namespace mebots::master {
 
-/// The value of a variable: of a real; of a whole number, an enumeration or a Boolean; of a String or a Binary.
+/// A variable's value: double for reals; std::int64_t for whole numbers, enumerations and Booleans; std::string for
+/// Strings and Binaries.
 using LinkValue = std::variant<double, std::int64_t, std::string>;
 
-/// A connection within a group of instances that carries values in event mode only. Numbers become factor * value +
-/// offset; whole numbers and Booleans are mapped first.
+/// A connection within a group that transfers values in event mode only. Numbers become factor * value + offset; whole
+/// numbers and Booleans are mapped first.
 struct DiscreteLink {
-  std::size_t from = 0;  ///< member of the group
+  std::size_t from = 0;  ///< index of the member in the group
   std::size_t to = 0;
   ValueKind from_kind = ValueKind::real;
   ValueKind to_kind = ValueKind::real;
@@ -32,11 +33,11 @@ struct DiscreteLink {
   LinkValue read(Slave& source) const;
 };
 
-/// Calls the function of `slave` for values of this kind.
+/// Calls the function of `slave` for this kind.
 LinkValue get_value(Slave& slave, ValueKind kind, ValueReference reference);
 void set_value(Slave& slave, ValueKind kind, ValueReference reference, const LinkValue& value);
 
-/// Compares doubles by their bits.
+/// Compares values; doubles by their bits.
 bool is_same(const LinkValue& a, const LinkValue& b);
 
 }  // namespace mebots::master

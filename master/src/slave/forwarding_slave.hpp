@@ -7,7 +7,7 @@
 
 namespace mebots::master {
 
-/// A slave in front of another: passes every call on. Base of those that do something more on the way.
+/// Wraps another slave and forwards every call. Base of slaves that add something.
 class ForwardingSlave : public Slave {
  public:
   explicit ForwardingSlave(std::unique_ptr<Slave> inner) : inner_(std::move(inner)) {}

@@ -10,8 +10,8 @@
 
 namespace mebots::master {
 
-/// The state of an instance that steps in a group: the FMU's, the slave's own, and the group's in that of the first
-/// member.
+/// The state of an instance in a group: that of the FMU and of the slave. The first member's state also contains the
+/// group's.
 struct MemberState final : SlaveState {
   std::unique_ptr<SlaveState> inner;
   std::vector<std::byte> own;

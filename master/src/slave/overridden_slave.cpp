@@ -12,7 +12,7 @@
 namespace mebots::master {
 namespace {
 
-/// Finaliser of SplitMix64 (Steele, Lea, Flood 2014): every bit of the input reaches every bit of the output.
+/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): every input bit affects every output bit.
 std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
@@ -20,27 +20,27 @@ std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// A number of (0, 1), both ends excluded.
+/// Returns a number in the open interval (0, 1).
 double uniform(std::uint64_t bits) {
   return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
 }
 
-/// Normally distributed, mean 0, deviation 1: a function of key and time, so that it needs no state and the
-/// order of calls is nothing to it. Box and Muller, 1958.
+/// Returns a normally distributed number (mean 0, deviation 1) as a function of key and time. It needs no state, so the
+/// order of calls does not matter. Box and Muller, 1958.
 double gaussian(std::uint64_t key, std::int64_t time_ns) {
   const auto first = mixed(key ^ mixed(static_cast<std::uint64_t>(time_ns)));
   const auto second = mixed(first);
   return std::sqrt(-2 * std::log(uniform(first))) * std::cos(2 * std::numbers::pi * uniform(second));
 }
 
-/// From the seed and the variable's name: two variables with the same seed have noises of their own.
+/// Combines seed and variable name, so that two variables with the same seed get different noise.
 std::uint64_t noise_key(const OverrideDescription& description) {
   auto key = mixed(description.seed);
   for (const char c : description.variable.text()) key = mixed(key ^ static_cast<unsigned char>(c));
   return key;
 }
 
-/// State of the slave behind, and what is remembered here.
+/// The state of the wrapped slave and of the overrides.
 class OverriddenState final : public SlaveState {
  public:
   std::unique_ptr<SlaveState> inner;
@@ -77,7 +77,8 @@ OverriddenSlave::OverriddenSlave(std::unique_ptr<Slave> inner, const OverrideSch
       Target added;
       added.reference = variable.value_reference;
       added.kind = kind;
-      added.input = variable.causality != modeldesc::Causality::output;  // or a tunable parameter, which is one
+      added.input = variable.causality != modeldesc::Causality::output;  // or a tunable parameter, which is set in the
+                                                                         // same way
       added.base = plain(variable.start, kind);
       targets_.push_back(std::move(added));
     }
@@ -100,7 +101,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Layer& layer, const Value& value, 
     case OverrideAction::freeze:
       return layer.found;
     case OverrideAction::signal:
-      // Initialisation gets, as in FMPy, the value before a jump at the start, the first step the value after it.
+      // At a jump at the start, initialisation gets the value before it and the first step the value after it, as in
+      // FMPy.
       return override.signal->at(signal_time(time_ns_), initialising_ ? SignalSide::before : SignalSide::after,
                                  layer.row);
     case OverrideAction::offset:
@@ -128,7 +130,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Target& target, const Value& value
       continue;
     }
     target.acted = true;
-    // The first value at the point where it begins; of several at one point, as in initialisation, the last.
+    // Stores the first value at the override's first point. If there are several at one point, as in initialisation,
+    // the last counts.
     if (!layer.found_at_ns || layer.found_at_ns == time_ns_) {
       layer.found_at_ns = time_ns_;
       layer.found = result;
@@ -211,7 +214,7 @@ void OverriddenSlave::set_free_inputs() {
   pass_batch(ValueKind::binary, binaries_);
 }
 
-/// Gives an FMU that interpolates its inputs the slopes of signals. A slope of 0 ends the one of the step before.
+/// Sets the slopes of signals in an FMU that interpolates its inputs. A slope of 0 ends the previous one.
 void OverriddenSlave::set_slopes() {
   if (!inner().takes_input_derivatives()) return;
   std::vector<std::int32_t> orders;
@@ -235,7 +238,7 @@ StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns
   return result;
 }
 
-/// What is left of a derivative of this order (from 1) behind one layer.
+/// Returns what one layer leaves of a derivative of this order (from 1).
 double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) {
   const auto& override = schedule_->overrides()[layer.override];
   const auto& description = *override.description;
@@ -247,7 +250,7 @@ double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivativ
       if (order > 1) return 0;
       return override.signal->slope(signal_time(time_ns_), signal_time(time_ns_ + step_ns_), layer.row);
     case OverrideAction::offset:
-    case OverrideAction::noise:  // one value per point, added to what is there
+    case OverrideAction::noise:  // adds a random value, new at each point
       return derivative;
     case OverrideAction::scale:
       return derivative * description.number;

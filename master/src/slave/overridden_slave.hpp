@@ -11,8 +11,8 @@
 
 namespace mebots::master {
 
-/// Changes some variables of the slave behind it on their way, as a scenario says: inputs as the slave sees them,
-/// outputs as all others see them. Times are those of the slave's own communication points.
+/// Applies a scenario's overrides to variables of the wrapped slave: to inputs as this slave sees them, to outputs as
+/// all others see them. Times are the slave's own communication points.
 class OverriddenSlave final : public AccessSlave {
  public:
   /// `schedule` must outlive the slave. `step_ns` is the length of its steps.
@@ -22,7 +22,7 @@ class OverriddenSlave final : public AccessSlave {
   void enter_initialization() override;
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
-  /// Of the variable as the override leaves it: 0 where it stands still, the slope of a ramp.
+  /// Returns the derivatives after the override: 0 for a constant, the slope of a ramp.
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                               std::span<double> values) override;
   void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
@@ -33,7 +33,7 @@ class OverriddenSlave final : public AccessSlave {
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
-  /// Shows what the overrides found, beside the state of the slave within.
+  /// Visits the state of the overrides, which is additional to that of the wrapped slave.
   void visit(state::Visitor& v);
 
  private:
@@ -42,12 +42,12 @@ class OverriddenSlave final : public AccessSlave {
 
   using Value = std::variant<double, std::int64_t, std::string>;
 
-  /// One override, with the value that it found at the point where it began to act.
+  /// An override, with the original value at the point where it started.
   struct Layer {
     std::size_t override = 0;
     std::uint64_t noise_key = 0;
-    std::size_t row = 0;  // of a signal: near which the next value is looked for; no part of the state
-    std::optional<std::int64_t> found_at_ns;  // absent: it does not act
+    std::size_t row = 0;  // row of a signal, a hint for the search of the next value; not part of the state
+    std::optional<std::int64_t> found_at_ns;  // empty: not active
     Value found;
 
     void visit(state::Visitor& v) {
@@ -55,17 +55,18 @@ class OverriddenSlave final : public AccessSlave {
       v("found", found);
     }
   };
-  /// One variable with all its overrides, in the order in which they were declared.
+  /// A variable with all its overrides in the order of their declaration.
   struct Target {
     ValueReference reference = 0;
     ValueKind kind = ValueKind::real;
     bool input = false;
     std::vector<Layer> layers;
-    Value base;              // what the input would be without overrides
-    bool fresh = false;      // it was set since the last step
-    bool sloped = false;     // a signal gives its derivative; no part of the state
-    bool connected = false;  // its source gives derivatives, among which the signal's is set; no part of the state
-    bool acted = false;      // the slave has another value than the base
+    Value base;              // the value of the input without overrides
+    bool fresh = false;      // was set since the last step
+    bool sloped = false;     // a signal provides its derivative; not part of the state
+    bool connected = false;  // its source provides derivatives, and the signal's is set together with them; not part of
+                             // the state
+    bool acted = false;      // the slave's value differs from the base
 
     void visit(state::Visitor& v) {
       v("base", base);
@@ -75,7 +76,7 @@ class OverriddenSlave final : public AccessSlave {
     }
   };
 
-  /// Values of free inputs, to be set in one call for each type.
+  /// Values of unconnected inputs, set by one call per type.
   template <typename T>
   struct Batch {
     std::vector<ValueReference> references;
@@ -97,7 +98,7 @@ class OverriddenSlave final : public AccessSlave {
   void change_outputs(ValueKind kind, std::span<const ValueReference> references, std::span<T> values);
   template <typename T>
   bool change_inputs(ValueKind kind, std::span<const ValueReference> references, std::vector<T>& values);
-  /// The target among inputs or outputs with this value reference; null if the scenario does not change it.
+  /// Returns the input or output with this value reference; null if the scenario does not change it.
   Target* find(bool input, ValueKind kind, ValueReference reference);
   double changed_derivative(bool input, ValueReference reference, std::int32_t order, double value);
   double changed_derivative(Target& target, std::int32_t order, double value);
@@ -107,7 +108,7 @@ class OverriddenSlave final : public AccessSlave {
 
   const OverrideSchedule* schedule_;
   std::vector<Target> targets_;
-  std::unordered_map<std::uint64_t, std::size_t> places_;  // kind and value reference of a target, its place
+  std::unordered_map<std::uint64_t, std::size_t> places_;  // maps kind and value reference of a target to its index
   std::int64_t time_ns_;
   std::int64_t step_ns_;
   bool initialising_ = true;

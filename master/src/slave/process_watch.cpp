@@ -24,7 +24,7 @@ std::set<std::string> fmus_here(const ResolvedSystem& system) {
   return names;
 }
 
-/// The names of their instances, in quotes; the first few of many.
+/// Returns the names of their instances in quotes; if there are many, the first few.
 std::string instances_here(const ResolvedSystem& system) {
   constexpr std::size_t kShown = 8;
   std::vector<std::string> names;

@@ -12,18 +12,18 @@ namespace mebots::master {
 
 struct ResolvedSystem;
 
-/// Watches the process while several FMUs are called: reports what one of them changed for all code in it, and puts it
-/// back. It names one FMU only if no other runs in this process. A slave that is watched alone (Fmi2Slave) reports its
-/// own changes earlier.
+/// Watches the process while several FMUs are called: reports process-wide changes and reverts them. It names an FMU
+/// only if no other FMU runs in this process. A slave that is watched separately (Fmi2Slave) reports its own changes
+/// earlier.
 class ProcessWatch {
  public:
-  /// Watches what the FMUs of this process can change, as their imports show. `system` and `messages` must outlive the
-  /// watch.
+  /// Watches the state that the FMUs of this process can change according to their imports. `system` and `messages`
+  /// must outlive the watch.
   ProcessWatch(const ResolvedSystem& system, MessageSink& messages);
 
-  /// Compares the process with the one before; `during` completes "changed the process for all, ...".
+  /// Compares the process with its previous state. `during` completes "changed the process for all, ...".
   void look(const std::string& during, std::int64_t time_ns);
-  /// Returns true if the calling thread blocks other signals. Costs one system call.
+  /// True if the calling thread's signal mask changed. Costs one system call.
   bool is_mask_changed() const { return before_ && before_->is_mask_changed(); }
 
  private:

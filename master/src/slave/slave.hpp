@@ -17,40 +17,40 @@
 
 namespace mebots::master {
 
-/// A call to an FMU failed. The text names instance, time, function, status and what the FMU logged.
+/// A call to an FMU failed. The message contains instance, time, function, status and the FMU's log.
 class SlaveError : public Error {
  public:
   explicit SlaveError(const std::string& text) : SlaveError(ErrorCode::fmu_failed, text) {}
   SlaveError(ErrorCode code, const std::string& text) : Error(code, text) {}
 };
 
-/// An FMU gave NaN or infinity for one of its variables.
+/// An FMU returned NaN or infinity for one of its variables.
 class NotFiniteError : public SlaveError {
  public:
   explicit NotFiniteError(const std::string& text) : SlaveError(ErrorCode::not_finite, text) {}
 };
 
-/// What became of a step.
+/// The outcome of a step.
 struct StepResult {
   bool done = true;
-  bool pending = false;                     ///< not done yet: it goes on by itself, see Slave::finish_step
-  bool cancelled = false;                   ///< not done, because the master gave up on a pending step
+  bool pending = false;                     ///< not done yet: the FMU continues in the background, see
+                                            ///< Slave::finish_step
+  bool cancelled = false;                   ///< not done, because the master cancelled a pending step
   bool terminated = false;                  ///< not done, because the FMU wants the simulation to end
-  std::optional<double> last_successful_s;  ///< not done: how far the FMU came, when it says so
-  std::string messages;                     ///< not done: what the FMU logged about it
+  std::optional<double> last_successful_s;  ///< not done: the time that the FMU reached, if it reports it
+  std::string messages;                     ///< not done: the FMU's log messages about it
 };
 
-/// A slave's state at one moment, kept by the slave. Must not outlive it.
+/// The state of a slave at one moment; the slave stores it. Must not outlive the slave.
 class SlaveState {
  public:
   virtual ~SlaveState() = default;
 };
 
-/// One instance of an FMU, wherever it runs. Calls come in this order: set start values, setup_experiment,
-/// enter_initialization, get and set outputs and inputs, exit_initialization, then any number of
-/// (set inputs, step, get outputs), terminate. Every call throws SlaveError when the FMU refuses it;
-/// after that only destruction is allowed. Spans of references and values are of equal length.
-/// Not for use by two threads at once.
+/// An instance of an FMU, in this or another process. The order of calls is: set start values, setup_experiment,
+/// enter_initialization, get and set outputs and inputs, exit_initialization, then any number of (set inputs, step, get
+/// outputs), terminate. Every call throws SlaveError if the FMU rejects it; then only destruction is allowed. Spans of
+/// references and values have equal length. Not for use by two threads at once.
 class Slave {
  public:
   virtual ~Slave() = default;
@@ -62,22 +62,22 @@ class Slave {
   virtual void enter_initialization() = 0;
   virtual void exit_initialization() = 0;
   virtual StepResult step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
-  /// Waits for a step that step() left pending. When `cancel` turns true the step is given up (fmi2CancelStep);
-  /// after that only reading, terminate() and destruction are allowed.
+  /// Waits for a step that step() left pending. If `cancel` becomes true, cancels the step (fmi2CancelStep); then only
+  /// reading, terminate() and destruction are allowed.
   virtual StepResult finish_step(const std::atomic<bool>& cancel);
   virtual void terminate() = 0;
-  /// Frees the instance, which is not called any more; the destructor does it otherwise. Returns what went wrong with
-  /// it, which was told as an error, too: the results are not concerned.
+  /// Frees the instance, after its last call; otherwise the destructor does. Returns the error if freeing fails. It has
+  /// also been logged, and does not affect the results.
   virtual std::optional<std::string> free_instance() = 0;
 
   virtual void get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;
-  /// Enumerations too.
+  /// Also for enumerations.
   virtual void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) = 0;
   /// Returns 0 or 1, whatever number the FMU uses for true.
   virtual void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) = 0;
   /// Returns the FMU's bytes, which need not be UTF-8.
   virtual void get_strings(std::span<const ValueReference> references, std::span<std::string> values) = 0;
-  /// Only FMI 3.0 has binaries; the others throw Error.
+  /// For FMI 3.0 only; others throw Error.
   virtual void get_binaries(std::span<const ValueReference> references, std::span<std::string> values);
 
   virtual void set_reals(std::span<const ValueReference> references, std::span<const double> values) = 0;
@@ -87,29 +87,29 @@ class Slave {
   virtual void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) = 0;
   virtual void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values);
 
-  /// Highest order of time derivatives of its outputs that the FMU gives; 0 = none.
+  /// Returns the highest order of output derivatives that the FMU provides; 0 = none.
   virtual std::uint32_t output_derivative_order() const { return 0; }
-  /// Whether the FMU makes use of time derivatives of its inputs.
+  /// True if the FMU uses time derivatives of its inputs.
   virtual bool takes_input_derivatives() const { return false; }
   /// The time of the next event that is known, such as the tick of a clock [s]; nothing if none is in sight. Others see
   /// what the event changes at the first communication point from then on.
   virtual std::optional<double> next_event_s() const { return std::nullopt; }
   /// Returns what the user should know about where this instance runs, such as a part that its sandbox lacks.
   virtual std::vector<std::string> notices() const { return {}; }
-  /// Derivatives of Real outputs at the end of the last step, `orders` (from 1) one per reference. They are what the
-  /// FMU says, NaN included.
+  /// Returns derivatives of Real outputs at the end of the last step. `orders` (from 1) has one entry per reference.
+  /// The values are not checked and may be NaN.
   virtual void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                                       std::span<double> values);
-  /// Derivatives of Real inputs at the start of the next step.
+  /// Sets derivatives of Real inputs at the start of the next step.
   virtual void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                                      std::span<const double> values);
 
-  /// Throws Error when the FMU cannot do it (canGetAndSetFMUstate is false). As long as a state is kept, the FMU hears
-  /// at every step that it may be set back; while there is none, that it will not be.
+  /// Throws Error if the FMU cannot save its state (canGetAndSetFMUstate is false). While a saved state exists, every
+  /// step says that the FMU may be set back; otherwise, that it will not be.
   virtual std::unique_ptr<SlaveState> save_state() = 0;
-  /// Throws Error for a state of before a step that was taken while no state was kept.
+  /// Throws Error if the state is older than a step that was taken while no saved state existed.
   virtual void restore_state(const SlaveState& state) = 0;
-  /// Throws Error when the FMU cannot do it (canSerializeFMUstate is false).
+  /// Throws Error if the FMU cannot serialize its state (canSerializeFMUstate is false).
   virtual std::vector<std::byte> serialize(const SlaveState& state) = 0;
   virtual std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) = 0;
 };

@@ -13,13 +13,13 @@
 
 namespace mebots::master {
 
-/// What stands between an ensemble and its slaves. All that is pointed to must outlive the ensemble.
+/// Wrappers and observers between an ensemble and its slaves. All pointed-to objects must outlive the ensemble.
 struct SlaveOptions {
-  Statistics* statistics = nullptr;                  ///< where calls are counted; null = nowhere
-  std::vector<SolverStatistics>* solvers = nullptr;  ///< of the continuous systems; null = nowhere
-  std::vector<InstanceLoss>* losses = nullptr;       ///< one per instance; null = every failure ends the run
+  Statistics* statistics = nullptr;                  ///< counts calls; null = not counted
+  std::vector<SolverStatistics>* solvers = nullptr;  ///< of the continuous systems; null = not collected
+  std::vector<InstanceLoss>* losses = nullptr;       ///< by instance; null = every failure ends the run
   const OverrideSchedule* overrides = nullptr;       ///< changes variables between slaves; null = no changes
-  const std::atomic<bool>* interrupted = nullptr;    ///< set by whoever wants the end; null = nobody does
+  const std::atomic<bool>* interrupted = nullptr;    ///< true requests the end of the run; null = never
 };
 
 }  // namespace mebots::master

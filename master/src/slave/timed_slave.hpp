@@ -8,7 +8,7 @@
 
 namespace mebots::master {
 
-/// Counts and times every call to the slave behind it.
+/// Counts and times every call to the wrapped slave.
 class TimedSlave final : public AccessSlave {
  public:
   /// `statistics` must outlive the slave.
@@ -60,7 +60,7 @@ class TimedSlave final : public AccessSlave {
     timed([&] { pass_set(kind, references, values); });
   }
 
-  /// Does the work, counts it, and says how long it took [s].
+  /// Does the work, counts it, and returns its duration [s].
   template <typename Work>
   double timed(Work work) {
     const auto start = std::chrono::steady_clock::now();

@@ -13,7 +13,7 @@
 namespace mebots::master {
 namespace {
 
-/// Of a slave that was there, its state; of one that was lost, when and why, and its last values.
+/// The state of a living slave, or time, reason and last values of a lost one.
 class TolerantState final : public SlaveState {
  public:
   std::unique_ptr<SlaveState> inner;  // null = lost
@@ -29,7 +29,7 @@ void TolerantSlave::attempt(Work work) {
   try {
     work();
   } catch (const InterruptedError&) {
-    throw;  // not the instance's failure
+    throw;  // not a failure of the instance
   } catch (const Error& error) {
     loss_->at_ns = time_ns_;
     loss_->text = error.what();
@@ -114,7 +114,7 @@ void TolerantSlave::visit(state::Visitor& v) {
   v("strings", strings_);
   v("binaries", binaries_);
   if (!v.restores()) return;
-  // Addresses are not part of a state, and nobody is left to ask for them anew.
+  // Pointers are not part of a state, and the lost slave cannot provide new ones.
   for (const auto& triple : osmp_triples(description())) {
     for (auto& kept : integers_) {
       if (const auto places = places_of(triple, kept.references)) {

@@ -8,20 +8,20 @@
 
 namespace mebots::master {
 
-/// Lets the others go on when the slave behind it fails in or after its first step. From then on its outputs stand
-/// still at what was read last, and what it is given is dropped.
+/// Keeps the run alive if the wrapped slave fails in or after its first step. Then its outputs keep their last values,
+/// and its inputs are ignored.
 class TolerantSlave final : public AccessSlave {
  public:
-  /// `messages` hears of the loss, and `loss` says of it; both must outlive the slave.
+  /// Reports the loss to `messages` and records it in `loss`; both must outlive the slave.
   TolerantSlave(std::unique_ptr<Slave> inner, MessageSink& messages, InstanceLoss& loss)
       : AccessSlave(std::move(inner)), messages_(&messages), loss_(&loss) {}
 
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
   StepResult finish_step(const std::atomic<bool>& cancel) override;
   void terminate() override;
-  /// Told, and no fault of the run.
+  /// Frees the slave and returns empty: an error was logged, and does not affect the run.
   std::optional<std::string> free_instance() override;
-  /// Of a lost one all are 0: its outputs stand still.
+  /// Returns zeros for a lost slave, because its outputs are constant.
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                               std::span<double> values) override;
   void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
@@ -32,14 +32,14 @@ class TolerantSlave final : public AccessSlave {
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
-  /// Shows what is left of a lost instance: when and why it was lost, and its values as they were read last.
+  /// Visits the state of a lost instance: time and reason of the loss, and the last read values.
   void visit(state::Visitor& v);
 
  private:
   void get(ValueKind kind, std::span<const ValueReference> references, Destination values) override;
   void set(ValueKind kind, std::span<const ValueReference> references, Source values) override;
 
-  /// Values as they were read last, by the references they were asked for by.
+  /// The last read values, by reference.
   template <typename T>
   struct Kept {
     std::vector<ValueReference> references;

@@ -15,25 +15,25 @@
 namespace mebots::master {
 namespace {
 
-constexpr std::size_t kPage = 4096;  // what is mapped, is mapped in pages of at least this size
+constexpr std::size_t kPage = 4096;  // the smallest page size: memory is mapped in multiples of it
 constexpr std::size_t kFirstPiece = 256;
 constexpr int kWidest = 1000;
 constexpr int kMostConversions = 100;
 
-/// Copies `size` bytes that lie in one page. False when they cannot be read.
+/// Copies `size` bytes that lie in one page. Returns false if they cannot be read.
 bool copy_out(const char* from, char* to, std::size_t size) {
   const iovec local{to, size};
   const iovec remote{const_cast<char*>(from), size};
   if (process_vm_readv(getpid(), &local, 1, &remote, 1, 0) == static_cast<ssize_t>(size)) return true;
   if (errno == EFAULT || errno == ENOMEM) return false;
-  std::memcpy(to, from, size);  // the system does not let us ask: as everybody else does
+  std::memcpy(to, from, size);  // the system forbids the check: copy directly
   return true;
 }
 
-/// How wide the argument of a conversion is.
+/// The width of a conversion's argument.
 enum class Length { usual, l, ll, z, j, t, L };
 
-/// Hands out one argument after the other. A va_list may be an array, which cannot be passed by reference.
+/// Yields the arguments in order. A va_list may be an array, which cannot be passed by reference.
 struct Arguments {
   std::va_list list;
 };
@@ -98,7 +98,7 @@ class Formatter {
  private:
   char peek(std::size_t at) const { return at < format_.size() ? format_[at] : '\0'; }
 
-  /// A width or precision at `at`, which moves behind it; a negative one is none.
+  /// Reads a width or precision at `at` and moves past it. A negative one counts as absent.
   std::optional<int> number(std::size_t& at) {
     if (peek(at) == '*') {
       ++at;
@@ -117,10 +117,11 @@ class Formatter {
     if (modifier == "z") return Length::z;
     if (modifier == "j") return Length::j;
     if (modifier == "t") return Length::t;
-    return modifier == "L" ? Length::L : Length::usual;  // h and hh: their arguments come as int
+    return modifier == "L" ? Length::L : Length::usual;  // arguments of h and hh are passed as int
   }
 
-  /// One conversion at the percent sign; `at_` moves behind it. False, and nothing moved, when it is not known.
+  /// Formats the conversion at the percent sign and moves `at_` past it. Returns false, without moving, if the
+  /// conversion is unknown.
   bool convert() {
     auto at = at_ + 1;
     std::string form = "%";
@@ -177,7 +178,7 @@ class Formatter {
       case 'p':
         text_ += printed("%p", va_arg(arguments_->list, void*));
         return true;
-      case 'n':  // would write to wherever the argument points
+      case 'n':  // would write through the argument's pointer
         va_arg(arguments_->list, void*);
         text_ += "%n";
         return true;

@@ -20,7 +20,7 @@ namespace mebots::master {
 namespace {
 
 constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS};
-/// Signals of timers and file descriptors, and those that a process sends itself. Real-time signals are added.
+/// Signals of timers and file descriptors, and signals that a process sends to itself. Real-time signals are added.
 constexpr std::array kEnds = {SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2, SIGPOLL, SIGSTKFLT};
 
 std::string_view name_of(int signal) {
@@ -42,7 +42,7 @@ std::string_view name_of(int signal) {
   }
 }
 
-/// On a thread that is in no call: of an FMU, of the program around, or of mebots.
+/// Reports a crash on a thread that is not in a call: a thread of an FMU, of the embedding program, or of mebots.
 void report_other_thread(int signal) {
   SignalLine line;
   line << "mebots: error: " << name_of(signal) << " ended the process, on a thread that is in no call to an FMU. ";
@@ -84,7 +84,7 @@ void on_crash(int signal) {
   } else {
     report_other_thread(signal);
   }
-  raise(signal);  // SA_RESETHAND: it finds the default, once this handler is left
+  raise(signal);  // SA_RESETHAND: the default action runs when this handler returns
 }
 
 bool is_sent_by_itself(const siginfo_t& info) {
@@ -98,7 +98,7 @@ void on_end(int signal, siginfo_t* info, void* /*context*/) {
     return;
   }
   std::signal(signal, SIG_DFL);
-  raise(signal);  // takes its course once this handler is left
+  raise(signal);  // is delivered when this handler returns
 }
 
 void handle(int signal, const struct sigaction& action) {
@@ -115,7 +115,7 @@ bool has_timer() {
 }  // namespace
 
 void install_crash_notice() {
-  // The stack may be what is broken.
+  // The thread's own stack may have overflowed.
   static std::array<std::byte, 1 << 16> stack;
   stack_t known{};
   if (sigaltstack(nullptr, &known) == 0 && (known.ss_flags & SS_DISABLE) != 0) {
@@ -141,7 +141,7 @@ void install_crash_notice() {
 
 bool ends_process(int signal) {
   struct sigaction action {};
-  if (sigaction(signal, nullptr, &action) != 0) return false;  // the C library keeps it for itself
+  if (sigaction(signal, nullptr, &action) != 0) return false;  // reserved by the C library
   return action.sa_handler == SIG_DFL || action.sa_sigaction == &on_end;
 }
 

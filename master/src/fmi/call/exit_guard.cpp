@@ -27,7 +27,7 @@ struct Guards {
 };
 
 Guards& guards() {
-  static Guards& all = *new Guards;  // never destroyed: the end of the process asks it
+  static Guards& all = *new Guards;  // never destroyed: used until the process ends
   return all;
 }
 
@@ -46,18 +46,19 @@ std::string reason(const char* what) {
                      call.function, kRemedy);
 }
 
-/// The process in which runs are guarded; what it forks is not.
+/// The process whose runs are guarded; its forks are not.
 std::atomic<pid_t> guarded_process = 0;
-/// The thread that ends the process because of a busy run.
+/// The thread that ends the process because a run was busy.
 std::atomic<pid_t> ending_thread = 0;
-/// A signal that came outside of calls, for the run's own thread; 0: none.
+/// A signal received outside of calls, kept for the run's thread; 0: none.
 std::atomic<int> kept_signal = 0;
 
 [[noreturn]] void end_at_once() {
   for (;;) syscall(SYS_exit_group, EXIT_FAILURE);
 }
 
-/// While a thread ends the process: the others wait for that, and what this thread calls on the way is part of it.
+/// While one thread ends the process, other threads wait here; if the ending thread itself calls this, the process ends
+/// at once.
 void leave_it_to_the_ending_thread() {
   const pid_t ending = ending_thread.load();
   if (ending == 0) return;
@@ -65,8 +66,9 @@ void leave_it_to_the_ending_thread() {
   for (;;) pause();
 }
 
-/// _exit() may be called where hardly anything else may: in the handler of a signal, with the heap's locks held by what
-/// it interrupted. Writing results would wait for them for ever; rather they are lost.
+/// _exit() may be called where hardly any other function is allowed: in a signal handler, or while the interrupted code
+/// holds the heap's locks. Writing results could then wait for these locks without end. In that case the alarm ends the
+/// process and the results are lost.
 void end_by_alarm() {
   constexpr unsigned kLongestEndS = 60;
   std::signal(SIGALRM, SIG_DFL);
@@ -77,7 +79,7 @@ void end_by_alarm() {
   alarm(kLongestEndS);
 }
 
-/// Not locked: what a signal interrupted on this thread holds it.
+/// Does not lock: code on this thread that a signal interrupted may hold the lock.
 std::unique_lock<std::mutex> lock_known_guards() {
   constexpr int kTries = 1000;
   constexpr timespec kPause{0, 1'000'000};
@@ -86,7 +88,7 @@ std::unique_lock<std::mutex> lock_known_guards() {
   return lock;
 }
 
-/// Of the C library, with the FMU still below it on the stack.
+/// Registers a handler of the C library while the FMU's functions are still on the stack.
 bool register_exit_handler() {
   return std::atexit([] { end_busy_runs("called exit()"); }) == 0 &&
          std::at_quick_exit([] { end_busy_runs("called quick_exit()"); }) == 0;
@@ -102,7 +104,9 @@ void end_busy_runs(const char* what) {
     if (!lock.owns_lock()) end_at_once();
     auto& all = guards().all;
     std::ranges::copy_if(all, std::back_inserter(busy), &ExitGuard::busy);
-    for (const auto* guard : busy) std::erase(all, guard);  // its end is told once, whoever ends the process then
+    for (const auto* guard : busy)
+      std::erase(all, guard);  // report the end once, even if something else ends the
+                               // process afterwards
     if (!busy.empty()) ending_thread = gettid();
   }
   if (busy.empty()) {
@@ -125,7 +129,7 @@ bool end_by_signal(int signal) {
     return false;
   }
   const std::unique_lock lock(guards().mutex, std::try_to_lock);
-  // Whoever holds the mutex makes or removes a guard; a run is taken for busy then.
+  // If another thread holds the mutex, it is creating or destroying a guard; assume a busy run.
   if (lock.owns_lock() && std::ranges::none_of(guards().all, &ExitGuard::busy)) return false;
   kept_signal = signal;
   return true;

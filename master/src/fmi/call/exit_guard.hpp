@@ -9,12 +9,11 @@
 
 namespace mebots::master {
 
-/// Foreign code can end the process in the middle of a run, with any exit code: by exit(), by a signal of a timer, by
-/// the end of a thread. While a guard lives and its run is busy, such an end is a failure of the run. `fail` receives
-/// the reason, with instance and call, and writes results and summary. The process ends with code 1. The C library
-/// reports exit() and quick_exit(), but neither _exit() nor exec(): for these a program has functions of its own
-/// (app/own_exit.cpp). Processes that an FMU forks end as they like. Against an end by the kernel there is only a
-/// process of its own for the instance.
+/// Foreign code can end the process during a run, with any exit code: by exit(), by a timer's signal, or by ending a
+/// thread. While a guard exists and its run is busy, such an end is a failure of the run. `fail` receives the reason
+/// with instance and call, and writes results and summary. The process exits with code 1. The C library reports exit()
+/// and quick_exit(), but not _exit() and exec(); a program replaces these (app/own_exit.cpp). Processes forked by an
+/// FMU are not guarded. Only a separate process for the instance protects against an end by the kernel.
 class ExitGuard {
  public:
   using Fail = std::function<void(const std::string& what)>;
@@ -25,7 +24,7 @@ class ExitGuard {
   ExitGuard(const ExitGuard&) = delete;
   ExitGuard& operator=(const ExitGuard&) = delete;
 
-  /// For the handlers of the end of the process.
+  /// For handlers that run when the process ends.
   bool busy() const;
   void fail(const std::string& what) const { fail_(what); }
 
@@ -35,30 +34,29 @@ class ExitGuard {
   Fail fail_;
 };
 
-/// To be called on the thread that is about to end this process. If a run is busy, it fails, and this does not return.
-/// `what` is what the FMU did, in the past tense: "called exit()".
+/// Call it on the thread that is about to end this process. If a run is busy, it fails, and this function does not
+/// return. `what` is the FMU's action in the past tense: "called exit()".
 void end_busy_runs(const char* what);
 
-/// For the handler of a signal that would end this process, sent by a timer or by the process itself. In a call to an
-/// FMU: as end_busy_runs(). Outside of calls the master's own work is not torn apart: the signal is kept for
-/// take_kept_signal(). Returns false if no run is busy.
+/// For the handler of a signal that would end this process and comes from a timer or from the process itself. During a
+/// call to an FMU, acts as end_busy_runs(). Outside of calls, keeps the signal for take_kept_signal(), so that the
+/// master's work is not interrupted. Returns false if no run is busy.
 bool end_by_signal(int signal);
 
-/// Returns what happened if end_by_signal() kept a signal since the last call. For the thread that steps, between two
-/// calls to FMUs.
+/// If end_by_signal() kept a signal since the last call, describes it. Called between two calls to FMUs by the thread
+/// that steps.
 std::optional<std::string> take_kept_signal();
 
-/// From now on a signal that ends the process inside an FMU is reported on standard error, with instance, call and
-/// time, before it takes its course: SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS. A signal of a timer, or
-/// one that the process sends itself, fails the runs that are busy (see end_by_signal()). A signal that somebody
-/// handles already stays theirs, and so does SIGALRM while the program around has a timer. From any thread; once is
-/// enough.
+/// Installs handlers that report a crash inside an FMU on standard error, with instance, call and time, before the
+/// signal's default action: SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS. A signal of a timer, or one that
+/// the process sends to itself, fails the busy runs (see end_by_signal()). Signals that already have a handler keep it,
+/// and so does SIGALRM while the embedding program has a timer. Call it once, from any thread.
 void install_crash_notice();
 
 /// Returns true if the signal would end the process: its only handler is that of install_crash_notice().
 bool ends_process(int signal);
 
-/// "SIGALRM"; "signal 40" if it has no name.
+/// Returns "SIGALRM"; "signal 40" if it has no name.
 std::string signal_name(int signal);
 
 }  // namespace mebots::master

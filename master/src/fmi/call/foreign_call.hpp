@@ -12,22 +12,22 @@
 
 namespace mebots::master {
 
-/// A C++ exception left foreign code through its C interface. The text names its type and what it says.
+/// A C++ exception left foreign code through its C interface. The message contains its type and its text.
 class ForeignException : public Error {
  public:
   explicit ForeignException(const std::string& text) : Error(ErrorCode::fmu_failed, text) {}
 };
 
-/// Within a catch block: "threw std::runtime_error (it diverged) through its C interface".
+/// Call it in a catch block. Returns "threw std::runtime_error (it diverged) through its C interface".
 std::string escaped_exception_text();
 
-/// Foreign code is ending the thread that called it, which cannot be stopped: fails the runs that are busy, and ends
-/// the process.
+/// Foreign code is ending the thread that called it, which cannot be prevented: fails the busy runs and ends the
+/// process.
 [[noreturn]] void end_with_thread();
 
-/// Calls foreign code, and returns what `work` returns. Nothing but a return comes out of the call: an exception
-/// becomes a ForeignException, a forked copy of the process is ended, and the end of the thread is the end of the
-/// process. Inlined, because a call with arguments in memory costs as much as a small FMU's step.
+/// Calls foreign code and returns the result of `work`. The call can end only by a return: an exception becomes a
+/// ForeignException, a forked copy of the process is ended, and the end of the thread ends the process. Inlined,
+/// because passing arguments in memory costs as much as a small FMU's step.
 template <typename Work>
 [[gnu::always_inline]] inline std::invoke_result_t<Work&> call_foreign(Work work) {
   try {
@@ -49,12 +49,12 @@ template <typename Work>
   }
 }
 
-/// How a thread computes: rounding, which exceptions trap, what becomes of tiny numbers (MXCSR without its sticky
-/// flags, x87 control word). Any library can change it for whoever computes in the thread after it. On other machines
-/// than x86-64 all are equal, and nothing is changed.
+/// The floating-point environment of a thread: rounding, trapped exceptions, flushing of denormals (MXCSR without its
+/// sticky flags, x87 control word). Any library can change it for later code on the thread. On machines other than
+/// x86-64 all objects are equal, and nothing is changed.
 struct FloatEnvironment {
   std::uint32_t mxcsr = 0x1f80;
-  std::uint16_t x87 = 0x037f;  ///< both: IEEE 754 to nearest, no traps
+  std::uint16_t x87 = 0x037f;  ///< default of both: IEEE 754 to nearest, no traps
 
 #if defined(__x86_64__)
   static FloatEnvironment now() {
@@ -77,7 +77,7 @@ struct FloatEnvironment {
   bool operator==(const FloatEnvironment&) const = default;
 };
 
-/// How `found` differs from `wanted`: "rounding upward, denormals are flushed to zero".
+/// Describes how `found` differs from `wanted`: "rounding upward, denormals are flushed to zero".
 std::string difference_text(const FloatEnvironment& found, const FloatEnvironment& wanted);
 
 }  // namespace mebots::master

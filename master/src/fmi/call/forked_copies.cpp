@@ -26,10 +26,10 @@ constinit std::atomic<char>* detail::original = &always_original;
 
 namespace {
 
-/// How long copies that still run are waited for: what they do before they come back takes less.
+/// The time to wait for copies that still run: longer than what they do before they return.
 constexpr int kGraceMs = 100;
 
-/// A copy may not lock anything: it has only the thread that forked.
+/// A copy must not lock anything, because it consists of the forking thread only.
 std::array<std::atomic<int>, ForkedCopies::kMost>& write_ends() {
   static auto& all = *[] {
     auto* const made = new std::array<std::atomic<int>, ForkedCopies::kMost>;
@@ -39,7 +39,7 @@ std::array<std::atomic<int>, ForkedCopies::kMost>& write_ends() {
   return all;
 }
 
-/// A page of memory that a forked process finds zeroed. Null if the system has none.
+/// Returns a page of memory that the kernel zeroes in forked processes. Null if the system has none.
 void* page_wiped_on_fork() {
   constexpr std::size_t kBytes = 4096;
   void* const page = mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
@@ -49,7 +49,7 @@ void* page_wiped_on_fork() {
   return nullptr;
 }
 
-/// In the copy, on the thread that forked.
+/// Runs in the copy, on the thread that forked.
 void after_fork() {
   const auto call = current_call();
   if (call.instance == nullptr && call.library == nullptr) detail::original->store(1, std::memory_order_relaxed);
@@ -112,7 +112,7 @@ void ForkedCopies::close_end(int& end) {
 }
 
 std::optional<std::string> ForkedCopies::returned() {
-  close_end(write_end_);  // now copies alone hold it: without any, there is nothing to wait for
+  close_end(write_end_);  // now only copies hold it; without copies the read ends at once
   pollfd reports{read_end_, POLLIN, 0};
   if (read_end_ < 0 || poll(&reports, 1, kGraceMs) <= 0) return std::nullopt;
   std::array<char, 1024> text;

@@ -5,14 +5,14 @@
 #include <optional>
 #include <string>
 
-/// An FMU may fork helpers, which end or replace themselves. A forked copy that returns from the FMU's call would do
-/// the rest of the run a second time. It is ended there, and the original process learns of it.
+/// An FMU may fork helpers that exit or call exec(). If a forked copy returns from the FMU's call instead, it would
+/// execute the rest of the run a second time. Such a copy is ended, and the original process gets a report.
 namespace mebots::master {
 
-/// Receives the reports of copies that this process's FMUs forked and that came back, as long as this lives.
+/// During its lifetime, receives reports of forked copies that returned from calls to this process's FMUs.
 class ForkedCopies {
  public:
-  /// At most this many receive reports at a time.
+  /// The maximum number of receivers at a time.
   static constexpr int kMost = 256;
 
   ForkedCopies();
@@ -20,8 +20,8 @@ class ForkedCopies {
   ForkedCopies(const ForkedCopies&) = delete;
   ForkedCopies& operator=(const ForkedCopies&) = delete;
 
-  /// Returns the report of the first copy that came back; nothing if none did. If copies still run, waits for a moment.
-  /// To be called once, after the last call to an FMU that may fork.
+  /// Returns the report of the first copy that returned, or empty. Waits briefly if copies still run. Call it once,
+  /// after the last call to an FMU that may fork.
   std::optional<std::string> returned();
 
  private:
@@ -33,12 +33,12 @@ class ForkedCopies {
 };
 
 namespace detail {
-/// The kernel sets it to 0 in a forked copy of the process. A copy that was not forked in a call to an FMU, so by the
-/// program around, sets it again.
+/// The kernel sets it to 0 in a forked copy of the process. A copy that the embedding program forked, outside of a call
+/// to an FMU, sets it again.
 extern std::atomic<char>* original;
 }  // namespace detail
 
-/// Before the first call to an FMU. From any thread.
+/// Call it before the first call to an FMU. From any thread.
 void detect_forked_copies();
 
 /// Returns true in a process that was forked in a call to an FMU.
@@ -46,7 +46,7 @@ inline bool is_forked_copy() noexcept {
   return detail::original->load(std::memory_order_relaxed) == 0;
 }
 
-/// Reports the copy, with the call that it came back from, to the original process and on standard error. Ends it.
+/// Reports the copy and the call from which it returned to the original process and on standard error. Ends the copy.
 [[noreturn]] void end_forked_copy() noexcept;
 
 }  // namespace mebots::master

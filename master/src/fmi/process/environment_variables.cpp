@@ -30,7 +30,7 @@ std::string shown_value(const char* entry) {
   return fmt::format("'{}{}'", value.substr(0, kLongestValue), value.size() > kLongestValue ? "..." : "");
 }
 
-/// Entries of the environment by name. Of two with one name, getenv() finds the first.
+/// Returns the environment's entries by name. If a name occurs twice, the first counts, as in getenv().
 std::map<std::string, char*, std::less<>> entries_by_name() {
   std::map<std::string, char*, std::less<>> entries;
   if (environ == nullptr) return entries;
@@ -77,14 +77,14 @@ std::vector<std::string> EnvironmentVariables::restore() const {
     } else if (before.text != entry) {
       texts.push_back(fmt::format("environment variable {} became {} (put back)", name, shown_value(entry)));
     }
-    // An entry of the same text may lie in memory of the FMU.
+    // An entry with the same text may be in the FMU's memory.
     setenv(name.c_str(), std::string(value_of(before.text)).c_str(), 1);
   }
   for (const auto& [name, entry] : now) {
     texts.push_back(fmt::format("environment variable {} became {} (removed again)", name, shown_value(entry)));
     unsetenv(name.c_str());
   }
-  tzset();  // the C library keeps what TZ said
+  tzset();  // the C library caches TZ
   shorten(texts);
   return texts;
 }

@@ -178,9 +178,9 @@ constexpr auto kFunctions = std::to_array<ProcessFunction>({
     {"_ZSt5wclog", kStreams, undone},
 });
 
-/// FMUs that import these may be clean: each instance closes what it opened.
+/// FMUs that import these can still be clean if each instance closes what it opened.
 constexpr auto kClosing = std::to_array<std::string_view>({"close", "close_range", "closefrom", "fclose", "fcloseall"});
-/// By these a library finds functions that it does not import.
+/// With these a library can find functions that it does not import.
 constexpr auto kFinding = std::to_array<std::string_view>({"dlsym", "dlvsym", "dlopen", "dlmopen"});
 
 constexpr auto kReadable = std::to_array<std::pair<std::string_view, std::string_view>>({
@@ -205,9 +205,9 @@ constexpr auto kReadable = std::to_array<std::pair<std::string_view, std::string
 });
 
 void renew_random_numbers() {
-  constexpr unsigned kFirstSeed = 1;         // POSIX: as if srandom(1) had been called
-  static std::array<char, 128> state;        // the size of the state that a process starts with
-  static std::array<char, 128> other_state;  // while `state` is written
+  constexpr unsigned kFirstSeed = 1;         // POSIX: the default, as after srandom(1)
+  static std::array<char, 128> state;        // size of the default state
+  static std::array<char, 128> other_state;  // active while `state` is written
   initstate(kFirstSeed, other_state.data(), other_state.size());
   initstate(kFirstSeed, state.data(), state.size());
   std::array<unsigned short, 3> zeros{};
@@ -240,7 +240,7 @@ void renew_c_library() {
   renew_random_numbers();
   static char nothing[] = "";
   static_cast<void>(std::strtok(nothing, " "));
-  optind = 0;  // the GNU library then starts from the beginning
+  optind = 0;  // makes the GNU library start from the beginning
   static_cast<void>(std::mblen(nullptr, 0));
   static_cast<void>(std::mbtowc(nullptr, nullptr, 0));
   [[maybe_unused]] const int depends_on_shift = std::wctomb(nullptr, L'\0');

@@ -55,8 +55,8 @@ std::optional<File> file_behind(int descriptor) {
   return File{status.st_dev, status.st_ino};
 }
 
-/// True for a connection to a peer in the network, such as a browser at the live page: the server closes it when the
-/// peer leaves.
+/// True for a connection to a network peer, such as a browser at the live page; the server closes it when the peer
+/// disconnects.
 bool is_connection(int descriptor) {
   const auto option = [descriptor](int name) {
     int value = -1;
@@ -79,13 +79,13 @@ Handlers current_handlers() {
   return handlers;
 }
 
-/// False for the default action, and where the handler's code was unloaded.
+/// False for the default action, and if the handler's code was unloaded.
 bool is_code(const struct sigaction& action) {
   Dl_info info{};
   return dladdr(reinterpret_cast<const void*>(action.sa_handler), &info) != 0;
 }
 
-/// The signals by which a user ends a run.
+/// True for the signals with which a user ends a run.
 bool ends_a_run(int signal) {
   return signal == SIGINT || signal == SIGTERM || signal == SIGHUP;
 }

@@ -21,31 +21,33 @@ namespace mebots::master {
 /// By signal.
 using Handlers = std::map<int, struct sigaction>;
 
-/// Open descriptors, and the file that each leads to.
+/// Open descriptors with device and inode of their files.
 using OpenFiles = std::map<int, std::pair<dev_t, ino_t>>;
 
-/// Returns the open descriptors of this process, without connections of the network, which end without an FMU.
+/// Returns the open descriptors of this process. Leaves out network connections, because they can end without an FMU's
+/// action.
 OpenFiles open_files();
-/// Returns those of input, output and errors.
+/// Returns the descriptors of standard input, output and error.
 OpenFiles standard_files();
 
 /// Descriptors that must stay open. Keeps a copy of the standard three.
 class DescriptorState {
  public:
-  /// Watches the descriptors in `files` that still lead to the same file; others may be closed by their owners.
+  /// Watches the descriptors in `files` that still refer to the same file; the others may have been closed by their
+  /// owners.
   explicit DescriptorState(const OpenFiles& files);
   ~DescriptorState();
   DescriptorState(const DescriptorState&) = delete;
   DescriptorState& operator=(const DescriptorState&) = delete;
 
-  /// Appends one text for each descriptor that is closed or leads to another file. Puts back the standard three.
+  /// Appends a text for each descriptor that is closed or refers to another file. Restores the standard three.
   void put_right(std::vector<std::string>& texts) const;
 
  private:
-  static constexpr int kStandard = 3;  // descriptors of input, output and errors
+  static constexpr int kStandard = 3;  // standard input, output and error
 
   OpenFiles files_;
-  std::array<int, kStandard> copies_{};  // of the standard descriptors; -1 where there is none
+  std::array<int, kStandard> copies_{};  // of the standard descriptors; -1 if closed
 };
 
 /// What an FMU can change of the thread that calls it: signal mask, alternate signal stack, nice value, scheduling
@@ -58,7 +60,7 @@ class ThreadState {
   /// Appends one text for each difference from the state at construction, and undoes what it can. A change that stays
   /// is reported once in the life of the process. No effect on another thread than the one of the constructor.
   void put_right(std::vector<std::string>& texts) const;
-  /// Returns true if the signal mask is another: a cheap question.
+  /// True if the signal mask differs. Cheap.
   bool is_mask_changed() const;
 
  private:
@@ -81,17 +83,17 @@ class ThreadState {
 /// The kernel lists the latter in /proc/self/timers; if it does not, they are not compared.
 class TimerState {
  public:
-  /// Reads the timers that run.
+  /// Reads the active timers.
   TimerState();
 
-  /// Appends one text for each timer that runs now and did not at construction, or the other way round. If the
-  /// timer's signal would end the process, the timer is stopped. If the signal has a handler, the timer may be how the
-  /// FMU works: it stays, and is reported once in the life of the process.
+  /// Appends a text for each timer that was started or stopped since construction. If the timer's signal would end the
+  /// process, stops the timer. If the signal has a handler, the FMU may need the timer: it continues, and is reported
+  /// once in the life of the process.
   void put_right(std::vector<std::string>& texts) const;
 
  private:
   static constexpr std::array kInterval = {ITIMER_REAL, ITIMER_VIRTUAL, ITIMER_PROF};
-  /// By the kernel's number: the signal of each timer.
+  /// Signal of each timer, by the kernel's timer number.
   using Created = std::map<int, int>;
 
   static Created created();
@@ -122,17 +124,18 @@ class EnvironmentVariables {
   std::vector<Entry> entries_;
 };
 
-/// What an FMU in this process can change for all code in it: descriptors, mask of file modes, working directory,
+/// The process-wide state that an FMU in this process can change: descriptors, file mode mask, working directory,
 /// locale, environment variables, limits, signal handlers, timers; and for the calling thread, see ThreadState. Such a
 /// change alters what the other FMUs and the master compute or write. Not for use by two threads at once.
 class ProcessState {
  public:
-  /// Reads the state, as far as `reach` says that it can change. Of the open descriptors, see DescriptorState.
+  /// Reads the parts that can change according to `reach`. For the open descriptors see DescriptorState.
   explicit ProcessState(const OpenFiles& files = open_files(), ProcessReach reach = ProcessReach::everything);
 
-  /// Returns one text for each difference: "the mask of file modes became 000 (put back to 022)". Puts back what it
-  /// can. Descriptors stay, except the standard three. Signal handlers stay, since the FMU may need them, except those
-  /// that end a run (SIGINT, SIGTERM, SIGHUP). A change that stays is reported once in the life of the process.
+  /// Restores what it can. Returns a text per difference: "the mask of file modes became 000 (put back to 022)". Does
+  /// not restore descriptors, except the standard three. Does not restore signal handlers, since the FMU may need them,
+  /// except those that end a run (SIGINT, SIGTERM, SIGHUP). A remaining change is reported once in the life of the
+  /// process.
   std::vector<std::string> put_right() const;
   /// Returns true if the calling thread blocks other signals. Costs one system call.
   bool is_mask_changed() const { return rest_ && rest_->thread.is_mask_changed(); }
@@ -141,7 +144,7 @@ class ProcessState {
   static constexpr std::array kLimits = {RLIMIT_AS,    RLIMIT_CORE,   RLIMIT_CPU,  RLIMIT_DATA,
                                          RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_STACK};
 
-  /// Everything but descriptors.
+  /// Everything except descriptors.
   struct Rest {
     Rest();
     void put_right(std::vector<std::string>& texts) const;
@@ -165,8 +168,8 @@ class ProcessState {
 /// Returns the signal handlers that are code of a loaded library or of the program.
 Handlers handlers_in_libraries();
 
-/// If the code of a handler among `before` was unloaded since: its signal gets the default action again, and the timers
-/// that send it stop.
+/// If the code of a handler in `before` has been unloaded, restores its signal's default action and stops the timers
+/// that send it.
 void reset_unloaded_handlers(const Handlers& before);
 
 /// Returns true for the first call with this text in the life of the process: a change that stays is reported once.

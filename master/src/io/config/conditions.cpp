@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sections `stop_when` and `outcomes`.
+// Reads the sections `stop_when` and `outcomes`.
 #include "sections.hpp"
 
 namespace mebots::master::config {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A config is a list of sections; each has its reader in config/. A new section is a line in the table below,
-// a reader in a file of its own, and a property in configs/schemas/mebots-config.schema.json. Or it is another config
-// with changes: variant.hpp.
+// A config is a list of sections, each with a reader in config/. To add a section, add a row to the table below, a
+// reader in its own file, and a property in configs/schemas/mebots-config.schema.json. A config can also be a variant:
+// changes to another config (variant.hpp).
 #include "io/config/load_system.hpp"
 #include "io/fmu_archive.hpp"
 #include "io/osp/osp.hpp"
@@ -32,7 +32,7 @@ struct Section {
   bool names_instances = false;
 };
 
-// In the order of reading, which is not that of the file: a reader may count on those before it.
+// In the order of reading, which differs from that of the file: a reader may use the sections before it.
 constexpr Section kSections[] = {
     {"$schema", false, &config::read_text},
     {"text", false, &config::read_text},
@@ -66,8 +66,8 @@ void refuse_archive(std::string_view text, const std::filesystem::path& file) {
                   file.string()));
 }
 
-/// Puts a text together as ordered_json::parse() does, but looks for no earlier member of the same name at every one:
-/// with 100,000 members that would take 10 s. The data layer refuses names that stand twice.
+/// Builds JSON as ordered_json::parse() does, but does not search for an earlier member of the same name at every
+/// member: with 100,000 members that would take 10 s. The data layer rejects duplicate names.
 class OrderedBuilder : public nlohmann::json_sax<nlohmann::ordered_json> {
  public:
   using Json = nlohmann::ordered_json;
@@ -115,7 +115,7 @@ class OrderedBuilder : public nlohmann::json_sax<nlohmann::ordered_json> {
   }
 
   Json root_;
-  std::vector<Json*> open_;  // a container moves only when its parent gets another member, and then it is closed
+  std::vector<Json*> open_;  // a container moves only if its parent gets another member, and then it is closed
   std::string key_;
 };
 
@@ -149,7 +149,7 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   bool has_instances = true;
   for (const auto& section : kSections) {
     const auto read = [&](const data::Node& node) {
-      // Without instances, every name in the other sections would be a mistake.
+      // If the instances are missing, every name in other sections would be reported.
       if (has_instances || !section.names_instances) section.read(node, system);
     };
     if (section.required) {
@@ -162,7 +162,7 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   object.finish();
 }
 
-/// FMI's texts are UTF-8. A path, and so a value made of one, may hold any bytes.
+/// FMI's texts are UTF-8. A path, and a value made from one, may contain any bytes.
 void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
   if (json.is_string() && !is_utf8(json.get_ref<const std::string&>())) {
     throw InputError(ErrorCode::syntax_error, fmt::format("{}: a text in it is not UTF-8", file));
@@ -174,7 +174,7 @@ void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
   }
 }
 
-/// Reads JSON that was put together here. `places` says where its parts come from.
+/// Reads generated JSON. `places` contains the origins of its parts.
 void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<std::string, std::string> places) {
   require_utf8(loaded.config, file);
   data::JsonDocument::of(loaded.config, file, std::move(places)).read([&](const data::Node& root) {
@@ -182,7 +182,7 @@ void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<st
   });
 }
 
-/// `loaded.config` is the variant's; then it is the whole.
+/// On entry, `loaded.config` is the variant's; on return, the whole config.
 void read_extended(LoadedSystem& loaded, const std::string& file, const std::string& base, const GivenTimes& times) {
   const auto base_file = std::filesystem::path(file).parent_path() / base;
   if (!is_there(base_file)) {
@@ -200,11 +200,11 @@ void read_extended(LoadedSystem& loaded, const std::string& file, const std::str
   auto extended = ordered_json(text);
   auto places = config::places_of(loaded.config, extended);
   loaded.config = give(config::merged(std::move(extended), loaded.config), times);
-  loaded.system.source += text;  // both make the inputs of a run
+  loaded.system.source += text;  // both texts determine the inputs of a run
   read_made_config(loaded, file, std::move(places));
 }
 
-/// True to return the JSON of the config, too, which takes longer.
+/// With `yes`, also returns the JSON of the config, which takes longer.
 enum class WithJson : std::uint8_t { yes, no };
 
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {
@@ -240,7 +240,7 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
   read_made_config(loaded, file, std::move(ssp.places));
 }
 
-/// The source leaves out the FMU's folder: the hash of a run's inputs contains the FMU's bytes.
+/// Leaves out the FMU's folder: the hash of a run's inputs contains the FMU's bytes.
 void read_single_fmu(LoadedSystem& loaded, const std::filesystem::path& file, const GivenTimes& times) {
   auto& system = loaded.system;
   loaded.config = config::single_fmu_config(file, read_fmu_description(file), times, system.notices);
@@ -288,7 +288,8 @@ void config::check(const std::filesystem::path& file) {
 
 void config::check_scenario(const std::filesystem::path& file) {
   SystemDescription system;
-  system.start_time_ns = -static_cast<std::int64_t>(kLongestTimeS) * kNanosecondsPerSecond;  // it is not known
+  system.start_time_ns = -static_cast<std::int64_t>(kLongestTimeS) * kNanosecondsPerSecond;  // the start time is not
+                                                                                             // known
   data::Document(file).read(
       [&](const data::Node& root) { read_scenario_file(root, system, std::filesystem::absolute(file).parent_path()); });
 }

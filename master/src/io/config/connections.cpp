@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The section `connections`.
-// The section `inputs`: files whose columns are the sources of free inputs.
+// Reads the section `connections`, and the section `inputs`: files whose columns are the sources of unconnected inputs.
 #include "io/config/load_system.hpp"
 #include "mebots/file_kind.hpp"
 #include "sections.hpp"
@@ -62,7 +61,7 @@ SignalColumn read_target(const Node& node, const std::string& column, const Syst
   return target;
 }
 
-/// A column goes to one input or to several.
+/// A column feeds one input or several.
 std::vector<SignalColumn> read_columns(const Node& node, const SystemDescription& system) {
   std::vector<SignalColumn> columns;
   for (const auto& [column, value] : node.members()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The section `instances`: a table of the keys of one instance, each with its own reader.
+// Reads the section `instances` by a table of the keys of an instance, each with its own reader.
 #include "io/config/load_system.hpp"
 #include "io/find_fmu.hpp"
 #include "model/sandbox_mechanisms.hpp"
@@ -15,15 +15,15 @@
 namespace mebots::master::config {
 namespace {
 
-/// What the reader of a key may use in addition to its instance.
+/// The data that the reader of a key may use in addition to its instance.
 struct Surroundings {
-  const SystemDescription& system;  // with the sections and instances before it
+  const SystemDescription& system;  // contains the sections and instances before this one
   FmuSearch& fmus;
 };
 
 using ReadKey = void (*)(const Node&, InstanceDescription&, const Surroundings&);
 
-/// `others`: the names before it.
+/// `others` holds the names before this one.
 void check_name(const std::string& name, const Node& node, const std::set<std::string, std::less<>>& others) {
   if (name.empty()) node.complain(ErrorCode::invalid_value, "an instance needs a name");
   const auto complain = [&](std::string_view longer, std::string_view shorter) {
@@ -117,7 +117,7 @@ void read_pass_stop_time(const Node& node, InstanceDescription& instance, const 
   instance.pass_stop_time = node.flag();
 }
 
-/// A number, or `false` for none.
+/// Reads a number, or `false` for none.
 void read_tolerance(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
   if (node.is(data::Kind::boolean)) {
     if (node.flag()) node.fail(ErrorCode::invalid_value, "write a number above 0, or false to pass no tolerance");
@@ -150,7 +150,7 @@ constexpr Key kKeys[] = {
     {"fmu", true, &read_fmu},
     {"parameters", false, &read_parameters},
     {"step", false, &read_step_multiple},
-    {"process", false, &read_process},  // before those that need one of its own
+    {"process", false, &read_process},  // before the keys that require a separate process
     {"deadline", false, &read_deadline},
     {"memory_limit_mb", false, &read_memory_limit},
     {"sandbox", false, &read_sandbox},
@@ -188,7 +188,7 @@ void read_instances(const Node& node, SystemDescription& system) {
     instance.name = name;
     instance.place = member.place();
     member.attempt([&, &member = member] { read_instance(member, instance, {system, fmus}); });
-    system.instances.push_back(std::move(instance));  // mistaken ones, too: others name them
+    system.instances.push_back(std::move(instance));  // also invalid ones, because other sections name them
   }
   if (system.instances.empty()) {
     node.fail(ErrorCode::invalid_value, "there is nothing to simulate; name at least one instance");

@@ -19,7 +19,7 @@
 /// Reads a SystemDescription from files.
 namespace mebots::master {
 
-/// Times [s] that replace those of the file, or that the file lacks.
+/// Times [s] that replace those of the file or that the file lacks.
 struct GivenTimes {
   std::optional<WrittenTime> step;
   std::optional<double> stop_time_s;
@@ -34,15 +34,15 @@ struct LoadedSystem {
 /// Reads a system from a config file, an FMU alone (`.fmu`), an SSP (`.ssp`, `.ssd`, or the folder of one) or an
 /// OspSystemStructure.xml. Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
 LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times = {});
-/// The same without the JSON, which is faster.
+/// As load_system(), without the JSON, which is faster.
 SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});
 
-/// load_system() for text in memory. `file` names it in messages; paths of FMUs are relative to it.
+/// As load_system(), for text in memory. Messages name it `file`; paths of FMUs are relative to `file`.
 namespace config {
 
 /// Reads a config file without opening its FMUs. Throws data::Mistakes with all errors.
 void check(const std::filesystem::path& file);
-/// The same for a scenario file, whose instances are unknown.
+/// As check(), for a scenario file, whose instances are unknown.
 void check_scenario(const std::filesystem::path& file);
 
 LoadedSystem load_text(std::string text, const std::filesystem::path& file);
@@ -54,7 +54,7 @@ void make_signal_paths_absolute(nlohmann::ordered_json& config, const SystemDesc
 
 }  // namespace config
 
-/// The forms in which a system can be described.
+/// The forms of a system's description.
 enum class SystemForm {
   config,  ///< JSON
   fmu,     ///< an FMU alone, `.fmu`: the system of this one instance
@@ -76,18 +76,18 @@ SystemFile find_system(const std::filesystem::path& path);
 /// True if the name alone shows a file or folder that find_system() accepts; false for an FMU.
 bool may_be_system(const std::filesystem::path& path);
 
-/// Returns the system's name: the folder of an unpacked SSP or of an OSP system whose file has the usual name, else the
-/// file's name without its extension.
+/// Returns the system's name. If the file of an unpacked SSP or of an OSP system has the usual name, this is the name
+/// of its folder; else that of the file without extension.
 std::string system_name(const std::filesystem::path& path);
 
 }  // namespace mebots::master
 
 namespace mebots::master::config {
 
-/// Returns the config of a run of an FMU alone: one instance, named after the file. Times come from `times`, else from
-/// the FMU's DefaultExperiment, else they run from 0 s to 1 s after the start in 500 steps. A stop time of the
-/// DefaultExperiment is rounded down to a whole number of steps. Records the outputs, or the local variables of an FMU
-/// that has no outputs. `notices` gets the values and where they come from. Throws InputError.
+/// Returns the config of a run of a single FMU: one instance, named after the file. Times come from `times`, else from
+/// the FMU's DefaultExperiment, else 500 steps from 0 s to 1 s after the start. Rounds a stop time of the
+/// DefaultExperiment down to a whole number of steps. Records the outputs, or the local variables if there are none.
+/// Appends the values and their origins to `notices`. Throws InputError.
 nlohmann::ordered_json single_fmu_config(const std::filesystem::path& fmu,
                                          const modeldesc::ModelDescription& description, const GivenTimes& times,
                                          std::vector<std::string>& notices);
@@ -102,8 +102,8 @@ std::string apply_scenario(SystemDescription& system, const std::filesystem::pat
 
 }  // namespace mebots::master
 
-/// A config that changes another one: `{"extends": "gate_hard.json", "changes": {...}}`. RFC 7396 (JSON merge patch)
-/// applies: objects are merged member by member, null removes a member, all else is replaced.
+/// A config that changes another one: `{"extends": "gate_hard.json", "changes": {...}}`. JSON merge patch (RFC 7396)
+/// applies: objects are merged member by member, null removes a member, everything else is replaced.
 namespace mebots::master::config {
 
 inline constexpr const char* kExtends = "extends";
@@ -115,23 +115,23 @@ std::string read_variant(const data::Node& root);
 /// Returns the merged config. The variant's `text` replaces that of the base.
 nlohmann::ordered_json merged(nlohmann::ordered_json base, const nlohmann::ordered_json& variant);
 
-/// Returns the file of each part of the merged config, for data::Document. `base`: the extended file's content.
+/// Returns the file of each part of the merged config, for data::Document. `base` is the extended file's content.
 std::map<std::string, std::string> places_of(const nlohmann::ordered_json& variant, const nlohmann::ordered_json& base);
 
 }  // namespace mebots::master::config
 
 namespace mebots::master {
 
-/// The JSON schema (draft 2020-12) of a kind of file, as configs/schemas/mebots-<kind>.schema.json ships it.
+/// The JSON schema (draft 2020-12) of a kind of file, identical to configs/schemas/mebots-<kind>.schema.json.
 struct Schema {
   std::string_view kind;  // "config"
   std::string_view text;
 };
 
-/// One for each kind of file, in the order of the alphabet. Lives as long as the program.
+/// Returns the schemas of all kinds of file, sorted by name. Valid as long as the program.
 std::span<const Schema> schemas();
 
-/// The keys that the reader of configs knows: of a config, and of one of its instances.
+/// Return the keys that the reader of configs accepts: of a config, and of an instance.
 std::vector<std::string> config_keys();
 std::vector<std::string> instance_keys();
 

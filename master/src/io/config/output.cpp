@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The section `record`.
-// The section `pictures`.
-// The section `log`.
-// The section `view`: what the page of a run shows first.
-// The section `summary`: labels, which may be nested, to variables, or to variables with conditions.
+// Reads the sections `record`, `pictures` and `log`; the section `view`: what a run's page shows first; and the section
+// `summary`: labels, possibly nested, for variables or for variables with conditions.
 #include "sections.hpp"
 
 namespace mebots::master::config {
@@ -15,7 +12,7 @@ std::vector<RecordPattern> read_patterns(const Node& node) {
   })(node);
 }
 
-/// `true` for all, or patterns.
+/// Reads `true` for all, or patterns.
 std::vector<RecordPattern> read_recorded_parameters(const Node& node) {
   if (!node.is(data::Kind::boolean)) return read_patterns(node);
   return node.flag() ? std::vector<RecordPattern>{{"*", node.place()}} : std::vector<RecordPattern>{};
@@ -137,7 +134,7 @@ ConditionDescription read_final_condition(const Node& node, const SystemDescript
   return condition;
 }
 
-/// A value that means something only when the run came to a point where it was measured.
+/// Reads a value that is valid only if the run reached a point at which it was measured.
 SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& path, const SystemDescription& system) {
   Object object(node);
   SummaryEntry entry{path, {}, {}, node.place()};
@@ -153,7 +150,7 @@ bool is_conditional(const Node& node) {
   return node.has("variable") && when && when->is(data::Kind::list);
 }
 
-// Recursive: the document bounds the depth.
+// Recursive: the document limits the depth.
 void read_labels(const Node& node, const std::vector<std::string>& path, SystemDescription& system) {
   for (const auto& [label, value] : node.members()) {
     value.attempt([&, &label = label, &value = value] {

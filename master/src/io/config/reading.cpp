@@ -40,14 +40,14 @@ VariableName variable_name(const Node& node, const SystemDescription& system) {
     return {};
   }
   const auto instance = text.substr(0, dot);
-  // A scenario that is looked at alone: nobody knows what its instances will be.
+  // A scenario that is checked alone has no instances to compare with.
   if (!system.instances.empty()) static_cast<void>(instance_name(instance, node, system));
   return {instance, text.substr(dot + 1)};
 }
 
 std::string instance_name(const std::string& name, const Node& node, const SystemDescription& system) {
   if (system.find_instance(name) != nullptr) return name;
-  // To look for the nearest of 100,000 names takes a while: not for mistakes that nobody gets to see.
+  // Searching the nearest of 100,000 names is slow; do it only for the mistakes that are shown.
   constexpr std::size_t kAnswered = 20;
   auto what = fmt::format("there is no instance '{}'", name);
   if (node.noted() < kAnswered) what += ". " + suggest(name, system.instance_names());

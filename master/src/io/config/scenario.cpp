@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The section `scenario`.
+// Reads the section `scenario`.
 #include "sections.hpp"
 
 #include <fmt/format.h>
@@ -45,7 +45,7 @@ void read_action(Object& object, OverrideDescription& override) {
   }
 }
 
-/// A key that one action needs and no other knows.
+/// Reads a key that one action requires and all others reject.
 template <typename T, typename Reader>
 void read_with(Object& object, std::string_view key, T& into, bool wanted, std::string_view action,
                const Reader& reader) {
@@ -95,7 +95,7 @@ OverrideDescription read_override(const Node& node, const SystemDescription& sys
   object.read("variable", override.variable, variable_of(system));
   read_action(object, override);
   object.read_if("unit", override.unit, &Node::readable_text);
-  // Noise without a seed could not be repeated.
+  // Without a seed, noise would not be reproducible.
   read_with(object, "seed", override.seed, override.action == OverrideAction::noise, "noise", &Node::natural_number);
   read_with(object, "over", override.over_ns, override.action == OverrideAction::ramp, "ramp", &duration_ns);
   read_file_of_signal(object, folder, override);

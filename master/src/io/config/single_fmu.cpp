@@ -20,20 +20,20 @@ constexpr std::int64_t kDefaultSteps = 500;
 constexpr const char* kByDefault = "by default";
 constexpr const char* kByFmu = "DefaultExperiment of the FMU";
 
-/// A time and where it comes from.
+/// A time and its origin.
 struct Origin {
   ExactTime time;
   std::string text;
 };
 
-/// The time of a DefaultExperiment, if it is one that a run can have: exact, or rounded to nanoseconds.
+/// Returns the time of a DefaultExperiment, exact or rounded to nanoseconds; empty if a run cannot have this time.
 std::optional<ExactTime> usable(std::optional<double> time_s) {
   if (!time_s || !std::isfinite(*time_s) || std::abs(*time_s) > kLongestTimeS) return std::nullopt;
   if (const auto time = exact_time(*time_s)) return time;
   return exact_time_of(std::llround(*time_s * 1e9));
 }
 
-/// Returns a time that the user gave. Throws InputError if it is not exact.
+/// Returns a time given by the user. Throws InputError if it is not exact.
 ExactTime given(const WrittenTime& written, const char* option) {
   const auto* seconds = std::get_if<double>(&written);
   const auto time = seconds != nullptr ? exact_time(*seconds) : read_ratio(std::get<std::string>(written));

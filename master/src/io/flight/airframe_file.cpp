@@ -27,7 +27,7 @@ bool is_path(std::string_view name) {
   return name.ends_with(".json") || name.find('/') != std::string_view::npos;
 }
 
-/// The name of a shipped file, or the path of a file that is there.
+/// Reads the name of a shipped file, or the path of an existing file.
 std::string read_part(const Node& node, const std::filesystem::path& folder) {
   auto name = node.readable_text();
   if (is_path(name) && !is_file(folder / name)) {
@@ -36,7 +36,7 @@ std::string read_part(const Node& node, const std::filesystem::path& folder) {
   return name;
 }
 
-/// How well a value is known.
+/// Reads how well a value is known.
 std::string read_knowledge(const Node& node) {
   const std::vector<std::string> known = {"measured", "stated", "derived", "fitted", "assumed"};
   auto word = node.text();

@@ -14,21 +14,21 @@ namespace mebots::master::flight {
 /// of the file.
 nlohmann::ordered_json read_airframe(const std::filesystem::path& file);
 
-/// A signal of a flight log that MEbots knows.
+/// A signal of a flight log that MEbots supports.
 struct LogSignal {
   std::string_view name;
   std::string_view unit;
 };
 
-/// All of them. Lives as long as the program.
+/// Returns all supported signals. Valid as long as the program.
 std::span<const LogSignal> log_signals();
 
-/// The factor from a unit of a log to a signal's unit: units that MEbots knows (`mebots units`), and "g0" (standard
+/// Returns the factor from a log's unit to a signal's unit. Accepts the units of `mebots units`, "g0" (standard
 /// gravity) and "1/65535" (a motor value of the Crazyflie's firmware). Throws Error (wrong_unit).
 double log_unit_factor(std::string_view from, std::string_view to);
 
-/// Reads a mapping: which column of a log is which signal. Returns its content. Throws data::Mistakes with all mistakes
-/// of the file.
+/// Reads a mapping from columns of a log to signals. Returns its content. Throws data::Mistakes with all mistakes of
+/// the file.
 nlohmann::ordered_json read_log_mapping(const std::filesystem::path& file);
 
 }  // namespace mebots::master::flight

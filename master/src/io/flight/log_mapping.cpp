@@ -23,7 +23,7 @@ using data::Node;
 using data::Object;
 
 // Frames: world x east, y north, z up; body x forward, y left, z up (docs/architecture.md). battery.current is positive
-// for a discharge, acceleration is the specific force, and attitude turns the body's axes into the world's.
+// for a discharge, acceleration is the specific force, and attitude rotates body axes into world axes.
 constexpr LogSignal kSignals[] = {
     {"motor[1].command", "1"},   {"motor[2].command", "1"},   {"motor[3].command", "1"},   {"motor[4].command", "1"},
     {"rotor[1].speed", "rad/s"}, {"rotor[2].speed", "rad/s"}, {"rotor[3].speed", "rad/s"}, {"rotor[4].speed", "rad/s"},
@@ -34,7 +34,7 @@ constexpr LogSignal kSignals[] = {
     {"rate.y", "rad/s"},         {"rate.z", "rad/s"},
 };
 
-/// A unit of logs that is no product of known units.
+/// A unit of logs that is not a product of known units.
 struct LogUnit {
   std::string_view name;
   std::string_view unit;
@@ -55,7 +55,7 @@ const LogSignal& find_signal(const Node& node) {
   node.fail_unknown("the signal", name, known);
 }
 
-/// A text that names a unit of the same dimension as `unit`.
+/// Reads a text that names a unit of the same dimension as `unit`.
 auto convertible_to(std::string_view unit) {
   return [unit](const Node& node) {
     auto name = node.text();

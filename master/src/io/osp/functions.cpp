@@ -14,7 +14,7 @@ namespace {
 
 using namespace ssp;
 
-/// "in[3][1]" apart: the word before the brackets, and the numbers in them.
+/// "in[3][1]" split into the word before the brackets and the numbers in them.
 struct SignalName {
   std::string_view word;
   std::vector<std::size_t> indices;
@@ -88,7 +88,7 @@ Functions::Signal Functions::parse(pugi::xml_node signal, const Function& functi
   const auto text = file_->required(signal, "name");
   const auto name = split(text);
   const bool is_output = name && name->word == "out";
-  const std::size_t own = !is_output && function.indexed ? 1 : 0;  // indices that choose an input
+  const std::size_t own = !is_output && function.indexed ? 1 : 0;  // number of indices that select an input
   const std::size_t inner = function.is_vector && ends == Ends::variable ? 1 : 0;
   const bool fits = name && (is_output || name->word == "in") && name->indices.size() == own + inner &&
                     (ends == Ends::variable || function.is_vector);

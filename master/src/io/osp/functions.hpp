@@ -17,42 +17,42 @@ struct OspVariable {
   std::string text() const { return simulator + "." + variable; }
 };
 
-/// A function's effect from one source to one variable: the variable gets the sum of factor * from + offset over all
+/// The effect of a function from one source on one variable. The variable is the sum of factor * from + offset over all
 /// links that end at it.
 struct FunctionLink {
   OspVariable from;
   OspVariable to;
   double factor = 1;
   double offset = 0;
-  pugi::xml_node node;  ///< the connection of `to`
+  pugi::xml_node node;  ///< the XML connection that ends at `to`
 };
 
-/// The kind of a connection's end that is not the function.
+/// The kind of the connection's end opposite to the function.
 enum class Ends { variable, group };
 
-/// The <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim a function takes
-/// outputs at a communication point and gives its own at the same point. So a function becomes a part of connections.
-/// Throws InputError that names file, line and element.
+/// The <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim a function reads
+/// outputs at a communication point and provides its own at the same point. Therefore it is converted to parts of
+/// connections. Throws InputError with file, line and element.
 class Functions {
  public:
   explicit Functions(const ssp::XmlFile& file) : file_(&file) {}
 
-  /// `functions` may be null: there are none.
+  /// `functions` may be null if there are none.
   void read(pugi::xml_node functions);
-  /// Joins variables with a <Signal> or <SignalGroup>.
+  /// Connects variables with a <Signal> or <SignalGroup>.
   void connect(pugi::xml_node signal, const std::vector<OspVariable>& variables, Ends ends);
-  /// Returns the effect of all functions, after the last connect(). Each input of a function must be connected.
+  /// Returns the effect of all functions; call it after the last connect(). Each input of a function must be connected.
   std::vector<FunctionLink> links() const;
 
  private:
-  /// `in[i]` and `out` of a function are vectors; those of LinearTransformation and Sum have one element.
+  /// In a VectorSum, `in[i]` and `out` are vectors; in LinearTransformation and Sum they have one element.
   struct Function {
     pugi::xml_node node;
-    bool indexed = false;    // its inputs are in[0], in[1] ..., not in
-    bool is_vector = false;  // its signals have elements, in[0][2] and out[2], and are groups as a whole
+    bool indexed = false;    // its inputs are in[0], in[1] ..., not `in`
+    bool is_vector = false;  // its signals have elements in[0][2] and out[2], and can be connected as groups
     double factor = 1;
     double offset = 0;
-    std::vector<std::vector<OspVariable>> inputs;  // by input and element; no simulator: not connected
+    std::vector<std::vector<OspVariable>> inputs;  // by input and element; an empty simulator means not connected
     struct Target {
       OspVariable variable;
       pugi::xml_node node;

@@ -8,9 +8,9 @@
 namespace mebots::master {
 
 /// Reads an OspSystemStructure.xml of the Open Simulation Platform: simulators, initial values, steps, functions,
-/// connections of variables and of variable groups (<modelName>_OspModelDescription.xml beside the system or the FMU).
-/// The descriptions of the FMUs are read, since OSP leaves it to them which end of a connection is the output. Throws
-/// InputError naming file, line and element.
+/// connections of variables and of variable groups (<modelName>_OspModelDescription.xml in the folder of the system or
+/// of the FMU). Also reads the descriptions of the FMUs, because in OSP they determine which end of a connection is the
+/// output. Throws InputError with file, line and element.
 SspConfig read_osp(const std::filesystem::path& file);
 
 }  // namespace mebots::master

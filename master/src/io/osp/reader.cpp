@@ -51,7 +51,7 @@ class OspReader {
   }
 
  private:
-  /// The bytes of all files are what the run's inputs are known by.
+  /// Adds the bytes to those that identify the run's inputs.
   std::string remember(std::string bytes) {
     bytes_ += bytes;
     return bytes;
@@ -124,7 +124,7 @@ class OspReader {
     return path;
   }
 
-  /// A multiple of the base step. libcosim rounds others down, and so do we.
+  /// Returns a multiple of the base step. Rounds other values down, as libcosim does.
   double step_of(pugi::xml_node node, const std::string& name) {
     const auto step = file_.number(node, "stepSize", 0);
     if (!result_.config.contains("step")) return step;
@@ -138,7 +138,7 @@ class OspReader {
     return multiple * base;
   }
 
-  /// Throws what opening the FMU throws.
+  /// Throws the error of opening the FMU.
   [[noreturn]] void throw_reason(pugi::xml_node node, const std::filesystem::path& path) const {
     try {
       static_cast<void>(read_fmu_description(path));
@@ -243,7 +243,7 @@ class OspReader {
     ends_.push_back(to);
   }
 
-  /// A function computes with numbers as they are, whatever their units.
+  /// A function uses numbers without conversion, whatever their units.
   void connect_through(const osp::FunctionLink& link) {
     for (const auto& [variable, wanted] :
          {std::pair(&link.from, Causality::output), std::pair(&link.to, Causality::input)}) {
@@ -256,7 +256,7 @@ class OspReader {
     if (link.factor != 1) connection["factor"] = link.factor;
     if (link.offset != 0) connection["offset"] = link.offset;
     connection["convert_units"] = false;
-    connection["sum"] = true;  // also a sum of one: the value is computed at the communication points, and held
+    connection["sum"] = true;  // also for a single term: the value is computed at the communication points and held
     add(link.node, std::move(connection), link.to);
   }
 
@@ -278,7 +278,7 @@ class OspReader {
     }
   }
 
-  /// The variables of a group and of the groups in it, in the order of the file.
+  /// Returns the variables of a group and of its nested groups, in the order of the file.
   std::vector<OspVariable> group(pugi::xml_node end) {
     const auto simulator = simulator_of(end);
     const auto name = file_.required(end, "name");

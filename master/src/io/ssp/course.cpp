@@ -13,12 +13,12 @@
 namespace mebots::master::ssp {
 namespace {
 
-/// "1" and "true" are one Boolean.
+/// "1" and "true" are the same Boolean.
 bool is_true(std::string_view text) {
   return text == "true" || text == "1";
 }
 
-/// A source or target as its kind writes it, so that equal ones are equal texts.
+/// Returns a source or target in the canonical form of its kind, so that equal values are equal texts.
 std::string plain(ValueMap::Kind kind, const std::string& text) {
   return kind == ValueMap::Kind::boolean ? (is_true(text) ? "true" : "false") : text;
 }
@@ -45,7 +45,7 @@ void Course::pass(const Transformation& transformation, const std::optional<mode
   if (const auto* map = std::get_if<ValueMap>(&transformation.what)) transform(*map, transformation.place);
 }
 
-/// Something without a unit, such as a system's connector, carries the value on in the unit that it has.
+/// An end without a unit, such as a system's connector, keeps the value's present unit.
 void Course::convert(const std::optional<modeldesc::Unit>& unit, const std::string& place) {
   if (!unit) return;
   if (unit_) {

@@ -48,7 +48,7 @@ void DefinitionsWriter::write(pugi::xml_node root, const std::string& prefix) co
 
 namespace {
 
-/// The item's name for an enumeration.
+/// Returns the item's name for an enumeration.
 std::string start_text(const modeldesc::ModelDescription& model, const StartValue& start) {
   const auto* number = std::get_if<std::int64_t>(&start.value);
   const auto* type = model.type_definition(start.variable->declared_type);
@@ -67,7 +67,7 @@ void write_parameter_set(const ResolvedInstance& instance, pugi::xml_document& d
   set.append_attribute("xmlns:ssv") = "http://ssp-standard.org/SSP1/SystemStructureParameterValues";
   set.append_attribute("xmlns:ssc") = "http://ssp-standard.org/SSP1/SystemStructureCommon";
   set.append_attribute("version") = kWrittenVersion;
-  set.append_attribute("name") = "initialValues";  // Ecos and Vico choose among parameter sets by this name
+  set.append_attribute("name") = "initialValues";  // Ecos and Vico choose a parameter set by this name
   auto parameters = set.append_child("ssv:Parameters");
   DefinitionsWriter definitions;
   const auto& model = *instance.model;

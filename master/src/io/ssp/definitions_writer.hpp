@@ -11,15 +11,15 @@
 
 namespace mebots::master::ssp {
 
-/// <Units> and <Enumerations> of one file: what its variables refer to.
+/// Collects the <Units> and <Enumerations> to which the variables of one file refer.
 class DefinitionsWriter {
  public:
-  /// The name to write for a variable's unit; empty for one that its FMU does not define, or that another FMU defines
-  /// otherwise. `model` must outlive this object.
+  /// Returns the name to write for a variable's unit. Empty if its FMU does not define the unit, or if another FMU
+  /// defines it differently. `model` must outlive this object.
   std::string unit_of(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable);
   void add_enumeration(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable);
 
-  /// Appends the sections that are not empty, with names such as "ssd:Units".
+  /// Appends the sections that are not empty; `prefix` makes names such as "ssd:Units".
   void write(pugi::xml_node root, const std::string& prefix) const;
 
  private:
@@ -27,10 +27,10 @@ class DefinitionsWriter {
   std::map<std::string, const modeldesc::Unit*> units_;
 };
 
-/// Version of the files that are written.
+/// The SSP version of written files.
 inline constexpr const char* kWrittenVersion = "1.0";
 
-/// Fills an SSV file with the start values of an instance, with the units of its FMU.
+/// Fills an SSV file with the start values of an instance and the units of its FMU.
 void write_parameter_set(const ResolvedInstance& instance, pugi::xml_document& document);
 
 }  // namespace mebots::master::ssp

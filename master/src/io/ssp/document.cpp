@@ -18,10 +18,10 @@ namespace {
 constexpr std::string_view kFmu = "application/x-fmu-sharedlibrary";
 constexpr std::string_view kDefinition = "application/x-ssp-definition";
 
-/// The SSDs that are being read, each for a component of the one before.
+/// The SSDs being read, each for a component of the previous one.
 struct Nesting {
   std::vector<std::filesystem::path> open;
-  std::size_t read = 0;  // in all: few files that refer to each other often could ask for any number
+  std::size_t read = 0;  // in total: a few files that refer to each other could otherwise multiply without limit
 };
 
 constexpr std::size_t kMostDefinitions = 10'000;
@@ -141,7 +141,8 @@ class SystemReader {
     return component;
   }
 
-  /// Reads the system of another SSD in place of a component. The component's values come after the system's (5.3.3).
+  /// Reads the system of another SSD in place of a component. The component's values follow those of the system
+  /// (5.3.3).
   Element read_definition(pugi::xml_node node) const {
     const auto path = resolve_uri(source_, file_, node, node.attribute("source").value());
     if (std::ranges::find(nesting_.open, path) != nesting_.open.end()) {
@@ -163,7 +164,7 @@ class SystemReader {
 
   ConnectionEnd read_end(pugi::xml_node node, const char* element, const char* connector,
                          const std::set<std::string>& names) const {
-    // Some tools write an empty name for the system's own connector.
+    // Some tools write an empty element name for the system's own connector.
     ConnectionEnd end{node.attribute(element).value(), file_.required(node, connector)};
     if (!end.element.empty() && !names.contains(end.element)) {
       file_.fail(node, fmt::format("there is no element \"{}\" in this system", end.element));

@@ -9,24 +9,24 @@
 
 namespace mebots::master::ssp {
 
-/// The files of an SSP, by their paths from the folder of its SSD.
+/// The files of an SSP, by their paths relative to the folder of its SSD.
 class Files {
  public:
   virtual ~Files() = default;
 
   virtual bool holds(const std::filesystem::path& path) const = 0;
-  /// The file's bytes. Throws InputError for a file that is not there.
+  /// Returns the file's bytes. Throws InputError if the file does not exist.
   virtual std::string read(const std::filesystem::path& path) const = 0;
-  /// Where the FMU reader finds the file.
+  /// Returns the path for the reader of FMUs.
   virtual std::filesystem::path place(const std::filesystem::path& path) const = 0;
-  /// True if paths may lead out of the SSP. Paths of an archive may not: an archive can come from anybody.
+  /// True if paths may lead out of the SSP. Paths of an archive may not, because archives are not trusted.
   virtual bool is_open() const { return false; }
 };
 
 /// An SSP that is unpacked in a folder.
 class FolderFiles final : public Files {
  public:
-  /// `is_open`: the user unpacked it, so that `../` and absolute paths mean what they say.
+  /// `is_open`: the user unpacked the SSP, so `../` and absolute paths are allowed.
   FolderFiles(std::filesystem::path folder, bool is_open) : folder_(std::move(folder)), is_open_(is_open) {}
 
   bool holds(const std::filesystem::path& path) const override;
@@ -35,7 +35,7 @@ class FolderFiles final : public Files {
     return (folder_ / path).lexically_normal();
   }
   bool is_open() const override { return is_open_; }
-  /// The bytes of all that was read so far, in that order.
+  /// Returns the bytes of all files read so far, in order.
   const std::string& bytes_read() const { return bytes_read_; }
 
  private:
@@ -48,11 +48,11 @@ class FolderFiles final : public Files {
 struct FileUri {
   std::filesystem::path path;
   bool has_backslashes = false;         ///< read as slashes
-  std::optional<std::string> by_proxy;  ///< the host through which the FMU was meant to run
+  std::optional<std::string> by_proxy;  ///< the host on which the FMU was meant to run
 };
 
-/// Returns nullopt for a URI of another scheme. `proxyfmu://host?file=PATH` of the Open Simulation Platform names the
-/// file PATH.
+/// Returns nullopt for a URI of another scheme. `proxyfmu://host?file=PATH` of the Open Simulation Platform refers to
+/// the file PATH.
 std::optional<FileUri> parse_file_uri(std::string_view uri);
 
 }  // namespace mebots::master::ssp

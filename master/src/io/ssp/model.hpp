@@ -14,25 +14,25 @@
 #include <variant>
 #include <vector>
 
-/// The content of an SSP as plain data: its SSD together with the SSV and SSM files that it refers to. No FMU is
-/// read here. Sections are those of SSP 2.0, https://ssp-standard.org.
+/// The content of an SSP as plain data: its SSD with the SSV and SSM files to which it refers. Reads no FMU. Section
+/// numbers are those of SSP 2.0, https://ssp-standard.org.
 namespace mebots::master::ssp {
 
 using Json = nlohmann::ordered_json;
 
-/// <Units> and <Enumerations> of one file, by name: they hold in that file only (4.4.1).
+/// <Units> and <Enumerations> of one file, by name. They are valid in that file only (4.4.1).
 struct Definitions {
   std::map<std::string, modeldesc::Unit, std::less<>> units;
   std::map<std::string, std::vector<modeldesc::EnumerationItem>, std::less<>> enumerations;
 };
 
-/// LinearTransformation: factor * value + offset, after units were converted (4.5.2.1).
+/// LinearTransformation: factor * value + offset, after the conversion of units (4.5.2.1).
 struct Linear {
   double factor = 1;
   double offset = 0;
 };
 
-/// BooleanMappingTransformation and the like: values that no entry names stay as they are (4.5.2.2).
+/// BooleanMappingTransformation and similar: values without an entry are unchanged (4.5.2.2).
 struct ValueMap {
   enum class Kind { boolean, integer, enumeration };
 
@@ -40,7 +40,7 @@ struct ValueMap {
   std::vector<std::pair<std::string, std::string>> entries;  ///< source and target, as written
 };
 
-/// The change of a value by a connection or a parameter mapping; empty for no change.
+/// A change of the value by a connection or a parameter mapping; empty for no change.
 struct Transformation {
   std::variant<std::monostate, Linear, ValueMap> what;
   bool convert_units = true;  ///< false: suppressUnitConversion
@@ -62,18 +62,18 @@ enum class ConnectorKind {
 struct Connector {
   std::string name;
   ConnectorKind kind = ConnectorKind::unspecified;
-  std::optional<modeldesc::Unit> unit;  ///< without base where the file does not define it
+  std::optional<modeldesc::Unit> unit;  ///< without a base if the file does not define it
   std::vector<modeldesc::EnumerationItem> items;
   std::string place;
 };
 
-/// One end of a connection. `element` is empty for a connector of the enclosing system.
+/// An end of a connection. `element` is empty for a connector of the enclosing system.
 struct ConnectionEnd {
   std::string element;
   std::string connector;
 };
 
-/// The order of the ends says nothing about the direction (5.4.2).
+/// The order of the ends does not define the direction (5.4.2).
 struct Connection {
   ConnectionEnd start;
   ConnectionEnd end;
@@ -82,18 +82,18 @@ struct Connection {
   std::string place;
 };
 
-/// A value from a parameter binding, after prefix and parameter mapping gave it its name.
+/// A value from a parameter binding, renamed by prefix and parameter mapping.
 struct Parameter {
   std::string name;  ///< relative to the element that has the binding
   Json value;
-  std::string problem;  ///< why the value cannot be used; empty when it can
+  std::string problem;  ///< why the value cannot be used; empty if it can
   std::optional<modeldesc::Unit> unit;
   Transformation transformation;
-  std::string file;  ///< that holds it, as messages name it
+  std::string file;  ///< the file with the value, as named in messages
   std::string place;
 };
 
-/// A component (an FMU), or a system of further elements.
+/// A component (an FMU) or a system of elements.
 struct Element {
   enum class Kind { component, system };
 
@@ -101,27 +101,27 @@ struct Element {
   std::string name;
   std::string description;
   std::vector<Connector> connectors;
-  std::vector<Parameter> parameters;  ///< of all bindings in their order: later ones win
+  std::vector<Parameter> parameters;  ///< of all bindings in order; later ones take precedence
   std::string place;
-  // component
+  // Members of a component.
   std::filesystem::path fmu;
-  bool in_own_process = false;  ///< it was meant to run behind a proxy
-  std::string fmu_kind;         ///< as a config spells it; empty = any
-  // system
+  bool in_own_process = false;  ///< it was meant to run through a proxy
+  std::string fmu_kind;         ///< in the notation of a config; empty = any
+  // Members of a system.
   std::vector<Element> elements;
   std::vector<Connection> connections;
 };
 
-/// The change of a value along its way: factor * value + offset, or a map.
+/// The change of a value along a chain of connections: factor * value + offset, or a map.
 class Course {
  public:
-  /// `unit`: of the value at the start; nothing where it has none. `difference`: of two values (relativeQuantity), so
-  /// that a unit's offset falls out.
+  /// `unit` is that of the value at the start, or empty. `difference`: the value is a difference of two
+  /// (relativeQuantity), so a unit's offset does not apply.
   explicit Course(std::optional<modeldesc::Unit> unit, bool difference = false)
       : unit_(std::move(unit)), difference_(difference) {}
 
-  /// Appends a hop to a connector with this unit, or with none: converts units first, then transforms the value
-  /// (SSP 2.0, 4.5.2.1). Throws InputError that names the transformation's place.
+  /// Appends a hop to a connector with this unit, or with none: first converts units, then transforms the value (SSP
+  /// 2.0, 4.5.2.1). Throws InputError with the transformation's place.
   void pass(const Transformation& transformation, const std::optional<modeldesc::Unit>& unit);
 
   double factor() const { return factor_; }
@@ -129,10 +129,9 @@ class Course {
   const std::optional<ValueMap>& map() const { return map_; }
   const std::optional<modeldesc::Unit>& unit() const { return unit_; }
   bool converts_units() const { return converts_units_; }
-  /// True if a conversion of units has an offset, as from Celsius to kelvin.
+  /// True if a conversion of units has an offset, such as Celsius to kelvin.
   bool shifts_units() const { return shifts_units_; }
-  /// Returns the changed value. Throws InputError that begins with `name` if the value cannot be changed
-  /// this way.
+  /// Returns the changed value. Throws InputError that begins with `name` if this change is not possible.
   Json apply(const Json& value, const std::string& name) const;
 
  private:

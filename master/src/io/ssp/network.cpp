@@ -18,7 +18,7 @@ std::string join(const std::string& path, const std::string& name) {
   return path.empty() ? name : path + "." + name;
 }
 
-/// The variable of a connector; of an OSMP binary, the first of its three.
+/// Returns the variable of a connector; for an OSMP binary, the first of its three.
 const modeldesc::Variable* variable_of(const modeldesc::ModelDescription& model, const std::string& connector) {
   const auto* variable = model.find(connector);
   return variable != nullptr ? variable : model.find(connector + kOsmpEndings[0]);
@@ -100,8 +100,8 @@ Port Network::port(const Endpoint& endpoint) const {
   return port;
 }
 
-/// SSP 2.0, 5.4.2.1: an element gives outputs and takes inputs; a system's own connectors, seen from inside, the other
-/// way round.
+/// SSP 2.0, 5.4.2.1: an element's outputs are sources and its inputs targets; for a system's own connectors, seen from
+/// inside, the reverse.
 Network::Flow Network::flow(const Endpoint& endpoint, bool is_own) const {
   const auto known = port(endpoint);
   if (known.variable != nullptr) {
@@ -166,7 +166,7 @@ bool Network::has(const Endpoint& endpoint) const {
 std::vector<Endpoint> Network::find(const std::string& path, const std::string& name) const {
   std::vector<Endpoint> found;
   if (Endpoint whole{path, name}; has(whole)) found.push_back(std::move(whole));
-  if (is_component(path)) return found;  // names in a component are its variables'
+  if (is_component(path)) return found;  // names in a component are those of its variables
   for (auto dot = name.find('.'); dot != std::string::npos; dot = name.find('.', dot + 1)) {
     Endpoint inner{join(path, name.substr(0, dot)), name.substr(dot + 1)};
     if (has(inner)) found.push_back(std::move(inner));
@@ -182,7 +182,7 @@ const Hop* Network::into(const Endpoint& endpoint) const {
 std::vector<Way> Network::ways() const {
   std::vector<Way> ways;
   for (const auto& to : order_) {
-    if (!is_component(to.element)) continue;  // a system's connector is only a way through
+    if (!is_component(to.element)) continue;  // a system's connector only passes values through
     Way way;
     std::set<Endpoint> seen;
     for (const auto* hop = into(to); hop != nullptr;

@@ -12,7 +12,7 @@
 
 namespace mebots::master::ssp {
 
-/// A connector, by the path of its element: "outer.inner", or empty for the root system.
+/// A connector, identified by the path of its element: "outer.inner", or empty for the root system.
 struct Endpoint {
   std::string element;
   std::string connector;
@@ -24,25 +24,25 @@ struct Endpoint {
 /// The declarations of an endpoint. The FMU's variable takes precedence over the SSD's connector.
 struct Port {
   const Connector* declared = nullptr;
-  const modeldesc::ModelDescription* model = nullptr;  ///< null for a system, and for an FMU that cannot be read
+  const modeldesc::ModelDescription* model = nullptr;  ///< null for a system, and if the FMU cannot be read
   const modeldesc::Variable* variable = nullptr;
   bool is_component = false;
 
-  /// The FMU's own where it has one with a base; else what the SSD declares.
+  /// Returns the FMU's unit if it has one with a base; else the one declared in the SSD.
   std::optional<modeldesc::Unit> unit() const;
   /// True if unit() comes from the FMU, or neither FMU nor SSD declares one.
   bool has_own_unit() const;
 };
 
-/// A connection in the direction that its values take.
+/// A connection in the direction of its values.
 struct Hop {
   Endpoint from;
   Endpoint to;
   const Connection* connection = nullptr;
 };
 
-/// The way into a component's variable from where its values come from: hops in the direction of the values. Where it
-/// begins at a system's connector, nothing feeds that.
+/// The chain of hops from a source to a component's variable, in the direction of the values. If it begins at a
+/// system's connector, that connector has no source.
 using Way = std::vector<const Hop*>;
 
 /// A component by its path.
@@ -51,25 +51,25 @@ struct PlacedComponent {
   const Element* element;
 };
 
-/// The elements of a document, flattened, and which way values go between their connectors.
+/// The elements of a document, flattened, with the directions of values between their connectors.
 class Network {
  public:
-  /// `place` says where an FMU lies. Throws InputError for connections that fit no direction, or whose target has two
+  /// `place` returns the path of an FMU. Throws InputError if a connection fits no direction or a target has two
   /// sources. `root` must outlive the network.
   Network(const Element& root, FmuDescriptions& descriptions,
           const std::function<std::filesystem::path(const std::filesystem::path&)>& place);
 
   const std::vector<PlacedComponent>& components() const { return components_; }
-  /// Elements with their paths, inner ones before those that hold them.
+  /// Returns the elements with their paths; inner ones precede their containers.
   const std::vector<PlacedComponent>& elements() const { return elements_; }
   Port port(const Endpoint& endpoint) const;
   bool is_component(const std::string& path) const { return models_.contains(path); }
-  /// The endpoints that a hierarchical name means, seen from the element at `path`: none, one, or several (SSP 2.0,
-  /// 5.3.3). An FMU that cannot be read has any variable.
+  /// Returns the endpoints of a hierarchical name, resolved from the element at `path`: none, one, or several (SSP 2.0,
+  /// 5.3.3). An FMU that cannot be read is assumed to have any variable.
   std::vector<Endpoint> find(const std::string& path, const std::string& name) const;
-  /// Returns the hop that ends there, or null.
+  /// Returns the hop that ends at the endpoint, or null.
   const Hop* into(const Endpoint& endpoint) const;
-  /// The ways into all components, in the order of the connections. Throws InputError for a circle.
+  /// Returns the ways to all components, in the order of the connections. Throws InputError for a cycle.
   std::vector<Way> ways() const;
 
  private:
@@ -85,7 +85,7 @@ class Network {
   std::vector<PlacedComponent> elements_;
   std::map<std::string, const modeldesc::ModelDescription*> models_;  // of components
   std::map<Endpoint, const Connector*> connectors_;
-  std::map<Endpoint, Hop> hops_;  // by where they end
+  std::map<Endpoint, Hop> hops_;  // by their ends
   std::vector<Endpoint> order_;   // of the connections in the file
 };
 

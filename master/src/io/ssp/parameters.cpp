@@ -20,14 +20,14 @@ namespace {
 constexpr std::string_view kParameterSet = "application/x-ssp-parameter-set";
 constexpr std::string_view kParameterMapping = "application/x-ssp-parameter-mapping";
 
-/// An inline element, or the root of the file that `source` names. Keeps the file while it is read.
+/// An inline element, or the root of the file named by `source`. Keeps the file while it is read.
 struct Part {
   const XmlFile* file;
   pugi::xml_node node;
   std::unique_ptr<XmlFile> own;
 };
 
-/// A file inside a component's FMU.
+/// Reads a file inside a component's FMU.
 std::string read_from_fmu(const BindingContext& context, pugi::xml_node node, const std::string& uri) {
   const auto named = parse_file_uri(uri);
   const auto path = named ? named->path.lexically_normal() : std::filesystem::path();
@@ -76,7 +76,7 @@ Part part(const BindingContext& context, pugi::xml_node node, const char* inline
 std::int32_t whole_number(const XmlFile& file, pugi::xml_node node, const std::string& text) {
   using Limits = std::numeric_limits<std::int32_t>;
   const auto value = parse_number(text);
-  // Comparisons first: a number that does not fit, or NaN, must not be converted.
+  // Compares first: a number out of range, or NaN, must not be converted.
   if (!value || !(*value >= Limits::min() && *value <= Limits::max()) || *value != std::floor(*value)) {
     file.fail(node, fmt::format("\"{}\" is not a whole number of 32 bits", text));
   }
@@ -111,7 +111,7 @@ Json value_of(const XmlFile& file, pugi::xml_node parameter) {
       return file.flag(node, "value", false);
     }
     if (type == "String" || type == "Enumeration") {
-      // Tools that know no items write an enumeration's number.
+      // Tools that do not support items write an enumeration's number.
       auto word = text();
       if (type == "Enumeration" && parse_number(word)) return whole_number(file, node, word);
       return word;
@@ -121,7 +121,7 @@ Json value_of(const XmlFile& file, pugi::xml_node parameter) {
   file.fail(parameter, "it has no value: one of Real, Integer, Boolean, String and Enumeration is expected");
 }
 
-/// A pair of names of a parameter mapping, with what happens to the value.
+/// A pair of names in a parameter mapping, with the transformation of the value.
 struct MappingEntry {
   std::string source;
   std::string target;
@@ -138,7 +138,7 @@ std::vector<MappingEntry> read_mapping(const Part& mapping) {
 }
 
 std::vector<Parameter> read_values(const BindingContext& context, const Part& values, const std::string& prefix) {
-  // An inline ParameterSet is a part of the SSD's file, whose definitions hold in it (4.4.1).
+  // An inline ParameterSet belongs to the SSD's file, whose definitions apply (4.4.1).
   auto definitions = read_definitions(*values.file, values.node);
   if (!values.own) definitions.units.insert(context.definitions.units.begin(), context.definitions.units.end());
   std::vector<Parameter> result;
@@ -148,7 +148,7 @@ std::vector<Parameter> read_values(const BindingContext& context, const Part& va
     try {
       parameter.value = value_of(*values.file, node);
     } catch (const InputError& error) {
-      parameter.problem = error.what();  // nobody may want it
+      parameter.problem = error.what();  // reported only if the value is needed
     }
     parameter.unit = read_unit(type_of(node), definitions);
     parameter.file = values.file->name();
@@ -158,7 +158,7 @@ std::vector<Parameter> read_values(const BindingContext& context, const Part& va
   return result;
 }
 
-/// Applies a mapping: only the parameters that it names remain, by their new names, one for each entry (chapter 7).
+/// Applies a mapping: keeps only the parameters that it names, renamed, one per entry (chapter 7).
 std::vector<Parameter> mapped(const std::vector<Parameter>& parameters, const std::vector<MappingEntry>& entries) {
   std::multimap<std::string_view, const MappingEntry*> by_source;
   for (const auto& entry : entries) by_source.emplace(entry.source, &entry);

@@ -54,7 +54,7 @@ Json map_json(const ValueMap& map, const Port& from) {
   return json;
 }
 
-/// Where other tools write the communication step: type of an annotation, element and attribute in it.
+/// How another tool stores the communication step: type of the annotation, its element and attribute.
 struct StepAnnotation {
   std::string_view type;
   std::string_view element;
@@ -66,7 +66,7 @@ constexpr StepAnnotation kStepAnnotations[] = {
     {"com.opensimulationplatform", "FixedStepAlgorithm", "baseStepSize"},
 };
 
-/// Turns a document into the JSON of a config.
+/// Converts a document to the JSON of a config.
 class ConfigMaker {
  public:
   ConfigMaker(const Files& files, const Document& document, std::vector<std::string>& notices)
@@ -139,7 +139,7 @@ class ConfigMaker {
     return course;
   }
 
-  /// A connection between two components, with what happens on the way.
+  /// Adds a connection between two components, with the changes of the value on its way.
   void connect(const Way& way, std::map<Endpoint, StartingValue>& values) {
     const auto& from = way.front()->from;
     const auto& to = way.back()->to;
@@ -147,7 +147,7 @@ class ConfigMaker {
       leave_out(values, hop->to,
                 fmt::format("values are left out, since the variable gets its value from {}", from.text()));
     const auto course = course_of(way, 0, network_.port(from).unit());
-    if (course.factor() == 0) {  // only the offset arrives
+    if (course.factor() == 0) {  // only the offset has an effect
       set_parameter(to, course.offset(), way.back()->connection->place);
       return;
     }
@@ -178,14 +178,14 @@ class ConfigMaker {
     if (linear.offset != 0) json["offset"] = linear.offset;
   }
 
-  /// True for one hop between variables with units of their FMUs: the master converts these, with a notice.
+  /// True for a single hop between variables with units of their FMUs: the master converts them, with a notice.
   bool converts_by_itself(const Way& way) const {
     return way.size() == 1 && network_.port(way.front()->from).has_own_unit() &&
            network_.port(way.front()->to).has_own_unit();
   }
 
-  /// A variable that hangs on a system's connector which nothing feeds: the connector's value is its start value. Of
-  /// several connectors on the way the outermost with a value counts.
+  /// For a variable connected to a system's connector without a source, sets the connector's value as the start value.
+  /// Of several connectors on the way, the outermost with a value counts.
   void feed(const Way& way, std::map<Endpoint, StartingValue>& values) {
     const auto& to = way.back()->to;
     std::size_t first = 0;
@@ -215,8 +215,8 @@ class ConfigMaker {
     values.erase(value);
   }
 
-  /// Writes the values that no connection took: those of components' variables. Connectors that feed nothing get a
-  /// notice.
+  /// Writes the values of components' variables that no connection used. Adds a notice for connectors that feed
+  /// nothing.
   void write_values(const std::map<Endpoint, StartingValue>& values) {
     for (const auto& [endpoint, value] : values) {
       if (network_.is_component(endpoint.element)) {
@@ -248,7 +248,7 @@ class ConfigMaker {
     }
   }
 
-  /// Reads the communication step from another tool's annotation, unless ours gives one.
+  /// Reads the communication step from another tool's annotation, unless our own defines it.
   void read_step(pugi::xml_node annotation, const StepAnnotation& tool) {
     const auto holder = annotation.find_node([&](pugi::xml_node node) { return local_name(node) == tool.element; });
     if (!holder || !holder.attribute(tool.attribute) || result_.config.contains("step")) return;
@@ -257,12 +257,12 @@ class ConfigMaker {
   }
 
   void read_own(pugi::xml_node annotation) {
-    // SSP 2.0 allows text in an annotation; SSP 1.0 wants an element around it.
+    // SSP 2.0 permits text in an annotation; SSP 1.0 requires an element around it.
     const auto element = annotation.find_child([](pugi::xml_node node) { return node.type() == pugi::node_element; });
     const std::string text = (element ? element : annotation).text().get();
     try {
       data::Document(text, file_->place(annotation)).read([&](const data::Node& root) {
-        static_cast<void>(root.members());  // which fails when it is not an object
+        static_cast<void>(root.members());  // throws if it is not an object
       });
     } catch (const data::Mistakes& mistakes) {
       throw InputError(mistakes.code(), mistakes.what());
@@ -280,7 +280,7 @@ class ConfigMaker {
     }
   }
 
-  /// Those that SSP has no words for.
+  /// Adds connections that SSP cannot express.
   void add_connections(pugi::xml_node annotation, const Json& more) {
     auto& connections = result_.config["connections"];
     for (const auto& connection : more) {
@@ -309,7 +309,7 @@ class ConfigMaker {
   FmuDescriptions descriptions_;
   Network network_;
   ValueNotices value_notices_;
-  std::set<Endpoint> used_;  // connectors of systems whose values go on
+  std::set<Endpoint> used_;  // connectors of systems whose values are used
   SspConfig result_;
 };
 

@@ -19,8 +19,8 @@ std::string_view without_brackets(std::string_view name) {
   return name.size() > 2 && name.front() == '[' && name.back() == ']' ? name.substr(1, name.size() - 2) : name;
 }
 
-/// Defines a unit by its usual name, if its file does not define it: "[mm]" and "mm" are millimetres. Returns nothing
-/// for an unknown name.
+/// Defines a unit by its usual name, if its file does not define it: "[mm]" and "mm" are millimetres. Returns empty for
+/// an unknown name.
 std::optional<modeldesc::Unit> usual(const modeldesc::Unit& unit) {
   if (unit.has_base) return unit;
   try {
@@ -30,13 +30,13 @@ std::optional<modeldesc::Unit> usual(const modeldesc::Unit& unit) {
   }
 }
 
-/// Units of a parameter and of what it is for.
+/// The units of a parameter and of its target.
 struct UnitPair {
   std::optional<modeldesc::Unit> from;
   std::optional<modeldesc::Unit> to;
 };
 
-/// Finds definitions for units that the SSV or the FMU names only. Without them a number stays as it is.
+/// Finds definitions for units that the SSV or the FMU only names. Without a definition, the number is not converted.
 UnitPair defined_units(UnitPair units, const Parameter& parameter, const std::string& name, ValueNotices& notices) {
   if (!units.from || !units.to || (units.from->has_base && units.to->has_base)) return units;
   if (without_brackets(units.from->name) == without_brackets(units.to->name)) return {units.to, units.to};
@@ -100,7 +100,7 @@ Json fitting(Json value, const Port& port) {
   if (port.variable->type != Type::integer && port.variable->type != Type::enumeration) return value;
   using Limits = std::numeric_limits<std::int32_t>;
   const auto number = value.get<double>();
-  // Comparisons first: a number that does not fit must not be converted.
+  // Compares first: a number out of range must not be converted.
   if (!(number >= Limits::min() && number <= Limits::max()) || number != std::floor(number)) return value;
   return static_cast<std::int32_t>(number);
 }

@@ -11,7 +11,7 @@
 
 namespace mebots::master::ssp {
 
-/// A value that an endpoint has before the run, in the endpoint's unit.
+/// The start value of an endpoint, in the endpoint's unit.
 struct StartingValue {
   Json value;
   std::optional<modeldesc::Unit> unit;
@@ -19,11 +19,11 @@ struct StartingValue {
   std::string place;
 };
 
-/// Notices about values: one for each file and text, with the names of the variables.
+/// Collects notices about values: one per file and text, with the names of the variables.
 class ValueNotices {
  public:
   void add(const std::string& file, const std::string& text, const std::string& name);
-  /// "FILE: TEXT (3): a, b, c"
+  /// Returns texts such as "FILE: TEXT (3): a, b, c".
   std::vector<std::string> texts() const;
 
  private:
@@ -33,23 +33,24 @@ class ValueNotices {
   std::map<FileAndText, std::vector<std::string>> names_;
 };
 
-/// The values of all parameter bindings: outer ones win over inner ones, later ones over earlier ones (SSP 2.0, 5.3.3).
-/// A name that nothing has, and a variable that takes no value, are left out. Throws InputError for a value whose unit
-/// does not fit, or that cannot be transformed.
+/// Returns the values of all parameter bindings. Outer ones override inner ones, and later ones earlier ones (SSP 2.0,
+/// 5.3.3). Leaves out names without an endpoint, and variables that cannot be set. Throws InputError if a value's unit
+/// does not fit or the value cannot be transformed.
 std::map<Endpoint, StartingValue> starting_values(const Network& network, ValueNotices& notices);
 
-/// A value as a variable of this type takes it: whole numbers of type Real become Integers.
+/// Converts a value to the type of the variable: whole numbers of type Real become Integers.
 Json fitting(Json value, const Port& port);
 
-/// Files and definitions that the bindings of an element may refer to.
+/// The files and definitions to which an element's bindings may refer.
 struct BindingContext {
   const Source& source;
   const XmlFile& ssd;
   const Definitions& definitions;  ///< of the SSD
-  std::filesystem::path fmu;       ///< of a component: sourceBase="component" begins in it
+  std::filesystem::path fmu;       ///< of a component: paths with sourceBase="component" are relative to it
 };
 
-/// All values of an element's <ParameterBindings> (SSP 2.0, 5.3.3), SSV and SSM inline or in files, in their order.
+/// Reads all values in an element's <ParameterBindings> (SSP 2.0, 5.3.3), from SSV and SSM inline or in files, in
+/// order.
 std::vector<Parameter> read_parameter_bindings(const BindingContext& context, pugi::xml_node element);
 
 }  // namespace mebots::master::ssp

@@ -21,7 +21,7 @@ using modeldesc::Type;
 using modeldesc::Variable;
 using Json = nlohmann::ordered_json;
 
-/// Names for the FMU files of a system: those they have, numbered where two differ in folder only.
+/// Returns unique names for a system's FMU files; numbers those that differ only in their folder.
 std::map<std::filesystem::path, std::string> file_names(const SystemDescription& system) {
   std::map<std::filesystem::path, std::string> names;
   std::set<std::string> taken;
@@ -36,7 +36,7 @@ std::map<std::filesystem::path, std::string> file_names(const SystemDescription&
   return names;
 }
 
-/// A file name as a relative URI.
+/// Returns a file name as a relative URI.
 std::string as_uri(const std::string& name) {
   constexpr std::string_view kPlain = "-._~()[]";
   std::string uri;
@@ -93,11 +93,11 @@ class SspWriter {
         fmt::format("{}", system_.description->grid().time_s(system_.description->stop_time_ns)).c_str();
     return document_;
   }
-  /// Those that write() refers to, by the names of their files in resources/.
+  /// Returns the parameter sets to which write() refers, by file name in resources/.
   const std::map<std::string, pugi::xml_document>& parameter_sets() const { return parameter_sets_; }
 
  private:
-  /// The variables of an instance that connections name, in the order of the description.
+  /// Returns the connected variables of an instance, in the order of the description.
   std::vector<const Variable*> connected(std::size_t instance) const {
     std::set<const Variable*> used;
     for (const auto& connection : system_.connections) {
@@ -156,7 +156,7 @@ class SspWriter {
     write_parameter_set(instance, parameter_sets_[name]);
   }
 
-  /// A plain file name that no other parameter set has.
+  /// Returns a plain file name that no other parameter set has.
   std::string free_name(const std::string& instance) const {
     std::string stem = instance;
     for (auto& c : stem) {
@@ -169,14 +169,14 @@ class SspWriter {
     return name;
   }
 
-  /// The scalar variables that a connection of the config stands for: three for an OSMP binary.
+  /// Writes the connections of scalar variables for each connection of the config: three for an OSMP binary.
   void write_connections(pugi::xml_node system) {
     if (system_.description->connections.empty()) return;
     auto connections = system.append_child("ssd:Connections");
     const auto& written = config_.at("connections");
     for (std::size_t i = 0; i < system_.description->connections.size(); ++i) {
       const auto& connection = system_.description->connections[i];
-      if (connection.sum) continue;  // SSP has no words for it
+      if (connection.sum) continue;  // SSP cannot express it
       const auto text = written.at(i).value("text", std::string());
       const bool binary = !has_variable(connection.from);
       for (const std::string ending : {".base.lo", ".base.hi", ".size"}) {
@@ -222,7 +222,7 @@ class SspWriter {
   }
 
   void write_annotations(pugi::xml_node annotations) {
-    // Sections that SSP has no words for.
+    // Sections that SSP cannot express.
     Json rest = Json::object();
     for (const auto& [key, value] : config_.items()) {
       if (key != "$schema" && key != "instances" && key != "connections" && key != "start_time" && key != "stop_time") {
@@ -237,7 +237,7 @@ class SspWriter {
         if (key != "fmu" && key != "parameters" && key != "text") rest["instances"][name][key] = value;
       }
     }
-    // OMSimulator keeps kind and step of a system in an annotation of its own, and reads the first one only.
+    // OMSimulator stores kind and step of a system in its own annotation, and reads only the first one.
     auto theirs = annotations.append_child("ssc:Annotation");
     theirs.append_attribute("type") = "org.openmodelica";
     theirs.append_child("oms:Annotations")
@@ -250,7 +250,7 @@ class SspWriter {
     master.append_attribute("relativeTolerance") = "0.0001";
     auto own = annotations.append_child("ssc:Annotation");
     own.append_attribute("type") = std::string(kSspAnnotation).c_str();
-    // SSP 1.0 allows elements only in an annotation, and no text beside them.
+    // In SSP 1.0 an annotation contains elements only, not text.
     auto holder = own.append_child("mebots:Config");
     holder.append_attribute("xmlns:mebots") = fmt::format("urn:{}", kSspAnnotation).c_str();
     holder.text().set(rest.dump(2).c_str());

@@ -14,17 +14,17 @@
 
 namespace mebots::master::ssp {
 
-/// One XML file of an SSP. Elements are found by local name, whatever prefix the writer chose.
+/// An XML file of an SSP. Elements are found by local name, with any prefix.
 class XmlFile {
  public:
-  /// `name` names the file in messages. Throws InputError with the line of what is not well-formed.
+  /// Messages name the file `name`. Throws InputError with the line if the text is not well-formed.
   XmlFile(std::string_view bytes, std::string name);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;
 
   const std::string& name() const { return name_; }
   pugi::xml_node root() const { return document_.document_element(); }
-  /// "SystemStructure.ssd, line 12"
+  /// Returns a text such as "SystemStructure.ssd, line 12".
   std::string place(pugi::xml_node node) const;
   [[noreturn]] void fail(pugi::xml_node node, const std::string& what) const;
 
@@ -38,13 +38,13 @@ class XmlFile {
   pugi::xml_document document_;
 };
 
-/// Name without prefix.
+/// Returns the name without prefix.
 std::string_view local_name(pugi::xml_node node);
-/// First child of this local name, or a null node.
+/// Returns the first child of this local name, or a null node.
 pugi::xml_node child(pugi::xml_node node, std::string_view name);
 std::vector<pugi::xml_node> children(pugi::xml_node node, std::string_view name);
 
-/// The whole text as a finite number, or nothing.
+/// Returns the whole text as a finite number, or empty.
 std::optional<double> parse_number(std::string_view text);
 
 }  // namespace mebots::master::ssp
@@ -52,36 +52,37 @@ std::optional<double> parse_number(std::string_view text);
 /// Elements that SSD, SSV and SSM share (SSP 2.0, chapter 4).
 namespace mebots::master::ssp {
 
-/// The surroundings of a file in an SSP.
+/// The location of a file in an SSP.
 struct Source {
   const Files& files;
-  std::string archive;         ///< what the SSP is called
-  std::filesystem::path base;  ///< folder of the SSD: relative URIs begin there
+  std::string archive;         ///< name of the SSP
+  std::filesystem::path base;  ///< folder of the SSD, to which relative URIs refer
   std::vector<std::string>& notices;
 };
 
-/// The file that a URI names, by its path in `source.files`. Throws InputError for a URI that is no file's, leaves a
-/// closed SSP, or names no file.
+/// Returns the path of a URI's file in `source.files`. Throws InputError if the URI is not that of a file, leaves a
+/// closed SSP, or names a missing file.
 std::filesystem::path resolve_uri(const Source& source, const XmlFile& file, pugi::xml_node node,
                                   const std::string& uri);
 
-/// <Units> and <Enumerations> of a file's root element, or of an inline ParameterSet.
+/// Reads <Units> and <Enumerations> of a file's root element, or of an inline ParameterSet.
 Definitions read_definitions(const XmlFile& file, pugi::xml_node root);
 
-/// The unit that the attribute `unit` of a type element names: as defined, else without base. Nothing without it.
+/// Returns the unit that the attribute `unit` of a type element names: as defined, else without base. Empty if there is
+/// no attribute.
 std::optional<modeldesc::Unit> read_unit(pugi::xml_node type, const Definitions& definitions);
 
-/// The transformation and suppressUnitConversion of a <Connection> or <MappingEntry>.
+/// Reads the transformation and suppressUnitConversion of a <Connection> or <MappingEntry>.
 Transformation read_transformation(const XmlFile& file, pugi::xml_node node);
 
-/// An SSD (SSP 2.0, chapter 5) with all that its system refers to.
+/// An SSD (SSP 2.0, chapter 5) with all files to which its system refers.
 struct Document {
-  std::shared_ptr<const XmlFile> file;  ///< for the sections that are read from it later
+  std::shared_ptr<const XmlFile> file;  ///< for sections that are read from it later
   Element system;
 };
 
-/// Reads an SSD and, in place of each component that is another SSD, the system of that one. Throws InputError naming
-/// file, line and element.
+/// Reads an SSD. Replaces each component that is another SSD by that one's system. Throws InputError with file, line
+/// and element.
 Document read_document(const Source& source, const std::filesystem::path& ssd);
 
 }  // namespace mebots::master::ssp

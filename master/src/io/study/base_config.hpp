@@ -12,18 +12,19 @@
 
 namespace mebots::master::study {
 
-/// The config from which a study derives its missions, complete in itself, and the files that it depends on.
+/// The config from which a study derives its missions, complete in itself, with the files on which it depends.
 struct BaseConfig {
-  nlohmann::ordered_json config;  ///< of an SSP too; FMUs by absolute path
+  nlohmann::ordered_json config;  ///< also for an SSP; FMUs by absolute path
   nlohmann::ordered_json fmus;    ///< instance -> absolute path
-  nlohmann::ordered_json texts;   ///< instance.parameter -> text, which may name a file
+  nlohmann::ordered_json texts;   ///< maps instance.parameter to its text, which may name a file
   double stop_time_s = 0;
-  double last_point_s = 0;  ///< of the communication points before the stop time
+  double last_point_s = 0;  ///< the last communication point before the stop time
   std::shared_ptr<const modeldesc::TemporaryFolder>
-      unpacked;  ///< the folder of an SSP's FMUs; removed with this object
+      unpacked;  ///< the folder with an SSP's FMUs; deleted with this object
 };
 
-/// Reads a mission's config or SSP, or `text` instead of the content of `mission`. Throws InputError.
+/// Reads a mission's config or SSP. If `text` is given, reads it in place of the content of `mission`. Throws
+/// InputError.
 BaseConfig read_base_config(const std::filesystem::path& mission, const std::optional<std::string>& text);
 
 }  // namespace mebots::master::study

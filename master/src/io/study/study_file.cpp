@@ -24,23 +24,24 @@ using data::Limits;
 using data::Node;
 using data::Object;
 
-constexpr std::int64_t kMost = 100'000'000;  // missions, draws, designs: more fit into no memory
+constexpr std::int64_t kMost = 100'000'000;  // of missions, draws and designs; memory cannot hold more
 
-/// What the sections of a study tell each other.
+/// Names that the sections of a study share.
 struct Names {
   std::string design_kind;
-  std::vector<std::string> factors;     // none for a list, whose file names them
+  std::vector<std::string> factors;     // empty for a list, whose file names the factors
   std::vector<std::string> draws;       // variables
   std::vector<std::string> objectives;  // labels
-  std::vector<std::string> successes;   // labels of those of an outcome
-  bool compared = false;                // by an objective to minimise or maximise, or by a constraint
+  std::vector<std::string> successes;   // labels of outcome objectives
+  bool compared = false;                // designs are compared by an objective to minimise or maximise, or by a
+                                        // constraint
 };
 
 auto count_from(std::int64_t least) {
   return data::whole_number(least, kMost);
 }
 
-/// A flag that says something only when it is true: its absence is the other case.
+/// Reads an optional flag that must be true if present.
 bool read_mark(const Node& node) {
   if (!node.flag()) node.fail(ErrorCode::invalid_value, "true is expected here; leave the key out for the other case");
   return true;
@@ -91,7 +92,7 @@ void check_normal(const Node& node) {
   static_cast<void>(elements[1].number(Limits::positive()));
 }
 
-/// The one key that an object has of those in `words`.
+/// Returns the single key in `words` that an object has.
 template <std::size_t N>
 void require_one_of(const Object& object, const std::array<std::string_view, N>& words) {
   std::string list;
@@ -132,7 +133,7 @@ void check_options(const Node& node) {
   }
 }
 
-/// A list of values, a span, or options that set several parameters at once.
+/// Checks a list of values, a span, or options that set several parameters together.
 void check_factor(const Node& node, const std::string& kind) {
   if (node.is(data::Kind::list)) return check_choice(node);
   Object object(node);
@@ -145,7 +146,7 @@ void check_factor(const Node& node, const std::string& kind) {
   }
 }
 
-/// {factor: values}, or {factor: {"min": a, "max": b}}.
+/// Checks {factor: values} or {factor: {"min": a, "max": b}}.
 void check_subset(const Node& node, const std::vector<std::string>& factors) {
   if (node.members().empty()) node.fail(ErrorCode::invalid_value, "at least one factor is needed");
   for (const auto& [name, value] : node.members()) {
@@ -173,7 +174,7 @@ void check_condition(const Node& node, const std::vector<std::string>& factors) 
   condition.finish();
 }
 
-/// Which keys a kind of design needs beside `kind`, and which it may have.
+/// The required and optional keys of a kind of design, in addition to `kind`.
 struct DesignKind {
   std::string_view name;
   std::vector<std::string_view> needs;
@@ -264,7 +265,7 @@ void check_draws(const Node& node, Names& names) {
   draws.finish();
 }
 
-/// Outcomes: a name, or several of which any counts.
+/// Checks outcomes: a name, or several of which any counts.
 void check_outcomes(const Node& node) {
   if (node.is(data::Kind::text)) {
     static_cast<void>(node.readable_text());
@@ -275,7 +276,7 @@ void check_outcomes(const Node& node) {
   for (const auto& element : elements) element.attempt([&] { static_cast<void>(element.readable_text()); });
 }
 
-/// End reasons: a name, or several of which any counts.
+/// Checks end reasons: a name, or several of which any counts.
 void check_end_reasons(const Node& node) {
   const std::vector<std::string> known = {"stop_time", "stop_condition", "terminated", "failed"};
   const auto check = [&](const Node& reason) { static_cast<void>(read_known(reason, "the end reason", known)); };
@@ -351,14 +352,14 @@ void check_objectives(const Node& node, Names& names) {
   }
 }
 
-/// {"above": x} or {"below": x}.
+/// Checks {"above": x} or {"below": x}.
 void read_side(Object& object, const Limits& limits = {}) {
   double bound = 0;
   object.read_if("above", bound, data::number(limits));
   object.read_if("below", bound, data::number(limits));
 }
 
-/// What an objective's bound may be: one of an outcome has a share of missions.
+/// Returns the limits of an objective's bound; an outcome objective is a share of missions.
 Limits limits_of(const std::string& label, const Names& names) {
   const bool is_share = std::ranges::find(names.successes, label) != names.successes.end();
   return is_share ? Limits::between(0, 1) : Limits{};
@@ -418,7 +419,7 @@ void check_rounds(const Node& node, const Names& names) {
   }
 }
 
-/// Names of factors or draws, all different. A list's factors stand in its own file.
+/// Checks names of factors or draws, which must differ. The factors of a list are in its own file.
 void check_names(const Node& node, std::string_view what, const std::vector<std::string>& known, bool known_all) {
   const auto elements = node.elements();
   if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one name is needed");
@@ -445,7 +446,7 @@ void check_fork(const Node& node, const Names& names) {
   fork.finish();
 }
 
-/// Numbers that rise, or fall.
+/// Checks that numbers rise, or that they fall.
 void check_levels(const Node& node) {
   const auto elements = node.elements();
   if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one level is needed");
@@ -471,7 +472,7 @@ void check_splitting(const Node& node, const Names& names) {
   require_one_of(splitting, std::array<std::string_view, 3>{"levels", "above", "below"});
 }
 
-/// A study of a rare event asks for its probability, and for nothing else.
+/// A study of a rare event must request only its probability.
 void check_alone(const Object& study, const Names& names) {
   const auto& node = study.node();
   for (const std::string_view key : {"objectives", "constraints", "rounds", "fork", "results"}) {

@@ -16,11 +16,12 @@ namespace {
 using modeldesc::Causality;
 using modeldesc::Type;
 
-/// Ticks this near to each other are at one time: the resolution of the master's clock.
+/// Ticks closer together than this are simultaneous: the resolution of the master's clock.
 constexpr double kSameTime_s = 0.5e-9;
-/// Instants of one event, and steps without progress, after which clocks that never rest are reported.
+/// Limits the instants of one event, and the steps without progress. Beyond it, the clocks are reported as never
+/// settling.
 constexpr int kMostInstants = 1000;
-/// Sweeps over all connections at one instant, after which values that never settle are reported.
+/// Limits the sweeps over all connections at one instant. Beyond it, the values are reported as never settling.
 constexpr int kMostClockSweeps = 200;
 
 bool any_of(const std::vector<ValueReference>& clocks, const std::set<ValueReference>& ticking) {
@@ -64,7 +65,7 @@ void ClockGroup::start_clocks(std::size_t member) {
   for (auto& clock : starting.timed) clock.start(starting.instance(), starting.time_s);
 }
 
-/// Members are in event mode after initialisation.
+/// After initialisation, members are in event mode.
 void ClockGroup::exit_initialization() {
   if (++initialised_ < members_.size()) return;
   for (auto& member : members_) member.in_event = true;
@@ -106,7 +107,7 @@ StepResult ClockGroup::advance(double end_s) {
   }
 }
 
-/// Steps all members to `target_s`, or to the time of the first one that returns early.
+/// Steps all members to `target_s`, or to the time at which the first of them returns early.
 StepResult ClockGroup::step_members(double& target_s) {
   for (auto& member : members_) {
     if (member.time_s >= target_s) continue;
@@ -130,7 +131,7 @@ void ClockGroup::enter(Member& member, double time_s) {
          "in the config, or take shorter steps");
 }
 
-/// Once in a run.
+/// Sends the notice once per run.
 void ClockGroup::notice(const Member& member, double time_s, const std::string& text) {
   if (std::exchange(noticed_, true)) return;
   messages_->message({member.slave->name(), Severity::warning, "notice",
@@ -138,7 +139,7 @@ void ClockGroup::notice(const Member& member, double time_s, const std::string& 
                       std::llround(member.time_s * 1e9)});
 }
 
-/// Returns false if the clock ticks already.
+/// Returns false if the clock is already ticking.
 bool ClockGroup::tick(Member& member, ValueReference clock, double time_s) {
   if (member.ticking.contains(clock)) return false;
   enter(member, time_s);
@@ -163,7 +164,7 @@ void ClockGroup::tick_timed_clocks(double time_s) {
   }
 }
 
-/// Returns true if a clock ticks that did not before.
+/// Returns true if a further clock starts to tick.
 bool ClockGroup::propagate_ticks(double time_s) {
   bool changed = false;
   for (auto& member : members_) {
@@ -199,7 +200,7 @@ bool ClockGroup::propagate_values() {
   return changed;
 }
 
-/// Ticks and values of one instant, until nothing changes.
+/// Propagates ticks and values of one instant until nothing changes.
 void ClockGroup::propagate(double time_s) {
   for (auto& sent : sent_) sent.reset();
   for (int sweep = 0; sweep < kMostClockSweeps; ++sweep) {
@@ -215,7 +216,7 @@ void ClockGroup::fail_to_rest(double time_s) const {
                                members_.front().slave->name(), time_s));
 }
 
-/// Ends the instant. Returns true if a member asks for another.
+/// Ends the instant. Returns true if a member requests another update.
 bool ClockGroup::update_members(double time_s, bool& terminated) {
   bool needs_another = false;
   for (auto& member : members_) {
@@ -232,7 +233,7 @@ bool ClockGroup::update_members(double time_s, bool& terminated) {
   return needs_another;
 }
 
-/// Returns false if a member ends the simulation. Else all members are in step mode afterwards.
+/// Returns false if a member ends the simulation. Otherwise leaves all members in step mode.
 bool ClockGroup::handle_events(double time_s) {
   for (auto& member : members_) {
     if (!std::exchange(member.needs_event, false)) continue;

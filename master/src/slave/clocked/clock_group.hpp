@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// A connection of clocks: where the first ticks, the second does at the same instant.
+/// A connection of clocks: the second ticks whenever the first does, at the same instant.
 struct ClockLink {
   std::size_t from = 0;  ///< member
   std::size_t to = 0;
@@ -23,39 +23,39 @@ struct ClockLink {
   ValueReference to_clock = 0;
 };
 
-/// A connection of variables that belong to clocks. It carries a value where a clock of each end ticks.
+/// A connection of clocked variables. It transfers a value at instants at which a clock of each end ticks.
 struct ClockedLink {
   DiscreteLink link;
   std::vector<ValueReference> from_clocks;
   std::vector<ValueReference> to_clocks;
 };
 
-/// The co-simulation slaves whose clocks are connected, or one that has clocks: steps them from tick to tick, and
-/// handles their events (FMI 3.0.2, sections 2.2.8 and 4.2.1). The first of them that steps advances all.
+/// The co-simulation slaves whose clocks are connected, or a single one with clocks. Steps them from tick to tick and
+/// handles their events (FMI 3.0.2, sections 2.2.8 and 4.2.1). When the first of them steps, the whole group advances.
 ///
-/// Members step one after the other. One that returns early, to handle an event, ends the step of those after it at
-/// that time too. Those before it are then ahead, and take part in the event at their own time. If a member cannot step
-/// to any time (canHandleVariableCommunicationStepSize = false), clocks tick at communication points only.
+/// Members step one after the other. If one returns early to handle an event, later members step only to that time.
+/// Earlier members are then ahead, and handle the event at their own time. If a member cannot step to any time
+/// (canHandleVariableCommunicationStepSize = false), clocks tick at communication points only.
 class ClockGroup {
  public:
   /// Both must outlive the group.
   ClockGroup(const TimeGrid& grid, MessageSink& messages) : grid_(grid), messages_(&messages) {}
 
-  /// Adds a slave, which must outlive the group's last call. Returns its place among the members.
+  /// Adds a slave, which must outlive the group's last call. Returns its index among the members.
   std::size_t add(ClockedSlave& slave);
-  /// Before the first member leaves initialisation mode.
+  /// Call it before the first member leaves initialisation mode.
   void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values);
 
   void setup_experiment(const Experiment& experiment) { start_ns_ = experiment.start_ns; }
-  /// Asks a member for the first ticks of its clocks. In initialisation mode.
+  /// Queries the first ticks of a member's clocks. In initialisation mode.
   void start_clocks(std::size_t member);
-  /// After the last member has left initialisation mode, handles the events of the start.
+  /// Handles the events at the start, after the last member has left initialisation mode.
   void exit_initialization();
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
   /// The next tick of any clock [s]; TimedClock::kNever if there is none in sight.
   double next_tick_s() const;
 
-  /// The times of members and clocks, which the first member keeps.
+  /// Returns the times of members and clocks; the first member stores them.
   std::vector<std::byte> save() const;
   void restore(std::span<const std::byte> bytes);
   void visit(state::Visitor& v);
@@ -68,8 +68,8 @@ class ClockGroup {
     double time_s = 0;
     bool needs_event = false;
     bool in_event = false;
-    std::set<ValueReference> ticking;  // clocks, at this instant
-    std::set<ValueReference> ticked;   // since the member entered event mode
+    std::set<ValueReference> ticking;  // clocks that tick at this instant
+    std::set<ValueReference> ticked;   // clocks that have ticked since the member entered event mode
 
     EventInstance& instance() const { return slave->instance(); }
     void visit(state::Visitor& v);
@@ -94,12 +94,12 @@ class ClockGroup {
   std::vector<Member> members_;
   std::vector<ClockLink> clock_links_;
   std::vector<ClockedLink> value_links_;
-  std::vector<std::optional<LinkValue>> sent_;  // of each value link, at this instant
+  std::vector<std::optional<LinkValue>> sent_;  // by value link, at this instant
   std::int64_t start_ns_ = 0;
   std::size_t initialised_ = 0;
   bool ended_ = false;        // a member ended the simulation at its start
-  StepResult result_;         // of the step that members are given
-  std::size_t given_to_ = 0;  // members; 0: the next call advances the group
+  StepResult result_;         // of the step, the same for all members
+  std::size_t given_to_ = 0;  // number of members that received the result; 0: the next call advances the group
   bool steps_vary_ = true;    // all members can step to any time
   bool noticed_ = false;
 };

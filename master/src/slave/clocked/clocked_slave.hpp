@@ -17,12 +17,11 @@ namespace mebots::master {
 
 class ClockGroup;
 
-/// An instance with clocks as a slave: a step advances the whole group that its clocks belong to. Between ticks,
-/// variables that belong to a clock are read as they were at its last tick. Values that they are given wait for the
-/// next one.
+/// An instance with clocks as a slave. A step advances the whole group of its clocks. Between ticks, reading a clocked
+/// variable returns its value at the last tick; set values wait for the next tick.
 class ClockedSlave final : public ForwardingSlave {
  public:
-  /// `instance` is the other interface of `inner`.
+  /// `instance` is the second interface of `inner`.
   ClockedSlave(std::unique_ptr<Slave> inner, EventInstance& instance, std::shared_ptr<ClockGroup> group);
 
   void setup_experiment(const Experiment& experiment) override;
@@ -48,20 +47,20 @@ class ClockedSlave final : public ForwardingSlave {
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
   EventInstance& instance() { return *instance_; }
-  /// The instance without the group.
+  /// Returns the instance without the group.
   Slave& alone() { return inner(); }
-  /// A clock ticks: gives waiting values to the FMU.
+  /// At a tick of the clock, sets the waiting inputs in the FMU.
   void give_inputs(ValueReference clock);
-  /// A clock ticks: stores the values of its outputs.
+  /// At a tick of the clock, stores the values of its outputs.
   void store_outputs(ValueReference clock);
 
   void visit(state::Visitor& v);
 
  private:
-  /// A variable that belongs to clocks.
+  /// The value of a clocked variable between ticks.
   struct Held {
     const modeldesc::Variable* variable = nullptr;
-    bool waits = false;  // a value for the next tick
+    bool waits = false;  // the value is to be set at the next tick
     LinkValue value;
 
     void visit(state::Visitor& v);

@@ -9,33 +9,33 @@
 
 namespace mebots::master {
 
-/// The end of one call of a step function.
+/// The result of one call of a step function.
 struct StepEnd {
-  bool event = false;      ///< the instance needs event mode
+  bool event = false;      ///< the instance requires event mode
   bool terminate = false;  ///< the instance ends the simulation
-  double time_s = 0;       ///< before the requested end after an early return
+  double time_s = 0;       ///< after an early return, less than the requested end
 };
 
-/// A co-simulation instance whose events and clocks are handled from outside (FMI 3.0). After initialisation it is in
-/// event mode. All calls throw Error if the instance fails.
+/// A co-simulation instance (FMI 3.0) whose caller handles events and clocks. After initialisation it is in event mode.
+/// All calls throw Error if the instance fails.
 class EventInstance {
  public:
   virtual ~EventInstance() = default;
 
   virtual const std::string& name() const = 0;
 
-  /// In step mode. Nothing if the instance discards the step.
+  /// In step mode, takes a step. Returns empty if the instance discards it.
   virtual std::optional<StepEnd> step_until(double start_s, double end_s) = 0;
   virtual void enter_event_mode() = 0;
   virtual void enter_step_mode() = 0;
 
-  /// In event mode: whether an output clock ticks at this instant.
+  /// In event mode, returns true if an output clock ticks at this instant.
   virtual bool ticks(ValueReference clock) = 0;
-  /// In event mode: lets an input clock tick.
+  /// In event mode, activates an input clock.
   virtual void tick(ValueReference clock) = 0;
-  /// The interval of a clock until its next tick; nothing if it is as before or not known yet.
+  /// Returns the interval of a clock until its next tick; empty if it is unchanged or not known yet.
   virtual std::optional<double> new_interval(ValueReference clock) = 0;
-  /// In initialisation mode: the time of the first tick of a periodic clock after the start.
+  /// In initialisation mode, returns the time of a periodic clock's first tick after the start.
   virtual double shift(ValueReference clock) = 0;
   virtual DiscreteUpdate update_discrete_states() = 0;
 };

@@ -17,7 +17,7 @@ bool TimedClock::is_periodic() const {
          variability == IntervalVariability::tunable;
 }
 
-/// Not a sum of intervals, so that rounding does not grow.
+/// Multiplies instead of adding intervals, so that rounding errors do not accumulate.
 double TimedClock::periodic_s(double count) const {
   const auto& timing = *variable_->fmi3->timing;
   if (!is_declared_) return base_s_ + count * interval_s_;
@@ -69,7 +69,7 @@ void TimedClock::update(EventInstance& instance, double time_s, bool has_ticked)
   const auto interval_s = instance.new_interval(variable_->value_reference);
   if (!is_periodic()) {
     if (interval_s) interval_s_ = checked(instance, *interval_s);
-    // Where a changing clock has ticked, the absence of a new interval means the one before.
+    // If a changing clock has ticked and reports no new interval, the previous one applies.
     if (interval_s || variability == IntervalVariability::changing) next_s_ = time_s + interval_s_;
     return;
   }

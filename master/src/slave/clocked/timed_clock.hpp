@@ -10,8 +10,7 @@
 
 namespace mebots::master {
 
-/// The ticks of an input clock that has a timing of its own: periodic, changing or countdown (FMI 3.0.2, section
-/// 2.2.8).
+/// Computes the ticks of a time-based input clock: periodic, changing or countdown (FMI 3.0.2, section 2.2.8).
 class TimedClock {
  public:
   static constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -20,15 +19,15 @@ class TimedClock {
   explicit TimedClock(const modeldesc::Variable& variable) : variable_(&variable) {}
 
   const modeldesc::Variable& variable() const { return *variable_; }
-  /// The next tick [s]; kNever if there is none in sight.
+  /// Returns the time of the next tick [s]; kNever if none is scheduled.
   double next_s() const { return next_s_; }
 
-  /// Asks for the first tick. In initialisation mode.
+  /// Queries the first tick. In initialisation mode.
   void start(EventInstance& instance, double start_s);
-  /// The clock ticks at its time: what follows is known for periodic clocks only.
+  /// Marks the scheduled tick as done. Only for periodic clocks is the next one already known.
   void ticked();
-  /// After an update of the discrete states at `time_s`. `has_ticked`: in this event. Throws Error for an interval that
-  /// is negative, not a number, or zero for a periodic clock.
+  /// Queries intervals after an update of the discrete states at `time_s`. `has_ticked`: the clock ticked in this
+  /// event. Throws Error if an interval is negative, not a number, or zero for a periodic clock.
   void update(EventInstance& instance, double time_s, bool has_ticked);
 
   void visit(state::Visitor& v);
@@ -41,8 +40,8 @@ class TimedClock {
   const modeldesc::Variable* variable_;
   double next_s_ = kNever;
   double interval_s_ = 0;
-  // Of a periodic clock: tick number n is at base + n * interval.
-  bool is_declared_ = false;  // by counters of modelDescription.xml
+  // For a periodic clock, tick number n is at base + n * interval.
+  bool is_declared_ = false;  // by counters in modelDescription.xml
   double base_s_ = 0;
   double count_ = 0;  // of the next tick
 };

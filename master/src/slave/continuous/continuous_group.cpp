@@ -94,7 +94,7 @@ void ContinuousGroup::restore(std::span<const std::byte> bytes) {
   report();
 }
 
-/// Keeps the states of the instances while the solver repeats its steps.
+/// Saves the states of the instances while the solver may repeat its steps.
 std::function<void()> ContinuousGroup::keep_members() {
   auto states = std::make_shared<std::vector<std::unique_ptr<SlaveState>>>();
   for (auto* member : members_) states->push_back(member->alone().save_state());

@@ -17,37 +17,38 @@
 
 namespace mebots::master {
 
-/// The slaves of one continuous system: advances it when the first of them steps, and gives the others the same result.
+/// The slaves of one continuous system. When the first of them steps, the group advances the system; the others return
+/// the same result.
 class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
  public:
   struct Setup {
     SolverDescription solver;
-    double relative_tolerance = 1e-6;  ///< unless the solver has one
+    double relative_tolerance = 1e-6;  ///< if the solver defines none
     TimeGrid grid;
     MessageSink* messages = nullptr;
     const std::atomic<bool>* interrupted = &kNeverInterrupted;
-    SolverStatistics* statistics = nullptr;  ///< null: nowhere
+    SolverStatistics* statistics = nullptr;  ///< null: not collected
   };
 
-  /// All that is pointed to must outlive the group.
+  /// All pointed-to objects must outlive the group.
   explicit ContinuousGroup(Setup setup) : setup_(std::move(setup)) {}
 
-  /// Adds a slave, which must outlive the group's last call. Returns its place among the members.
+  /// Adds a slave, which must outlive the group's last call. Returns its index among the members.
   std::size_t add(ContinuousSlave& slave);
-  /// Before the first member leaves initialisation mode.
+  /// Call it before the first member leaves initialisation mode.
   void connect(std::vector<Wire> wires, std::vector<DiscreteLink> links);
 
   void setup_experiment(const Experiment& experiment);
-  /// After the last member has left initialisation mode, iterates the events of the start.
+  /// Iterates the events at the start, after the last member has left initialisation mode.
   void exit_initialization();
   bool is_integrating() const { return system_ != nullptr; }
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
 
-  /// A member's inputs change at the present communication point.
+  /// Call it if a member's inputs change at the present communication point.
   void enter_event_mode() { system_->enter_event_mode(); }
   void input_changed() { system_->input_changed(); }
 
-  /// The state of the solver, which the first member keeps.
+  /// Returns the solver's state; the first member stores it.
   std::vector<std::byte> save() const;
   void restore(std::span<const std::byte> bytes);
 
@@ -67,8 +68,8 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
   std::size_t initialised_ = 0;
   std::optional<std::string> terminated_by_;
   std::unique_ptr<ContinuousSystem> system_;
-  StepResult result_;         // of the step that members are given
-  std::size_t given_to_ = 0;  // members; 0: the next call advances the system
+  StepResult result_;         // of the step, the same for all members
+  std::size_t given_to_ = 0;  // number of members that received the result; 0: the next call advances the system
 };
 
 }  // namespace mebots::master

@@ -17,11 +17,11 @@ namespace mebots::master {
 
 class ContinuousGroup;
 
-/// An instance of model exchange as a slave: a step advances the whole continuous system that it belongs to. Inputs
-/// that do not change leave the solver alone.
+/// A model exchange instance as a slave. A step advances its whole continuous system. Setting an input to the same
+/// value does not disturb the solver.
 class ContinuousSlave final : public ForwardingSlave {
  public:
-  /// `instance` is the other interface of `inner`.
+  /// `instance` is the second interface of `inner`.
   ContinuousSlave(std::unique_ptr<Slave> inner, ContinuousInstance& instance, std::shared_ptr<ContinuousGroup> group);
 
   void setup_experiment(const Experiment& experiment) override;
@@ -44,9 +44,9 @@ class ContinuousSlave final : public ForwardingSlave {
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
   ContinuousInstance& instance() { return *instance_; }
-  /// The instance without the group.
+  /// Returns the instance without the group.
   Slave& alone() { return inner(); }
-  /// Sets inputs whose value is a polynomial in the time since the last communication point.
+  /// Sets inputs that are polynomials in the time since the last communication point.
   Evaluation set_courses(double since_s);
   bool has_courses() const { return !courses_.empty(); }
 

@@ -16,11 +16,11 @@ namespace mebots::master {
 /// The type in which slaves transfer Integers, Enumerations and Booleans.
 using WholeNumber = std::int64_t;
 
-/// The values that variables of one kind were set to last, to find out which ones change.
+/// Stores the last value set for each variable of one kind, to detect changes.
 template <typename T>
 class KnownValues {
  public:
-  /// Stores a value. Returns true if the variable had another one, or none.
+  /// Stores a value. Returns true if it differs from the stored one or if there was none.
   bool update(ValueReference reference, const T& value) {
     const auto found = std::ranges::lower_bound(references_, reference);
     const auto place = found - references_.begin();
@@ -35,7 +35,7 @@ class KnownValues {
     return true;
   }
 
-  /// The value of a variable, or null.
+  /// Returns a variable's value, or null.
   const T* find(ValueReference reference) const {
     const auto found = std::ranges::lower_bound(references_, reference);
     if (found == references_.end() || *found != reference) return nullptr;

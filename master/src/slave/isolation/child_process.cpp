@@ -25,7 +25,7 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// Of what posix_spawn wants to know; frees itself.
+/// Owns and frees the settings of posix_spawn.
 struct SpawnSettings {
   posix_spawn_file_actions_t actions{};
   posix_spawnattr_t attributes{};
@@ -52,7 +52,7 @@ std::size_t open_descriptors() {
 
 void reserve_descriptors(std::size_t count, std::size_t each) {
   if (count == 0) return;
-  constexpr std::size_t kOthers = 32;  // result files, a process that starts, and what the C library opens
+  constexpr std::size_t kOthers = 32;  // result files, a starting process, and files that the C library opens
   const auto open = open_descriptors();
   const rlim_t needed = open + count * each + kOthers;
   rlimit limit{};
@@ -103,13 +103,13 @@ ChildProcess::~ChildProcess() {
 std::optional<ProcessEnd> ChildProcess::ended() {
   if (end_) return end_;
   int status = 0;
-  rusage usage{};  // of what it kept, too
+  rusage usage{};  // includes the keeper's processes
   pid_t one = 0;
   while ((one = wait4(pid_, &status, WNOHANG, &usage)) < 0 && errno == EINTR) {
   }
   if (one == 0) return std::nullopt;
   if (one < 0) {
-    end_ = ProcessEnd{};  // somebody else waited for it: how it ended is unknown
+    end_ = ProcessEnd{};  // another thread reaped it, so the cause of its end is unknown
     return end_;
   }
   const bool by_signal = WIFSIGNALED(status);

@@ -25,10 +25,11 @@
 namespace mebots::master::isolation {
 namespace {
 
-// A signal handler can reach nothing but a global.
+// Global, because the signal handler cannot access anything else.
 Control* shared_control = nullptr;
 
-/// How far from the stack pointer a fault counts as the stack's end: a large frame is entered at its far end.
+/// A fault within this distance of the stack pointer counts as a stack overflow: a large frame may be accessed at its
+/// far end first.
 constexpr std::uintptr_t kStackReach = 1 << 20;
 
 std::uintptr_t stack_pointer(void* context) {
@@ -57,7 +58,7 @@ void on_fault(int signal, siginfo_t* info, void* context) {
 
 void install_fault_handlers(Control& control) {
   shared_control = &control;
-  // The stack may be what is broken.
+  // The thread's own stack may have overflowed.
   static std::array<std::byte, 1 << 16> stack;
   stack_t alternative{};
   alternative.ss_sp = stack.data();
@@ -71,9 +72,9 @@ void install_fault_handlers(Control& control) {
 }
 
 void limit_memory(std::uint64_t memory_bytes) {
-  // Of address space, since that is what the kernel can limit; it counts from what the process has now.
+  // Limits the address space, because the kernel offers no other limit. Counts from what the process already uses.
   if (memory_bytes == std::numeric_limits<std::uint64_t>::max()) return;  // no limit
-  mallopt(M_ARENA_MAX, 2);  // otherwise every thread sets 64 MiB of address space aside
+  mallopt(M_ARENA_MAX, 2);  // otherwise every thread reserves 64 MiB of address space
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   const auto limit = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)) + memory_bytes;
@@ -102,36 +103,36 @@ void forbid_harm(Signals signals) {
   };
   const auto self = static_cast<std::uint32_t>(getpid());
   if (signals == Signals::to_itself) {
-    // A group, as 0 or negative, may hold others.
+    // A process group (0 or negative) may contain other processes.
     for (const int call : {SCMP_SYS(kill), SCMP_SYS(rt_sigqueueinfo), SCMP_SYS(tgkill), SCMP_SYS(rt_tgsigqueueinfo),
                            SCMP_SYS(pidfd_open)}) {
       forbid(call, {is_not(0, self)});
     }
-    // Whose thread or descriptor (of a folder of /proc, too) it is, the call does not say.
+    // The arguments do not show to which process the thread or descriptor (also of a folder of /proc) belongs.
     for (const int call : {SCMP_SYS(tkill), SCMP_SYS(pidfd_send_signal)}) forbid(call);
   }
-  // Memory and limits of others; texts of callbacks are read from its own.
+  // Forbids access to memory and limits of other processes; texts of callbacks are read from the own process.
   for (const int call : {SCMP_SYS(process_vm_readv), SCMP_SYS(process_vm_writev)}) {
     forbid(call, {is_not(0, self)});
   }
-  forbid(SCMP_SYS(prlimit64), {is_not(0, 0)});  // 0: its own
+  forbid(SCMP_SYS(prlimit64), {is_not(0, 0)});  // 0: the process itself
   for (const int call : {SCMP_SYS(ptrace), SCMP_SYS(pidfd_getfd), SCMP_SYS(process_madvise)}) forbid(call);
-  // Signals that the kernel sends when something happens to a file.
+  // Forbids signals that the kernel sends at file events.
   for (const std::uint32_t command : {F_SETOWN, F_SETOWN_EX, F_SETSIG}) {
     forbid(SCMP_SYS(fcntl), {is(1, command)});
   }
   for (const std::uint32_t request : {FIOSETOWN, SIOCSPGRP}) {
     forbid(SCMP_SYS(ioctl), {is(1, request)});
   }
-  // What opens more of the kernel than a simulation needs; clone3 hides its flags from a filter, so that clone is
-  // taken.
+  // Forbids calls that expose more of the kernel than a simulation needs. clone3 passes its flags in memory, where a
+  // filter cannot read them, so the C library must use clone.
   for (const int call : {SCMP_SYS(unshare), SCMP_SYS(setns), SCMP_SYS(bpf), SCMP_SYS(perf_event_open),
                          SCMP_SYS(userfaultfd), SCMP_SYS(io_uring_setup), SCMP_SYS(add_key), SCMP_SYS(keyctl)}) {
     forbid(call);
   }
   forbid(SCMP_SYS(clone), {{0, SCMP_CMP_MASKED_EQ, CLONE_NEWUSER, CLONE_NEWUSER}});
   seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
-  seccomp_load(filter);  // with PR_SET_NO_NEW_PRIVS, which libseccomp sets itself
+  seccomp_load(filter);  // libseccomp also sets PR_SET_NO_NEW_PRIVS
   seccomp_release(filter);
 }
 

@@ -37,21 +37,21 @@ namespace {
 
 using namespace isolation;
 
-/// Puts the FMU's messages where the master finds them, even when the call never ends.
+/// Writes the FMU's messages to shared memory, where the master can read them even if the call never returns.
 class SharedLog final : public MessageSink {
  public:
   SharedLog(SharedBuffer& buffer, Control& control) : writer_(buffer), control_(&control) {}
 
   void message(const Message& message) override {
-    const std::lock_guard lock(mutex_);  // an FMU may log from threads of its own
+    const std::lock_guard lock(mutex_);  // FMUs may log from their own threads
     if (limit_.take(message.text.size() + message.category.size())) put(message);
   }
-  /// Says how many messages of this batch were dropped.
+  /// Reports the number of messages in this batch that were dropped.
   void end_batch(std::string_view instance) {
     const std::lock_guard lock(mutex_);
     if (const auto notice = limit_.restart()) put({instance, Severity::warning, "notice", *notice, 0});
   }
-  /// The master has read them all.
+  /// Called when the master has read all messages.
   void clear() {
     const std::lock_guard lock(mutex_);
     writer_.clear();
@@ -68,7 +68,7 @@ class SharedLog final : public MessageSink {
   }
 
   std::mutex mutex_;
-  MessageLimit limit_{kMostLogBytes - (std::size_t{1} << 20)};  // room for the notice
+  MessageLimit limit_{kMostLogBytes - (std::size_t{1} << 20)};  // reserves space for the notice
   SharedWriter writer_;
   Control* control_;
 };
@@ -93,10 +93,10 @@ class Host {
 
   Control& control() { return *control_; }
 
-  /// True if code of the FMU that cannot be unloaded safely is there to the end.
+  /// True if code of the FMU must stay loaded until the process ends.
   bool keeps_library() const { return keeps_library_; }
 
-  /// Until the master closes the instance.
+  /// Executes calls until the master closes the instance.
   void serve() {
     constexpr std::int64_t kWaitNs = 3'600'000'000'000;
     std::uint32_t batches = 0;
@@ -120,15 +120,15 @@ class Host {
       const auto call = commands.get<Call>();
       control_->call.store(call, std::memory_order_relaxed);
       control_->calls.fetch_add(1, std::memory_order_release);
-      if (!answer(call, commands)) return;  // what was to follow makes no sense any more
+      if (!answer(call, commands)) return;  // the calls after it would be meaningless
     }
   }
 
-  /// Does one call and writes its answer. False when the batch ends with it.
+  /// Executes a call and writes its answer. Returns false if the batch ends with it.
   bool answer(Call call, SharedReader& commands) {
     const auto begin = answers_.size();
     const auto put_error = [&](Answer kind, ErrorCode code, std::string_view text) {
-      answers_.cut(begin);  // an answer may fail half-way
+      answers_.cut(begin);  // removes a partial answer if the call fails
       answers_.put(kind);
       answers_.put(mebots::name_of(code));
       answers_.put(text);
@@ -265,8 +265,8 @@ class Host {
     return true;
   }
 
-  /// Throws SlaveError if freeing the instance failed; the host ends in any case.
-  /// Returns how the FMU's libraries differ from those directly after loading; empty if they do not.
+  /// Frees the instance and returns how the FMU's libraries differ from their state directly after loading; empty if
+  /// they do not. Throws SlaveError if freeing fails; the host ends in both cases.
   std::string close() {
     closed_ = true;
     states_.clear();
@@ -315,7 +315,7 @@ class Host {
     }
   }
 
-  /// A list of texts, each after a 1, and a 0 at the end.
+  /// Writes a list of texts, each preceded by 1, and 0 at the end.
   void put_notices() {
     const auto put = [this](const std::string& text) {
       answers_.put(true);
@@ -335,7 +335,8 @@ class Host {
     setenv("PYTHONPATH", path.c_str(), 1);
   }
 
-  /// The FMU and what its scripts import look for the interpreter's functions in the whole process.
+  /// Loads the interpreter globally, because the FMU and modules imported by its scripts look up its functions in the
+  /// whole process.
   static void load_python(const std::string& library) {
     if (dlopen(library.c_str(), RTLD_NOW | RTLD_GLOBAL) != nullptr) return;
     throw InputError(ErrorCode::fmu_inconsistent,
@@ -344,7 +345,7 @@ class Host {
                                  dlerror()));
   }
 
-  /// Returns false, which ends the batch, unless the step is complete.
+  /// Returns false, which ends the batch, if the step is not complete.
   bool answer_step(const StepResult& result) {
     put_done();
     answers_.put(result.done);
@@ -366,7 +367,7 @@ class Host {
     answers_.put(std::span<const T>(values));
   }
 
-  /// Integers, and behind them the bytes of every binary variable among them.
+  /// Writes Integers, followed by the bytes of every binary variable among them.
   void get_integers(SharedReader& commands) {
     const auto references = commands.get_vector<ValueReference>();
     std::vector<std::int64_t> values(references.size());
@@ -430,12 +431,12 @@ class Host {
   SharedLog log_;
   SharedWriter answers_;
   std::vector<OsmpTriple> triples_;
-  std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, one per triple
+  std::vector<std::vector<std::uint8_t>> taken_;  // bytes of binary inputs, by OSMP triple
   std::string name_;
   bool is_sandboxed_ = false;
   std::vector<Refusal> refusals_;
   std::vector<std::string> may_lack_;
-  std::optional<ForkedCopies> copies_;  // not before the keeper is split off
+  std::optional<ForkedCopies> copies_;  // created after the keeper is forked off
   std::shared_ptr<Fmu> fmu_;
   std::unique_ptr<Slave> slave_;
   std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
@@ -462,7 +463,7 @@ struct Arguments {
   }
 
   bool is_sandboxed() const { return !sandbox.folder.empty(); }
-  /// The arguments of the same program inside of the namespaces.
+  /// Returns the arguments for the same program inside the namespaces.
   std::vector<std::string> inside() const {
     auto words = rest;
     words.emplace_back("--inside");
@@ -504,7 +505,7 @@ std::string own_path() {
   return std::filesystem::read_symlink("/proc/self/exe").string();
 }
 
-/// Makes this process ready for foreign code.
+/// Prepares this process for foreign code.
 void confine(const Arguments& arguments, Host& host, std::vector<Refusal> refusals) {
   if (!arguments.is_sandboxed()) {
     guard(arguments.memory_bytes, host.control());
@@ -537,11 +538,11 @@ int run_fmu_host(int argument_count, char** words) {
       refusals.push_back(enter_namespaces(arguments.sandbox, own_path(), arguments.inside()));
     Host host;
     confine(arguments, host, std::move(refusals));
-    pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU may not cancel the thread that calls it
+    pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // the FMU must not cancel the thread that calls it
     host.serve();
     if (!host.keeps_library()) return 0;
     std::fflush(nullptr);
-    _exit(0);  // without the destructors of an interpreter
+    _exit(0);  // skips destructors, such as those of an interpreter
   } catch (const std::exception& error) {
     std::fprintf(stderr, "mebots-fmu-host: %s\n", error.what());
     return 1;

@@ -106,7 +106,7 @@ Interpreter interpreter_of(const Fmu& fmu) {
   try {
     needs = read_library_needs(fmu.library_file(), fmu.folder(),
                                modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip));
-  } catch (const Error&) {  // the host process reports what is wrong with it
+  } catch (const Error&) {  // the host process reports the error
     return interpreter;
   }
   interpreter.embedded = !needs.interpreter.empty();

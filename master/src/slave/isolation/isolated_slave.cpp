@@ -20,7 +20,7 @@
 
 namespace mebots::master::isolation {
 
-/// A state that the host process keeps.
+/// A state stored in the host process.
 class IsolatedState final : public SlaveState {
  public:
   IsolatedState(IsolatedSlave& slave, std::uint64_t id) : slave_(&slave), id_(id) {}
@@ -37,11 +37,11 @@ class IsolatedState final : public SlaveState {
 
 namespace {
 
-/// How often a waiting master looks whether the process still lives.
+/// The interval at which a waiting master checks that the process lives.
 constexpr std::int64_t kLookNs = 20'000'000;
-/// How long a call may go on after an interrupt [s]: a call that is about to end is not torn apart.
+/// The time that a call may take after an interrupt [s], so that a call that is about to return can finish.
 constexpr double kInterruptGraceS = 0.1;
-/// How long an FMU may take to free itself [s].
+/// The time that an FMU may take to free itself [s].
 constexpr double kGraceS = 3;
 
 std::uint64_t id_of(const SlaveState& state) {
@@ -68,7 +68,7 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       std::make_unique<ChildProcess>(find_fmu_host(), host_arguments(),
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
                                                         answer_buffer_.descriptor(), log_buffer_.descriptor()});
-  // The sizes of these two are final, so the process needs its own descriptors only.
+  // The sizes of both buffers are final, so only the process needs descriptors of them.
   control_buffer_.close_descriptor();
   log_buffer_.close_descriptor();
   open(grid);
@@ -101,7 +101,7 @@ IsolatedSlave::~IsolatedSlave() {
 
 std::optional<std::string> IsolatedSlave::free_instance() {
   if (std::exchange(freed_, true) || !lost_.empty()) return std::nullopt;
-  commands_.clear();  // values that nobody will read any more
+  commands_.clear();  // values that no call will read
   pending_ = 0;
   put(Call::close);
   control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
@@ -130,8 +130,8 @@ std::optional<std::string> IsolatedSlave::tell_of_end() {
   return fmt::format("instance '{}': {}", name_, problem);
 }
 
-/// Returns the error that the host answered when it freed the instance. The messages have it, too. Stores what the
-/// host found in the FMU's memory.
+/// Returns the error that the host reported when it freed the instance; it was also logged. Stores the host's
+/// comparison of the FMU's memory.
 std::optional<std::string> IsolatedSlave::failure_of_close() {
   try {
     auto reader = answers();
@@ -203,8 +203,7 @@ SharedReader IsolatedSlave::answers() {
   return SharedReader(answer_buffer_.bytes(size));
 }
 
-/// Every call has a deadline of its own, and the host says when the next one begins: at most as often as there are
-/// calls.
+/// Each call has its own deadline. The host counts calls, and this count extends the deadline at most once per call.
 void IsolatedSlave::wait(std::size_t calls_left) {
   using Clock = std::chrono::steady_clock;
   const auto& isolation = instance_->isolation;
@@ -216,7 +215,7 @@ void IsolatedSlave::wait(std::size_t calls_left) {
     look_ns = std::clamp<std::int64_t>(static_cast<std::int64_t>(*isolation.deadline_s * 1e9 / 4), 1'000'000, kLookNs);
   while (!control_->answered.wait(batches_, look_ns)) {
     if (const auto end = process_->ended()) {
-      if (control_->answered.value() != batches_) return;  // it answered, and then went
+      if (control_->answered.value() != batches_) return;  // it answered and then ended
       lost(ErrorCode::fmu_lost, fault_text(*end));
     }
     if (cancel_ != nullptr && cancel_->load(std::memory_order_relaxed)) control_->cancel = true;
@@ -247,8 +246,7 @@ void IsolatedSlave::wait(std::size_t calls_left) {
   }
 }
 
-/// Converts the exit code of bubblewrap, which is that of the program in it, or 128 and the signal that ended the
-/// program.
+/// Converts bubblewrap's exit code: that of the program in it, or 128 plus the signal that ended the program.
 ProcessEnd IsolatedSlave::end_in_sandbox(ProcessEnd end) const {
   constexpr int kSignalled = 128;
   if (!instance_->isolation.sandboxed() || end.by_signal || end.number <= kSignalled) return end;
@@ -341,7 +339,7 @@ StepResult IsolatedSlave::step(std::int64_t start_ns, std::int64_t duration_ns) 
   return hand_over_step();
 }
 
-/// The host waits for the end of the step. While it does, the master looks for an interrupt and for the deadline.
+/// The host waits for the end of the step. Meanwhile the master checks for an interrupt and for the deadline.
 StepResult IsolatedSlave::finish_step(const std::atomic<bool>& cancel) {
   cancel_ = &cancel;
   put(Call::finish_step);
@@ -355,7 +353,7 @@ StepResult IsolatedSlave::finish_step(const std::atomic<bool>& cancel) {
   }
 }
 
-/// Sends a call that steps, followed by the reads of the last step.
+/// Sends a call that steps, followed by the reads made after the last step.
 StepResult IsolatedSlave::hand_over_step() {
   std::erase_if(reads_, [](const Read& read) { return !read.used; });
   for (const auto& read : reads_) put_read(read.call, read.references, read.orders);
@@ -380,7 +378,7 @@ StepResult IsolatedSlave::hand_over_step() {
   return result;
 }
 
-/// What was read after the last step, and came along with this one.
+/// Takes the answers to the reads sent with this step.
 void IsolatedSlave::take_reads(SharedReader& answers) {
   for (auto read = reads_.begin(); read != reads_.end(); ++read) {
     read->used = false;
@@ -392,8 +390,8 @@ void IsolatedSlave::take_reads(SharedReader& answers) {
     } catch (const DamagedMemory&) {
       throw;
     } catch (const Error&) {
-      read->failure = std::current_exception();  // for the one who reads it, if anybody does
-      reads_.erase(read + 1, reads_.end());      // the host went no further
+      read->failure = std::current_exception();  // rethrown to the reader, if there is one
+      reads_.erase(read + 1, reads_.end());      // the host stopped at the failure
       return;
     }
   }
@@ -467,7 +465,7 @@ IsolatedSlave::Read& IsolatedSlave::read(Call call, std::span<const ValueReferen
   asked = std::move(answer);
   asked.orders.assign(orders.begin(), orders.end());
   asked.used = true;
-  asked.fresh = false;  // the next read of the same asks again: values may change without a step
+  asked.fresh = false;  // the next identical read is sent: values may change without a step
   return asked;
 }
 
@@ -481,7 +479,7 @@ void IsolatedSlave::get_integers(std::span<const ValueReference> references, std
 
 void IsolatedSlave::get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) {
   std::ranges::transform(read(Call::get_booleans, references).integers, values.begin(),
-                         [](std::int64_t value) { return value == 0 ? 0 : 1; });  // the other process may be hostile
+                         [](std::int64_t value) { return value == 0 ? 0 : 1; });  // do not trust the other process
 }
 
 void IsolatedSlave::get_strings(std::span<const ValueReference> references, std::span<std::string> values) {

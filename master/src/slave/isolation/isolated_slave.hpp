@@ -19,16 +19,16 @@
 
 namespace mebots::master::isolation {
 
-/// A slave that runs in a process of its own (mebots-fmu-host). Values to set wait until the next call that does
-/// something. With a step go the reads that followed the last one, and their answers are kept: a communication step
-/// is one hand-over. When the process ends, or a call takes longer than its deadline, every call throws SlaveError.
+/// A slave in a separate process (mebots-fmu-host). Set values wait for the next call that computes. A step also sends
+/// the reads that followed the last step, and their answers are kept, so that a communication step takes one hand-over.
+/// If the process ends, or a call exceeds its deadline, every call throws SlaveError.
 class IsolatedSlave final : public Slave {
  public:
-  /// Descriptors that the master keeps for each instance.
+  /// Descriptors that the master needs per instance.
   static constexpr std::size_t kDescriptors = 2;
 
-  /// Starts the process and instantiates. `instance` and `messages` must outlive the slave; so must `interrupted`,
-  /// which ends a call that does not come back once it is true (null = nothing does).
+  /// Starts the process and instantiates. `instance`, `messages` and `interrupted` must outlive the slave. Once
+  /// `*interrupted` is true, a call that does not return is ended; null disables this.
   IsolatedSlave(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted,
                 const TimeGrid& grid = {});
   ~IsolatedSlave() override;
@@ -73,16 +73,16 @@ class IsolatedSlave final : public Slave {
  private:
   friend class IsolatedState;
 
-  /// One read of the outputs, with the answer that came along with the last step.
+  /// A read of outputs, with the answer received at the last step.
   struct Read {
     Call call = Call::none;
     std::vector<ValueReference> references;
-    std::vector<std::int32_t> orders;  // of derivatives only
-    bool used = false;                 // since the last step
-    bool fresh = false;                // not asked for anew since the last step
+    std::vector<std::int32_t> orders;  // for derivatives only
+    bool used = false;                 // was read since the last step
+    bool fresh = false;                // the answer may be used: nothing has changed since the step
     std::exception_ptr failure;
     std::vector<double> reals;
-    std::vector<std::int64_t> integers;  // Booleans too
+    std::vector<std::int64_t> integers;  // Integers and Booleans
     std::vector<std::string> strings;
   };
 
@@ -92,8 +92,8 @@ class IsolatedSlave final : public Slave {
   void put(Call call) { commands_.put(call); }
   void put_references(Call call, std::span<const ValueReference> references);
   void put_texts(Call call, std::span<const ValueReference> references, std::span<const std::string> values);
-  /// Sends what is written so far and waits for the answers; checks those of calls before the last `open_answers`, and
-  /// lets `take` read the rest. Answers that make no sense are the end of the process.
+  /// Sends the written calls and waits for the answers. Checks the answers except the last `open_answers`, which `take`
+  /// reads. Ends the process if an answer is invalid.
   void hand_over(std::size_t open_answers = 0, const std::function<void(SharedReader&)>& take = {});
   void wait(std::size_t calls);
   SharedReader answers();
@@ -123,14 +123,14 @@ class IsolatedSlave final : public Slave {
   SharedBuffer log_buffer_;
   Control* control_;
   SharedWriter commands_;
-  std::size_t pending_ = 0;    // calls that are written and not sent
-  std::uint32_t batches_ = 0;  // answered
+  std::size_t pending_ = 0;    // calls that were written but not sent
+  std::uint32_t batches_ = 0;  // answered batches
   std::unique_ptr<ChildProcess> process_;
-  const std::atomic<bool>* cancel_ = nullptr;  // of the pending step that is waited for
-  std::string lost_;                           // why the process is gone
+  const std::atomic<bool>* cancel_ = nullptr;  // for the pending step
+  std::string lost_;                           // why the process ended
   bool freed_ = false;
 
-  // What the FMU can do, as its process found when it loaded the library.
+  // The FMU's capabilities; its process detects them when it loads the library.
   std::uint32_t output_derivative_order_ = 0;
   bool takes_input_derivatives_ = false;
   std::vector<std::string> notices_;
@@ -142,7 +142,7 @@ class IsolatedSlave final : public Slave {
   // Bytes of binary outputs, one pair per triple: those of the last step stay valid during the next one.
   std::vector<std::array<std::vector<std::uint8_t>, 2>> binaries_;
   std::size_t turn_ = 0;
-  std::uint64_t states_ = 0;  // counts them
+  std::uint64_t states_ = 0;  // number of saved states so far
 };
 
 }  // namespace mebots::master::isolation

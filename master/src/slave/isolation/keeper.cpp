@@ -31,7 +31,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The kernel sends it when the thread that started the keeper ends, its process or not.
+/// The kernel sends it when the thread that started the keeper ends, even if its process continues.
 constexpr int kParentThreadEnded = SIGHUP;
 constexpr int kAskedToEnd = SIGTERM;
 
@@ -62,14 +62,14 @@ pid_t fork_or_throw() {
   return child;
 }
 
-/// 0 for what is not one.
+/// Returns the number in a text; 0 if it is not one.
 pid_t number_in(std::string_view text) {
   pid_t number = 0;
   std::from_chars(text.data(), text.data() + text.size(), number);
   return number;
 }
 
-/// proc(5): state and parent follow the name in parentheses.
+/// In the format of proc(5), state and parent follow the name in parentheses.
 bool is_child_of(const std::filesystem::path& process, pid_t parent) {
   std::ifstream file(process / "stat");
   std::string text;
@@ -89,13 +89,13 @@ std::vector<pid_t> children() {
   return found;
 }
 
-/// What the keeper knows of the child.
+/// The state of the child.
 struct Child {
   pid_t number;
   int status = 0;
   bool ended = false;
 
-  /// Takes all that ended: orphans, which come to the keeper, too. False when there is none left to wait for.
+  /// Reaps all ended processes, including orphans adopted by the keeper. Returns false if none is left.
   bool reap() {
     int of_this = 0;
     pid_t one = 0;
@@ -108,7 +108,7 @@ struct Child {
   }
 };
 
-/// Processes that lose their parent become the keeper's own, until there are none.
+/// Orphans become children of the keeper; ends them until there are none.
 void end_descendants(Child& child) {
   if (!child.ended) kill(child.number, SIGKILL);
   for (const auto until = Clock::now() + kPatience; child.reap() && Clock::now() < until;) {
@@ -125,7 +125,7 @@ void end_descendants(Child& child) {
     sigset_t only;
     sigemptyset(&only);
     sigaddset(&only, signal);
-    sigprocmask(SIG_UNBLOCK, &only, nullptr);  // now it comes
+    sigprocmask(SIG_UNBLOCK, &only, nullptr);  // now it is delivered
   }
   _exit(WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_FAILURE);
 }
@@ -143,23 +143,25 @@ void end_descendants(Child& child) {
   end_as(child.status);
 }
 
-/// In the child: ends with the keeper, of which `alive` is closed at the other end once it is gone.
+/// In the child: arranges to end with the keeper. `alive` is closed at its other end when the keeper ends.
 void end_with_keeper(const Pipe& alive) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   pollfd gone{alive.ends[0], 0, 0};
-  if (poll(&gone, 1, 0) > 0 && (gone.revents & POLLHUP) != 0) _exit(EXIT_FAILURE);  // before we could ask for it
+  if (poll(&gone, 1, 0) > 0 && (gone.revents & POLLHUP) != 0)
+    _exit(EXIT_FAILURE);  // the keeper ended before the
+                          // request took effect
 }
 
-/// The mask of signals as it was, for the child.
+/// Returns the previous signal mask, for the child.
 sigset_t become_keeper(pid_t parent) {
   sigset_t all;
   sigset_t before;
   sigfillset(&all);
   sigprocmask(SIG_SETMASK, &all, &before);
-  std::signal(SIGCHLD, SIG_DFL);  // ignored, children would leave no status
+  std::signal(SIGCHLD, SIG_DFL);  // if it were ignored, children would leave no status
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   prctl(PR_SET_PDEATHSIG, kParentThreadEnded);
-  if (getppid() != parent) _exit(EXIT_FAILURE);  // it went before we could ask to hear of it
+  if (getppid() != parent) _exit(EXIT_FAILURE);  // the parent ended before the request took effect
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   return before;

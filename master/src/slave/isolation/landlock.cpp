@@ -14,8 +14,8 @@
 namespace mebots::master::isolation {
 namespace {
 
-// The kernel's interface (Documentation/userspace-api/landlock.rst); the headers of Debian 12 know its first parts
-// only.
+// The kernel's interface (Documentation/userspace-api/landlock.rst); the headers of Debian 12 contain only its first
+// versions.
 constexpr long kCreateRuleset = 444;
 constexpr long kAddRule = 445;
 constexpr long kRestrictSelf = 446;
@@ -42,7 +42,7 @@ constexpr std::uint64_t kWrite = 1U << 1;
 constexpr std::uint64_t kReadFile = 1U << 2;
 constexpr std::uint64_t kReadFolder = 1U << 3;
 constexpr std::uint64_t kMakeBlockDevice = 1U << 11;
-constexpr std::uint64_t kRefer = 1U << 13;  // since version 2: from folder to folder
+constexpr std::uint64_t kRefer = 1U << 13;  // since version 2: moving files between folders
 constexpr std::uint64_t kTruncate = 1U << 14;
 constexpr std::uint64_t kReading = kExecute | kReadFile | kReadFolder;
 constexpr std::uint64_t kOfOneFile = kExecute | kReadFile | kWrite | kTruncate;
@@ -76,7 +76,7 @@ int create(const Ruleset& wanted, long version) {
   return static_cast<int>(syscall(kCreateRuleset, &wanted, known_size(version), 0));
 }
 
-/// Enters the rules and closes them. Returns the problem; empty if there is none.
+/// Applies the rules and closes them. Returns the problem; empty if there is none.
 std::string enter(int rules) {
   std::string problem;
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || syscall(kRestrictSelf, rules, 0) != 0)
@@ -89,9 +89,9 @@ std::string enter(int rules) {
 
 bool shield_other_processes() {
   const long version = offered_version();
-  if (version < 2) return false;  // the first one would forbid to move files between folders
+  if (version < 2) return false;  // version 1 would forbid moving files between folders
   const bool scopes = version >= kScopesSince;
-  // A kernel that cannot scope signals wants another reason; this one takes nothing away.
+  // A ruleset must handle something. If the kernel cannot scope signals, this one handles a right without removing it.
   const Ruleset wanted{scopes ? 0 : kRefer | kMakeBlockDevice, 0, scopes ? kSignals : 0};
   const int rules = create(wanted, version);
   if (rules < 0) return false;
@@ -102,7 +102,7 @@ bool shield_other_processes() {
 std::optional<std::string> restrict_files(const FileAccess& access) {
   const long version = offered_version();
   if (version < 1) return std::strerror(errno);
-  constexpr std::uint64_t kTcp = 3;  // binding and connecting
+  constexpr std::uint64_t kTcp = 3;  // bind and connect
   const Ruleset wanted{all_access(version), kTcp, kAbstractSockets | kSignals};
   const int rules = create(wanted, version);
   if (rules < 0) return std::strerror(errno);

@@ -14,7 +14,7 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// About 10 us: as long as falling asleep and being woken takes.
+/// About 10 us: the cost of sleeping and waking.
 constexpr int kSpins = 300;
 
 void pause() {
@@ -86,7 +86,7 @@ const char* name_of(Call call) {
     case Call::unload:
       return "the destructors of its library";
   }
-  return "a call that it does not name";  // it lies in shared memory
+  return "a call that it does not name";  // the value is in shared memory and may be invalid
 }
 
 void Turn::pass() {

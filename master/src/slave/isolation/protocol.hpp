@@ -7,9 +7,9 @@
 #include <atomic>
 #include <cstdint>
 
-/// What master and host process say to each other. The master writes a batch of calls into one shared buffer, the
-/// host does them in order and writes the answers into another. One hand-over per batch, and a batch holds all that
-/// a communication step needs. Which of the two works is a matter of two counters.
+/// The protocol between master and host process. The master writes a batch of calls into a shared buffer; the host
+/// executes them in order and writes the answers into another buffer. A batch holds all calls of a communication step
+/// and takes one hand-over. Two counters define which process works.
 namespace mebots::master::isolation {
 
 enum class Call : std::uint32_t {
@@ -39,23 +39,23 @@ enum class Call : std::uint32_t {
   serialize,
   deserialize,
   close,
-  unload,  // what close ends with: the library goes
+  unload,  // part of close: unload the library
 };
 
-/// The call as FMI names it.
+/// Returns the FMI name of the call.
 const char* name_of(Call call);
 
-/// How a call ended; an answer starts with it.
+/// The outcome of a call; an answer starts with it.
 enum class Answer : std::uint8_t { done, slave_error, input_error, error };
 
-/// A counter that one process raises and another waits for.
+/// A counter that one process increments and the other waits for.
 class Turn {
  public:
   std::uint32_t value() const { return value_.load(std::memory_order_acquire); }
-  /// Raises the counter and wakes who sleeps for it.
+  /// Increments the counter and wakes waiting processes.
   void pass();
-  /// Waits for another value than `seen`, spinning for a moment and then asleep, at most `timeout_ns`.
-  /// False when the time is up.
+  /// Waits until the value differs from `seen`: spins briefly, then sleeps, at most `timeout_ns`. Returns false at the
+  /// timeout.
   bool wait(std::uint32_t seen, std::int64_t timeout_ns);
 
  private:
@@ -63,27 +63,27 @@ class Turn {
   std::atomic<std::uint32_t> sleeping_{0};
 };
 
-/// The first bytes of the control buffer. Lies in shared memory: no pointers.
+/// The start of the control buffer. It is in shared memory, so it contains no pointers.
 struct Control {
-  Turn asked;     // raised by the master: a batch is ready
-  Turn answered;  // raised by the host: the batch is done
+  Turn asked;     // incremented by the master: a batch is ready
+  Turn answered;  // incremented by the host: the batch is done
   std::atomic<std::uint64_t> command_bytes{0};
   std::atomic<std::uint64_t> answer_bytes{0};
-  std::atomic<std::uint64_t> log_bytes{0};  // whole messages so far, also of a batch that is never finished
-  std::atomic<Call> call{Call::none};       // that the host is in, or was in last
-  std::atomic<std::uint32_t> calls{0};      // counts them, so that each has its own deadline
+  std::atomic<std::uint64_t> log_bytes{0};  // complete messages so far, also of a batch that never ends
+  std::atomic<Call> call{Call::none};       // the current or last call of the host
+  std::atomic<std::uint32_t> calls{0};      // counts calls, so that each has its own deadline
 
-  // Written by the host when a signal is about to end it.
+  // Written by the host when a signal is about to end the process.
   std::atomic<std::uint32_t> fault_seen{0};
   std::atomic<std::uint64_t> fault_address{0};
   std::atomic<std::uint32_t> fault_on_stack{0};
 
-  std::atomic<bool> cancel{false};  // set by the master: the step that is pending is given up
+  std::atomic<bool> cancel{false};  // set by the master: cancel the pending step
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
-/// What the host says at most about one batch. All that lies in shared memory is the host's word: a master that finds
-/// more than this has another host before it than ours.
+/// The maximum size of the host's messages about one batch. The host may write anything to shared memory; the master
+/// treats a larger size as a faulty or hostile host.
 inline constexpr std::size_t kMostLogBytes = std::size_t{64} << 20;
 
 /// Descriptors of a host process: control, commands, answers, log.

@@ -31,14 +31,14 @@ constexpr std::uint64_t kSharedMemoryBytes = std::uint64_t{64} << 20;
 /// Where the system keeps programs and libraries. Some are symbolic links into /usr.
 constexpr auto kSystemFolders =
     std::to_array<const char*>({"/usr", "/lib", "/lib32", "/lib64", "/libx32", "/bin", "/sbin", "/opt", "/nix"});
-/// What the loader and the C library read.
+/// Files that the loader and the C library read.
 constexpr auto kSystemFiles = std::to_array<const char*>(
     {"/etc/ld.so.cache", "/etc/ld.so.conf", "/etc/ld.so.conf.d", "/etc/alternatives", "/etc/localtime"});
 constexpr auto kDevices =
     std::to_array<const char*>({"/dev/null", "/dev/zero", "/dev/full", "/dev/random", "/dev/urandom"});
-/// Folders of other programs that these name are readable.
+/// Folders listed in these variables of other programs are readable.
 constexpr auto kSearchPaths = std::to_array<const char*>({"LD_LIBRARY_PATH", "PYTHONPATH", "PYTHONHOME"});
-/// The environment of a sandboxed FMU. Any other variable may hold a secret.
+/// The environment variables of a sandboxed FMU. Any other variable may hold a secret.
 constexpr auto kPassedVariables = std::to_array<const char*>(
     {"LANG", "LANGUAGE", "LC_ALL", "LC_CTYPE", "LC_NUMERIC", "LC_COLLATE", "LC_MESSAGES", "TZ", "LD_LIBRARY_PATH",
      "PYTHONPATH", "PYTHONHOME", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"});
@@ -47,7 +47,7 @@ std::string system_text() {
   return std::strerror(errno);
 }
 
-/// The program: in $MEBOTS_BUBBLEWRAP, or on the system's own path.
+/// Returns the program: $MEBOTS_BUBBLEWRAP, or from the system's own path.
 std::string bubblewrap() {
   const char* chosen = std::getenv("MEBOTS_BUBBLEWRAP");
   return chosen == nullptr ? "bwrap" : chosen;
@@ -68,7 +68,7 @@ void set_home(const std::string& folder) {
   setenv("TMPDIR", folder.c_str(), 1);
 }
 
-/// Absolute paths that LD_LIBRARY_PATH and the like name.
+/// Returns the absolute paths in LD_LIBRARY_PATH and similar variables.
 std::vector<std::string> searched_folders() {
   std::vector<std::string> folders;
   for (const auto* variable : kSearchPaths) {
@@ -90,7 +90,7 @@ std::vector<std::string> readable_places(const Sandbox& sandbox) {
   return places;
 }
 
-/// The arguments of bubblewrap up to the program that it starts.
+/// Returns the arguments of bubblewrap before the program to start.
 std::vector<std::string> namespace_options(const Sandbox& sandbox, const std::string& program) {
   std::vector<std::string> words{"--unshare-user",
                                  "--disable-userns",
@@ -131,7 +131,7 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-/// Runs a program with its output in a pipe. Returns nothing if it ends with exit code 0; else what it wrote last.
+/// Runs a program with its output in a pipe. If it exits with code 0, returns empty; else its last output.
 std::optional<std::string> failure_of(std::vector<std::string> words) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return system_text();
@@ -159,8 +159,8 @@ std::optional<std::string> failure_of(std::vector<std::string> words) {
   return text.empty() ? "it ended without a message" : text.substr(text.rfind('\n') + 1);
 }
 
-/// Bounds what a process takes from others: open files, size of files; processes, which the kernel counts per user and
-/// user namespace.
+/// Limits the resources of a process: open files, size of files, and the number of processes, which the kernel counts
+/// per user and user namespace.
 void set_limits(bool has_namespaces) {
   constexpr rlim_t kOpenFiles = 1024;
   constexpr rlim_t kFileBytes = rlim_t{1} << 30;
@@ -187,7 +187,7 @@ Refusal enter_namespaces(const Sandbox& sandbox, const std::string& program,
   const auto options = namespace_options(sandbox, program);
   words.insert(words.end(), options.begin(), options.end());
   words.push_back(program);
-  // bubblewrap ends without a code of its own if a namespace is refused, so it is tried first.
+  // If a namespace is refused, bubblewrap exits without a distinct code; a trial run detects it.
   auto trial = words;
   trial.emplace_back("--version");
   if (auto problem = failure_of(std::move(trial))) return {kNamespaces, *std::move(problem)};

@@ -19,7 +19,7 @@ namespace mebots::master::isolation {
 namespace {
 
 constexpr std::size_t kFirstSize = 1 << 16;
-/// Descriptors of the master's side lie above those that a child process gets.
+/// The master's descriptors are above those that a child process gets.
 constexpr int kLowestDescriptor = 16;
 
 [[noreturn]] void fail(const char* what) {
@@ -67,7 +67,7 @@ std::span<const std::byte> SharedBuffer::bytes(std::size_t size) {
     const auto there = length();
     if (there < size)
       throw DamagedMemory("the shared memory between master and FMU process is damaged: it is shorter than it says");
-    map(std::min(std::bit_ceil(size), there));  // the file may be longer than memory
+    map(std::min(std::bit_ceil(size), there));  // the file may be larger than the memory
   }
   return {data_, size};
 }

@@ -15,20 +15,20 @@
 
 namespace mebots::master::isolation {
 
-/// What the other process wrote makes no sense: it is broken, or means harm.
+/// The other process wrote invalid data: it is faulty or hostile.
 class DamagedMemory : public Error {
  public:
   explicit DamagedMemory(const std::string& what) : Error(ErrorCode::fmu_lost, what) {}
 };
 
-/// Memory that two processes see: an anonymous file, mapped by both, gone with the last of them. It grows and never
-/// shrinks, so that neither side can pull it from under the other.
+/// Memory shared by two processes: an anonymous file mapped by both, freed with the last of them. It grows and never
+/// shrinks, so that neither process can make the other's accesses fault.
 class SharedBuffer {
  public:
-  /// Makes one of at least `size` bytes, which take memory once they are written. Throws Error when the system has no
-  /// memory for it.
+  /// Creates a buffer of at least `size` bytes; physical memory is used when they are written. Throws Error if the
+  /// system has no memory for it.
   explicit SharedBuffer(const char* name, std::size_t size = 0);
-  /// Maps one that another process made and handed over.
+  /// Maps a buffer that another process created and passed as a descriptor.
   explicit SharedBuffer(int descriptor);
   ~SharedBuffer();
   SharedBuffer(const SharedBuffer&) = delete;
@@ -37,12 +37,12 @@ class SharedBuffer {
   std::byte* data() { return data_; }
   std::size_t size() const { return mapped_; }
   int descriptor() const { return descriptor_; }
-  /// Closes the descriptor after another process has got it. The file's length is then taken as final.
+  /// Closes the descriptor after another process received it. The length of the file is final from then.
   void close_descriptor();
 
-  /// Makes the first `size` bytes usable, and the file longer where it must be. Addresses may change.
+  /// Makes the first `size` bytes usable and extends the file if necessary. Addresses may change.
   void reserve(std::size_t size);
-  /// The first `size` bytes, as the other process wrote them. Throws DamagedMemory when there are not so many.
+  /// Returns the first `size` bytes, written by the other process. Throws DamagedMemory if the buffer is smaller.
   std::span<const std::byte> bytes(std::size_t size);
 
  private:
@@ -64,7 +64,7 @@ class SharedWriter {
   requires std::is_trivially_copyable_v<T>
   void put(const T& value) { append(&value, sizeof value); }
 
-  /// The count, then the elements.
+  /// Writes the count, then the elements.
   template <typename T, std::size_t Extent>
   requires std::is_trivially_copyable_v<T>
   void put(std::span<T, Extent> values) {
@@ -75,7 +75,7 @@ class SharedWriter {
 
   std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
-  /// Takes back what was put after the first `size` bytes.
+  /// Drops everything after the first `size` bytes.
   void cut(std::size_t size) { size_ = size; }
 
  private:
@@ -90,7 +90,7 @@ class SharedWriter {
   std::size_t size_ = 0;
 };
 
-/// Reads back what a SharedWriter wrote. The other process may be broken: every length is checked.
+/// Reads what a SharedWriter wrote. Checks every length, because the other process may be faulty.
 class SharedReader {
  public:
   explicit SharedReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -108,7 +108,7 @@ class SharedReader {
     if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
     return values;
   }
-  /// Into an array whose length is known.
+  /// Reads into an array of known length.
   template <typename T>
   void get(std::span<T> values) {
     if (count(sizeof(T)) != values.size()) fail();
@@ -119,7 +119,7 @@ class SharedReader {
     const auto bytes = get_bytes();
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
-  /// A view into the buffer.
+  /// Returns a view into the buffer.
   std::span<const std::byte> get_bytes() { return take(count(1)); }
   bool at_end() const { return bytes_.empty(); }
 

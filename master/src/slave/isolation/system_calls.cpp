@@ -18,7 +18,7 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// Reading, writing and naming files. Which files is decided by the tree of the sandbox and by Landlock.
+/// Calls that read, write and name files. The sandbox's file tree and Landlock determine which files.
 constexpr auto kFiles = std::to_array<int>({
     SCMP_SYS(read),
     SCMP_SYS(write),
@@ -189,13 +189,13 @@ constexpr auto kSignalsAndTime = std::to_array<int>({
     SCMP_SYS(timer_delete),  SCMP_SYS(timerfd_create),  SCMP_SYS(timerfd_settime), SCMP_SYS(timerfd_gettime),
 });
 
-/// In a process namespace of its own these reach only processes of the sandbox.
+/// Inside a process namespace they reach only processes of the sandbox.
 constexpr auto kSendSignals =
     std::to_array<int>({SCMP_SYS(kill), SCMP_SYS(tkill), SCMP_SYS(tgkill), SCMP_SYS(rt_sigqueueinfo),
                         SCMP_SYS(rt_tgsigqueueinfo), SCMP_SYS(pidfd_open), SCMP_SYS(pidfd_send_signal)});
 
-/// These need namespaces: they reach files by attributes that Landlock does not cover, peers in the network, and memory
-/// by a number.
+/// These need namespaces: they access files by attributes outside of Landlock's control, network peers, or memory by
+/// number.
 constexpr auto kPrivate = std::to_array<int>({
     SCMP_SYS(chmod),     SCMP_SYS(fchmod),      SCMP_SYS(fchmodat),    SCMP_SYS(utime),      SCMP_SYS(utimes),
     SCMP_SYS(futimesat), SCMP_SYS(utimensat),   SCMP_SYS(chown),       SCMP_SYS(fchown),     SCMP_SYS(lchown),
@@ -206,7 +206,7 @@ constexpr auto kPrivate = std::to_array<int>({
     SCMP_SYS(msgrcv),    SCMP_SYS(msgctl),
 });
 
-/// For pairs of sockets, and in a network namespace also for others.
+/// For socket pairs; in a network namespace also for other sockets.
 constexpr auto kSocketData =
     std::to_array<int>({SCMP_SYS(sendto), SCMP_SYS(recvfrom), SCMP_SYS(sendmsg), SCMP_SYS(recvmsg), SCMP_SYS(sendmmsg),
                         SCMP_SYS(recvmmsg), SCMP_SYS(shutdown)});
@@ -257,7 +257,7 @@ class Filter {
   }
 
  private:
-  /// A negative number stands for a call that this architecture does not have.
+  /// A negative number is a call that this architecture lacks.
   void add(std::uint32_t action, int call, std::initializer_list<scmp_arg_cmp> where) {
     if (context_ == nullptr || call < 0) return;
     keep(seccomp_rule_add_array(context_, action, call, static_cast<unsigned>(where.size()), where.begin()));
@@ -286,11 +286,12 @@ std::optional<std::string> allow_simulation_calls(bool has_namespaces) {
   filter.allow(SCMP_SYS(socketpair), {equals(0, AF_UNIX)});
   filter.allow(SCMP_SYS(personality), {equals(0, 0xffff'ffff)});  // a query
   filter.allow(SCMP_SYS(prlimit64), {equals(0, 0)});              // its own limits
-  filter.allow(SCMP_SYS(process_vm_readv), {equals(0, self)});    // texts at addresses that an FMU returns
+  filter.allow(SCMP_SYS(process_vm_readv), {equals(0, self)});    // texts at addresses that an FMU passes
   constexpr std::uint64_t kNewNamespaces =
       CLONE_NEWCGROUP | CLONE_NEWIPC | CLONE_NEWNET | CLONE_NEWNS | CLONE_NEWPID | CLONE_NEWUSER | CLONE_NEWUTS;
   filter.allow(SCMP_SYS(clone), {{0, SCMP_CMP_MASKED_EQ, kNewNamespaces, 0}});
-  filter.answer(SCMP_SYS(clone3), ENOSYS);  // hides its flags from a filter; the C library then uses clone()
+  filter.answer(SCMP_SYS(clone3), ENOSYS);  // passes its flags in memory, unreadable for a filter; the C library falls
+                                            // back to clone()
   if (has_namespaces) {
     filter.allow(kSendSignals);
     filter.allow(kPrivate);
