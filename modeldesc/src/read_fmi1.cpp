@@ -9,7 +9,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-// In the order of the words of FMI 1.0.
+// The values are in the order of FMI 1.0's words.
 enum class Variability1 : std::uint8_t { constant, parameter, discrete, continuous };
 enum class Causality1 : std::uint8_t { input, output, internal, none };
 enum class Alias : std::uint8_t { none, alias, negated };
@@ -40,7 +40,7 @@ class Fmi1Reader {
   }
 
  private:
-  /// Reads <Implementation>. An FMU without one is for model exchange.
+  /// Reads <Implementation>. An FMU without this element is for model exchange.
   void read_implementation() {
     const auto identifier = model_identifier(root_);
     const Element implementation = root_.child("Implementation");
@@ -63,7 +63,7 @@ class Fmi1Reader {
     flags.can_run_asynchronuously = capabilities.flag("canRunAsynchronuously", false);
   }
 
-  /// FMI 1.0 gives a unit a name, and no base units.
+  /// A unit of FMI 1.0 has a name and no base units.
   void read_unit(const Element& element) {
     Unit unit;
     unit.name = element.required_text("unit");
@@ -94,7 +94,8 @@ class Fmi1Reader {
     result_.types.push_back(std::move(type));
   }
 
-  /// Notes a variable whose name another one has: public FMUs of this version have such internal variables.
+  /// Returns false and reports the variable if an earlier one has its name: public FMUs of this version have such
+  /// internal variables.
   bool is_first_of_its_name(const Element& element) {
     const auto name = element.required_text("name");
     if (names_.insert(name).second) return true;
@@ -135,7 +136,7 @@ class Fmi1Reader {
     variable.negated_reference = variable.value_reference;
   }
 
-  /// Causality, variability and initial in the terms of FMI 2.0.
+  /// Sets causality, variability and initial in the terms of FMI 2.0.
   static void read_role(const Element& element, Variable& variable) {
     const auto causality = element.word<Causality1>("causality", fmi::kCausalityWords1).value_or(Causality1::internal);
     const auto variability =
@@ -162,7 +163,7 @@ class Fmi1Reader {
     variable.initial = default_initial(variable.causality, variable.variability);
   }
 
-  /// A negated alias shares the value reference of its base in FMI 1.0. Here each has one that no other variable has.
+  /// In FMI 1.0, a negated alias has the value reference of its base. Here it gets one that no other variable has.
   void give_negated_aliases_their_references() {
     std::unordered_set<std::uint32_t> used;
     for (const auto& variable : result_.variables) used.insert(variable.value_reference);

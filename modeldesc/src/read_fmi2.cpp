@@ -152,7 +152,7 @@ class Fmi2Reader {
       if (tool.text("name") != "net.pmsf.osmp") return;
       tool.each_child([&](const Element& part) {
         const std::string_view name = part.name();
-        // The prefix of the namespace is the writer's choice.
+        // The writer chooses the prefix of the namespace.
         if (name.substr(name.find(':') + 1) != "osmp-binary-variable") return;
         variable.osmp = OsmpPart{part.required_text("name"), part.required_text("role"), part.text("mime-type")};
       });
@@ -166,8 +166,8 @@ class Fmi2Reader {
                                    *variable.derivative_of + 1, result_.variables.size()));
   }
 
-  /// The variable of an index of ModelStructure. Notes an index without a variable: some tools write 0, and an FMU runs
-  /// without its ModelStructure.
+  /// Returns the variable of an index in ModelStructure. Reports an index without a variable instead of throwing: some
+  /// tools write 0, and the FMU runs without its ModelStructure.
   std::optional<std::size_t> index(const Element& element, std::string_view text) {
     const auto value = parse_number<std::size_t>(text);
     if (!value) element.fail(fmt::format("\"{}\" is not an index of a variable", text));
@@ -191,8 +191,8 @@ class Fmi2Reader {
 
   Element root_;
   ModelDescription result_;
-  std::unordered_set<std::string_view> names_;          // of the variables, which stay in their place
-  std::unordered_map<std::string, std::size_t> types_;  // name, index; descriptions may have thousands
+  std::unordered_set<std::string_view> names_;          // of the variables, whose addresses do not change
+  std::unordered_map<std::string, std::size_t> types_;  // maps names to indices; descriptions may have thousands
 };
 
 }  // namespace

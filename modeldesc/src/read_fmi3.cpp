@@ -16,7 +16,7 @@ std::optional<Type> type_of_word(std::string_view word) {
   return static_cast<Type>(found - std::begin(fmi::kTypeWords3));
 }
 
-/// Returns the start value of a number or Boolean, or nothing if the text is not a value of the type.
+/// Returns the start value of a number or Boolean; empty if the text is not a value of the type.
 std::optional<Value> parse_value(Type type, std::string_view text) {
   if (fmi::is_float(type)) {
     const auto value = parse_number<double>(text);
@@ -59,7 +59,7 @@ class Fmi3Reader {
     read_head(root_, "instantiationToken", result_);
   }
 
-  /// What <ModelExchange> and <CoSimulation> have in common.
+  /// Reads the common attributes of <ModelExchange> and <CoSimulation>.
   static void read_implementation(const Element& element, Implementation& flags) {
     flags.model_identifier = model_identifier(element);
     flags.needs_execution_tool = element.flag("needsExecutionTool", false);
@@ -260,7 +260,7 @@ class Fmi3Reader {
     return *value;
   }
 
-  /// The variable of a value reference that an element names.
+  /// Returns the index of the variable with the value reference in an element.
   std::size_t index(const Element& element, std::uint32_t value_reference, std::string_view what) const {
     const auto found = by_reference_.find(value_reference);
     if (found == by_reference_.end())
@@ -317,8 +317,8 @@ class Fmi3Reader {
     return unknowns;
   }
 
-  /// The variable of a value reference in <ModelStructure>. Notes a reference that no variable has: an FMU runs without
-  /// that entry.
+  /// Returns the variable with a value reference in <ModelStructure>. Reports an unknown reference instead of throwing:
+  /// the FMU runs without that entry.
   std::optional<std::size_t> find(const Element& element, std::uint32_t value_reference) {
     const auto found = by_reference_.find(value_reference);
     if (found != by_reference_.end()) return found->second;
@@ -332,7 +332,8 @@ class Fmi3Reader {
   std::unordered_set<std::string> names_;  // of the variables
   std::unordered_map<std::uint32_t, std::size_t> by_reference_;
   std::unordered_map<std::string, std::size_t> types_;
-  std::vector<std::pair<std::size_t, std::uint32_t>> derivatives_;  // variable, reference of its state
+  std::vector<std::pair<std::size_t, std::uint32_t>> derivatives_;  // index of the variable, value reference of its
+                                                                    // state
 };
 
 }  // namespace

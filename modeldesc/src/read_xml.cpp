@@ -134,7 +134,7 @@ namespace {
 
 ModelDescription read_utf8(std::string text, std::string_view source) {
   const Document document(text, source);
-  std::string().swap(text);  // the document holds a copy
+  std::string().swap(text);  // the document has a copy
   const Element root(document, document.root());
   if (root.name() != "fmiModelDescription") root.fail("the root element must be <fmiModelDescription>");
   const auto version = root.required_text("fmiVersion");
@@ -161,7 +161,7 @@ ModelDescription read_xml_text(std::string_view text, std::string_view source) {
 }
 
 ModelDescription read_xml(const std::filesystem::path& file) {
-  // The file's bytes are freed before the text is parsed: a description may have a million variables.
+  // Frees the file's bytes before the text is parsed: a description may have a million variables.
   return read_utf8(xml_as_utf8(bytes_of(file), file.string()), file.string());
 }
 

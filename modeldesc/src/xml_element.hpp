@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-/// Typed and checked access to the elements of a modelDescription.xml, and what the readers of all versions share.
+/// Typed and checked access to the elements of a modelDescription.xml, and code that the readers of all versions share.
 namespace mebots::modeldesc {
 
 inline std::string_view trimmed(std::string_view text) {
@@ -29,7 +29,8 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
-/// The whole text as a number, or nothing. XML Schema writes infinities as INF, and allows a plus sign.
+/// Returns the whole text as a number, or empty. As in XML Schema, infinities are written INF and a plus sign is
+/// allowed.
 template <typename T>
 std::optional<T> parse_number(std::string_view text) {
   text = trimmed(text);
@@ -40,7 +41,7 @@ std::optional<T> parse_number(std::string_view text) {
   return value;
 }
 
-/// A parsed document, and the lines of its elements for messages. It needs the text during the parse only.
+/// A parsed document, with the lines of its elements for messages. It uses the text only while it parses.
 class Document {
  public:
   Document(const std::string& text, std::string_view source) : source_(source) {
@@ -52,7 +53,7 @@ class Document {
 
   pugi::xml_node root() const { return xml_.document_element(); }
 
-  /// "line 7, <Real>: what"
+  /// Returns a text such as "line 7, <Real>: what".
   std::string located(pugi::xml_node node, std::string_view what) const {
     const auto line = std::ranges::lower_bound(line_ends_, node.offset_debug()) - line_ends_.begin() + 1;
     return fmt::format("line {}, <{}>: {}", line, node.name(), what);
@@ -67,7 +68,7 @@ class Document {
   std::vector<std::ptrdiff_t> line_ends_;
 };
 
-/// One element with typed, checked access to its attributes.
+/// An element with typed, checked access to its attributes.
 class Element {
  public:
   Element(const Document& document, pugi::xml_node node) : document_(&document), node_(node) {}
@@ -76,7 +77,7 @@ class Element {
   std::string_view name() const { return node_.name(); }
   Element child(const char* name) const { return {*document_, node_.child(name)}; }
   bool has(const char* name) const { return static_cast<bool>(node_.attribute(name)); }
-  std::string text(const char* name) const { return node_.attribute(name).value(); }  // empty when missing
+  std::string text(const char* name) const { return node_.attribute(name).value(); }  // empty if missing
 
   std::string_view content() const { return node_.child_value(); }
 
@@ -99,7 +100,7 @@ class Element {
   }
   std::optional<double> real(const char* name) const { return number<double>(name, "a number"); }
 
-  /// The value that belongs to the attribute's word.
+  /// Returns the value for the attribute's word.
   template <typename T>
   std::optional<T> word(const char* name, std::span<const std::string_view> words) const {
     if (!has(name)) return std::nullopt;
@@ -129,7 +130,7 @@ class Element {
     const auto children = node_.children(name);
     return static_cast<std::size_t>(std::distance(children.begin(), children.end()));
   }
-  /// As each_child(), and removes each child afterwards, so that its memory is free again.
+  /// Does the same as each_child() and removes each child afterwards, which frees its memory.
   template <typename Action>
   void consume_children(const char* name, Action action) {
     for (auto node = node_.child(name); node;) {
@@ -146,24 +147,25 @@ class Element {
   pugi::xml_node node_;
 };
 
-/// Variables that are read before the memory of their elements is returned to the system. Elements and variables
+/// After this many variables, the memory of their elements is returned to the system. Otherwise elements and variables
 /// together would double the peak of a description with a million variables.
 inline constexpr std::size_t kVariablesPerTrim = 1 << 16;
 void release_free_memory();
 
-/// The default of `initial`: FMI 2.0.4, table on page 51; FMI 3.0.2, section 2.4.7.5.
+/// Returns the default of `initial`: FMI 2.0.4, table on page 51; FMI 3.0.2, section 2.4.7.5.
 std::optional<Initial> default_initial(Causality causality, Variability variability);
 
-/// The modelIdentifier, which becomes part of a path. Throws Error for text that is not a C name.
+/// Returns the modelIdentifier, which becomes part of a path. Throws Error if it is not a C name.
 std::string model_identifier(const Element& element);
 
-/// Reads the attributes of the root that all versions have. `guid` names the one for ModelDescription::guid.
+/// Reads the attributes of the root that all versions have. `guid` is the name of the attribute for
+/// ModelDescription::guid.
 void read_head(const Element& root, const char* guid, ModelDescription& result);
 
-/// Reads what all versions write alike: <UnitDefinitions>, <LogCategories>, <DefaultExperiment>.
+/// Reads the elements that are equal in all versions: <UnitDefinitions>, <LogCategories>, <DefaultExperiment>.
 void read_common(const Element& root, ModelDescription& result);
 
-/// Reads the attributes that a type and a variable share. `Target` is TypeDefinition or Variable.
+/// Reads the attributes that a type and a variable have in common. `Target` is TypeDefinition or Variable.
 template <typename Target>
 void read_quantities(const Element& element, Target& target) {
   target.quantity = element.text("quantity");
@@ -174,8 +176,8 @@ void read_quantities(const Element& element, Target& target) {
   target.nominal = element.real("nominal");
 }
 
-/// Reads the dependencies of an unknown of <ModelStructure>: none (it may depend on all) if one of them has no
-/// variable. `find` returns the index of the variable that a word names, or nothing.
+/// Reads the dependencies of an unknown in <ModelStructure>. If one of them has no variable, returns none, which means
+/// that it may depend on all. `find` returns the index of the variable for a word, or empty.
 template <typename Find>
 Unknown read_dependencies(const Element& element, Find find) {
   Unknown unknown;
@@ -195,13 +197,13 @@ Unknown read_dependencies(const Element& element, Find find) {
   return unknown;
 }
 
-/// Returns the type of a variable of FMI 1.0 or 2.0 and the child that states it, <Real> and so on.
+/// Returns the type of a variable of FMI 1.0 or 2.0, and the child element that states it, such as <Real>.
 std::pair<Type, Element> type_child(const Element& variable);
 
-/// Reads the start value from that child; empty if it has none.
+/// Reads the start value from that child; empty if there is none.
 Value read_start(const Element& details, Type type);
 
-/// Fills in what a variable does not state and its declared type does. Throws Error if they are of different types.
+/// Fills in attributes that the variable leaves out from its declared type. Throws Error if the types differ.
 void take_declared_type(const Element& element, const TypeDefinition& type, Variable& variable);
 
 ModelDescription read_fmi1(const Document& document);

@@ -21,7 +21,7 @@
 namespace mebots::master {
 namespace {
 
-/// The files under binaries/ of an unpacked FMU, below that folder.
+/// Returns the files in binaries/ of an unpacked FMU, relative to that folder.
 std::vector<std::string> binaries(const std::filesystem::path& folder) {
   std::vector<std::string> names;
   std::error_code ignored;
@@ -32,12 +32,12 @@ std::vector<std::string> binaries(const std::filesystem::path& folder) {
   return names;
 }
 
-/// The folder of this platform's binaries.
+/// Returns the folder of this platform's binaries.
 std::string_view platform_folder(const modeldesc::ModelDescription& description) {
   return description.is_fmi3() ? "x86_64-linux" : "linux64";
 }
 
-/// What to do about a library that cannot be loaded.
+/// Suggests what to do about a library that cannot be loaded.
 std::string_view way_out(std::string_view why) {
   if (why.find("undefined symbol: Py") != std::string_view::npos ||
       why.find("undefined symbol: _Py") != std::string_view::npos) {
@@ -47,8 +47,8 @@ std::string_view way_out(std::string_view why) {
   return "Install the missing library, or put it into binaries/linux64 of the FMU";
 }
 
-/// True if the process has a library from the folder, as it may after dlclose(): by its path the loader would give it
-/// to the next FMU of that path.
+/// True if a library from the folder is still loaded, as it may be after dlclose(). The loader would use it for the
+/// next FMU with the same path.
 bool has_loaded_from(const std::filesystem::path& folder) {
   const auto start = folder.string() + "/";
   return std::ranges::any_of(modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip),
@@ -71,7 +71,7 @@ Fmu::~Fmu() {
 
 void Fmu::unload() {
   auto* const library = std::exchange(library_, nullptr);
-  // After fmi2Fatal nothing of it may be called: unloading would run its destructors.
+  // After fmi2Fatal no code of the FMU may be called; unloading would run its destructors.
   if (library == nullptr || corrupted_ || kept_loaded_ || threads_left() != 0) return;
   const auto handlers = handlers_in_libraries();
   call_library(archive_, "unloaded", [&] { dlclose(library); });
@@ -106,8 +106,8 @@ std::shared_ptr<const modeldesc::ModelDescription> Fmu::model(const modeldesc::S
 
 void Fmu::require_library() {
   if (library_ != nullptr) return;
-  // The C++ library records in its own memory that it has initialised itself, if the process has had threads. So it
-  // does that when it is loaded, not in the middle of a later run.
+  // If the process has had threads, the C++ library records in its own memory that it is initialised. This makes it do
+  // so when it is loaded, not in the middle of a later run.
   static const bool has_had_threads = [] {
     std::thread([] {}).join();
     return true;
@@ -195,7 +195,7 @@ void Fmu::load() {
   files_of_others_ = open_files();
   threads_of_others_ = foreign_threads();
   const ProcessState before(files_of_others_);
-  // Libraries that are built for fast mathematics change it for the thread that loads them.
+  // Libraries built with -ffast-math change it for the thread that loads them.
   const auto floats = FloatEnvironment::now();
   library_ = call_library(archive_, "loaded", [&] { return dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
   if (const auto found = FloatEnvironment::now(); found != floats) {

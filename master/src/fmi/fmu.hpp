@@ -23,87 +23,92 @@
 
 namespace mebots::master {
 
-/// An FMU archive unpacked into a folder of its own, which goes with this object: description at once,
-/// shared library when first asked for. The library's code goes too, unless a thread may still run in it.
+/// An FMU archive, unpacked into a temporary folder. The constructor reads the description; the shared library is
+/// loaded on its first use. The destructor deletes the folder and unloads the library, unless a thread may still run in
+/// it.
 class Fmu {
  public:
-  /// `wish` is the kind of its instances; if absent, co-simulation if the FMU offers it. Throws InputError for anything
-  /// that is not an FMU of version 1.0, 2.0 or 3.0.
+  /// `wish` is the requested kind of its instances. If empty, the kind is co-simulation if the FMU offers it. Throws
+  /// InputError if the file is not an FMU of version 1.0, 2.0 or 3.0.
   explicit Fmu(std::filesystem::path archive, std::optional<FmuKind> wish = {});
-  /// One that another process has unpacked into `folder`, and will remove.
+  /// For an FMU that another process has unpacked into `folder` and will delete.
   Fmu(std::filesystem::path archive, std::filesystem::path folder);
   ~Fmu();
   Fmu(const Fmu&) = delete;
   Fmu& operator=(const Fmu&) = delete;
 
   const std::filesystem::path& archive() const { return archive_; }
-  /// Where it is unpacked.
+  /// Returns the folder with the unpacked FMU.
   const std::filesystem::path& folder() const { return folder_; }
   const modeldesc::ModelDescription& description() const { return description_; }
   /// Notices for the user about the archive.
   const std::vector<std::string>& notices() const { return notices_; }
-  /// The description with each array of FMI 3.0 replaced by its elements, for these values of structural parameters.
-  /// The same object for the same values, for as long as anybody keeps it. Must not outlive the FMU.
+  /// Returns the description for these values of structural parameters, with each array of FMI 3.0 replaced by its
+  /// elements. Returns the same object for the same values while it is in use. Must not outlive the FMU.
   std::shared_ptr<const modeldesc::ModelDescription> model(const modeldesc::StructuralValues& values = {});
-  /// Loads the shared library; no effect the second time. Throws InputError naming the library or function that is
-  /// missing.
+  /// Loads the shared library; no effect the second time. Throws InputError with the name of a missing library or
+  /// function.
   void require_library();
-  /// The functions of the FMU's library. `Functions` is the table of its version. As require_library().
+  /// Returns the functions of the FMU's library. `Functions` is the table of its version. Throws as require_library()
+  /// does.
   template <typename Functions>
   const Functions& functions() {
     require_library();
     return std::get<Functions>(functions_);
   }
-  /// The kind of its instances. Throws InputError if the FMU does not offer the wished one.
+  /// Returns the kind of its instances. Throws InputError if the FMU does not offer the requested one.
   FmuKind kind() const;
-  /// The shared library for this platform, whether it is there or not.
+  /// Returns the path of the shared library for this platform, even if it does not exist.
   std::filesystem::path library_file() const;
   bool is_loaded() const { return library_ != nullptr; }
-  /// Unloads the shared library, for good; the destructor does it otherwise. No instance may live. Throws InputError
-  /// for an exception that the library throws.
+  /// Unloads the shared library for good; otherwise the destructor does. No instance may exist. Throws InputError if
+  /// the library throws an exception.
   void unload();
-  /// The shared library stays loaded until the process ends.
+  /// Keeps the shared library loaded until the process ends.
   void keep_loaded() { kept_loaded_ = true; }
-  /// After a fatal status no instance of this FMU may be called any more.
+  /// True after a fatal status: then no instance of this FMU may be called.
   bool corrupted() const { return corrupted_; }
   void set_corrupted() { corrupted_ = true; }
-  /// What loading the library changed in this process, as ProcessState has it; to whoever asks first.
+  /// Returns the changes of this process by loading the library, as ProcessState describes them. Only the first call
+  /// returns them.
   std::vector<std::string> take_changes_at_load() { return std::exchange(changes_at_load_, {}); }
-  /// The descriptors that were open before its library was loaded: it may close any other.
+  /// Returns the descriptors that were open before its library was loaded. The FMU may close all others.
   const OpenFiles& files_of_others() const { return files_of_others_; }
-  /// An instance begins. True for the first of them, whose calls are watched one by one for changes of the process: a
-  /// look costs as much as a thousand small calls. From any thread.
+  /// Counts a new instance. Returns true for the first ones, each of whose calls is checked for changes of the process:
+  /// a check costs as much as a thousand small calls. From any thread.
   bool enter() {
     ++instances_;
     return watched_++ < kMostWatched;
   }
-  /// An instance is gone. The number of threads that were started since its library was loaded and still run, when it
-  /// was the last one; else 0. From any thread.
+  /// Counts a freed instance. After the last one, returns the number of threads that were started since the library was
+  /// loaded and still run; otherwise 0. From any thread.
   std::size_t leave() { return --instances_ == 0 ? threads_left() : 0; }
-  /// The functions by which its libraries change the process, read from their files.
+  /// Returns the imported functions that change the process, read from the libraries' files.
   const LibraryImports& imports();
-  /// Why it is not clean, as far as its libraries show before the first instance; nothing if they look clean.
+  /// Returns why the FMU is not clean, as far as its libraries show before the first instance; empty if they look
+  /// clean.
   std::optional<std::string> uncleanliness();
-  /// True once an instance was made in this process.
+  /// True if an instance was ever created in this process.
   bool used() const { return watched_ != 0; }
-  /// Why the next instance would not find the libraries as directly after they were loaded; nothing if it would. No
-  /// instance may live.
+  /// Returns how the libraries differ from their state directly after loading; empty if they do not. No instance may
+  /// exist.
   std::optional<std::string> difference() const;
-  /// Why the state of an instance is not all that the FMU computes with; nothing if it is.
+  /// Returns why the FMU computes with data outside of its instances' states; empty if it does not.
   std::optional<std::string> state_elsewhere();
-  /// Notes what difference() or state_elsewhere() returned in the process where the FMU runs.
+  /// Stores the result of difference() or state_elsewhere() from the process in which the FMU runs.
   void set_difference_elsewhere(std::string text);
 
-  /// What loading the library made of the thread's floating-point environment, which was put back; nothing where it
-  /// left it alone.
+  /// Returns the floating-point environment that the library set when it was loaded; empty if it changed nothing. The
+  /// thread's environment was restored.
   const std::optional<FloatEnvironment>& floats_at_load() const { return floats_at_load_; }
-  /// Whether nobody told of this FMU's floating-point environment before. From any thread.
+  /// Returns true in the first call only: that caller reports this FMU's floating-point environment. From any thread.
   bool first_to_tell_of_floats() { return !told_of_floats_.exchange(true); }
-  /// Where the FMU finds its files, as fmi2Instantiate wants it: a `file:///` URI.
+  /// Returns the folder of the FMU's resources in the form of fmi2Instantiate: a `file:///` URI.
   std::string resource_uri() const;
-  /// The folder where the FMU is unpacked, as fmiInstantiateSlave (FMI 1.0) wants it: a `file:///` URI.
+  /// Returns the folder with the unpacked FMU in the form of fmiInstantiateSlave (FMI 1.0): a `file:///` URI.
   std::string location_uri() const;
-  /// The same as fmi3Instantiate... wants it: a path that ends with a separator; empty if the FMU has no such folder.
+  /// Returns the folder of the FMU's resources in the form of fmi3Instantiate...: a path that ends with a separator;
+  /// empty if there is no such folder.
   std::string resource_path() const;
 
  private:
@@ -114,9 +119,9 @@ class Fmu {
 
   std::filesystem::path archive_;
   std::optional<FmuKind> wish_;
-  std::unique_ptr<UnpackFolder> own_folder_;  // null when another process unpacked it
+  std::unique_ptr<UnpackFolder> own_folder_;  // null if another process unpacked it
   std::filesystem::path folder_;
-  std::vector<std::string> notices_;  // before the description, whose reading fills them
+  std::vector<std::string> notices_;  // before the description, because reading that appends notices
   modeldesc::ModelDescription description_;
   void* library_ = nullptr;
   bool kept_loaded_ = false;
@@ -125,32 +130,32 @@ class Fmu {
   OpenFiles files_of_others_;
   std::set<pid_t> threads_of_others_;
   std::atomic<int> instances_{0};
-  std::atomic<int> watched_{0};  // instances so far, the gone ones too
+  std::atomic<int> watched_{0};  // instances so far, freed ones included
   std::optional<FloatEnvironment> floats_at_load_;
-  std::optional<LibraryState> at_load_;    // of libraries that are loaded
-  std::optional<LibraryImports> imports_;  // of libraries that are not
+  std::optional<LibraryState> at_load_;    // of the loaded libraries
+  std::optional<LibraryImports> imports_;  // of libraries that are not loaded
   mutable std::mutex elsewhere_mutex_;
   std::string difference_elsewhere_;
   std::atomic<bool> told_of_floats_{false};
-  FmuFunctions functions_;  // empty: not loaded
+  FmuFunctions functions_;  // empty if not loaded
   std::mutex models_mutex_;
   std::map<modeldesc::StructuralValues, std::weak_ptr<const modeldesc::ModelDescription>> models_;
 };
 
-/// Opens each archive once, however many instances come from it, in however many runs one after the other.
+/// Opens each archive once, for all instances and for consecutive runs.
 class FmuLibrary {
  public:
-  /// As it was when it was opened first, whatever became of the file since; anew after a fatal status. The two kinds of
-  /// one archive may have different libraries, so they are two FMUs.
+  /// Returns the FMU in the state of the file when it was first opened, even if the file has changed. After a fatal
+  /// status, opens it again. The two kinds of an archive may have different libraries, so they are two FMUs.
   std::shared_ptr<Fmu> open(const std::filesystem::path& archive, std::optional<FmuKind> wish = {});
-  /// Forgets the FMUs that were used and are not clean: open() unpacks and loads them again.
+  /// Drops the used FMUs that are not clean, so that open() unpacks and loads them again.
   void forget_changed();
 
  private:
   std::map<std::pair<std::filesystem::path, std::optional<FmuKind>>, std::shared_ptr<Fmu>> fmus_;
 };
 
-/// A path as a `file:///` URI, everything unusual percent-encoded.
+/// Returns the path as a `file:///` URI with percent-encoded characters.
 std::string file_uri(const std::filesystem::path& path);
 
 }  // namespace mebots::master

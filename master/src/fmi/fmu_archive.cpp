@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unpacks FMUs. The host process of an FMU gets it unpacked and does without the libraries that this takes.
+// Unpacks FMUs. The host process of an FMU gets it unpacked, so it does not contain this code and its libraries.
 #include "io/fmu_archive.hpp"
 #include "fmi/fmu.hpp"
 
@@ -11,7 +11,7 @@ Fmu::Fmu(std::filesystem::path archive, std::optional<FmuKind> wish)
       own_folder_(std::make_unique<UnpackFolder>()),
       folder_(own_folder_->path()),
       description_(unpack_fmu(archive_, folder_, notices_)) {
-  std::filesystem::create_directories(folder_ / "resources");  // an FMU may count on it
+  std::filesystem::create_directories(folder_ / "resources");  // an FMU may rely on it
 }
 
 std::shared_ptr<Fmu> FmuLibrary::open(const std::filesystem::path& archive, std::optional<FmuKind> wish) {

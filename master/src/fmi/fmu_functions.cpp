@@ -15,7 +15,7 @@
 namespace mebots::master {
 namespace {
 
-/// "'2.0'", for messages.
+/// Returns a text such as "'2.0'" for messages.
 std::string shown_text(const std::optional<std::string>& text, const char* address) {
   if (text) return fmt::format("'{}'", *text);
   return address == nullptr ? "nothing" : "an address where nothing can be read";
@@ -27,10 +27,10 @@ struct Expected {
   const char* doing;  ///< for crash messages: "the library was ..."
   const char* text;
   const char* consequence = "";
-  bool may_continue = false;  ///< more text may follow: "3.0.2"
+  bool may_continue = false;  ///< the returned text may be longer: "3.0.2"
 };
 
-/// Throws InputError if the function returns another text.
+/// Throws InputError if the function returns a different text.
 template <typename Function>
 void require_text(const LibraryOwner& owner, const Expected& expected, Function* function) {
   const char* const answer = call_library(owner.archive, expected.doing, function);
@@ -45,7 +45,8 @@ constexpr const char* kVersionAsked = "asked for its version";
 constexpr const char* kPlatformAsked = "asked for its platform";
 constexpr const char* kOtherSizes = ": its numbers have other sizes";
 
-/// Throws InputError if a function that `is_needed` is null. `for_each` is the version's for_each_function.
+/// Throws InputError if a function is null for which `is_needed` is true. `for_each` is the version's
+/// for_each_function.
 template <typename Functions, typename ForEach, typename IsNeeded>
 void require_functions(const LibraryOwner& owner, const Functions& functions, ForEach for_each, IsNeeded is_needed) {
   std::vector<std::string> missing;

@@ -19,16 +19,16 @@ using Fmi3Functions = fmi3::Functions;
 /// The functions of an FMU's shared library, in the table of its version of FMI.
 using FmuFunctions = std::variant<std::monostate, Fmi1Functions, Fmi2Functions, Fmi3Functions>;
 
-/// The FMU that a library belongs to.
+/// The FMU of a library.
 struct LibraryOwner {
   const std::filesystem::path& archive;
   const modeldesc::ModelDescription& description;
   FmuKind kind;  ///< of its instances
 };
 
-/// Looks the functions up in a library from dlopen. Throws InputError that lists those that are missing and without
-/// which no simulation of this kind runs (`mebots check` asks for all), and for a library of another version or with
-/// other sizes of its numbers.
+/// Looks up the functions in a library from dlopen(). Throws InputError if functions are missing without which no
+/// simulation of this kind works, and lists them (`mebots check` requires all). Also throws if the library is of
+/// another version or has numbers of other sizes.
 FmuFunctions load_functions(void* library, const LibraryOwner& owner);
 
 }  // namespace mebots::master

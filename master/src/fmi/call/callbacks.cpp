@@ -17,9 +17,10 @@
 namespace mebots::master {
 namespace {
 
-constinit thread_local CallbackScope* current = nullptr;  // the call that this thread is in
-constinit thread_local CurrentCallback callback{};        // and the callback out of it
-constinit thread_local CurrentCall of_library{};          // where it is in no call
+constinit thread_local CallbackScope* current = nullptr;  // the call to an FMU on this thread
+constinit thread_local CurrentCallback callback{};        // the callback from that call
+constinit thread_local CurrentCall of_library{};          // the library call on this thread, outside of calls to
+                                                          // instances
 constinit std::atomic<bool> deaf{false};
 
 class InCallback {
@@ -33,7 +34,7 @@ class InCallback {
   CurrentCallback outer_;
 };
 
-/// All targets, for callbacks on threads that are in no call.
+/// All targets, for callbacks on threads outside of calls.
 struct Registry {
   std::mutex mutex;
   std::unordered_set<CallbackTarget*> targets;
@@ -44,7 +45,7 @@ Registry& registry() {
   return all;
 }
 
-/// A pointer from an FMU is compared and not followed.
+/// Compares the FMU's pointer with known targets and never dereferences it.
 CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const void* environment,
                      const std::optional<std::string>& name) {
   const auto by_address = targets.find(static_cast<CallbackTarget*>(const_cast<void*>(environment)));
@@ -65,7 +66,7 @@ void with_target(const void* environment, const std::optional<std::string>& name
     return;
   }
   auto& all = registry();
-  const std::lock_guard lock(all.mutex);  // the target stays until it has heard
+  const std::lock_guard lock(all.mutex);  // keeps the target alive during the call
   if (auto* target = find(all.targets, environment, name)) work(*target, false);
 }
 
@@ -80,7 +81,7 @@ std::string without_line_end(std::string text) {
   return text;
 }
 
-/// Passes a message on to the instance that it belongs to. Throws nothing: a message is lost, the simulation is not.
+/// Delivers a message to its instance. Never throws: an error loses the message, not the simulation.
 void pass_on(LoggerCall call, const void* environment) noexcept {
   try {
     if (is_forked_copy()) {  // the files of the run belong to the original process
@@ -98,13 +99,13 @@ void pass_on(LoggerCall call, const void* environment) noexcept {
   }
 }
 
-/// The text at an address, or what is to be shown in its place.
+/// Returns the text at an address, or a replacement to show.
 std::string message_text(const std::optional<std::string>& text, const char* address) {
   if (text) return without_line_end(valid_utf8(*text));
   return address == nullptr ? "(a message without a text)" : "(a message whose text cannot be read)";
 }
 
-/// Throws nothing: foreign code calls it.
+/// Never throws, because foreign code calls it.
 void log_formatted(LoggerCall call, const void* environment, const char* instance, const char* category,
                    const char* message, std::va_list arguments) noexcept {
   try {
@@ -130,7 +131,7 @@ void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status s
   va_end(arguments);
 }
 
-/// FMI 1.0 has no environment: on a thread of the FMU, the instance is found by its name.
+/// FMI 1.0 has no environment. On a thread of the FMU, the name identifies the instance.
 void log_fmi1(fmiComponent /*component*/, fmiString instance, fmiStatus status, fmiString category, fmiString message,
               ...) {
   if (deaf.load(std::memory_order_relaxed)) return;
@@ -165,7 +166,7 @@ void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
   }
 }
 
-/// As log_fmi1(), without a name: the end is known from fmiGetStatus if several instances live.
+/// Works as log_fmi1(), but has no name: if there are several instances, fmiGetStatus reports the end.
 void step_finished_fmi1(fmiComponent /*component*/, fmiStatus status) {
   step_finished(nullptr, static_cast<fmi2Status>(status));
 }

@@ -13,21 +13,20 @@
 #include <string>
 #include <vector>
 
-/// The functions that an FMU calls. What it hands over is never believed: neither whose environment it says it has, nor
-/// that its texts are texts.
+/// The functions that an FMU calls. They trust none of its arguments: neither the environment nor that texts are texts.
 namespace mebots::master {
 
-/// One call of the logger, with texts made valid UTF-8.
+/// A call of the logger, with texts converted to valid UTF-8.
 struct LoggerCall {
   int status = fmi2OK;
-  std::optional<std::string> instance;  ///< as the FMU named it; nothing for null and for what cannot be read
+  std::optional<std::string> instance;  ///< as named by the FMU; empty if null or unreadable
   std::string category;
   std::string text;
-  bool own_environment = true;  ///< false: the FMU handed over another environment than it was given
-  bool in_call = true;          ///< false: said by a thread of the FMU, and not within one of our calls
+  bool own_environment = true;  ///< false: the FMU passed a different environment from the one it was given
+  bool in_call = true;          ///< false: logged by a thread of the FMU outside of our calls
 };
 
-/// Hears what one instance says. Calls may come from threads of the FMU, also two at once.
+/// Receives the messages of one instance. Threads of the FMU may call it, also several at once.
 class CallbackListener {
  public:
   virtual ~CallbackListener() = default;
@@ -35,29 +34,29 @@ class CallbackListener {
   virtual void step_finished(int status) = 0;
 };
 
-/// What fmi3Instantiate... takes.
+/// The callbacks for fmi3Instantiate...
 struct Fmi3Callbacks {
   fmi3InstanceEnvironment environment = nullptr;
   fmi3LogMessageCallback log_message = nullptr;
 };
 
-/// A listener that callbacks find, as long as this lives. A callback belongs to the instance that this thread is in a
-/// call of. On a thread of the FMU to the one whose environment it names, then to the one whose name it says, then to
-/// the only one that there is. A callback that belongs to none is dropped.
+/// Registers a listener for callbacks during its lifetime. A callback belongs to the instance whose call this thread is
+/// in. On a thread of the FMU, it belongs to the instance with the passed environment, else to the one with the passed
+/// name, else to the only instance if there is just one. Other callbacks are dropped.
 class CallbackTarget {
  public:
   /// `listener` must outlive this object.
   CallbackTarget(CallbackListener& listener, std::string instance_name);
-  /// Waits until callbacks that are under way on other threads are over.
+  /// Waits for running callbacks on other threads.
   ~CallbackTarget();
   CallbackTarget(const CallbackTarget&) = delete;
   CallbackTarget& operator=(const CallbackTarget&) = delete;
 
   /// For fmiInstantiateSlave of FMI 1.0.
   static fmiCallbackFunctions fmi1_functions(bool asynchronous);
-  /// For fmi2Instantiate; must not be used after this object is gone.
+  /// For fmi2Instantiate; must not be used after this object is destroyed.
   fmi2CallbackFunctions functions(bool asynchronous);
-  /// For fmi3Instantiate...; must not be used after this object is gone.
+  /// For fmi3Instantiate...; must not be used after this object is destroyed.
   Fmi3Callbacks fmi3_callbacks();
 
   CallbackListener& listener() const { return *listener_; }
@@ -68,44 +67,46 @@ class CallbackTarget {
   std::string instance_name_;
 };
 
-/// A call to an FMU. The texts live as long as the call.
+/// A call to an FMU. The texts are valid during the call.
 struct CurrentCall {
   const char* instance = nullptr;
   const char* function = nullptr;
   std::int64_t time_ns = 0;
-  const char* library = nullptr;  ///< archive whose library is loaded or unloaded, for all of its instances
+  const char* library = nullptr;  ///< archive whose library is being loaded or unloaded, for all of its instances
 };
 
-/// The call that this thread is in, for who is called out of it: signal handlers, exit(). Null instance and library: it
-/// is in none. Safe in signal handlers.
+/// Returns the call that this thread is in, for signal handlers and exit(). If there is none, instance and library are
+/// null. Safe in signal handlers.
 CurrentCall current_call() noexcept;
 
-/// The names of instances in this process, sorted; the first few of many. Nothing while one is being made or freed on
-/// another thread, which is not waited for.
+/// Returns the sorted names of instances in this process; if there are many, the first few. Empty while another thread
+/// creates or frees an instance; does not wait for it.
 std::vector<std::string> instances_here();
 
 void visit_instances(void* context, void (*visit)(void* context, const char* name));
 
-/// Calls `work` with each instance's name, in no order; not for a registry that another thread changes just now. Safe
-/// in signal handlers, as `work` is.
+/// Calls `work` with each instance's name, in no order. Skips the registry if another thread is changing it. Safe in
+/// signal handlers if `work` is.
 template <typename Work>
 void for_each_instance(Work work) {
   visit_instances(&work, [](void* context, const char* name) { (*static_cast<Work*>(context))(name); });
 }
 
-/// The callback of ours that this thread is in.
+/// The callback of mebots that this thread is in.
 struct CurrentCallback {
   const char* name = nullptr;  ///< null: none
-  bool only_memory = false;    ///< it asks the C library for memory or gives some back: pointers are the FMU's word
+  bool only_memory = false;    ///< it allocates or frees memory by the C library, with pointers from the FMU
 };
 
-/// What goes wrong in a callback is not the FMU's doing, but for memory that the FMU damaged. Safe in signal handlers.
+/// Returns the running callback. An error in a callback is not the FMU's fault, except in memory that the FMU damaged.
+/// Safe in signal handlers.
 CurrentCallback current_callback() noexcept;
 
-/// From now on the logger hears nothing, in the whole process: where it failed, who did it shows without it.
+/// Makes all callbacks ignore messages in the whole process, so that a crash handler can find the cause without the
+/// logger.
 void deafen_callbacks() noexcept;
 
-/// Around every call to an instance: callbacks on this thread are its own.
+/// Encloses every call to an instance: callbacks on this thread belong to it.
 class CallbackScope {
  public:
   /// `function` must outlive this object.
@@ -123,10 +124,10 @@ class CallbackScope {
   CallbackScope* outer_;
 };
 
-/// Around loading and unloading an FMU's library, which run code of it that belongs to no instance.
+/// Encloses the loading and unloading of an FMU's library, which run its code outside of any instance.
 class LibraryScope {
  public:
-  /// `archive` and `function`, which says what is done, must outlive this object.
+  /// `archive` and `function`, which describes the operation, must outlive this object.
   LibraryScope(const char* archive, const char* function);
   ~LibraryScope();
   LibraryScope(const LibraryScope&) = delete;
@@ -135,23 +136,24 @@ class LibraryScope {
 
 }  // namespace mebots::master
 
-/// Texts that foreign code hands to a callback. Nothing about them is believed: a pointer may lead nowhere, a format
-/// may ask for arguments that are not there.
+/// Texts that foreign code passes to a callback. They are not trusted: a pointer may be invalid, and a format may need
+/// arguments that are missing.
 namespace mebots::master {
 
-/// Longer texts are cut.
+/// Longer texts are truncated.
 inline constexpr std::size_t kLongestText = std::size_t{64} * 1024;
 
-/// The bytes from `address` up to a zero or `most`. Nothing for null and for memory that cannot be read: the kernel
-/// copies, so that an address that leads nowhere is an answer and not a signal.
+/// Returns the bytes from `address` up to a zero byte or `most`. Empty for null and for unreadable memory: the kernel
+/// copies, so an invalid address is an error code and not a signal.
 std::optional<std::string> read_text(const char* address, std::size_t most = kLongestText);
 
-/// Returns false if a part of it cannot be read. Where the system does not say, true.
+/// Returns false if part of it cannot be read. If the system forbids the check, returns true.
 bool is_readable(std::span<const std::uint8_t> bytes);
 
-/// As vsnprintf, for a format that may not fit its arguments. %n writes nothing, a %s that points nowhere becomes
-/// "(unreadable)", widths and precisions are bounded. Arguments that are missing or of other types give wrong numbers,
-/// which C cannot detect. After 100 conversions, or an unknown one, the rest is copied unchanged.
+/// Formats like vsnprintf, but tolerates a format that does not fit its arguments. %n writes nothing, a %s with an
+/// invalid pointer becomes "(unreadable)", widths and precisions are bounded. Arguments that are missing or of other
+/// types give wrong numbers, which C cannot detect. After 100 conversions, or an unknown one, the rest is copied
+/// unchanged.
 std::string format_text(const std::string& format, std::va_list arguments);
 
 }  // namespace mebots::master

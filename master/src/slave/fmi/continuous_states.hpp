@@ -13,13 +13,13 @@ namespace mebots::master {
 struct ContinuousStates {
   std::vector<std::string> names;
   std::vector<ValueReference> references;
-  std::vector<ValueReference> derivatives;  ///< references of the derivatives
+  std::vector<ValueReference> derivatives;  ///< value references of the derivatives
 };
 
-/// Throws SlaveError for a derivative whose variable names no state. `instance` is for the message.
+/// Throws SlaveError if the variable of a derivative names no state. `instance` is for the message.
 ContinuousStates continuous_states_of(const modeldesc::ModelDescription& model, std::string_view instance);
 
-/// Throws SlaveError: an instance of model exchange takes no steps.
+/// Throws SlaveError, because a model exchange instance takes no steps.
 [[noreturn]] void fail_to_step(std::string_view instance);
 
 }  // namespace mebots::master

@@ -21,7 +21,7 @@ static_assert(InstanceCalls::kOk == fmiOK && InstanceCalls::kWarning == fmiWarni
               InstanceCalls::kDiscard == fmiDiscard && InstanceCalls::kError == fmiError &&
               InstanceCalls::kFatal == fmiFatal && InstanceCalls::kPending == fmiPending);
 
-/// An FMU that runs in the process of its master, not in a tool of its own.
+/// The MIME type of an FMU that runs in the master's process, not in its own tool.
 constexpr const char* kMimeType = "application/x-fmu-sharedlibrary";
 constexpr double kNoTimeout_ms = 0;
 
@@ -37,7 +37,7 @@ Fmi1Slave::Fmi1Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std
   calls_.instantiate("fmiInstantiateSlave", [this] { return instantiate(); });
 }
 
-/// Logging is on from the start: many FMUs say nothing about a failing instantiation otherwise.
+/// Switches logging on from the start: many FMUs otherwise log nothing if instantiation fails.
 void* Fmi1Slave::instantiate() {
   return functions_->instantiate_slave(name().c_str(), description().guid.c_str(), calls_.fmu().location_uri().c_str(),
                                        kMimeType, kNoTimeout_ms, fmiFalse, fmiFalse, callbacks_, fmiTrue);
@@ -79,8 +79,8 @@ void Fmi1Slave::exit_initialization() {
   start_ = {};
 }
 
-/// No effect if the FMU was initialised with all values. Instantiates the FMU again rather than reset it: some lose
-/// their variables at fmiResetSlave (tutorial-fmus of open-simulation-platform/demo-cases).
+/// No effect if the FMU was initialised with all values. Otherwise instantiates the FMU again instead of resetting it,
+/// because some FMUs lose their variables at fmiResetSlave (tutorial-fmus of open-simulation-platform/demo-cases).
 void Fmi1Slave::initialize_anew() {
   if (!std::exchange(is_stale_, false)) return;
   calls_.watched("fmiFreeSlaveInstance", [&] { calls_.call("fmiFreeSlaveInstance", functions_->free_slave_instance); });
@@ -224,7 +224,7 @@ void Fmi1Slave::get_strings(std::span<const ValueReference> references, std::spa
   calls_.copy_texts("fmiGetString", references, texts_, values);
 }
 
-/// Returns the value that the FMU has of one variable.
+/// Reads the value of one variable from the FMU.
 template <typename Value, typename Function>
 Value Fmi1Slave::present(const char* name, Function* function, ValueReference reference) {
   Value value{};

@@ -15,11 +15,10 @@
 
 namespace mebots::master {
 
-/// An instance of FMI 1.0 for co-simulation inside this process. The version has one call for the whole initialisation,
-/// fmiInitializeSlave, and outputs can be read only after it. If an input gets another value between
-/// enter_initialization() and exit_initialization(), this class instantiates the FMU again with all values set
-/// so far, and initialises it, before the next value is read. So inputs from connections take part in the
-/// initialisation, as they do in FMI 2.0.
+/// A co-simulation instance of FMI 1.0 in this process. FMI 1.0 has one call for the whole initialisation,
+/// fmiInitializeSlave, and outputs can be read only after it. If an input changes between enter_initialization() and
+/// exit_initialization(), this class creates the instance again with all values set so far, and initialises it before
+/// the next value is read. Thus inputs from connections take part in the initialisation, as in FMI 2.0.
 class Fmi1Slave final : public Slave {
  public:
   /// Instantiates. The arguments are those of InstanceCalls.
@@ -56,7 +55,7 @@ class Fmi1Slave final : public Slave {
   void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) override;
   void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) override;
 
-  // FMI 1.0 has no states: these throw Error.
+  // FMI 1.0 has no saved states: these functions throw Error.
   std::unique_ptr<SlaveState> save_state() override;
   void restore_state(const SlaveState& state) override;
   std::vector<std::byte> serialize(const SlaveState& state) override;
@@ -64,7 +63,7 @@ class Fmi1Slave final : public Slave {
 
  private:
   enum class Phase { instantiated, initializing, running };
-  /// All values set before the first step, by the FMU's references and with its signs.
+  /// All values set before the first step, with the FMU's value references and signs.
   struct StartValues {
     std::map<ValueReference, double> reals;
     std::map<ValueReference, fmiInteger> integers;
@@ -76,7 +75,7 @@ class Fmi1Slave final : public Slave {
   void initialize();
   void initialize_anew();
   void set_start_values();
-  /// Returns true if the values are kept for the initialisation, and nothing is to be passed to the FMU now.
+  /// Returns true if the values are stored for the initialisation and must not be passed to the FMU now.
   template <typename Value, typename Get>
   bool keep(std::map<ValueReference, Value>& kept, std::span<const ValueReference> references,
             std::span<const Value> values, Get get);
@@ -90,18 +89,18 @@ class Fmi1Slave final : public Slave {
   Experiment experiment_;
   Phase phase_ = Phase::instantiated;
   StartValues start_;
-  bool is_stale_ = false;  // start_ has values that the FMU was not initialised with
+  bool is_stale_ = false;  // start_ has values with which the FMU was not initialised
   std::int64_t step_end_ns_ = 0;
   NegatedValues negated_;
 
-  // Of the current call.
+  // Buffers of the current call.
   std::vector<const char*> texts_;
   std::vector<fmiInteger> numbers_;
   std::vector<fmiBoolean> flags_;
   std::vector<double> reals_;
 
   PendingStep pending_;
-  InstanceCalls calls_;  // after all that callbacks use
+  InstanceCalls calls_;  // after all members that callbacks use
 };
 
 }  // namespace mebots::master

@@ -10,7 +10,7 @@
 
 namespace mebots::master {
 
-/// A model-exchange instance of FMI 2.0 inside this process. It takes no steps by itself.
+/// A model exchange instance of FMI 2.0 in this process. The solver of its group advances it.
 class Fmi2ModelExchange final : public Fmi2Slave, public ContinuousInstance {
  public:
   /// Instantiates. The arguments are those of InstanceCalls.

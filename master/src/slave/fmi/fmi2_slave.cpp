@@ -38,7 +38,7 @@ Fmi2Slave::Fmi2Slave(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu, s
   const bool is_stepped = kind == FmuKind::co_simulation;
   callbacks_ = calls_.target().functions(is_stepped && description().co_simulation->can_run_asynchronuously);
   calls_.on_step_finished([this](int status) { pending_.finished(status); });
-  // Logging is on from the start: many FMUs say nothing about a failing instantiation otherwise.
+  // Switches logging on from the start: many FMUs otherwise log nothing if instantiation fails.
   calls_.instantiate("fmi2Instantiate", [&] {
     return functions_->instantiate(this->name().c_str(), is_stepped ? fmi2CoSimulation : fmi2ModelExchange,
                                    description().guid.c_str(), calls_.fmu().resource_uri().c_str(), &callbacks_,

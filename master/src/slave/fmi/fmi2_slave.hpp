@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// An instance of FMI 2.0 inside this process, of co-simulation unless it is the base of Fmi2ModelExchange.
+/// An FMI 2.0 instance in this process: co-simulation, or the base of Fmi2ModelExchange.
 class Fmi2Slave : public Slave {
  public:
   /// Instantiates. The arguments are those of InstanceCalls.
@@ -81,7 +81,7 @@ class Fmi2Slave : public Slave {
 
   PendingStep pending_;
 
-  InstanceCalls calls_;  // after all that callbacks use
+  InstanceCalls calls_;  // after all members that callbacks use
   FmuStates<Fmi2Functions> states_;
 };
 

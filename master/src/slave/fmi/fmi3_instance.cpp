@@ -40,7 +40,7 @@ Fmi3Instance::Fmi3Instance(FmuKind kind, std::string name, std::shared_ptr<Fmu> 
   configure(structural);
 }
 
-/// Some FMUs log all or nothing, and discard the call.
+/// Some FMUs cannot select categories and discard the call.
 void Fmi3Instance::choose_log_categories() {
   const auto categories = calls_.chosen_categories();
   if (functions_->set_debug_logging == nullptr || categories.empty()) return;
@@ -50,7 +50,7 @@ void Fmi3Instance::choose_log_categories() {
   calls_.check(status, kFunction);
 }
 
-/// Logging is on from the start: many FMUs say nothing about a failing instantiation otherwise.
+/// Switches logging on from the start: many FMUs otherwise log nothing if instantiation fails.
 void* Fmi3Instance::instantiate(FmuKind kind, const char* resources) {
   const auto callbacks = calls_.target().fmi3_callbacks();
   const char* const token = model_->guid.c_str();

@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// An instance of FMI 3.0 inside this process: all but the passage of time, which depends on the kind of FMU.
+/// An FMI 3.0 instance in this process, except for the advance of time, which depends on the kind of FMU.
 class Fmi3Instance : public Slave {
  public:
   ~Fmi3Instance() override;

@@ -38,7 +38,7 @@ StepResult Fmi3ModelExchange::step(std::int64_t /*start_ns*/, std::int64_t /*dur
   fail_to_step(name());
 }
 
-/// A discarded evaluation is no failure: the solver tries a smaller step.
+/// A discarded evaluation is not a failure: the solver tries a smaller step.
 Evaluation Fmi3ModelExchange::evaluated(int status, const char* function) {
   if (status != fmi3Discard) {
     calls().check(status, function);
@@ -108,7 +108,7 @@ CompletedStep Fmi3ModelExchange::completed_step() {
   return result;
 }
 
-/// fmi3GetDirectionalDerivative takes whole arrays: the solver's differences serve models that have any.
+/// fmi3GetDirectionalDerivative takes whole arrays. If the model has arrays, the solver uses differences instead.
 bool Fmi3ModelExchange::has_directional_derivatives() const {
   const auto& model = description();
   return model.model_exchange->provides_directional_derivative && functions().get_directional_derivative != nullptr &&

@@ -10,7 +10,7 @@
 
 namespace mebots::master {
 
-/// A model-exchange instance of FMI 3.0 inside this process. It takes no steps by itself.
+/// A model exchange instance of FMI 3.0 in this process. The solver of its group advances it.
 class Fmi3ModelExchange final : public Fmi3Instance, public ContinuousInstance {
  public:
   /// The arguments are those of Fmi3Instance.

@@ -9,9 +9,9 @@
 namespace mebots::master {
 namespace {
 
-/// An event that asks for more updates of the discrete states than this does not settle.
+/// Limits the updates of the discrete states in one event; an event with more does not settle.
 constexpr int kMostUpdates = 1000;
-/// Early returns in a row without progress in time.
+/// Limits consecutive early returns without progress in time.
 constexpr int kMostReturns = 1000;
 
 }  // namespace
@@ -24,7 +24,7 @@ Fmi3Slave::Fmi3Slave(std::string name, std::shared_ptr<Fmu> fmu,
                    std::move(log_categories), messages, grid),
       handler_(handler) {}
 
-/// Initialisation ends in event mode if the FMU has one.
+/// If the FMU has an event mode, initialisation ends in it.
 void Fmi3Slave::exit_initialization() {
   Fmi3Instance::exit_initialization();
   if (handler_ == EventHandler::slave && uses_events() && handle_event()) {
@@ -32,7 +32,7 @@ void Fmi3Slave::exit_initialization() {
   }
 }
 
-/// In event mode. Returns true if the FMU ends the simulation; else it is in step mode afterwards.
+/// In event mode. Returns true if the FMU ends the simulation; otherwise leaves it in step mode.
 bool Fmi3Slave::handle_event() {
   for (int updates = 0; updates < kMostUpdates; ++updates) {
     const auto update = update_event();
@@ -45,7 +45,7 @@ bool Fmi3Slave::handle_event() {
                fmt::format("asked for another update {} times in a row: the event does not settle", kMostUpdates));
 }
 
-/// Returns nothing for fmi3Discard.
+/// Returns empty for fmi3Discard.
 std::optional<StepEnd> Fmi3Slave::do_step(double start_s, double end_s, bool never_back) {
   StepEnd end;
   bool early = false;

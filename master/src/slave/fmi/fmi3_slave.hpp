@@ -12,13 +12,13 @@
 
 namespace mebots::master {
 
-/// Whoever handles the events of an instance.
+/// Selects who handles the events of an instance.
 enum class EventHandler : std::uint8_t {
-  slave,  ///< exit_initialization() and step(), which continues after an early return to the end of the step
-  group,  ///< the caller, by the functions of EventInstance in place of step()
+  slave,  ///< exit_initialization() and step(); after an early return, step() continues to the end of the step
+  group,  ///< the caller, with the functions of EventInstance instead of step()
 };
 
-/// A co-simulation instance of FMI 3.0 inside this process. An FMU that has an event mode runs with it.
+/// A co-simulation instance of FMI 3.0 in this process. If the FMU has an event mode, it is used.
 class Fmi3Slave final : public Fmi3Instance, public EventInstance {
  public:
   /// The other arguments are those of Fmi3Instance.

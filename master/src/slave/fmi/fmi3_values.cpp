@@ -16,9 +16,9 @@ namespace {
 
 using modeldesc::Type;
 
-/// Longer binaries are taken for a fault of the FMU.
+/// A longer binary is treated as an error of the FMU.
 constexpr std::size_t kLongestBinary = std::size_t{1} << 30;
-/// Plans that are kept for each kind: more than an instance has lists.
+/// The number of cached plans per kind, more than an instance has lists.
 constexpr std::size_t kMostPlans = 32;
 
 /// The functions for one type of numbers.
@@ -40,7 +40,7 @@ constexpr bool succeeded(int status) {
   return status == InstanceCalls::kOk || status == InstanceCalls::kWarning;
 }
 
-/// `variable` is null for an element that no caller asked for.
+/// `variable` is null for an array element that the caller did not request.
 std::string name_of(const modeldesc::Variable* variable) {
   return variable == nullptr ? "another element of an array" : variable->name;
 }
@@ -139,10 +139,10 @@ Fmi3Values::CallResult Fmi3Values::get_numbers(const Plan& plan, std::span<Value
       result = {calls_->call(functions.get_name, functions.get, call.references.data(), call.references.size(), numbers,
                              call.value_count),
                 functions.get_name};
-      if constexpr (std::is_same_v<Number, bool>) {  // an FMU may store any byte, which must not be read as bool
+      if constexpr (std::is_same_v<Number, bool>) {  // the FMU may store any byte, but only 0 and 1 may be read as bool
         for (const auto& move : call.moves) values[move.slot] = buffer_[move.value] != std::byte{0} ? 1 : 0;
       } else {
-        // An Int8 is a number with a sign. NOLINTNEXTLINE(bugprone-signed-char-misuse)
+        // An Int8 is a signed number. NOLINTNEXTLINE(bugprone-signed-char-misuse)
         for (const auto& move : call.moves) values[move.slot] = static_cast<Value>(numbers[move.value]);
       }
     });
@@ -173,7 +173,7 @@ Fmi3Values::CallResult Fmi3Values::set_numbers(const Plan& plan, std::span<const
   return result;
 }
 
-/// False for fmi3Discard. Throws SlaveError for an error.
+/// Returns false for fmi3Discard. Throws SlaveError for an error.
 bool Fmi3Values::is_done(CallResult result) {
   if (result.status != fmi3Discard) {
     calls_->check(result.status, result.function);
@@ -186,7 +186,7 @@ bool Fmi3Values::is_done(CallResult result) {
 Fmi3Values::CallResult Fmi3Values::get_reals(std::span<const ValueReference> references, std::span<double> values) {
   const auto& chosen = plan(ValueKind::real, references);
   const auto& calls = chosen.calls;
-  // The usual list, scalars of type Float64, needs no sorting.
+  // The usual list consists of scalars of type Float64 and needs no sorting.
   if (calls.size() == 1 && calls.front().type == Type::real && calls.front().references.size() == references.size() &&
       calls.front().value_count == references.size()) {
     constexpr const char* kFunction = "fmi3GetFloat64";

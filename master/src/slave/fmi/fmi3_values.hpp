@@ -14,29 +14,29 @@
 
 namespace mebots::master {
 
-/// Reads and sets the variables of an instance of FMI 3.0. The master has one number per scalar and per element of an
-/// array; FMI 3.0 has a function for each type, which takes whole arrays. A list of references that comes again, as it
-/// does at every communication point, is sorted into calls once.
+/// Reads and sets the variables of an FMI 3.0 instance. The master has one number per scalar and per array element; FMI
+/// 3.0 has a function per type that takes whole arrays. A list of references is sorted into calls once, because the
+/// same lists recur at every communication point.
 class Fmi3Values {
  public:
   /// `model` has elements in place of arrays (see modeldesc::with_elements()). All must outlive this object.
   Fmi3Values(InstanceCalls& calls, const Fmi3Functions& functions, const modeldesc::ModelDescription& model);
 
   void get(std::span<const ValueReference> references, std::span<double> values);
-  /// Whole numbers and enumerations, or Booleans as 0 and 1, by `kind`.
+  /// Accesses whole numbers and enumerations, or Booleans as 0 and 1, depending on `kind`.
   void get(ValueKind kind, std::span<const ValueReference> references, std::span<std::int64_t> values);
-  /// Strings or Binaries, by `kind`.
+  /// Accesses Strings or Binaries, depending on `kind`.
   void get(ValueKind kind, std::span<const ValueReference> references, std::span<std::string> values);
 
   void set(std::span<const ValueReference> references, std::span<const double> values);
-  /// As get() and set(), but return false where the FMU discards the call.
+  /// Work as get() and set(), but return false if the FMU discards the call.
   bool try_get(std::span<const ValueReference> references, std::span<double> values);
   bool try_set(std::span<const ValueReference> references, std::span<const double> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::int64_t> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values);
 
  private:
-  /// Where a variable of the master is in the FMU.
+  /// The place of one of the master's variables in the FMU.
   struct Place {
     modeldesc::Type type = modeldesc::Type::real;
     std::uint32_t reference = 0;
@@ -44,16 +44,17 @@ class Fmi3Values {
     std::size_t count = 1;  // of the array
     const modeldesc::Variable* variable = nullptr;
   };
-  /// One value of a call, and its place in the list of the caller.
+  /// A value of a call, and its index in the caller's list.
   struct Move {
     std::size_t value;
     std::size_t slot;
   };
-  /// One call of the FMU.
+  /// A call of an FMU function.
   struct Call {
     modeldesc::Type type;
     std::vector<std::uint32_t> references;
-    std::vector<const modeldesc::Variable*> variables;  // one per value, null for elements that no caller asked for
+    std::vector<const modeldesc::Variable*> variables;  // one per value, null for elements that the caller did not
+                                                        // request
     std::size_t value_count = 0;
     std::vector<Move> moves;
   };
@@ -62,7 +63,8 @@ class Fmi3Values {
     std::vector<Call> calls;
   };
 
-  /// The status of calls, which end with the first that is neither OK nor a warning, and the function of the last.
+  /// The result of several calls: they stop at the first status other than OK and Warning. Contains that status and the
+  /// last called function.
   struct CallResult {
     int status = InstanceCalls::kOk;
     const char* function = "";

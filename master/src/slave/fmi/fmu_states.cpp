@@ -10,7 +10,7 @@
 
 namespace mebots::master {
 
-/// The handle of a state in the FMU, and the time that its messages have.
+/// The handle of a state in the FMU, and the time for messages about it.
 template <typename Functions>
 class FmuStates<Functions>::State final : public SlaveState {
  public:

@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// How a version of FMI spells what belongs to states.
+/// The names that a version of FMI uses for states.
 struct StateNames {
   const char* get;
   const char* set;
@@ -35,18 +35,18 @@ inline constexpr StateNames kFmi3StateNames = {
     "fmi3GetFMUState",       "fmi3SetFMUState",         "fmi3FreeFMUState",     "fmi3SerializedFMUStateSize",
     "fmi3SerializeFMUState", "fmi3DeserializeFMUState", "canGetAndSetFMUState", "canSerializeFMUState"};
 
-/// Saves, restores and serialises the states of one instance. `Functions` is the table of a version of FMI, with null
-/// for a function that the FMU does not have or does not claim.
+/// Saves, restores and serializes the states of an instance. `Functions` is the table of a version of FMI; functions
+/// that the FMU lacks or does not claim are null.
 template <typename Functions>
 class FmuStates {
  public:
-  /// All that is pointed to must outlive this object.
+  /// All pointed-to objects must outlive this object.
   FmuStates(InstanceCalls& calls, const Functions& functions, const StateNames& names, bool can_save,
             bool can_serialize)
       : calls_(&calls), functions_(&functions), names_(&names), can_save_(can_save), can_serialize_(can_serialize) {}
 
-  /// Returns true if a step from `start_ns` may promise the FMU that it will not be set back to before that time,
-  /// because no state is kept. An FMU with that promise may drop what it would need to go back.
+  /// Returns true if a step from `start_ns` may promise the FMU that it will not be set back to an earlier time,
+  /// because no saved state exists. With this promise an FMU may drop the data for going back.
   bool promise_at(std::int64_t start_ns) {
     if (kept_ != 0) return false;
     promised_ns_ = start_ns;

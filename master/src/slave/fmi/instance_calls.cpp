@@ -65,7 +65,7 @@ void InstanceCalls::instantiate_again(const char* function, const std::function<
   if (instance_ == nullptr) fail(function, "returned no instance");
 }
 
-/// A crash takes the whole process down.
+/// A crash here ends the whole process.
 std::optional<std::string> InstanceCalls::free_instance(const char* function, const std::function<void()>& free) {
   if (std::exchange(freed_, true)) return std::nullopt;
   std::optional<std::string> fault;
@@ -89,7 +89,7 @@ std::optional<std::string> InstanceCalls::free_instance(const char* function, co
 
 void InstanceCalls::leave_by_exception(const char* name, const ForeignException& exception) {
   leave(name);
-  unusable_ = true;  // the FMU's code did not run to its end
+  unusable_ = true;  // the FMU's code was aborted by the exception
   fail(name, exception.what());
 }
 
@@ -112,7 +112,7 @@ std::vector<const char*> InstanceCalls::chosen_categories() const {
   static constexpr std::string_view kAlways[] = {"logStatusWarning", "logStatusDiscard", "logStatusError",
                                                  "logStatusFatal"};
   if (std::ranges::find(log_categories_, "*") != log_categories_.end()) return {};
-  // If the FMU has none of these categories, it logs everything, and is_shown() drops what is not wanted.
+  // If the FMU has none of these categories, it logs everything, and is_shown() filters.
   std::vector<const char*> chosen;
   for (const auto& category : description().log_categories) {
     if (std::ranges::find(log_categories_, category.name) != log_categories_.end() ||
@@ -148,7 +148,7 @@ void InstanceCalls::logged(LoggerCall call) {
 }
 
 std::string InstanceCalls::with_names(std::string_view text) const {
-  // FMI 1.0 and 2.0: "#r12#" in a message stands for the name of the Real variable with value reference 12, "##" for
+  // FMI 1.0 and 2.0: in a message, "#r12#" means the name of the Real variable with value reference 12, and "##" means
   // "#".
   std::string result;
   std::size_t at = 0;
@@ -211,7 +211,7 @@ void InstanceCalls::deliver_held() {
   deliver_all_but(0);
 }
 
-/// Drops the `last` ones. Under the mutex.
+/// Delivers all held messages except the `last` ones, which it drops. Requires the mutex.
 void InstanceCalls::deliver_all_but(std::size_t last) {
   held_.resize(held_.size() - std::min(held_.size(), last));
   for (const auto& held : held_) sink_->message({name_, held.severity, held.category, held.text, time_ns_});
@@ -231,7 +231,7 @@ void InstanceCalls::fail(const char* function, std::string_view what) {
     return std::ranges::find(last_messages_, indented_lines(held.text)) != last_messages_.end();
   };
   const auto first_quoted = std::find_if_not(held_.rbegin(), held_.rend(), is_quoted).base();
-  deliver_all_but(static_cast<std::size_t>(held_.end() - first_quoted));  // those are in the exception
+  deliver_all_but(static_cast<std::size_t>(held_.end() - first_quoted));  // the others are in the exception
   throw SlaveError(
       fmt::format("instance '{}' at {} s: {} {}. {}", name_, to_seconds(time_ns_), function, what, last_messages()));
 }
@@ -243,7 +243,7 @@ void InstanceCalls::check(int status, const char* function) {
   }
   if (status == kFatal) {
     unusable_ = true;
-    fmu_->set_corrupted();  // by the standard, for all instances of this FMU
+    fmu_->set_corrupted();  // by the standard, this applies to all instances of the FMU
   }
   fail(function, fmt::format("answered {}", status_name_(status)));
 }

@@ -23,15 +23,15 @@
 
 namespace mebots::master {
 
-/// Calls one instance of an FMU, of any version of FMI. Callbacks find the instance, C++ exceptions become SlaveErrors,
-/// and messages get names and times. Master and FMU have separate floating-point environments. Changes of the process
-/// are undone and reported. Not for use by two threads at once.
+/// Calls an instance of an FMU, of any version of FMI. It finds the instance of a callback, converts C++ exceptions to
+/// SlaveErrors, and adds names and times to messages. It keeps the floating-point environments of master and FMU apart.
+/// It reverts and reports changes of the process. Not for use by two threads at once.
 class InstanceCalls final : public CallbackListener {
  public:
   /// Returns the standard's name of a status.
   using StatusName = std::string_view (*)(int status);
 
-  /// What all versions of FMI have in common: the numbers of a status.
+  /// The status values that all versions of FMI share.
   static constexpr int kOk = 0;
   static constexpr int kWarning = 1;
   static constexpr int kDiscard = 2;
@@ -39,9 +39,9 @@ class InstanceCalls final : public CallbackListener {
   static constexpr int kFatal = 4;
   static constexpr int kPending = 5;
 
-  /// `log_categories` are the categories whose ordinary messages (status OK) go to `messages`, "*" for all; warnings
-  /// and errors always go there. `messages` must outlive this object. Points of `grid` are passed to the FMU as the
-  /// nearest doubles.
+  /// Ordinary messages (status OK) of `log_categories` go to `messages`; "*" means all categories. Warnings and errors
+  /// always go there. `messages` must outlive this object. Points of `grid` are passed to the FMU as the nearest
+  /// doubles.
   InstanceCalls(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
                 MessageSink& messages, const TimeGrid& grid, StatusName status_name);
 
@@ -50,62 +50,62 @@ class InstanceCalls final : public CallbackListener {
   const modeldesc::ModelDescription& description() const { return fmu_->description(); }
   const TimeGrid& grid() const { return grid_; }
   MessageSink& messages() const { return *sink_; }
-  /// The environment that the FMU passes to its callbacks.
+  /// Returns the environment for the FMU's callbacks.
   CallbackTarget& target() { return target_; }
   bool usable() const { return !unusable_; }
 
-  /// The time of messages and errors.
+  /// Returns the time of messages and errors.
   std::int64_t time_ns() const { return time_ns_; }
   void set_time_ns(std::int64_t time_ns) { time_ns_ = time_ns; }
 
-  /// Reports what loading the FMU's library changed, and makes the instance by `make`, which returns null on failure.
-  /// Throws SlaveError.
+  /// Reports what loading the FMU's library changed, and calls `make` to create the instance; it returns null on
+  /// failure. Throws SlaveError.
   void instantiate(const char* function, const std::function<void*()>& make);
-  /// Replaces an instance that the caller has freed by another one.
+  /// Replaces an instance that the caller has freed.
   void instantiate_again(const char* function, const std::function<void*()>& make);
-  /// Frees the instance by `free`; no effect the second time. Returns the error if the FMU failed, which has been
-  /// logged as well.
+  /// Calls `free` to free the instance; no effect the second time. Returns the error if the FMU failed; it has also
+  /// been logged.
   std::optional<std::string> free_instance(const char* function, const std::function<void()>& free);
-  /// Sets the handler of fmi2StepFinished, which a thread of the FMU may call. Only before instantiate().
+  /// Sets the handler of fmi2StepFinished, which a thread of the FMU may call. Call it before instantiate().
   void on_step_finished(std::function<void(int)> handler) { step_finished_ = std::move(handler); }
-  /// The categories of the FMU to switch on by SetDebugLogging; empty if the FMU is to log everything.
+  /// Returns the categories to enable by SetDebugLogging; empty if the FMU must log everything.
   std::vector<const char*> chosen_categories() const;
 
-  /// Calls a function of the FMU with the instance as its first argument, and returns its result. Throws SlaveError for
-  /// a C++ exception that leaves it.
+  /// Calls a function of the FMU with the instance as its first argument and returns the result. Throws SlaveError if
+  /// it throws a C++ exception.
   template <typename Function, typename... Arguments>
   [[gnu::always_inline]] auto call(const char* name, Function* function, Arguments... arguments) {
     return in_scope(name, [&] { return function(instance_, arguments...); });
   }
-  /// As call(), and throws SlaveError unless the status is OK or Warning.
+  /// Like call(), but throws SlaveError unless the status is OK or Warning.
   template <typename Function, typename... Arguments>
   [[gnu::always_inline]] void require(const char* name, Function* function, Arguments... arguments) {
     check(call(name, function, arguments...), name);
   }
-  /// Throws SlaveError if the FMU's library lacks a function, which is null then.
+  /// Throws SlaveError if the function is null, because the FMU's library lacks it.
   template <typename Function>
   void require_function(const char* name, Function* function) {
     if (function == nullptr) fail(name, "is missing in the FMU's library");
   }
-  /// Runs `work`, which makes calls, and reports and undoes what it changed in the process.
+  /// Runs `work`, which makes calls. Reports and reverts what they changed in the process.
   template <typename Work>
   void watched(const char* where, Work work);
-  /// As watched() for the steps number 1, 2, 4, 8 ... of an instance: watching every step would take too long.
+  /// Like watched(), for the steps number 1, 2, 4, 8 ... of an instance: watching every step would take too long.
   template <typename Work>
   [[gnu::always_inline]] int watched_step(const char* where, Work work);
 
-  /// Copies the texts at the addresses that `function` returned for these String variables; a null becomes an empty
-  /// text. Throws SlaveError for an address where nothing can be read.
+  /// Copies the texts that `function` returned for these String variables; null becomes an empty text. Throws
+  /// SlaveError if an address is not readable.
   void copy_texts(const char* function, std::span<const std::uint32_t> references,
                   std::span<const char* const> addresses, std::span<std::string> values);
 
   /// Throws SlaveError unless the status is OK or Warning.
   void check(int status, const char* function);
-  /// Throws SlaveError: instance, time, function, `what` and what the FMU logged.
+  /// Throws SlaveError with instance, time, function, `what` and the FMU's log.
   [[noreturn]] void fail(const char* function, std::string_view what);
-  /// Passes held messages on.
+  /// Delivers the held messages.
   void deliver_held();
-  /// "The FMU logged: ...", the last warnings and errors of the FMU.
+  /// Returns "The FMU logged: ..." with the last warnings and errors of the FMU.
   std::string last_messages() const;
 
   void logged(LoggerCall call) override;
@@ -137,19 +137,19 @@ class InstanceCalls final : public CallbackListener {
   StatusName status_name_;
   void* instance_ = nullptr;
   std::int64_t time_ns_ = 0;
-  bool unusable_ = false;    // after a fatal status no call is allowed, not even freeing
-  bool is_watched_ = false;  // its changes of the process are reported and undone
+  bool unusable_ = false;    // after a fatal status no call is allowed, not even to free it
+  bool is_watched_ = false;  // changes of the process by its calls are reported and reverted
   bool freed_ = false;
-  std::int64_t steps_ = 0;         // called so far
-  std::int64_t watched_step_ = 0;  // the next one that is watched; 0: none
+  std::int64_t steps_ = 0;         // number of steps so far
+  std::int64_t watched_step_ = 0;  // the next watched step; 0: none
   std::function<void(int)> step_finished_ = [](int) {};
 
-  // The FMU may log from threads of its own. Errors are held until the call returns: a call that fails carries them in
-  // its exception. Messages of the FMU's threads are held, too: the thread that steps delivers them.
+  // FMUs may log from their own threads. Errors are held until the call returns: if it fails, its exception contains
+  // them. Messages of the FMU's threads are held too; the stepping thread delivers them.
   mutable std::mutex log_mutex_;
   std::vector<Held> held_;
-  MessageLimit limit_;                 // of the call, or since the last one
-  std::atomic<bool> any_held_{false};  // or dropped by the limit
+  MessageLimit limit_;                 // since the start of the call, or since the last one
+  std::atomic<bool> any_held_{false};  // held or dropped by the limit
   std::deque<std::string> last_messages_;
 
   FloatEnvironment ours_ = FloatEnvironment::now();  // of the master's caller
@@ -191,7 +191,7 @@ void InstanceCalls::watched(const char* where, Work work) {
   if (!is_watched_ || reach == ProcessReach::nothing) return work();
   static std::mutex one_at_a_time;
   const std::unique_lock lock(one_at_a_time, std::try_to_lock);
-  if (!lock.owns_lock()) return work();  // no waiting: the call of another thread may wait for this one
+  if (!lock.owns_lock()) return work();  // does not wait: another thread's call may be waiting for this one
   const ProcessState before(fmu_->files_of_others(), reach);
   work();
   report_process_changes(before.put_right(), where);

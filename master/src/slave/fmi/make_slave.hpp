@@ -19,30 +19,30 @@ struct InstanceRequest {
   std::string name;
   std::shared_ptr<Fmu> fmu;
   modeldesc::StructuralValues structural;   ///< of structural parameters (FMI 3.0)
-  std::vector<std::string> log_categories;  ///< whose ordinary messages are passed on, "*" for all
+  std::vector<std::string> log_categories;  ///< their ordinary messages are delivered, "*" for all
   TimeGrid grid;                            ///< its points are passed to the FMU as the nearest doubles
 };
 
-/// Makes an instance in this process, by the adapter of the FMU's version. `messages` must outlive it. Throws
-/// SlaveError if the FMU gives no instance.
+/// Creates an instance in this process with the adapter of the FMU's version. `messages` must outlive it. Throws
+/// SlaveError if instantiation fails.
 std::unique_ptr<Slave> make_slave_here(InstanceRequest request, MessageSink& messages);
 
-/// An instance of co-simulation whose events the caller handles, by both of its interfaces.
+/// A co-simulation instance whose caller handles its events, by both of its interfaces.
 struct EventParts {
   std::unique_ptr<Slave> slave;
   EventInstance* instance;  ///< the same object
 };
 
-/// As make_slave_here(), for an FMU of FMI 3.0 with an event mode.
+/// Works as make_slave_here(), for an FMI 3.0 FMU with an event mode.
 EventParts make_event_slave_here(InstanceRequest request, MessageSink& messages);
 
-/// An instance of model exchange, by both of its interfaces.
+/// A model exchange instance, by both of its interfaces.
 struct ContinuousParts {
   std::unique_ptr<Slave> slave;
   ContinuousInstance* instance;  ///< the same object
 };
 
-/// As make_slave_here(), for an FMU of model exchange.
+/// Works as make_slave_here(), for a model exchange FMU.
 ContinuousParts make_continuous_here(InstanceRequest request, MessageSink& messages);
 
 }  // namespace mebots::master

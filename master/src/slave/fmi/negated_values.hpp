@@ -11,14 +11,14 @@
 
 namespace mebots::master {
 
-/// The negated aliases of an FMU of FMI 1.0: their references, and the sign of their values. Most FMUs have none.
+/// The negated aliases of an FMI 1.0 FMU: their references, and the sign of their values. Most FMUs have none.
 class NegatedValues {
  public:
   explicit NegatedValues(const modeldesc::ModelDescription& description);
 
-  /// Returns the references that the FMU knows. Valid until the next call; `references` itself if no alias is negated.
+  /// Returns the references in the FMU. If no alias is negated, returns `references` itself. Valid until the next call.
   std::span<const ValueReference> in_fmu(std::span<const ValueReference> references);
-  /// Calls negate(i) for each i whose reference is that of a negated alias.
+  /// Calls negate(i) for each i whose reference is a negated alias.
   template <typename Negate>
   void for_each_negated(std::span<const ValueReference> references, Negate negate) const {
     if (bases_.empty()) return;
@@ -27,7 +27,7 @@ class NegatedValues {
   }
 
  private:
-  std::unordered_map<ValueReference, ValueReference> bases_;  // of each alias, the reference in the FMU
+  std::unordered_map<ValueReference, ValueReference> bases_;  // maps an alias to the reference in the FMU
   std::vector<ValueReference> references_;
 };
 

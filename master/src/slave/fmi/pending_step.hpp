@@ -15,15 +15,15 @@ namespace mebots::master {
 /// the callback stepFinished, by GetStatus, or by both.
 class PendingStep {
  public:
-  /// Forgets the step before. To be called before DoStep, whose callback may come before it returns.
+  /// Resets the state. Call it before DoStep, because the callback may precede its return.
   void begin();
   /// Notes that the step continues, and returns the result of Slave::step().
   StepResult continues();
   bool is_under_way() const { return is_under_way_; }
   /// The callback. From any thread.
   void finished(int status);
-  /// Returns the status at the end of the step; fmiPending if `cancel` turned true before. Calls `ask` for the status
-  /// every 20 us at first, every 2 ms later.
+  /// Waits for the end of the step and returns its status; fmiPending if `cancel` becomes true first. Queries the
+  /// status by `ask`, every 20 us at first and every 2 ms later.
   int wait(const std::atomic<bool>& cancel, const std::function<int()>& ask);
   /// Returns the result of Slave::finish_step() for a cancelled step.
   static StepResult cancelled();

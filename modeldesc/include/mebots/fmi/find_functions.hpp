@@ -8,9 +8,9 @@
 
 namespace mebots::fmi {
 
-/// Looks the functions of an FMU up in a library from dlopen; those that it lacks stay null. `Functions` is the table
-/// of a version of FMI, `for_each_function` calls its argument with the name and the member of each function, and
-/// `prefix` stands before each name in the library.
+/// Looks up the functions of an FMU in a library from dlopen(); those that it lacks are null. `Functions` is the table
+/// of a version of FMI. `for_each_function` calls its argument with the name and the member of each function. `prefix`
+/// precedes each name in the library.
 template <typename Functions, typename ForEach>
 Functions find_functions(void* library, ForEach for_each_function, const std::string& prefix = {}) {
   Functions functions;

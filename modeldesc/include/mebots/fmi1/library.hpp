@@ -6,14 +6,14 @@
 
 #include <string>
 
-/// The functions of the shared library of an FMI 1.0 FMU for co-simulation as a table of pointers. In the library each
-/// name has the FMU's modelIdentifier and an underscore in front.
+/// The functions of the shared library of an FMI 1.0 FMU for co-simulation as a table of pointers. In the library, the
+/// FMU's modelIdentifier and an underscore precede each name.
 namespace mebots::fmi1 {
 
-/// `to_run`: no simulation does without it. `always`: the standard demands it, but a run can do without it.
+/// `to_run`: no simulation works without the function. `always`: the standard requires it, but a run can do without it.
 enum class Need { to_run, always };
 
-/// Null where the library does not have the function.
+/// A pointer is null if the library lacks the function.
 struct Functions {
   fmiString (*get_types_platform)() = nullptr;
   fmiString (*get_version)() = nullptr;
@@ -75,7 +75,7 @@ void for_each_function(Action action) {
   action("fmiGetRealStatus", &F::get_real_status, Need::always);
 }
 
-/// Looks all functions up in a library from dlopen; those that it lacks stay null.
+/// Looks up all functions in a library from dlopen(); those that it lacks are null.
 inline Functions find_functions(void* library, const std::string& model_identifier) {
   return fmi::find_functions<Functions>(
       library, [](auto action) { for_each_function(action); }, model_identifier + "_");

@@ -5,7 +5,7 @@
 #include <string_view>
 
 /// The C types of FMI 1.0 for co-simulation (functional mock-up interface for co-simulation 1.0, section 3.3). Names
-/// and values are the standard's: they are the binary interface. A Boolean has one byte, other than in FMI 2.0.
+/// and values are the standard's: they are the binary interface. Unlike in FMI 2.0, a Boolean has one byte.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 
@@ -41,7 +41,7 @@ struct fmiCallbackFunctions {
 
 namespace mebots::fmi1 {
 
-/// The standard's name of a status, "fmiError"; "an unknown status" for any other number.
+/// Returns the standard's name of a status, "fmiError"; "an unknown status" for any other number.
 constexpr std::string_view status_name(int status) {
   constexpr std::string_view kNames[] = {"fmiOK", "fmiWarning", "fmiDiscard", "fmiError", "fmiFatal", "fmiPending"};
   return status >= fmiOK && status <= fmiPending ? kNames[status] : "an unknown status";

@@ -4,10 +4,10 @@
 #include "mebots/fmi/find_functions.hpp"
 #include "mebots/fmi2/functions.hpp"
 
-/// The functions of an FMU's shared library as a table of pointers, and what the standard says about each.
+/// The functions of an FMU's shared library as a table of pointers, and the standard's requirements on each.
 namespace mebots::fmi2 {
 
-/// Tells which FMUs must export a function: all (`to_run`: no simulation works without it), those for co-simulation
+/// States which FMUs must export a function: all (`to_run`: no simulation works without it), those for co-simulation
 /// (`to_step`) or model exchange, or those whose modelDescription.xml claims a capability.
 enum class Need {
   to_run,

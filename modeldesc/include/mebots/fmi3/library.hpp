@@ -4,7 +4,8 @@
 #include "mebots/fmi/find_functions.hpp"
 #include "mebots/fmi3/functions.hpp"
 
-/// The functions of the shared library of an FMI 3.0 FMU as a table of pointers, and what the standard says about each.
+/// The functions of the shared library of an FMI 3.0 FMU as a table of pointers, and the standard's requirements on
+/// each.
 namespace mebots::fmi3 {
 
 /// Which FMUs cannot run without a function: all (`to_run`), those for co-simulation (`to_step`) or model exchange

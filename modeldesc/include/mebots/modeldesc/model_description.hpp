@@ -16,7 +16,7 @@
 #include <variant>
 #include <vector>
 
-/// The content of a modelDescription.xml of FMI 1.0, 2.0 or 3.0 as plain data: ours and foreign ones alike.
+/// The content of a modelDescription.xml of FMI 1.0, 2.0 or 3.0 as plain data.
 namespace mebots::modeldesc {
 
 using fmi::Causality;
@@ -130,9 +130,9 @@ class Fmi3Holder {
   std::shared_ptr<const Fmi3Part> part_;
 };
 
-/// A <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. Unit, quantity, min, max and nominal of its declared
-/// type are already filled in where the variable itself has none, and so are FMI's defaults for causality, variability
-/// and initial.
+/// A <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. Attributes that the variable leaves out have been
+/// filled in: unit, quantity, min, max and nominal from its declared type; causality, variability and initial from
+/// FMI's defaults.
 struct Variable {
   std::string name;
   std::uint32_t value_reference = 0;
@@ -154,8 +154,8 @@ struct Variable {
   bool can_handle_multiple_set_per_time_instant = true;
   std::string text;
   std::optional<OsmpPart> osmp;
-  /// Of a negated alias (FMI 1.0): value reference in the FMU of the variable whose negated value this is. The alias
-  /// has a value reference of its own, which no other variable has.
+  /// For a negated alias (FMI 1.0), the value reference in the FMU of the variable that it negates. The alias itself
+  /// has a value reference that no other variable has.
   std::optional<std::uint32_t> negated_reference;
   Fmi3Holder fmi3;
   bool operator==(const Variable&) const = default;
@@ -251,7 +251,7 @@ class NameIndex {
 };
 
 struct ModelDescription {
-  std::string fmi_version;  // "1.0", "2.0" or "3.0", without the third number that FMI 3.0 may write
+  std::string fmi_version;  // "1.0", "2.0" or "3.0", without the third part that FMI 3.0 permits
   std::string model_name;
   std::string guid;  // instantiationToken in FMI 3.0
   std::string text;
