@@ -13,7 +13,7 @@
 namespace mebots::app {
 namespace {
 
-/// An FMU that warns or complains at every step must not bury everything else.
+/// Limits the warnings and errors shown, so that an FMU with one per step does not hide everything else.
 constexpr int kShown = 20;
 
 constexpr std::string_view kClearLine = "\r\x1b[K";

@@ -12,25 +12,25 @@
 
 namespace mebots::app {
 
-/// What the user sees: lines on standard output (few when quiet), warnings and errors on standard error (always), and
-/// one line that is redrawn in place on a terminal. Warnings and errors are coloured on a terminal, unless NO_COLOR is
-/// set (no-color.org).
+/// The terminal output: lines on standard output (few if quiet), warnings and errors on standard error (always), and a
+/// line that is redrawn in place on a terminal. On a terminal, warnings and errors are coloured unless NO_COLOR is set
+/// (no-color.org).
 class Console final {
  public:
   explicit Console(bool quiet);
 
   void message(const Message& message);
   void line(std::string_view text);
-  /// A line that is wanted even when quiet: nothing could be done without it.
+  /// Prints a line even if quiet, because the user needs it.
   void always(std::string_view text);
   void warning(std::string_view text);
   void error(std::string_view text);
 
-  /// True when standard output is a terminal, so that a line can be redrawn.
+  /// True if standard output is a terminal, so that a line can be redrawn.
   bool is_terminal() const { return terminal_; }
-  /// Characters in a row of the terminal, as it is now.
+  /// Returns the present width of the terminal in characters.
   static std::size_t width();
-  /// Draws a line that the next one replaces; empty removes it.
+  /// Draws a line that the next one replaces. An empty text removes it.
   void redraw(std::string_view text);
 
  private:
@@ -40,9 +40,9 @@ class Console final {
   std::mutex mutex_;
   bool quiet_;
   bool terminal_;
-  bool colour_;  // on standard error
+  bool colour_;  // of standard error
   std::string drawn_;
-  std::map<std::pair<std::string, Severity>, int> counts_;  // of warnings and errors, per instance
+  std::map<std::pair<std::string, Severity>, int> counts_;  // of warnings and errors, by instance
 };
 
 }  // namespace mebots::app

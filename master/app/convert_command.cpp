@@ -29,7 +29,7 @@ void convert(const std::filesystem::path& from, const std::filesystem::path& to)
   auto loaded = load_system(from);
   config::make_signal_paths_absolute(loaded.config, loaded.system);
   FmuLibrary library;
-  const auto resolved = resolve(loaded.system, library);  // nothing broken is handed on
+  const auto resolved = resolve(loaded.system, library);  // writes no invalid system
   if (ending == ".ssp") {
     write_ssp(resolved, loaded.config, to);
   } else {

@@ -13,7 +13,7 @@
 namespace mebots::app {
 namespace {
 
-/// Says where the page is, or why there is none: the flight stands without it.
+/// Prints where the page is, or why there is none. The run is valid without it.
 void show_page(const std::filesystem::path& folder) {
   try {
     std::printf("page: %s (open it in a browser)\n", write_report({folder}, {}).c_str());
@@ -22,14 +22,14 @@ void show_page(const std::filesystem::path& folder) {
   }
 }
 
-/// A demo is `mebots run` of the shipped config, and takes the same options; then comes the page of the flight.
+/// Runs `mebots run` with the shipped config and the same options, then writes the page of the flight.
 int demo(std::vector<std::string> options) {
   const auto config = master::own_data("configs") / "gate_easy.json";
   options.insert(options.begin(), {"run", config.string()});
   CLI::App run_app;
   Action run;
   add_run(run_app, run);
-  std::vector<std::string> reversed(options.rbegin(), options.rend());  // as CLI11 takes them
+  std::vector<std::string> reversed(options.rbegin(), options.rend());  // in the order of CLI11
   try {
     run_app.parse(reversed);
   } catch (const CLI::ParseError& error) {

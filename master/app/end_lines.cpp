@@ -38,7 +38,7 @@ std::string unit_text(const Json& unit) {
   return unit.is_string() && unit != "1" ? " " + unit.get<std::string>() : "";
 }
 
-/// `intervals`: of the values, under the same labels.
+/// `intervals` are those of the values, under the same labels.
 void append_values(const Json& values, const Json& units, const Json& intervals, const std::string& prefix,
                    std::vector<std::string>& lines) {
   for (const auto& [label, value] : values.items()) {
@@ -57,7 +57,7 @@ constexpr std::size_t kMostLines = 10;
 constexpr std::size_t kWidest = 110;
 constexpr auto kCut = ", ...";
 
-/// A list of values that ends before it is too wide.
+/// A list of values that is truncated when it becomes too wide.
 class ValueLine {
  public:
   explicit ValueLine(std::string head) : text_(std::move(head)) {}
@@ -75,7 +75,7 @@ class ValueLine {
     empty_ = false;
     text_ += piece;
   }
-  /// All values below a label.
+  /// Adds all values below a label.
   void add_all(const Json& values, const Json& units, const Json& intervals, const std::string& prefix = "") {
     for (const auto& [label, value] : values.items()) {
       const auto unit = member_of(units, label);
@@ -98,7 +98,7 @@ class ValueLine {
   bool cut_ = false;
 };
 
-/// Values without a group on shared lines, then a line for each group. The last line says what is left out.
+/// Writes values without a group on shared lines, then a line per group. The last line states what is left out.
 void append_shared(const Json& values, const Json& units, const Json& intervals, std::vector<std::string>& lines) {
   std::vector<ValueLine> own;
   bool is_cut = false;
@@ -146,7 +146,7 @@ std::vector<std::string> end_lines(const master::Run& run, bool verbose) {
   const auto& report = run.report();
   std::vector<std::string> lines;
   lines.push_back(fmt::format("outcome: {} ({})", run.outcome(), report.end_text));
-  if (run.files() == nullptr || !run.files()->kept()) return lines;  // it never came to t = 0
+  if (run.files() == nullptr || !run.files()->kept()) return lines;  // it never reached t = 0
   lines.push_back(fmt::format("simulated {} s in {} of stepping, {:.3g} x real time",
                               master::to_seconds(report.simulated_ns), short_duration(report.wall.stepping_s),
                               report.real_time_factor()));

@@ -8,11 +8,11 @@
 
 namespace mebots::app {
 
-/// What is shown of a run that is over: outcome, speed, the summary's values with their units, where the files are.
-/// Values share lines, of which there are at most ten in all; `verbose` gives each value a line.
+/// Returns the report of a run after its end: outcome, speed, the summary's values with units, and the place of the
+/// files. Values share at most ten lines; `verbose` gives each value a line.
 std::vector<std::string> end_lines(const master::Run& run, bool verbose);
 
-/// What a run at t = 0 consists of: instances, connections, steps, columns of the results.
+/// Describes a run at t = 0: instances, connections, steps, columns of the results.
 std::vector<std::string> start_lines(const master::Run& run);
 
 }  // namespace mebots::app

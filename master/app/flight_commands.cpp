@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots replay`, `mebots identify` and `mebots new-cell` are written in Python (master/python/mebots/flight): the
-// program becomes the interpreter that runs them.
+// `mebots replay`, `mebots identify` and `mebots new-cell` are written in Python (master/python/mebots/flight). The
+// program is replaced by the interpreter that runs them.
 #include "command.hpp"
 
 #include <fmt/format.h>

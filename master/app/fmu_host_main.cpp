@@ -2,7 +2,7 @@
 #include "slave/isolation/child_process.hpp"
 
 #ifdef __SANITIZE_ADDRESS__
-/// A search for leaks stops the threads as a debugger does, which nobody may do to this process, itself included.
+/// LeakSanitizer stops the threads as a debugger does, which this process forbids even to itself.
 extern "C" [[gnu::visibility("default")]] int __lsan_is_turned_off() {  // NOLINT: the library's name
   return 1;
 }

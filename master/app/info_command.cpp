@@ -82,7 +82,7 @@ void print_flags(const ModelDescription& model, const ModelExchange& exchange) {
   print_field("model exchange", fmt::format("{} ({})", exchange.model_identifier, fmt::join(facts, ", ")));
 }
 
-/// A table whose columns are as wide as their longest cell; the last one runs free.
+/// Prints a table with columns as wide as their longest cell, except the last one.
 void print_table(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
@@ -207,7 +207,7 @@ void info(const std::filesystem::path& file) {
     print_variables(description);
     print_terminals(master::read_fmu_terminals(file));
   }
-  print_product("");  // all of it is out
+  print_product("");  // flushes the output
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace mebots::app {
 namespace {
 
-/// A text that XML 1.0 can carry: control characters become spaces, bytes that are not UTF-8 are replaced.
+/// Makes a text valid in XML 1.0: control characters become spaces, and bytes that are not UTF-8 are replaced.
 std::string printable(const std::string& raw) {
   auto text = master::valid_utf8(raw);
   for (auto& c : text) {

@@ -13,12 +13,12 @@
 
 namespace mebots::app {
 
-/// The options of `mebots run` and `mebots resume` for a page that follows the run.
+/// The options of `mebots run` and `mebots resume` for a page that shows the run.
 struct LiveViewOptions {
   std::optional<int> port;           ///< 0: any free one
   std::optional<std::string> start;  ///< "browser" or "now"; default: "browser" on a terminal
   std::optional<double> pace;        ///< simulated seconds per second
-  bool keep = false;                 ///< the page stays after the end, as on a terminal without `no_keep`
+  bool keep = false;                 ///< the page remains after the end, as on a terminal without `no_keep`
   bool no_keep = false;
 
   bool is_on() const { return port.has_value(); }
@@ -26,16 +26,16 @@ struct LiveViewOptions {
 
 void add_live_options(CLI::App& command, LiveViewOptions& options);
 
-/// Steps a run while browsers may look at it.
+/// Steps a run while browsers may view it.
 class LiveView {
  public:
-  /// Prints the address. Throws InputError if the port is taken, or this program was built without pages.
+  /// Prints the address. Throws InputError if the port is in use or this program was built without pages.
   static std::unique_ptr<LiveView> make(master::Run& run, const LiveViewOptions& options, Console& console);
   virtual ~LiveView() = default;
 
   /// Starts the run and steps it to its end.
   virtual void run() = 0;
-  /// Keeps the page until Ctrl-C if it is to stay, else until browsers have the last rows.
+  /// If the page is to remain, keeps it until Ctrl-C; else until browsers have received the last rows.
   virtual void end(Console& console) = 0;
 };
 

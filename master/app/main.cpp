@@ -26,7 +26,8 @@ constexpr AddCommand kCommands[] = {&add_run,      &add_resume,  &add_sweep,    
                                     &add_check,    &add_test,    &add_convert,      &add_validate,  &add_schema,
                                     &add_units,    &add_new_fmu, &add_new_firmware, &add_new_sensor};
 
-/// Where a stream is closed (`>&-`), the next file to be opened would get its number, and what is printed.
+/// Opens closed standard streams (`>&-`). Otherwise the next opened file would get such a number, and receive the
+/// output.
 void open_standard_streams() {
   for (int stream = 0; stream <= 2; ++stream) {
     if (fcntl(stream, F_GETFD) == -1 && open("/dev/null", O_RDWR) != stream) return;
@@ -49,7 +50,7 @@ std::vector<std::string> names_of_options(const CLI::App& command) {
   return names;
 }
 
-/// What is wrong with the command line, in one line with what to do.
+/// Returns the error in the command line and its remedy in one line.
 std::string complaint(CLI::App& app, const CLI::ParseError& error) {
   const auto given = app.get_subcommands();
   if (given.empty()) {
@@ -80,9 +81,9 @@ std::string complaint(CLI::App& app, const CLI::ParseError& error) {
 
 int main(int argument_count, char** arguments) {
   open_standard_streams();
-  std::signal(SIGPIPE, SIG_IGN);  // whoever reads our text may leave; the results are still wanted
-  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // by an FMU, nobody else
-  std::signal(SIGXFSZ, SIG_IGN);  // a file at the limit of its size is an error that is told, as a full disk is
+  std::signal(SIGPIPE, SIG_IGN);  // if the reader of our output ends, the run continues and writes its results
+  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // only an FMU would cancel this thread
+  std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is reported as an error, like a full disk
   CLI::App app{"MEbots: co-simulation of FMI 2.0 FMUs"};
   app.name("mebots");
   app.set_version_flag("--version", "mebots " + std::string(mebots::version()));
@@ -96,7 +97,7 @@ int main(int argument_count, char** arguments) {
   try {
     const std::vector<std::string> given(arguments + std::min(argument_count, 1), arguments + argument_count);
     const auto words = mebots::master::with_each_set(given);
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // CLI11 takes them in reverse order
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // in reverse order for CLI11
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     print_error(complaint(app, error));

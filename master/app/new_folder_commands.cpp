@@ -12,7 +12,7 @@
 namespace mebots::app {
 namespace {
 
-/// Writes the folder and says what to type next.
+/// Writes the folder and prints the next commands.
 template <typename Write>
 int written(const Write& write, const char* targets) {
   try {

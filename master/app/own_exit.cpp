@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Functions of this program that end or replace its process, or copy it. The dynamic linker gives a program's functions
-// to its libraries before those of the C library, so an FMU that calls one arrives here. The C library itself, in
-// exit() or system() say, does not.
+// Replaces functions that end, replace or copy the process. The dynamic linker prefers a program's functions to those
+// of the C library, so an FMU that calls one arrives here. Calls inside the C library, such as in exit() or system(),
+// do not.
 #include "fmi/call/exit_guard.hpp"
 
 #include <dlfcn.h>
@@ -20,7 +20,7 @@ namespace {
   for (;;) syscall(SYS_exit_group, status);
 }
 
-/// A function of the C library. Looked up when the program starts: the loader may not be asked in a forked process.
+/// A function of the C library. Looked up when the program starts, because a forked process must not call the loader.
 template <typename Target>
 class Original {
  public:
@@ -38,7 +38,7 @@ const Original<const char*> kOriginalExecve("execve");
 const Original<const char*> kOriginalExecvpe("execvpe");
 const Original<int> kOriginalFexecve("fexecve");
 
-/// The arguments of execl() and the like, up to null.
+/// Returns the arguments of execl() and similar functions, up to null.
 std::vector<char*> listed(const char* first, std::va_list& more) {
   std::vector<char*> words{const_cast<char*>(first)};
   while (words.back() != nullptr) words.push_back(va_arg(more, char*));
@@ -111,8 +111,8 @@ extern "C" {
   return kOriginalExecve(path, words.data(), environment);
 }
 
-/// Makes a copy with memory of its own, as POSIX allows. A copy that shares memory is not detected if it returns from
-/// the FMU's call.
+/// Makes a copy with separate memory, as POSIX permits. A copy that shares memory would not be detected if it returned
+/// from the FMU's call.
 [[gnu::visibility("default")]] pid_t vfork() noexcept {
   return fork();
 }

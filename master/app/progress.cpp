@@ -16,9 +16,9 @@ namespace {
 
 using master::to_seconds;
 
-constexpr double kLookEveryS = 0.1;    // how often the bar moves
-constexpr double kLineEveryS = 5.0;    // a plain line at least so often in a long run
-constexpr double kLineSoonestS = 1.0;  // and for every tenth of the run, but not more often than this
+constexpr double kLookEveryS = 0.1;    // update interval of the bar
+constexpr double kLineEveryS = 5.0;    // maximum time between plain lines in a long run
+constexpr double kLineSoonestS = 1.0;  // a plain line for every tenth of the run, but with at least this time between
 constexpr std::size_t kWidestBar = 40;
 constexpr std::size_t kNarrowestBar = 5;
 constexpr std::int64_t kLongestStride = 1 << 16;
@@ -41,7 +41,7 @@ Progress::Progress(Console& console, std::int64_t start_time_ns, std::int64_t st
       last_shown_(start_) {}
 
 std::optional<std::string> Progress::reached(const master::Point& point) {
-  if (!begun_) {  // at t = 0, or one step behind the checkpoint of a run that is resumed
+  if (!begun_) {  // at t = 0, or one step after the checkpoint of a resumed run
     begun_ = true;
     start_ = last_look_ = last_shown_ = Clock::now();
     start_ns_ = point.time_ns;
@@ -55,7 +55,7 @@ std::optional<std::string> Progress::reached(const master::Point& point) {
 void Progress::look(const master::Point& point) {
   const auto now = Clock::now();
   const double since_look_s = std::chrono::duration<double>(now - last_look_).count();
-  // Aim at one look per kLookEveryS whatever a step costs.
+  // Aims at one look per kLookEveryS, whatever the cost of a step.
   if (since_look_s < kLookEveryS / 2) stride_ = std::min(stride_ * 2, kLongestStride);
   if (since_look_s > kLookEveryS * 2) stride_ = std::max<std::int64_t>(stride_ / 2, 1);
   last_look_ = now;
@@ -83,7 +83,7 @@ void Progress::show(const master::Point& point, double elapsed_s) {
     console_->line(text);
     return;
   }
-  // The line must not wrap: one that does cannot be redrawn. The bar takes what the text leaves, then the text is cut.
+  // A wrapped line could not be redrawn. The bar takes the space that the text leaves, then the text is truncated.
   const auto width = Console::width() - 1;
   const auto room = width > text.size() + 3 ? width - text.size() - 3 : 0;
   if (room < kNarrowestBar) {

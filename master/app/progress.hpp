@@ -13,8 +13,8 @@
 
 namespace mebots::app {
 
-/// Shows how far a run is: a bar on a terminal, a line now and then elsewhere. Looks at the wall clock
-/// only every so many steps, so that short steps do not pay for it.
+/// Shows the progress of a run: a bar on a terminal, otherwise occasional lines. Reads the wall clock only after a
+/// number of steps, so that short steps are not slowed down.
 class Progress final : public master::Observer {
  public:
   Progress(Console& console, std::int64_t start_time_ns, std::int64_t stop_time_ns);
@@ -41,17 +41,16 @@ class Progress final : public master::Observer {
   int shown_tenths_ = 0;
 };
 
-/// "1 h 02 min", "3 min 05 s", "12 s".
+/// Returns "1 h 02 min", "3 min 05 s", "12 s".
 std::string duration_text(double seconds);
 
-/// Throws InputError when a run of this system cannot end with one of the outcomes that are expected.
+/// Throws InputError if a run of this system cannot end with one of the expected outcomes.
 void check_expected(const master::SystemDescription& system, const std::vector<std::string>& expected);
 
-/// Why the outcome of a run that is over is not as wanted: one of `expected`, any when there are none. Empty when it
-/// is.
+/// Returns why the outcome of a run is not one of `expected`; empty if it is or if `expected` is empty.
 std::string why_unexpected(const master::Run& run, const std::vector<std::string>& expected);
 
-/// A text as one word of a POSIX shell, quoted where it must be.
+/// Returns a text as one word of a POSIX shell, quoted if necessary.
 std::string shell_word(std::string_view text);
 
 }  // namespace mebots::app

@@ -22,7 +22,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// Tells in one line what Python lacks: another version of it cannot load the extension, say.
+/// Prints the problem of the Python installation in one line, for example a version that cannot load the extension.
 constexpr const char* kStart =
     "import sys\n"
     "try:\n"
@@ -33,9 +33,9 @@ constexpr const char* kStart =
     "    sys.exit(2)\n"
     "sys.exit(main())\n";
 
-/// The folder that holds the package: of a build `python` beside `bin`; of an installation
-/// `lib/python3.x/site-packages`, or `lib/python3/dist-packages` where Debian's Python looks; a wheel's package holds
-/// `bin`.
+/// Returns the folder that contains the package: in a build `python` next to `bin`; in an installation
+/// `lib/python3.x/site-packages`, or `lib/python3/dist-packages`, which Debian's Python searches. In a wheel the
+/// package contains `bin`.
 Path package_folder(const std::string& command) {
   std::vector<Path> places;
   for (const auto& program : master::program_places("mebots")) {
@@ -83,7 +83,7 @@ void become_python(const std::string& command, const std::string& module, const 
   arguments.reserve(all.size() + 1);
   for (auto& word : all) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  std::fflush(nullptr);  // what stands in buffers would be lost
+  std::fflush(nullptr);  // buffered output would be lost
   execvp(python.c_str(), arguments.data());
   throw InputError(ErrorCode::not_offered,
                    fmt::format("`{}` needs {}, which cannot be started: {}. Install python3, or name another Python by "

@@ -22,7 +22,7 @@ using namespace mebots::master;
 
 namespace {
 
-/// Within the spans `whole` every row of a table stays that is too long for a page.
+/// Within the spans `whole`, every row of a table is kept that is too long for a page.
 std::filesystem::path write_page(const std::vector<std::filesystem::path>& folders, std::filesystem::path file,
                                  const std::vector<report::TimeSpan>& whole) {
   const auto parts = report::read_page_parts();
@@ -52,7 +52,7 @@ struct PageOptions {
   double video_speed = 1;
 };
 
-/// "120:130" or "all". JSON has no infinite numbers.
+/// Parses "120:130" or "all". JSON has no infinite numbers.
 report::TimeSpan time_span(const std::string& text) {
   if (text == "all") return {0, std::numeric_limits<double>::max()};
   const auto colon = text.find(':');

@@ -29,7 +29,7 @@ constexpr int kRanToItsEnd = 0;
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
 
-/// The options of `mebots run`: those that are typed as a RunOptions has them, and texts that are still to be read.
+/// The options of `mebots run`: those that need no parsing as RunOptions, and texts that are still to be parsed.
 struct TypedOptions {
   std::filesystem::path config;
   RunOptions run;
@@ -41,13 +41,13 @@ struct TypedOptions {
   std::optional<std::string> uncertainty;  ///< "calibration" or "none"
 };
 
-/// What is wanted of any run on the command line, new or resumed.
+/// Options of any run on the command line, new or resumed.
 struct ReportOptions {
-  std::vector<std::string> expect;  ///< outcomes of which one must come
+  std::vector<std::string> expect;  ///< accepted outcomes
   std::filesystem::path junit;      ///< JUnit file to write; empty = none
   bool quiet = false;
   bool verbose = false;
-  bool dry_run = false;  ///< of a new run
+  bool dry_run = false;  ///< for a new run
   LiveViewOptions live;
 };
 
@@ -66,7 +66,7 @@ RunOptions options_of(const TypedOptions& typed) {
   return options;
 }
 
-/// What the end means to whoever started the program.
+/// Returns the exit code for the end of the run.
 int exit_code(const Run& run, const ReportOptions& options, Console& console) {
   if (run.report().end_reason == EndReason::interrupted) return kFailed;
   const auto why = why_unexpected(run, options.expect);
@@ -93,7 +93,7 @@ void show_end(const Run& run, const ReportOptions& options, Console& console) {
   }
 }
 
-/// Flies the draws of a run that has ended, and adds their intervals to its summary.
+/// Performs the drawn runs of a run that has ended, and adds their intervals to its summary.
 void fly_draws(Run& run, Console& console) {
   master::DrawnFlights draws(run);
   const auto progress = [&console](int flight) {
@@ -109,7 +109,7 @@ void fly_draws(Run& run, Console& console) {
   }
 }
 
-/// Any run on the command line, from the one that `open` makes to the exit code.
+/// Runs the result of `open` and returns the exit code.
 int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptions& options) {
   Console console(options.quiet);
   try {
@@ -148,7 +148,7 @@ int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptio
   } catch (const InputError& error) {
     error_text = error.what();
     code = kBadInput;
-  } catch (const std::exception& error) {  // out of memory, say: the results so far are kept all the same
+  } catch (const std::exception& error) {  // such as out of memory: the results so far are still written
     error_text = error.what();
   }
   console.redraw("");

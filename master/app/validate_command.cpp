@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots validate`: the readers of the parts, without what they read for.
+// `mebots validate`: runs the readers of files alone.
 #include "command.hpp"
 
 #include "cases/case_file.hpp"
@@ -42,11 +42,11 @@ using Path = std::filesystem::path;
 
 struct FileKind {
   std::string_view name;
-  /// Throws Error, most often data::Mistakes.
+  /// Throws Error, usually data::Mistakes.
   void (*read)(const Path& file);
 };
 
-/// Those whose readers are in this build.
+/// The kinds whose readers are in this build.
 constexpr FileKind kKinds[] = {
     {"config", &master::config::check},
     {"scenario", &master::config::check_scenario},
@@ -65,7 +65,7 @@ constexpr FileKind kKinds[] = {
 #ifdef MEBOTS_HAS_soc
     {"board",
      [](const Path& file) {
-       // Two readers share a board: of the variables, and of all else.
+       // Two readers share a board: one reads the variables, the other everything else.
        data::Document(file).read([&](const data::Node& root) {
          root.attempt([&] { static_cast<void>(soc::read_board(file)); });
          root.attempt([&] { modeldesc::check_board_variables(file); });
@@ -84,7 +84,7 @@ std::vector<std::string> known_kinds() {
   return names;
 }
 
-/// What "$schema" names: "mebots-cell.schema.json", wherever it lies.
+/// Returns the file name in "$schema", such as "mebots-cell.schema.json", without its folder.
 std::string named_kind(const data::Node& schema) {
   const auto name = Path(schema.text()).filename().string();
   for (const auto& kind : known_kinds()) {
@@ -94,8 +94,8 @@ std::string named_kind(const data::Node& schema) {
 }
 
 struct Likeness {
-  std::size_t common = 0;  // of the file's keys, those that the schema has at its root
-  std::size_t others = 0;  // of the schema's
+  std::size_t common = 0;  // keys of the file that the schema has at its root
+  std::size_t others = 0;  // further keys of the schema
 };
 
 Likeness likeness(const master::Schema& schema, const data::Node& root) {
@@ -110,8 +110,8 @@ Likeness likeness(const master::Schema& schema, const data::Node& root) {
   });
 }
 
-/// The kind whose schema knows most of the keys, and of those the one with the fewest others. Converters have names
-/// of their own for keys.
+/// Returns the kind whose schema has most of the keys; among equals, the one with the fewest others. Converters have
+/// distinct keys.
 std::string kind_by_content(const data::Node& root) {
   std::string best;
   Likeness most;
@@ -140,7 +140,7 @@ std::string kind_of(const Path& file) {
         fmt::format("{}: this is an FMU: `mebots check` tests it, and `mebots info` shows it", file.string()));
   }
   std::string kind;
-  // A mistake in the file is for its own reader to tell: keys that stand twice, say.
+  // Mistakes in the file, such as duplicate keys, are reported by its own reader.
   data::Document document(file);
   try {
     document.read([&](const data::Node& root) {
@@ -158,7 +158,7 @@ void print_mistake(const std::string& place, const std::string& text, ErrorCode 
                std::string(name_of(code)).c_str());
 }
 
-/// Prints every mistake of a file. True when there is none.
+/// Prints every mistake of a file. Returns true if there is none.
 bool validate(const Path& file) {
   try {
     const auto kind = kind_of(file);
@@ -172,7 +172,7 @@ bool validate(const Path& file) {
     std::printf("%s: valid %s file\n", file.c_str(), kind.c_str());
     return true;
   } catch (const data::Mistakes& mistakes) {
-    std::unordered_set<std::string> told;  // two readers of one file tell some twice
+    std::unordered_set<std::string> told;  // two readers of a file may report the same mistake
     for (const auto& mistake : mistakes.list()) {
       if (told.insert(mistake.place + mistake.text).second) print_mistake(mistake.place, mistake.text, mistake.code);
     }

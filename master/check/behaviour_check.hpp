@@ -10,42 +10,41 @@
 
 namespace mebots::check {
 
-/// One experiment with the FMU, run in a separate child process.
+/// An experiment with the FMU, run in a separate child process.
 struct Probe {
-  std::string name;  ///< the statement that holds if the probe finds no error
+  std::string name;  ///< a statement that holds if the probe finds no error
   std::function<void(const Library&)> run;
   std::string skipped;  ///< why it does not apply to this FMU; empty if it applies
   Severity crash = Severity::error;
   Level level = Level::standard;
 };
 
-/// Probes that run, reset, save, halve steps, replay, and count leaks. The second one is a plain run: if it fails, the
-/// others are skipped.
+/// Returns probes that run, reset, save, halve steps, replay and count leaks. The second is a plain run: if it fails,
+/// the others are skipped.
 std::vector<Probe> life_probes(const Target& target, double half_step_tolerance);
-/// Finds an FMU that starts with a stop time only. Such an FMU gets one in all other experiments.
+/// Detects an FMU that starts with a stop time only. It then gets one in all other experiments.
 Probe start_probe();
-/// Returns whether that probe found such an FMU.
+/// True if that probe found such an FMU.
 bool says_stop_time_is_needed(const Check& check);
 /// Compares a run with a stop time with a run without.
 Probe stop_time_probe();
 /// Probes with calls that the standard forbids. The FMU must return an error.
 std::vector<Probe> illegal_call_probes(const Target& target);
 
-/// Reference traces that travel in an FMU: `documentation/reference/<name>_in.csv` and `<name>_out.csv`, or the result
-/// that `extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml` names, with its `_in.csv` in the same folder.
+/// Reference traces inside an FMU: `documentation/reference/<name>_in.csv` and `<name>_out.csv`, or the result named in
+/// `extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml` with its `_in.csv` in the same folder.
 struct TraceFiles {
   std::filesystem::path inputs;  ///< empty if absent
   std::filesystem::path outputs;
-  /// One file for the FMI 2.0 and 3.0 versions of a model: columns that this FMU lacks, or has as text, are ignored.
+  /// The file serves the FMI 2.0 and 3.0 versions of a model: columns that this FMU lacks, or has as text, are ignored.
   bool of_many_versions = false;
 };
 
-/// The traces of an unpacked FMU, if it has any.
+/// Returns the traces of an unpacked FMU, if it has any.
 std::optional<TraceFiles> find_traces(const std::filesystem::path& folder);
 
-/// Steps from row to row of the outputs' file, with the latest inputs, and compares. Reals may differ by 1e-6 of their
-/// value, because compilers round differently; all else must be equal.
-/// Reports the first divergence.
+/// Steps from row to row of the output file with the latest inputs, and compares. Reals may differ by 1e-6 of their
+/// value, because compilers round differently; all other values must be equal. Reports the first divergence.
 void replay(const Library& library, const TraceFiles& files);
 
 }  // namespace mebots::check

@@ -38,7 +38,7 @@ bool is_wanted(fmi2::Need need, const modeldesc::CoSimulation& flags) {
     case fmi2::Need::co_simulation:
       return true;
     case fmi2::Need::to_integrate:
-      return false;  // the library for model exchange may be another one
+      return false;  // the library for model exchange may be a different one
     case fmi2::Need::fmu_state:
       return flags.can_get_and_set_fmu_state;
     case fmi2::Need::serialization:
@@ -49,14 +49,14 @@ bool is_wanted(fmi2::Need need, const modeldesc::CoSimulation& flags) {
   return false;
 }
 
-/// Symbols that the linker makes.
+/// True for symbols that the linker defines.
 bool is_linkers_own(std::string_view name) {
   constexpr std::string_view kOwn[] = {"_init", "_fini", "__bss_start", "_edata", "_end"};
   return std::ranges::find(kOwn, name) != std::end(kOwn);
 }
 
-/// Follows the needed libraries as ld.so(8) does: RPATH of the library and of those that asked for it (unless the
-/// library has a RUNPATH), LD_LIBRARY_PATH, RUNPATH, then the system's folders, for which the loader itself is asked.
+/// Resolves needed libraries as ld.so(8) does: RPATH of the library and of those that need it (unless the library has a
+/// RUNPATH), LD_LIBRARY_PATH, RUNPATH, then the system's folders, for which it calls the loader.
 class NeededLibraries {
  public:
   NeededLibraries(fs::path folder, Findings findings) : folder_(std::move(folder)), findings_(findings) {}
@@ -99,7 +99,7 @@ class NeededLibraries {
         "install its package, or put it into the folder of the FMU's own library and link with -Wl,-rpath,'$ORIGIN'");
   }
 
-  /// Loading runs the library's own start-up code, so a child does it.
+  /// Loading executes the library's start-up code, so a child process does it.
   static bool system_has(const std::string& needed) {
     Check check;
     run_in_child({.severity = Severity::error, .way_out = "", .deadline_s = 10}, check, [&](Witness& witness) {

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr double kUsualStep_s = 0.01;
 constexpr int kMostSteps = 20;
 
-/// Index of the probe that takes a plain run.
+/// Index of the probe with the plain run.
 constexpr std::size_t kPlainRun = 1;
 
 bool has_error(const Check& check) {
@@ -85,8 +85,8 @@ class FmuCheck {
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   }
 
-  /// The version that the file states: each standard has its own rules. A file that is no XML is judged by those of
-  /// FMI 2.0.
+  /// Returns the version stated in the file: each standard has its own rules. A file that is not XML is checked by
+  /// those of FMI 2.0.
   std::string text_version() const {
     pugi::xml_document document;
     document.load_file((folder_.path() / "modelDescription.xml").c_str());
@@ -274,13 +274,13 @@ class FmuCheck {
     }
   }
 
-  /// Returns whether the FMU starts with a stop time only, which is a finding.
+  /// True if the FMU starts with a stop time only, which is reported.
   bool needs_stop_time(const Target& target) {
     const auto probe = start_probe();
     Check aside;
     try {
       make(probe, target, aside);
-    } catch (const Error&) {  // the plain run has found what matters
+    } catch (const Error&) {  // the plain run reports the errors that matter
       return false;
     }
     if (!says_stop_time_is_needed(aside)) return false;
@@ -289,7 +289,7 @@ class FmuCheck {
     return true;
   }
 
-  /// Makes one experiment, unless it is to be skipped. Returns false if it found an error.
+  /// Runs an experiment unless it is to be skipped. Returns false if it found an error.
   bool make(const Probe& probe, const Target& target, Check& check) const {
     check.skipped = probe.skipped.empty() && probe.level > options_.level
                         ? fmt::format("made at --level {}", to_string(probe.level))

@@ -10,21 +10,21 @@
 namespace mebots::check {
 
 struct Options {
-  double half_step_tolerance = 1e-3;  ///< of an output's largest magnitude in the run
-  double deadline_s = 30;             ///< for each experiment with the FMU: seconds that it computes or sleeps
-  Level level = Level::standard;      ///< findings of higher levels are counted, not told
-  const std::atomic<bool>* given_up = nullptr;  ///< true ends the check by Interrupted; null = nobody can
-  bool run = true;                              ///< false: look at the files only, run nothing of the FMU's
+  double half_step_tolerance = 1e-3;            ///< relative to an output's largest magnitude in the run
+  double deadline_s = 30;                       ///< for each experiment: seconds of computing or sleeping
+  Level level = Level::standard;                ///< findings of higher levels are counted, not reported
+  const std::atomic<bool>* given_up = nullptr;  ///< true ends the check by Interrupted; null = never
+  bool run = true;                              ///< false: examine the files only and run none of the FMU's code
 };
 
-/// Looks at an FMU from its archive to its behaviour. What the FMU's code does, it does in child processes.
-/// Throws mebots::Error when the file cannot be read at all.
+/// Examines an FMU from its archive to its behaviour. Its code runs in child processes. Throws mebots::Error if the
+/// file cannot be read.
 Report check_fmu(const std::filesystem::path& fmu, const Options& options);
 
-/// The report for people: findings by group, with what to do.
+/// Returns the report for people: findings by group, with remedies.
 std::string to_text(const Report& report);
-/// The report for machines. Keys: fmu, summary, level, clean, errors, warnings, checks [{group, name, result, why,
-/// findings}].
+/// Returns the report for machines. Keys: fmu, summary, level, clean, errors, warnings, checks [{group, name, result,
+/// why, findings}].
 std::string to_json(const Report& report);
 
 }  // namespace mebots::check

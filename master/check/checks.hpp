@@ -17,26 +17,25 @@ void check_archive(const std::filesystem::path& archive, Findings findings);
 /// The same for an open archive (libzip's zip_t).
 void check_archive(zip& archive, Findings findings);
 
-/// Compares the text of a modelDescription.xml with the grammar of the version of FMI that it names: elements, their
-/// order and number, attributes, the form of their values, and the encoding.
+/// Compares the text of a modelDescription.xml with the grammar of its version of FMI: elements, their order and
+/// number, attributes, the form of their values, and the encoding.
 void check_schema(std::string_view text, Findings findings);
 /// The same for the text of a terminalsAndIcons.xml.
 void check_terminals_schema(std::string_view text, Findings findings);
 
 using modeldesc::ModelDescription;
 
-/// Checks identifier, version, capabilities, log categories, default experiment, sources.
+/// Checks identifier, version, capabilities, log categories, default experiment and sources.
 void check_head(const ModelDescription& model, const std::filesystem::path& folder, Findings findings);
 /// Checks that units, display units and types are defined and their numbers valid.
 void check_units_and_types(const ModelDescription& model, Findings findings);
-/// Checks combinations of causality, variability, initial and start. Start values must be within limits, and items
-/// known.
+/// Checks combinations of causality, variability, initial and start. Start values must be within limits or known items.
 void check_variables(const ModelDescription& model, Findings findings);
 /// Checks that names are unique and printable. If the description claims structured names, checks their grammar.
 void check_names(const ModelDescription& model, Findings findings);
 /// Checks that variables with the same value reference agree.
 void check_aliases(const ModelDescription& model, Findings findings);
-/// Checks that Outputs and InitialUnknowns are complete, without further entries.
+/// Checks that Outputs and InitialUnknowns have all required entries and no others.
 void check_structure(const ModelDescription& model, Findings findings);
 /// Checks that each OSMP binary has three Integers of one causality with start 0.
 void check_osmp(const ModelDescription& model, Findings findings);
@@ -50,7 +49,7 @@ void check_platforms(const modeldesc::ModelDescription& model, const std::filesy
 void check_symbols(const modeldesc::ModelDescription& model, const std::filesystem::path& library, Findings findings);
 /// True if the library exports all functions that the experiments call.
 bool can_be_run(const modeldesc::ModelDescription& model, const std::filesystem::path& library);
-/// Checks that the system's loader finds every needed library, directly or through libraries in the same folder.
+/// Checks that the loader finds every needed library, directly or through libraries in the same folder.
 void check_needed_libraries(const std::filesystem::path& library, Findings findings);
 
 /// Returns the required path of the shared library for this machine.

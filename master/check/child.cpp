@@ -27,10 +27,10 @@
 namespace mebots::check {
 namespace {
 
-/// A page that parent and child share: it survives the child.
+/// A page shared by parent and child; it survives the child.
 struct BlackBox {
   char doing[400];
-  char callback[40];  // of ours, in which a signal ended the child
+  char callback[40];  // name of our callback in which a signal ended the child
   std::atomic<pid_t> child;
   bool finished;
 };
@@ -53,10 +53,11 @@ class SharedBox {
 
 BlackBox* signalled_box = nullptr;
 
-/// Says whether a crash is ours, then lets it happen: SA_RESETHAND.
+/// Records whether the crash is in our code, then lets it happen: SA_RESETHAND.
 void on_signal(int signal) {
   const auto callback = master::current_callback();
-  const char* name = callback.only_memory ? nullptr : callback.name;  // a bad pointer is who handed it over
+  const char* name = callback.only_memory ? nullptr : callback.name;  // a bad pointer is the fault of the FMU that
+                                                                      // passed it
   for (std::size_t i = 0; name != nullptr && i + 1 < sizeof(BlackBox::callback) && name[i] != '\0'; ++i)
     signalled_box->callback[i] = name[i];
   raise(signal);
@@ -71,7 +72,7 @@ void catch_crashes(BlackBox& box) {
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) std::signal(signal, SIG_DFL);
 }
 
-/// Findings as lines of JSON through a pipe.
+/// Sends findings as lines of JSON through a pipe.
 class PipeWitness final : public Witness {
  public:
   PipeWitness(int pipe, BlackBox& box) : pipe_(pipe), box_(&box) {}
@@ -103,14 +104,14 @@ class PipeWitness final : public Witness {
 
 [[noreturn]] void be_child(pid_t parent, int pipe, BlackBox& box, const std::function<void(Witness&)>& work) {
   constexpr rlim_t kMemory = rlim_t{16} << 30;
-  setsid();  // what ends the parent's group ends the keeper after it
+  setsid();  // a signal to the parent's group does not end the keeper
   try {
     master::isolation::fork_kept(parent);
   } catch (const Error&) {
     _exit(EXIT_FAILURE);
   }
   box.child = getpid();
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // the sanitizers reserve terabytes
   const rlimit memory{kMemory, kMemory};
   setrlimit(RLIMIT_AS, &memory);
 #else
@@ -127,14 +128,14 @@ class PipeWitness final : public Witness {
     witness.error(error.what(), "see the FMU's documentation");
   }
   box.finished = true;
-  _exit(0);  // no destructors of the parent's copy
+  _exit(0);  // skips the destructors of the parent's copy
 }
 
-/// What a child used of its deadline: seconds in which it computed, and those in which it slept. Seconds in which it
-/// waited for a processor that others have are not its own.
+/// The time that a child used of its deadline: seconds of computing and of sleeping. Waiting for a processor does not
+/// count.
 class SpentTime {
  public:
-  /// The child's number stands in `child` once it has begun.
+  /// `child` contains the child's number after its start.
   explicit SpentTime(const std::atomic<pid_t>& child) : child_(&child) {}
 
   double seconds() {
@@ -155,7 +156,7 @@ class SpentTime {
       return computed_s_;
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
   }
-  /// proc(5): the state is the letter after the name in parentheses.
+  /// In the format of proc(5), the state is the letter after the name in parentheses.
   bool sleeps() const {
     std::ifstream file(fmt::format("/proc/{}/stat", child_->load()));
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -179,8 +180,8 @@ bool is_given_up(const CrashRule& rule) {
   return rule.given_up != nullptr && *rule.given_up;
 }
 
-/// Reads until the child closed its end, or ended: a process that it leaves behind may hold the end open. False when
-/// the deadline came first, or the user gave up.
+/// Reads until the child closes its end or ends; a process that it leaves behind may keep the pipe open. Returns false
+/// if the deadline passes or the user cancels first.
 bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule, std::string& text) {
   constexpr int kLook_ms = 50;
   SpentTime spent(box.child);
@@ -190,7 +191,7 @@ bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule
     const int ready = poll(&watched, 1, ended ? 0 : kLook_ms);
     if (ready < 0 && errno != EINTR) return true;
     if (ready <= 0) {
-      if (ended) return true;  // and all that it wrote is read
+      if (ended) return true;  // all its output has been read
       ended = has_ended(keeper);
       continue;
     }
@@ -205,7 +206,7 @@ bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule
 void take(const std::string& lines, Findings& findings) {
   for (std::size_t at = 0; at < lines.size();) {
     const auto end = lines.find('\n', at);
-    if (end == std::string::npos) return;  // half a line: the child died writing it
+    if (end == std::string::npos) return;  // an incomplete line: the child died while writing it
     const auto json = nlohmann::json::parse(lines.substr(at, end - at), nullptr, false);
     at = end + 1;
     if (!json.is_object()) continue;
@@ -216,12 +217,12 @@ void take(const std::string& lines, Findings& findings) {
   }
 }
 
-/// How a child ended.
+/// The end of a child process.
 struct ChildEnd {
   bool in_time;
   int status;
   std::string doing;
-  std::string callback;  ///< of ours, in which it crashed
+  std::string callback;  ///< name of our callback in which it crashed
   bool finished;
 };
 
@@ -266,9 +267,9 @@ std::string crash_text(const ChildEnd& end) {
                      strsignal(signal), end.doing);
 }
 
-/// Whose doing a crash in a callback is.
+/// Decides who caused a crash in a callback.
 void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const std::function<void(Witness&)>& work) {
-  Check aside;  // what it found was told by the first run
+  Check aside;  // the first run has already reported its findings
   Findings unheard(aside);
   const auto without = run_once(rule, unheard, [&](Witness& witness) {
     master::deafen_callbacks();

@@ -10,38 +10,38 @@
 
 namespace mebots::check {
 
-/// What code in a child process may tell its parent.
+/// The reports that code in a child process sends to its parent.
 class Witness {
  public:
   virtual ~Witness() = default;
   virtual void error(std::string text, std::string way_out) = 0;
   virtual void warning(std::string text, std::string way_out) = 0;
-  /// A warning at level pedantic.
+  /// Reports a warning at level pedantic.
   virtual void remark(std::string text, std::string way_out) = 0;
-  /// What is about to be called: the last words before a crash.
+  /// Records the next call, so that a crash report can name it.
   virtual void doing(std::string_view what) = 0;
 };
 
-/// The user gave up.
+/// The user cancelled the check.
 class Interrupted final : public std::exception {
  public:
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// How a crash, an exit or a hang in the child counts, and what to advise.
+/// How to rate a crash, an exit or a hang of the child, and what to advise.
 struct CrashRule {
   Severity severity = Severity::error;
   std::string way_out = "run it under a debugger or with -fsanitize=address";
-  double deadline_s = 30;                       ///< of computing and sleeping; not of waiting for a processor
-  const std::atomic<bool>* given_up = nullptr;  ///< true ends the child; null = nobody can
+  double deadline_s = 30;                       ///< of computing and sleeping, not of waiting for a processor
+  const std::atomic<bool>* given_up = nullptr;  ///< true ends the child; null = never
 };
 
-/// Runs foreign code where it can do no harm: in a forked child, with a deadline, without standard output. Whatever
-/// becomes of it, the child's findings so far arrive, and a crash, an exit or a hang becomes a finding itself. The
-/// child and all processes that came of it are gone afterwards; they end with this process, too. A crash in a callback
-/// of ours is looked into by a second run, in which the callbacks do nothing: the FMU's if it crashes again, else ours.
-/// The calling process must have one thread only. Throws mebots::Error when no child can be made, and when a callback
-/// of ours is what failed; Interrupted when the user gave up, once the child is gone.
+/// Runs foreign code safely: in a forked child with a deadline and without standard output. The child's findings so far
+/// always arrive; a crash, an exit or a hang becomes a finding too. Afterwards the child and all its descendants have
+/// ended; they also end with this process. After a crash in a callback of ours, a second run uses callbacks that do
+/// nothing: if it crashes again, the FMU is the cause, otherwise our callback. The calling process must have one thread
+/// only. Throws mebots::Error if no child can be created or a callback of ours failed; Interrupted if the user
+/// cancelled, after the child has ended.
 void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work);
 
 }  // namespace mebots::check

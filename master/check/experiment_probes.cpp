@@ -15,7 +15,7 @@ constexpr const char* kPassStopTime =
 
 using master::Experiment;
 
-/// Returns whether the FMU can be initialised and stepped once with these arguments. `why` gets its refusal.
+/// True if the FMU can be initialised and stepped once with these arguments; else `why` contains its error.
 bool starts(const Library& library, const Experiment& experiment, std::string& why) {
   try {
     Instance instance(library, "experiment");
@@ -56,9 +56,9 @@ std::vector<Outputs> run_of(const Library& library, const Experiment& experiment
 
 void check_values_with_stop_time(const Library& library) {
   const auto& target = library.target();
-  if (target.experiment.stop_ns) return;  // there is no run without
+  if (target.experiment.stop_ns) return;  // there is no run without it
   const auto without = run_of(library, target.experiment);
-  if (run_of(library, target.experiment) != without) return;  // differs from run to run, with the same arguments
+  if (run_of(library, target.experiment) != without) return;  // results differ between equal runs
   const auto with = run_of(library, with_stop_time(target));
   if (with.size() != without.size()) {
     library.witness().warning(fmt::format("with a stop time the FMU ends after {} steps, without one after {}",

@@ -8,45 +8,45 @@
 #include <string_view>
 #include <vector>
 
-/// What `mebots check` found out about an FMU, as plain data.
+/// The findings of `mebots check` about an FMU as plain data.
 namespace mebots::check {
 
-/// An error breaks the standard or the FMU; a warning will trouble some tool or user.
+/// An error violates the standard or breaks the FMU; a warning will affect some tools or users.
 enum class Severity { error, warning };
 
-/// How strict a check is: each level has the findings of those before it.
+/// The strictness of a check: each level includes the findings of the previous ones.
 enum class Level {
-  interoperable,  ///< what keeps other tools from running the FMU, or it from leaving them alone
-  standard,       ///< what FMI demands
-  pedantic        ///< what a careful author does beyond: answers to illegal calls, hidden symbols, accuracy
+  interoperable,  ///< problems that keep other tools from running the FMU, or that affect them
+  standard,       ///< requirements of FMI
+  pedantic        ///< good practice beyond FMI: rejection of illegal calls, hidden symbols, accuracy
 };
 
-/// The parts of a check, in the order in which they run and are shown.
+/// The parts of a check, in the order of execution and display.
 enum class Group { archive, description, binaries, behaviour };
 
 struct Finding {
   Group group = Group::archive;
   Severity severity = Severity::error;
-  Level level = Level::standard;  ///< the first at which it is told
-  std::string text;               ///< what is wrong and where
-  std::string way_out;            ///< what to do about it
+  Level level = Level::standard;  ///< the lowest level that reports it
+  std::string text;               ///< the problem and its place
+  std::string way_out;            ///< the remedy
 };
 
-/// One thing that was looked at, whether or not something was found.
+/// An item that was checked, with its findings.
 struct Check {
   Group group = Group::archive;
-  Level level = Level::standard;  ///< of its findings, but for those that say another
-  std::string name;               ///< a statement that holds when nothing was found: "reset equals a fresh instance"
-  std::string skipped;            ///< why it was not looked at; empty when it was
+  Level level = Level::standard;  ///< of its findings, unless they have their own
+  std::string name;               ///< a statement that holds if nothing was found: "reset equals a fresh instance"
+  std::string skipped;            ///< why it was not checked; empty if it was
   std::vector<Finding> findings;
 };
 
 struct Report {
   std::string fmu;
-  std::string summary;  ///< "FMI 2.0 co-simulation, 54 variables"; empty when the description cannot be read
+  std::string summary;  ///< "FMI 2.0 co-simulation, 54 variables"; empty if the description cannot be read
   Level level = Level::standard;
-  std::size_t untold = 0;    ///< findings of higher levels
-  std::deque<Check> checks;  // a deque: a check is filled in while others are added
+  std::size_t untold = 0;    ///< number of findings of higher levels
+  std::deque<Check> checks;  // a deque, because a check is filled in while others are added
 
   std::size_t count(Severity severity) const;
   bool clean() const { return count(Severity::error) == 0 && count(Severity::warning) == 0; }
@@ -55,9 +55,9 @@ struct Report {
 std::string_view to_string(Severity severity);
 std::string_view to_string(Group group);
 std::string_view to_string(Level level);
-/// The levels' names, least strict first.
+/// Returns the names of the levels, least strict first.
 std::vector<std::string> level_names();
-/// Throws mebots::Error for what is none of them.
+/// Throws mebots::Error for an unknown name.
 Level level_named(std::string_view name);
 
 /// Collects the findings of one check.
@@ -65,7 +65,7 @@ class Findings {
  public:
   Findings(Check& check) : check_(&check), level_(check.level) {}  // NOLINT(google-explicit-constructor)
 
-  /// Of the same check, at this level if it is higher.
+  /// Returns a collector for the same check at this level, if it is higher.
   Findings at(Level level) const {
     Findings other = *this;
     other.level_ = std::max(level_, level);

@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-/// Checks of FMUs of FMI 1.0 for co-simulation: what a run by any tool needs.
+/// Checks of FMI 1.0 co-simulation FMUs: the requirements for running them in any tool.
 namespace mebots::check {
 
 /// Checks names, start values and references of the variables.

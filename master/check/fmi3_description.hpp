@@ -15,12 +15,12 @@
 #include <string_view>
 #include <vector>
 
-/// Checks of FMUs of FMI 3.0 that look at the text of their files, so that each finding has its line.
+/// Checks of FMI 3.0 FMUs on the text of their files, so that each finding has its line.
 namespace mebots::check {
 
 using modeldesc::words_of;
 
-/// A variable as it is declared, with FMI's defaults filled in.
+/// A declared variable, with FMI's defaults filled in.
 struct Fmi3Declared {
   pugi::xml_node node;
   std::string name;
@@ -30,26 +30,26 @@ struct Fmi3Declared {
   std::string variability;
   std::string initial;  ///< empty for inputs, clocks and the independent variable
   std::vector<std::string> starts;
-  std::size_t elements = 1;  ///< product of the dimensions as they are at the start
+  std::size_t elements = 1;  ///< product of the dimensions at the start
 
   bool is_float() const { return type.starts_with("Float"); }
 };
 
-/// A modelDescription.xml of FMI 3.0 whose form is sound.
+/// A well-formed modelDescription.xml of FMI 3.0.
 class Fmi3Description {
  public:
-  /// Throws mebots::Error for text that is no XML.
+  /// Throws mebots::Error if the text is not XML.
   explicit Fmi3Description(std::string text);
 
   pugi::xml_node root() const { return document_.document_element(); }
   const std::vector<Fmi3Declared>& variables() const { return variables_; }
-  /// Null if no variable has it.
+  /// Returns null if no variable has this reference.
   const Fmi3Declared* find(std::uint32_t reference) const;
-  /// "line 12".
+  /// Returns text such as "line 12".
   std::string line(pugi::xml_node node) const;
-  /// "line 12, cell.voltage".
+  /// Returns text such as "line 12, cell.voltage".
   std::string place(const Fmi3Declared& variable) const;
-  /// <CoSimulation> and the other kinds that the FMU offers.
+  /// Returns <CoSimulation> and the other kinds that the FMU offers.
   std::vector<pugi::xml_node> interfaces() const;
 
  private:
@@ -73,19 +73,19 @@ void check_fmi3_types(const Fmi3Description& description, Findings findings);
 void check_fmi3_arrays(const Fmi3Description& description, Findings findings);
 /// Checks intervals of clocks, and references to clocks and previous values.
 void check_fmi3_clocks(const Fmi3Description& description, Findings findings);
-/// Checks that ModelStructure lists outputs and initial unknowns, each once, with dependencies that exist.
+/// Checks that ModelStructure lists outputs and initial unknowns, each once, with existing dependencies.
 void check_fmi3_structure(const Fmi3Description& description, Findings findings);
 
-/// Checks terminalsAndIcons/terminalsAndIcons.xml and its pictures, if there is one.
+/// Checks terminalsAndIcons/terminalsAndIcons.xml and its pictures, if they exist.
 void check_fmi3_terminals(const Fmi3Description& description, const std::filesystem::path& folder, Findings findings);
 /// Checks the names of folders in extra/, and the manifests of layered standards.
 void check_extra(const std::filesystem::path& folder, Findings findings);
-/// Checks that each folder of binaries/ is a platform and has the libraries that the description names.
+/// Checks that each folder in binaries/ is a platform and contains the libraries that the description names.
 void check_fmi3_platforms(const Fmi3Description& description, const std::filesystem::path& folder, Findings findings);
 /// Checks that the library exports the functions of the kinds of FMU that it offers.
 void check_fmi3_symbols(const Fmi3Description& description, const std::filesystem::path& library, Findings findings);
 
-/// The library of this machine's platform for the first interface; it may be missing.
+/// Returns the library of this machine's platform for the first interface; it may be missing.
 std::filesystem::path fmi3_library_path(const Fmi3Description& description, const std::filesystem::path& folder);
 
 }  // namespace mebots::check

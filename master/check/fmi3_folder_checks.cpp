@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of an unpacked FMU of FMI 3.0 beside its description.
+// Checks the files of an unpacked FMI 3.0 FMU other than its description.
 #include "checks.hpp"
 #include "fmi3_description.hpp"
 
@@ -30,8 +30,8 @@ struct System {
 };
 constexpr std::array<System, 3> kSystems = {{{"linux", ".so"}, {"windows", ".dll"}, {"darwin", ".dylib"}}};
 
-/// Suffix of the platform's libraries; empty if the name is no platform. Others than the standard's own may be there,
-/// named <architecture>-<system>{-<ABI>}.
+/// Returns the suffix of the platform's libraries; empty if the name is not a platform. Platforms that the standard
+/// does not list are named <architecture>-<system>{-<ABI>}.
 std::string_view suffix_of(std::string_view platform) {
   const auto dash = platform.find('-');
   if (dash == std::string_view::npos || dash == 0) return {};
@@ -62,7 +62,7 @@ void check_terminal(pugi::xml_node terminal, const std::set<std::string>& variab
   for (const auto inner : terminal.children("Terminal")) check_terminal(inner, variables, findings);
 }
 
-/// An attribute by its name without the prefix of its name space.
+/// Finds an attribute by its name without the name space prefix.
 pugi::xml_attribute local_attribute(pugi::xml_node node, std::string_view name) {
   for (const auto attribute : node.attributes()) {
     std::string_view own = attribute.name();
@@ -95,7 +95,7 @@ bool is_reversed_domain(std::string_view name) {
          std::ranges::all_of(name, is_label);
 }
 
-/// Functions of all FMUs, and of single kinds. Each is a list with spaces between.
+/// The functions of all FMUs and of single kinds, as lists separated by spaces.
 constexpr std::string_view kCommon =
     "GetVersion SetDebugLogging FreeInstance EnterInitializationMode ExitInitializationMode EnterEventMode Terminate "
     "Reset GetFloat32 GetFloat64 GetInt8 GetUInt8 GetInt16 GetUInt16 GetInt32 GetUInt32 GetInt64 GetUInt64 GetBoolean "

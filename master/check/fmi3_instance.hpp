@@ -16,26 +16,26 @@
 
 namespace mebots::check {
 
-/// The FMU refused something that it must do.
+/// The FMU rejected a call that it must accept.
 class Fmi3Refused : public Error {
  public:
   using Error::Error;
 };
 
-/// The loaded library. Only inside a child process.
+/// The loaded library. Use it inside a child process only.
 class Fmi3Library {
  public:
-  /// Throws Fmi3Refused when the loader refuses it.
+  /// Throws Fmi3Refused if the library cannot be loaded.
   Fmi3Library(const Fmi3Target& target, Witness& witness);
 
   const Fmi3Target& target() const { return target_; }
   Witness& witness() const { return witness_; }
-  /// The function of this name; throws Fmi3Refused if the library lacks it.
+  /// Returns the function of this name; throws Fmi3Refused if the library lacks it.
   template <typename Function>
   Function* find(const char* name) const {
     return reinterpret_cast<Function*>(address(name));
   }
-  /// Steps and start time of a run, as the description has them.
+  /// Step and start time of a run, from the description.
   double step_s() const { return step_s_; }
   double start_s() const { return start_s_; }
 
@@ -49,19 +49,19 @@ class Fmi3Library {
   double start_s_;
 };
 
-/// A value as it is read: its bytes, and how to show it.
+/// A value that was read: its bytes, and its text for messages.
 struct Fmi3Value {
   const Fmi3Declared* variable;
   std::string bytes;
 };
 using Fmi3Values = std::vector<Fmi3Value>;
 
-/// One instance; freed at the end of its life. Each call names itself to the witness before it is made.
+/// An instance, freed by the destructor. Each call is reported to the witness first.
 class Fmi3Instance {
  public:
   enum class Kind { co_simulation, model_exchange };
 
-  /// Throws Fmi3Refused when the FMU gives no instance.
+  /// Throws Fmi3Refused if instantiation fails.
   Fmi3Instance(const Fmi3Library& library, Kind kind, const char* name);
   ~Fmi3Instance();
   Fmi3Instance(const Fmi3Instance&) = delete;
@@ -77,9 +77,9 @@ class Fmi3Instance {
   void require(std::string_view name, fmi3Status status) const;
 
   void start();
-  /// From step `first` to step `last` of the run.
+  /// Runs from step `first` to step `last`.
   void run(int first, int last);
-  /// All outputs, clocked ones left out.
+  /// Returns all outputs except clocked ones.
   Fmi3Values outputs();
   std::string serialized();
   void restore(const std::string& bytes);

@@ -16,7 +16,7 @@ constexpr int kSteps = 20;
 constexpr int kHalf = kSteps / 2;
 using Kind = Fmi3Instance::Kind;
 
-/// The first infinite element of a Float64 or Float32, or empty.
+/// Returns the first infinite element of a Float64 or Float32; empty if there is none.
 std::string not_finite(const Fmi3Value& value) {
   const auto look = [&]<typename T>(T number) -> std::string {
     constexpr std::size_t kSize = sizeof(T);
@@ -110,7 +110,7 @@ void states_restore(const Fmi3Library& library) {
               "save all that a step depends on");
 }
 
-/// The state without serialisation.
+/// Restores a state without serializing it.
 void states_restore_in_place(const Fmi3Library& library) {
   const auto wanted = straight_run(library, kSteps);
   Fmi3Instance instance(library, Kind::co_simulation, "saved");
@@ -126,7 +126,7 @@ void states_restore_in_place(const Fmi3Library& library) {
   MEBOTS_CALL(instance, fmi3FreeFMUState, &state);
 }
 
-/// Model exchange by explicit Euler: enough to see that derivatives are finite and events end.
+/// Integrates model exchange by explicit Euler: sufficient to check that derivatives are finite and events end.
 class Euler {
  public:
   Euler(const Fmi3Library& library, const char* name)

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-/// Experiments with an FMU of FMI 3.0, called through C as an importing tool calls it.
+/// Experiments with an FMI 3.0 FMU through its C interface, as in an importing tool.
 namespace mebots::check {
 
 struct Fmi3Target {
@@ -18,15 +18,15 @@ struct Fmi3Target {
   std::filesystem::path library;  ///< its shared library
 };
 
-/// One experiment, run in a separate child process.
+/// An experiment, run in a separate child process.
 struct Fmi3Probe {
-  std::string name;     ///< the statement that holds if the probe finds no error
+  std::string name;     ///< a statement that holds if the probe finds no error
   std::string skipped;  ///< why it does not apply to this FMU; empty if it applies
   std::function<void(Witness&)> run;
-  bool is_plain = false;  ///< a plain run: if it fails, those that follow are skipped
+  bool is_plain = false;  ///< a plain run: if it fails, the following probes are skipped
 };
 
-/// First those of co-simulation, then those of model exchange.
+/// Returns the probes of co-simulation, then those of model exchange.
 std::vector<Fmi3Probe> fmi3_probes(const Fmi3Target& target);
 
 }  // namespace mebots::check

@@ -19,7 +19,7 @@ constexpr const char* kAnswerError = "check state and arguments at the start of 
 
 void ignore_message(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...) {}
 
-/// An illegal call must be answered by something other than success.
+/// Reports an illegal call that succeeds.
 void expect_refusal(const Library& library, const std::string& call, fmi2Status status) {
   if (status != fmi2OK && status != fmi2Warning) return;
   library.witness().warning(fmt::format("{} was answered {}", call, fmi2::status_name(status)), kAnswerError);
@@ -54,7 +54,7 @@ class Probes {
  private:
   using Call = std::function<fmi2Status(Instance&)>;
 
-  /// `prepare` brings the instance to where `call` is illegal.
+  /// `prepare` brings the instance into a state in which `call` is illegal.
   void add(const std::string& what, std::function<void(Instance&)> prepare, Call call,
            Severity crash = Severity::error) {
     probes_.push_back({fmt::format("{} is refused", what),
@@ -63,7 +63,7 @@ class Probes {
                          prepare(instance);
                          instance.doing(what);
                          expect_refusal(library, what, call(instance));
-                         instance.forget();  // what may be freed after an error is another question
+                         instance.forget();  // whether the instance may be freed after an error is not tested here
                        },
                        "", crash, Level::pedantic});
   }
@@ -175,7 +175,7 @@ class Probes {
     add(
         "fmi2SetReal with null arrays", [](Instance&) {},
         [](Instance& i) { return i.functions().set_real(i.component(), nullptr, 1, nullptr); });
-    // The standard does not say what a null instance does, but a tool that lost one should hear of it.
+    // The standard does not define calls with a null instance, but a tool that lost its instance should get an error.
     const double h = h_;
     add(
         "fmi2DoStep of a null instance", started,

@@ -125,7 +125,7 @@ void check_two_instances(const Library& library) {
   b.start();
   for (int k = 0; k < steps; ++k) {
     a.run(k, k + 1);
-    if (k % 2 == 0) b.run(k / 2, k / 2 + 1);  // at its own, slower pace
+    if (k % 2 == 0) b.run(k / 2, k / 2 + 1);  // at half the speed
   }
   expect_same(library, "beside another instance", a.outputs(), alone,
               "keep everything in the instance: global and static variables are shared by all instances");
@@ -231,7 +231,7 @@ void check_serialization(const Library& library) {
     instance.require("fmi2SerializeFMUstate", f.serialize_fmu_state(instance.component(), state, bytes.data(), size));
     instance.require("fmi2FreeFMUstate", f.free_fmu_state(instance.component(), &state));
   }
-  // The writer is gone: bytes must hold no address of it.
+  // The instance that wrote the state is freed: its bytes must not contain its addresses.
   Instance instance(library, "reader");
   instance.setup();
   instance.enter();
@@ -247,7 +247,7 @@ void check_serialization(const Library& library) {
   instance.require("fmi2FreeFMUstate", f.free_fmu_state(instance.component(), &state));
 }
 
-/// Largest magnitudes seen, per Real output: what a difference is compared with.
+/// Records the largest magnitude of each Real output, the scale of differences.
 void widen(std::vector<double>& magnitudes, const Outputs& outputs) {
   for (std::size_t i = 0; i < magnitudes.size(); ++i)
     magnitudes[i] = std::max(magnitudes[i], std::abs(outputs.reals[i]));
@@ -345,7 +345,7 @@ void check_growth(const Library& library) {
     instance.terminate();
   };
   for (int i = 0; i < kWarmUp; ++i) cycle();
-  // Two rounds, and the smaller growth counts: the allocator's own caches fill up once, a leak never ends.
+  // Two rounds, of which the smaller growth counts: caches of the allocator grow once, a leak always.
   const auto first = holdings();
   for (int i = 0; i < kCycles; ++i) cycle();
   const auto second = holdings();

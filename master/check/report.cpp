@@ -14,7 +14,7 @@
 namespace mebots::check {
 namespace {
 
-constexpr std::string_view kLevelNames[] = {"interoperable", "standard", "pedantic"};  // as Level has them
+constexpr std::string_view kLevelNames[] = {"interoperable", "standard", "pedantic"};  // in the order of Level
 
 }  // namespace
 
@@ -64,7 +64,7 @@ std::string to_text(const Report& report) {
   for (const Group group : {Group::archive, Group::description, Group::binaries, Group::behaviour}) {
     std::size_t passed = 0;
     std::string lines;
-    std::map<std::string, std::vector<std::string>> skipped;  // why -> what
+    std::map<std::string, std::vector<std::string>> skipped;  // maps reasons to names of checks
     for (const auto& check : report.checks) {
       if (check.group != group) continue;
       if (!check.skipped.empty()) skipped[check.skipped].push_back(check.name);

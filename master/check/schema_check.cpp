@@ -17,7 +17,7 @@ namespace {
 
 class SchemaCheck {
  public:
-  /// Without a grammar, that of the version that the file names.
+  /// Without a grammar, uses that of the version stated in the file.
   SchemaCheck(std::string_view text, Findings findings, std::optional<Grammar> grammar)
       : text_(text), findings_(findings), grammar_(grammar) {}
 
@@ -40,7 +40,7 @@ class SchemaCheck {
                                       line(node.offset_debug()), grammar_->version),
                           "remove it: careful tools refuse such files");
       const std::string encoding = node.type() == pugi::node_declaration ? node.attribute("encoding").value() : "";
-      const bool is_free = grammar_->version == "1.0";  // which encoding, FMI 1.0 does not say
+      const bool is_free = grammar_->version == "1.0";  // FMI 1.0 does not define the encoding
       if (!encoding.empty() && !is_free && encoding != "UTF-8" && encoding != "utf-8")
         findings_.error(
             fmt::format("the file declares the encoding {}; FMI {} requires UTF-8", encoding, grammar_->version),
@@ -56,7 +56,7 @@ class SchemaCheck {
 
  private:
   void check_bytes() {
-    // Outside of ASCII the file must be UTF-8; control characters are not allowed in XML 1.0.
+    // Non-ASCII text must be UTF-8; XML 1.0 does not permit control characters.
     for (std::size_t i = 0; i < text_.size();) {
       const auto byte = static_cast<unsigned char>(text_[i]);
       if (byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r') {
@@ -122,7 +122,7 @@ class SchemaCheck {
         continue;
       }
       const auto position = static_cast<std::size_t>(found - rule.children.begin());
-      // FMI allows ModelExchange and CoSimulation in either order.
+      // FMI permits ModelExchange and CoSimulation in either order.
       const bool swapped = name == "ModelExchange" && last == 1;
       if (position < last && !swapped && !rule.unordered)
         error(child, fmt::format("it must be before <{}>", rule.children[last].name),
@@ -144,7 +144,7 @@ class SchemaCheck {
   }
 
   void error(pugi::xml_node node, std::string_view what, std::string way_out) {
-    constexpr std::size_t kMost = 50;  // a description that is wrong throughout says the same a million times
+    constexpr std::size_t kMost = 50;  // a thoroughly wrong description would repeat the same finding a million times
     if (++errors_ > kMost) return;
     findings_.error(fmt::format("line {}, <{}>: {}", line(node.offset_debug()), node.name(), what), std::move(way_out));
   }

@@ -12,7 +12,7 @@
 namespace mebots::check {
 namespace {
 
-// FMI 2.0.4, sections 2.2 and 4.3.1, written from the text of the standard.
+// FMI 2.0.4, sections 2.2 and 4.3.1, derived from the text of the standard.
 constexpr RuleRow kRows[] = {
     {"fmiModelDescription",
      "fmiVersion! modelName! guid! description author version copyright license generationTool "
@@ -77,14 +77,14 @@ constexpr RuleRow kRows[] = {
     {"Unknown", "index:count! dependencies dependenciesKind:dependencies", ""},
 };
 
-/// Takes the mark off the end of the text when it is there.
+/// Removes the mark from the end of the text. Returns false if it is absent.
 bool take_mark(std::string_view& text, char mark) {
   if (!text.ends_with(mark)) return false;
   text.remove_suffix(1);
   return true;
 }
 
-/// The parts of `name<separator>rest`; the name twice where nothing is separated.
+/// Splits `name<separator>rest`; without a separator, returns the name twice.
 std::pair<std::string_view, std::string_view> divided(std::string_view text, char separator) {
   const auto at = text.find(separator);
   if (at == std::string_view::npos) return {text, text};
@@ -120,7 +120,7 @@ ChildRule child_rule(std::string_view word, const Rules& rules) {
 
 Rules read_rows(std::span<const RuleRow> rows) {
   Rules rules;
-  for (const RuleRow& row : rows) rules[row.rule];  // children point to rules that stand below
+  for (const RuleRow& row : rows) rules[row.rule];  // children point to rules further down
   for (const RuleRow& row : rows) {
     ElementRule& rule = rules[row.rule];
     for_each_word(row.attributes, [&](std::string_view word) { rule.attributes.push_back(attribute_rule(word)); });

@@ -13,9 +13,9 @@ namespace mebots::check {
 
 /// The required form of an XML attribute's value.
 struct Form {
-  std::string_view name;  // its name in the rules of the schema, such as `number`, `flag`
+  std::string_view name;  // its name in the rules, such as `number`, `flag`
   bool (*holds)(std::string_view value);
-  std::string expected;  // for people: "a whole number of 32 bits"
+  std::string expected;  // readable: "a whole number of 32 bits"
 };
 
 /// Returns the form of this name. Throws mebots::Error for an unknown name.
@@ -43,14 +43,15 @@ struct ChildRule {
 struct ElementRule {
   std::vector<AttributeRule> attributes;
   std::vector<ChildRule> children;
-  bool alternatives = false;  // exactly one of `children` but for Annotations and DirectDependency
+  bool alternatives = false;  // exactly one of `children`, not counting Annotations and DirectDependency
   bool unordered = false;     // at least one of `children`, in any order
-  bool anything = false;      // a vendor's own contents
+  bool anything = false;      // contents are up to the vendor
 };
 
-/// A row of a grammar as text. Attributes are `name` or `name:form`, with `!` when they must be there. Children are
-/// names of elements, as `name=rule` where an element's rule depends on its place; `?` at most once, `+` at least once,
-/// `*` any number, else exactly once. `|` before the children: exactly one of them; `&`: at least one, in any order.
+/// A row of a grammar as text. Attributes are `name` or `name:form`, with `!` if required. Children are names of
+/// elements, or `name=rule` if an element's rule depends on its place; `?` means at most once, `+` at least once, `*`
+/// any number, otherwise exactly once. `|` before the children means exactly one of them; `&` at least one, in any
+/// order.
 struct RuleRow {
   std::string_view rule;
   std::string_view attributes;
@@ -61,14 +62,14 @@ struct RuleRow {
 std::span<const RuleRow> fmi1_rule_rows();
 std::span<const RuleRow> fmi3_rule_rows();
 
-/// A version of FMI, as its files name it.
+/// The grammar of a version of FMI.
 struct Grammar {
-  std::string_view version;  // for people, "3.0"
+  std::string_view version;  // readable, "3.0"
   const ElementRule* root;   // fmiModelDescription, or fmiTerminalsAndIcons
-  bool foreign_attributes;   // attributes of other name spaces may be there
+  bool foreign_attributes;   // permits attributes of other name spaces
 };
 
-/// Returns the grammar of modelDescription.xml in this version: that of 1.0, that of 3.0 for 3.x, else that of 2.0.
+/// Returns the grammar of modelDescription.xml for this version: 1.0, 3.x, else 2.0.
 Grammar grammar_of(std::string_view fmi_version);
 Grammar grammar_of_terminals();
 

@@ -34,7 +34,7 @@ std::string first_difference(const std::vector<const Variable*>& variables, cons
   return {};
 }
 
-/// Names that FMI 2.0.4, section 2.2.4, proposes for any FMU.
+/// True for the names that FMI 2.0.4, section 2.2.4, suggests for any FMU.
 bool is_standard_category(std::string_view name) {
   constexpr std::string_view kNames[] = {"logEvents",           "logSingularLinearSystems",
                                          "logNonlinearSystems", "logDynamicStateSelection",
@@ -44,7 +44,7 @@ bool is_standard_category(std::string_view name) {
   return std::ranges::find(kNames, name) != std::end(kNames);
 }
 
-// The C interface hands no context over: one child process has one witness.
+// Global, because the C interface passes no context; a child process has one witness.
 Witness* current_witness = nullptr;
 
 struct GivenMemory {
@@ -53,7 +53,7 @@ struct GivenMemory {
 };
 
 GivenMemory& given_memory() {
-  static GivenMemory& all = *new GivenMemory;  // an FMU may call at the end of the process
+  static GivenMemory& all = *new GivenMemory;  // never destroyed: an FMU may call it when the process ends
   return all;
 }
 
@@ -65,7 +65,8 @@ void* allocate(std::size_t count, std::size_t size) {
   return memory;
 }
 
-/// What was not given out is not handed to the C library, which would end the process without a word of who did it.
+/// Memory that was not allocated here is not passed to the C library, which would abort the process without naming the
+/// cause.
 void give_back(void* memory) {
   if (memory == nullptr) return;
   {
@@ -89,7 +90,7 @@ std::vector<std::string> Surroundings::changes() {
     texts.push_back(fmt::format("the thread computes differently: {} (put back)", difference_text(now, floats_)));
     floats_.enter();
   }
-  if (!texts.empty()) process_.emplace();  // what cannot be put back is told once
+  if (!texts.empty()) process_.emplace();  // reports changes that cannot be reverted only once
   return texts;
 }
 

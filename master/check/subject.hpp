@@ -20,46 +20,46 @@
 #include <string>
 #include <vector>
 
-/// The FMU under test, called through C as an importing tool calls it. Only inside a child process.
+/// The FMU under test, called through its C interface as in an importing tool. Use it inside a child process only.
 namespace mebots::check {
 
 using modeldesc::ModelDescription;
 using modeldesc::Variable;
 
-/// What the probes know before any of the FMU's code runs.
+/// The data of the probes that exist before any of the FMU's code runs.
 struct Target {
   const ModelDescription* model;
   std::filesystem::path folder;        ///< the unpacked FMU
   std::filesystem::path library;       ///< its shared library
   double step_s;                       ///< of the default experiment, or 0.01 s
-  int steps;                           ///< how many steps a probe takes
-  master::Experiment experiment = {};  ///< arguments of fmi2SetupExperiment, as a run passes them
+  int steps;                           ///< number of steps in a probe
+  master::Experiment experiment = {};  ///< arguments of fmi2SetupExperiment, as in a run
 
-  /// The end of a plain run.
+  /// Returns the end of a plain run.
   std::int64_t end_ns() const { return std::llround(step_s * steps * 1e9); }
 };
 
-/// The FMU refused something that it must do. The text names call, status and what the FMU logged.
+/// The FMU rejected a call that it must accept. The message contains call, status and the FMU's log.
 class Refused : public Error {
  public:
   using Error::Error;
 };
 
-/// Values of all outputs at one moment. Parts of OSMP binaries, which are addresses, are left out.
+/// The values of all outputs at one time. Leaves out parts of OSMP binaries, because they are addresses.
 struct Outputs {
   std::vector<double> reals;
-  std::vector<std::int32_t> integers;  // enumerations too
+  std::vector<std::int32_t> integers;  // also enumerations
   std::vector<std::int32_t> booleans;
   std::vector<std::string> strings;
 
   bool operator==(const Outputs&) const = default;
 };
 
-/// What the FMU changes for everybody in its process: file mode mask, working directory, locale, limits, descriptors,
-/// signal handlers and mask, timers, priority, affinity, and how the thread computes.
+/// The process-wide state that the FMU can change: file mode mask, working directory, locale, limits, descriptors,
+/// signal handlers and mask, timers, priority, affinity, and the floating-point environment.
 class Surroundings {
  public:
-  /// What changed since this was made or asked last; put right as far as may be.
+  /// Returns the changes since construction or the last call, and reverts what it can.
   std::vector<std::string> changes();
 
  private:
@@ -70,19 +70,19 @@ class Surroundings {
 /// The loaded library.
 class Library {
  public:
-  /// Throws Error when the loader refuses it.
+  /// Throws Error if the library cannot be loaded.
   Library(const Target& target, Witness& witness);
 
   const Target& target() const { return *target_; }
   Witness& witness() const { return *witness_; }
   const fmi2::Functions& functions() const { return functions_; }
   std::string resource_uri() const;
-  /// What loading changed for the whole process, and was put right.
+  /// Returns the process-wide changes by loading, which were reverted.
   const std::vector<std::string>& changes_at_load() const { return changes_at_load_; }
 
-  /// Variables of the outputs in the order of Outputs::reals and so on.
+  /// Returns the output variables of a type in the order of Outputs::reals and so on.
   const std::vector<const Variable*>& output_variables(modeldesc::Type type) const;
-  /// "cell.voltage: 3.7 instead of 3.6", the first difference; empty when there is none.
+  /// Returns the first difference, "cell.voltage: 3.7 instead of 3.6"; empty if there is none.
   std::string difference(const Outputs& found, const Outputs& wanted) const;
 
  private:
@@ -93,10 +93,10 @@ class Library {
   std::vector<const Variable*> reals_, integers_, booleans_, strings_;
 };
 
-/// One instance; freed at the end of its life. Every call names itself to the witness before it is made.
+/// An instance, freed by the destructor. Each call is reported to the witness first.
 class Instance final : private master::CallbackListener {
  public:
-  /// Throws Refused when the FMU gives no instance.
+  /// Throws Refused if instantiation fails.
   Instance(const Library& library, std::string name);
   ~Instance() override;
   Instance(const Instance&) = delete;
@@ -104,7 +104,7 @@ class Instance final : private master::CallbackListener {
 
   fmi2Component component() const { return component_; }
   const fmi2::Functions& functions() const { return library_->functions(); }
-  /// Gives the instance up without freeing it.
+  /// Drops the instance without freeing it.
   void forget() { component_ = nullptr; }
   void free();
 
@@ -112,21 +112,22 @@ class Instance final : private master::CallbackListener {
   void setup(const master::Experiment& experiment);
   void enter();
   void exit();
-  /// setup, enter, exit.
+  /// Sets up the experiment, enters and exits initialisation.
   void start() { start(library_->target().experiment); }
   void start(const master::Experiment& experiment);
-  /// Throws Refused unless it is taken, or the FMU ends the run: fmi2Discard, and fmi2Terminated is true.
+  /// Takes a step. Throws Refused if the FMU rejects it. The FMU may end the run: fmi2Discard, and fmi2Terminated is
+  /// true.
   void step(double point_s, double step_s);
   bool ended() const { return ended_; }
-  /// Steps from step `from` to step `to` of the target's step; to the end, if the FMU ends the run before.
+  /// Steps from step `from` to step `to` of the target; stops early if the FMU ends the run.
   void run(int from, int to);
   Outputs outputs();
   void set_state(fmi2FMUstate state);
   void reset();
-  /// Nothing for a run that the FMU ended.
+  /// No effect if the FMU ended the run.
   void terminate();
 
-  /// Names the call to the witness, makes it, throws Refused unless it answers fmi2OK or fmi2Warning.
+  /// Reports the call to the witness, makes it, and throws Refused unless it returns fmi2OK or fmi2Warning.
   void require(const std::string& call, fmi2Status status) const;
   void doing(std::string_view call) const { library_->witness().doing(call); }
   std::string last_message() const { return messages_.empty() ? "" : messages_.back(); }
@@ -141,7 +142,7 @@ class Instance final : private master::CallbackListener {
   fmi2CallbackFunctions callbacks_;
   fmi2Component component_ = nullptr;
   std::vector<std::string> messages_;
-  std::mutex mutex_;  // the FMU may log from threads of its own
+  std::mutex mutex_;  // FMUs may log from their own threads
   bool ended_ = false;
   bool reported_environment_ = false;
   bool reported_name_ = false;

@@ -20,12 +20,12 @@ constexpr double kRelative = 1e-6;
 constexpr double kAbsolute = 1e-9;
 
 struct Trace {
-  std::vector<const Variable*> variables;  // of the columns that are kept
+  std::vector<const Variable*> variables;  // of the compared columns
   std::vector<double> times;
   std::vector<std::vector<double>> rows;
 };
 
-/// The number of a cell; the words of XML Schema for Booleans are 0 and 1.
+/// Returns the number in a cell; XML Schema's words for Booleans are 0 and 1.
 double value_of(const data::CsvReader& reader, std::size_t column) {
   const auto text = data::trimmed(reader.cell(column));
   if (text == "true" || text == "false") return text == "true" ? 1 : 0;

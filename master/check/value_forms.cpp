@@ -27,7 +27,7 @@ bool is_one_of(std::string_view text) {
   return std::ranges::find(kWords, text) != std::end(kWords);
 }
 
-/// a, b or c.
+/// Returns "a, b or c".
 std::string either(std::span<const std::string_view> words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -43,20 +43,21 @@ bool is_number(std::string_view text) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-/// XML Schema writes INF, and knows no "inf" or "nan" of other spellings.
+/// XML Schema writes INF and NaN, and accepts no other spelling.
 bool is_real(std::string_view text) {
   static constexpr std::string_view kNotFinite[] = {"INF", "-INF", "NaN"};
   return is_one_of<kNotFinite>(text) || (is_number<double>(text) && text.find_first_of("iInN") == std::string::npos);
 }
 
-/// Takes leading digits off the text and counts them.
+/// Removes leading digits from the text and returns their number.
 std::size_t take_digits(std::string_view& text) {
   const auto end = std::min(text.find_first_not_of("0123456789"), text.size());
   text.remove_prefix(end);
   return end;
 }
 
-/// 2024-05-01T12:00:00, with an optional fraction and zone. By hand: std::regex recurses for every character.
+/// Accepts 2024-05-01T12:00:00 with an optional fraction and zone. Does not use std::regex, which recurses for every
+/// character.
 bool is_date(std::string_view text) {
   const auto take = [&](std::string_view shape) {
     if (text.size() < shape.size()) return false;
@@ -90,7 +91,7 @@ bool is_hexadecimal(std::string_view text) {
   return text.size() % 2 == 0 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
-/// 3.0, 3.0.2 or 3.1-alpha.1: a major version of 3 without leading zeros.
+/// Accepts 3.0, 3.0.2 or 3.1-alpha.1: a major version of 3 without leading zeros.
 bool is_fmi3_version(std::string_view text) {
   if (!text.starts_with("3.")) return false;
   text.remove_prefix(2);
@@ -122,11 +123,11 @@ const Form& find_form(std::string_view name) {
       {"variability", is_one_of<fmi::kVariabilityWords>, either(fmi::kVariabilityWords)},
       {"initial", is_one_of<fmi::kInitialWords>, either(fmi::kInitialWords)},
       {"dependencies", is_list<is_one_of<kDependencyWords>>, "a list of " + either(kDependencyWords)},
-      // Of FMI 1.0.
+      // Forms of FMI 1.0.
       {"causality1", is_one_of<fmi::kCausalityWords1>, either(fmi::kCausalityWords1)},
       {"variability1", is_one_of<fmi::kVariabilityWords1>, either(fmi::kVariabilityWords1)},
       {"alias1", is_one_of<fmi::kAliasWords1>, either(fmi::kAliasWords1)},
-      // Of FMI 3.0.
+      // Forms of FMI 3.0.
       {"fmi3", is_fmi3_version, "3.0, or a later 3.x"},
       {"causality3", is_one_of<kCausality3Words>, either(kCausality3Words)},
       {"interval", is_one_of<kIntervalWords>, either(kIntervalWords)},

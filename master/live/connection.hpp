@@ -14,21 +14,20 @@ namespace mebots::live {
 
 class Connection;
 
-/// The open connections of a server, and the bound on their number. From any thread.
+/// The open connections of a server, with a limit of their number. From any thread.
 class Connections {
  public:
-  /// Connections that are served at the same time.
+  /// The maximum of connections served at the same time.
   static constexpr std::size_t kMost = 32;
 
-  /// Makes room for a connection that was accepted: if there are more than kMost, closes the oldest one whose request
-  /// is not complete.
+  /// Adds an accepted connection. If there are more than kMost, closes the oldest one whose request is not complete.
   void accept();
-  /// Ends what accept() began.
+  /// Ends what accept() started.
   void finish() { --accepted_; }
-  /// Closes all connections whose request is not complete, and each further one at once. Answers that are under way
-  /// have kLastAnswerTime.
+  /// Closes all connections whose request is not complete, and each later one immediately. Running answers have
+  /// kLastAnswerTime.
   void close_all();
-  /// When close_all() was called; the largest time before.
+  /// Returns the time of close_all(); the largest time if it was not called.
   std::chrono::steady_clock::time_point closed_at() const { return closed_at_; }
 
  private:
@@ -42,10 +41,10 @@ class Connections {
   std::atomic<std::chrono::steady_clock::time_point> closed_at_{std::chrono::steady_clock::time_point::max()};
 };
 
-/// One connection of a client. Bounds its whole request, so that a client that sends a byte each second is cut off:
-/// kRequestTime from its first byte, and kRequestBytes. The client must send the first byte within kIdleTime, because
-/// browsers connect ahead of their requests, and take the answer within kAnswerTime. If other connections wait, it has
-/// kCrowdedTime for all of the request. For one thread, apart from
+/// A connection of a client. Limits its whole request by time (kRequestTime from its first byte) and size
+/// (kRequestBytes), so that a client that sends a byte per second is disconnected. The first byte must arrive within
+/// kIdleTime, because browsers connect before they send requests. The client must receive the answer within
+/// kAnswerTime. If other connections wait, the whole request must arrive within kCrowdedTime. For one thread, except
 /// shut_down().
 class Connection final : public httplib::Stream {
  public:
@@ -56,15 +55,15 @@ class Connection final : public httplib::Stream {
   static constexpr std::chrono::milliseconds kLastAnswerTime{500};
   static constexpr std::size_t kRequestBytes = std::size_t{1} << 17;
 
-  /// Takes the socket; the destructor closes it.
+  /// Takes ownership of the socket; the destructor closes it.
   Connection(Connections& all, int socket);
   ~Connection() override;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Waits for the first byte. Returns false if none comes.
+  /// Waits for the first byte. Returns false if none arrives.
   bool begins_request();
-  /// Notes, for the connection that the calling thread serves, that its request is complete.
+  /// Marks the request of the calling thread's connection as complete.
   static void complete_request();
 
   bool is_readable() const override;
@@ -77,7 +76,7 @@ class Connection final : public httplib::Stream {
 
   /// True until the request is complete. From any thread.
   bool is_reading() const { return is_reading_; }
-  /// Ends the connection: a thread that waits for the client returns at once. From any thread.
+  /// Ends the connection: a thread that waits for the client returns immediately. From any thread.
   void shut_down();
 
  private:

@@ -28,13 +28,13 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
-constexpr auto kPatience = 20s;     ///< of a browser's thread: a step may take long
-constexpr auto kLinger = 3s;        ///< at the end, for whoever looked
-constexpr auto kLookedLately = 5s;  ///< who asked so lately is looking
-constexpr auto kHeldNap = 50ms;     ///< between looks at the interrupt flag while the run waits
+constexpr auto kPatience = 20s;     ///< for a browser's thread: a step may take long
+constexpr auto kLinger = 3s;        ///< at the end, for active browsers
+constexpr auto kLookedLately = 5s;  ///< a browser is active if its last request is not older
+constexpr auto kHeldNap = 50ms;     ///< between checks of the interrupt flag while the run is paused
 constexpr std::string_view kPaceOrder = "pace=";
 
-/// The rows in memory from `first` on as a table, thinned out as one of a file is.
+/// Returns the rows in memory from `first` on as a table, thinned out like a table from a file.
 master::report::ResultTable table_of(const master::MemorySink& memory, std::size_t first) {
   using master::report::ResultTable;
   const auto& times = memory.times_s();
@@ -88,8 +88,8 @@ LiveRun::~LiveRun() {
 
 void LiveRun::run() {
   run_->start();
-  // A scenario that begins at t = 0 acts on initialisation, too: what is set by hand comes later, or it could not be
-  // said by one.
+  // A scenario entry at t = 0 would also affect initialisation; values set by hand come later, so that a scenario can
+  // repeat them.
   set_pace(pace_);
   if (run_->step()) step_until_the_end();
   ended_ = true;
@@ -162,7 +162,7 @@ std::string LiveRun::data(const Known& known) {
   return master::report::payload_of(std::span(&folder, 1));
 }
 
-/// Data that the browser gets once at the start, and again at the end, when profiles exist.
+/// Adds data that the browser receives once at the start, and again at the end, when profiles exist.
 void LiveRun::add_constant_data(master::report::RunFolder& folder) const {
   auto side = master::report::read_side_files(run_->options().out);
   folder.scene = std::move(side.scene);
@@ -248,7 +248,7 @@ void Mailbox::wait_and_answer(std::chrono::milliseconds patience) {
 void Mailbox::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;
-  waiting_.clear();  // their promises are broken, which their futures throw
+  waiting_.clear();  // destroys the promises, so that their futures throw
 }
 
 }  // namespace mebots::live

@@ -25,13 +25,13 @@ class Mailbox {
  public:
   using Question = std::function<std::string()>;
 
-  /// From any thread: what `question` returned, or throws, in the run's thread. Throws std::exception if no
-  /// answer arrives within `patience`, and after close().
+  /// From any thread. Runs `question` in the run's thread and returns its result or throws its exception. Throws
+  /// std::exception if no answer arrives within `patience`, and after close().
   std::string ask(Question question, std::chrono::milliseconds patience);
 
-  /// From the run's thread: answers what is there. Costs one atomic read when there is nothing.
+  /// From the run's thread. Answers all waiting queries. Costs one atomic read if there are none.
   void answer_all();
-  /// The same, after waiting for a question for at most `patience`.
+  /// As answer_all(), after waiting at most `patience` for a query.
   void wait_and_answer(std::chrono::milliseconds patience);
   /// Ends all queries: each waiting thread gets an exception.
   void close();
@@ -48,37 +48,37 @@ constexpr double kFastestPace = 1e6;
 
 struct LiveOptions {
   int port = 0;              ///< 0: a free one
-  bool for_browser = false;  ///< the first step waits until a browser has fetched the data
+  bool for_browser = false;  ///< the first step waits until a browser has received the data
   double pace = 0;           ///< simulated seconds per second of wall time; 0: as fast as possible
 };
 
-/// Steps a run to its end while a browser on this machine may look at it, hold it, and set its free inputs.
+/// Steps a run to its end while browsers on this machine view it, pause it and set its unconnected inputs.
 ///
-/// The page is served on the loopback address under a token that nobody can guess; requests of other hosts and origins
-/// are refused. Whoever only looks changes no bit of the results: the run's thread reads what is recorded anyway. What
-/// is set is kept as a scenario (live_scenario.json in the results folder), with which the run repeats itself.
+/// The page is served on the loopback address under a random token; requests from other hosts and origins are rejected.
+/// Viewing changes no bit of the results, because it only reads recorded data. Values that are set are stored as a
+/// scenario (live_scenario.json in the results folder), which repeats the run.
 class LiveRun {
  public:
-  /// `run` is not started, has a folder and keeps its rows in memory (RunOptions::in_memory); it must outlive this
-  /// object. Throws InputError when the port is taken, Error for a mebots without pages.
+  /// `run` must not be started; it must have a folder and keep its rows in memory (RunOptions::in_memory), and outlive
+  /// this object. Throws InputError if the port is in use, Error if mebots was built without pages.
   LiveRun(master::Run& run, const LiveOptions& options);
   ~LiveRun();
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
 
-  /// What to open in a browser.
+  /// Returns the address to open in a browser.
   const std::string& address() const { return address_; }
   /// Steps to the end.
   void run();
-  /// After the end: waits a moment for browsers that sent a request lately, so that they get the last rows.
+  /// After the end, waits briefly for active browsers to receive the last rows.
   void linger();
-  /// After the end: serves the page until the run's interrupt flag is set.
+  /// After the end, serves the page until the run's interrupt flag is set.
   void keep();
 
   class Server;
 
  private:
-  /// What a browser has already; nothing of it: all there is.
+  /// The data that a browser has already received; zeros for a new one.
   struct Known {
     std::size_t rows = 0;
     std::size_t pictures = 0;  // of each camera
@@ -86,10 +86,10 @@ class LiveRun {
   };
 
   void step_until_the_end();
-  /// True until the next step may be taken.
+  /// True while the next step must wait.
   bool must_wait() const;
   void set_pace(double pace);
-  /// Wall time until the next step is due at the pace.
+  /// Returns the wall time until the next step is due at the requested pace.
   std::chrono::steady_clock::duration until_due() const;
   std::string data(const Known& known);
   void add_constant_data(master::report::RunFolder& folder) const;
@@ -99,7 +99,8 @@ class LiveRun {
 
   master::Run* run_;
   std::string address_;
-  std::shared_ptr<std::string> log_ = std::make_shared<std::string>();  // the run's listener may outlive this
+  std::shared_ptr<std::string> log_ = std::make_shared<std::string>();  // shared, because the run's listener may
+                                                                        // outlive this object
   Mailbox mailbox_;
   bool for_browser_ = false;
   double pace_ = 0;

@@ -14,11 +14,12 @@
 namespace mebots::live {
 namespace {
 
-/// Connections that wait to be accepted. With the library's 5, a few clients delay a browser by a second.
+/// Connections that wait to be accepted. With the library's default of 5, a few clients would delay a browser by a
+/// second.
 constexpr int kBacklog = 128;
 constexpr std::size_t kLargestBody = std::size_t{1} << 16;
 
-/// Threads for connections. Each connection that is accepted counts at once, before a thread is free.
+/// The server's threads. An accepted connection counts immediately, before a thread is free.
 class Threads final : public httplib::TaskQueue {
  public:
   explicit Threads(Connections& connections) : connections_(&connections) {}
@@ -37,7 +38,7 @@ class Threads final : public httplib::TaskQueue {
   httplib::ThreadPool pool_{Connections::kMost};
 };
 
-/// Compares in a time that does not depend on how many characters agree.
+/// Compares in a time that does not depend on the number of equal characters.
 bool same(const std::string& a, const std::string& b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;
@@ -45,7 +46,7 @@ bool same(const std::string& a, const std::string& b) {
   return difference == 0;
 }
 
-/// Scripts of other pages may send requests to this port. A browser then names another host, or that page as origin.
+/// Scripts of other pages may send requests to this port. Their requests have another host or another origin.
 bool is_ours(const httplib::Request& request, int port) {
   const auto local = [&](const std::string& name) {
     return name == fmt::format("127.0.0.1:{}", port) || name == fmt::format("localhost:{}", port);
@@ -57,7 +58,7 @@ bool is_ours(const httplib::Request& request, int port) {
   return origin.starts_with(kScheme) && local(origin.substr(kScheme.size()));
 }
 
-/// Returns a count among the parameters of a request; 0 if it is absent.
+/// Returns a count from the parameters of a request; 0 if it is absent.
 std::size_t count_of(const httplib::Request& request, const char* name) {
   if (!request.has_param(name)) return 0;
   const auto text = request.get_param_value(name);

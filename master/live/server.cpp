@@ -15,9 +15,9 @@ namespace mebots::live {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr std::chrono::milliseconds kUntilItListens{1};  // between two looks
+constexpr std::chrono::milliseconds kUntilItListens{1};  // between two checks
 
-/// 128 bits of the system's own randomness.
+/// Returns 128 random bits of the system.
 std::string new_token() {
   std::random_device device;
   std::string token;
@@ -52,7 +52,7 @@ LiveRun::Server::Server(int port, const Answers& answers) : sockets_(std::make_u
 }
 
 LiveRun::Server::~Server() {
-  // Before the thread listens, stop() has no effect, so that the thread would never end.
+  // stop() has no effect before the thread listens; the thread would then never end.
   while (!sockets_->server.is_running() && !sockets_->has_ended) std::this_thread::sleep_for(kUntilItListens);
   sockets_->server.end();
   sockets_->thread.join();

@@ -10,12 +10,12 @@
 
 namespace mebots::live {
 
-/// Serves a browser on 127.0.0.1, in threads of its own. Each request has a deadline (connection.hpp); the destructor
-/// ends within a second, whatever clients do.
+/// Serves browsers on 127.0.0.1, in separate threads. Each request has a deadline (connection.hpp). The destructor
+/// returns within a second, whatever clients do.
 class LiveRun::Server {
  public:
-  /// What the page requests. Each is called in one of the server's threads and may throw; the page shows the text of an
-  /// InputError.
+  /// The functions behind the page's requests. They are called in the server's threads and may throw; the page shows
+  /// the text of an InputError.
   struct Answers {
     std::function<std::string()> page;
     std::function<std::string(const Known& known)> data;
@@ -23,7 +23,7 @@ class LiveRun::Server {
     std::function<std::string(const std::string& variable, const std::string& value)> set;
   };
 
-  /// Throws InputError if the port is not free.
+  /// Throws InputError if the port is in use.
   Server(int port, const Answers& answers);
   ~Server();
   Server(const Server&) = delete;
@@ -47,7 +47,7 @@ class RequestServer final : public httplib::Server {
 
   /// Closes all connections and ends listen_after_bind(), whatever the clients do. From any thread.
   void end();
-  /// Reads one request and answers it. Returns false if there is none, or no answer could be written.
+  /// Reads a request and answers it. Returns false if there is none or the answer could not be written.
   bool answer(httplib::Stream& stream);
 
  private:

@@ -11,25 +11,24 @@
 
 namespace mebots::new_fmu {
 
-/// The files of a new FMU's folder: path inside it, and text.
+/// The files of a new FMU's folder: relative path and text.
 using Files = std::vector<std::pair<std::filesystem::path, std::string>>;
 
-/// Writes a folder that builds, from a description.json: model (a first-order lag between the variables that the
-/// description declares), binding, test, README, CMakeLists.txt. `folder` empty = the FMU's name in the working folder.
-/// Returns the folder. Throws mebots::Error for a description that cannot be read, or a folder that is there already:
-/// nothing is ever overwritten.
+/// Writes a folder that builds from a description.json: model (a first-order lag between the declared variables),
+/// binding, test, README, CMakeLists.txt. If `folder` is empty, it is the FMU's name in the working folder. Returns the
+/// folder. Throws mebots::Error if the description cannot be read, or if the folder exists, so nothing is overwritten.
 std::filesystem::path new_fmu(const std::filesystem::path& description, std::filesystem::path folder);
 
 }  // namespace mebots::new_fmu
 
-/// What the new model does with the variables of its description: decided once, then written into each file.
+/// The plan of the new model's behaviour. It is made once and used by all writers.
 namespace mebots::new_fmu {
 
 /// A Real output that follows its inputs.
 struct Lag {
   const modeldesc::Field* output = nullptr;
-  std::vector<const modeldesc::Field*> inputs;  ///< Reals of the same unit; none = it stays where it starts
-  std::vector<double> rest;                     ///< where it starts, one per element
+  std::vector<const modeldesc::Field*> inputs;  ///< Reals of the same unit; empty = the output keeps its start value
+  std::vector<double> rest;                     ///< start values, one per element
 };
 
 struct Plan {
@@ -38,7 +37,7 @@ struct Plan {
   const modeldesc::Field* time_constant = nullptr;  ///< a Real parameter in seconds, if there is one above 0
 
   bool is_group(const modeldesc::Field& field) const { return field.group.has_value(); }
-  /// Name of the group that a field's array goes over, as the generated namespace has it.
+  /// Returns the name of the group over which a field's array extends, in the generated namespace.
   const std::string& group(const modeldesc::Field& field) const { return description->groups[*field.group].name; }
 };
 
@@ -50,7 +49,7 @@ std::string binding_source(const Plan& plan);
 std::string test_source(const Plan& plan);
 std::string readme(const Plan& plan);
 std::string cmake_lists(const Plan& plan);
-/// A first file of cases for `mebots test`, with its CSV files; none for an FMU without Real outputs.
+/// Returns a first file of cases for `mebots test` with its CSV files; none if the FMU has no Real outputs.
 Files case_files(const Plan& plan);
 
 }  // namespace mebots::new_fmu

@@ -15,7 +15,7 @@ using modeldesc::Causality;
 using modeldesc::Field;
 using modeldesc::FieldType;
 
-/// A name as a cell of a CSV file.
+/// Returns a name as a cell of a CSV file.
 std::string cell(const std::string& name) {
   if (name.find_first_of(",\"") == std::string::npos) return name;
   std::string quoted = "\"";
@@ -23,13 +23,13 @@ std::string cell(const std::string& name) {
   return quoted + '"';
 }
 
-/// A value that the limits of an input allow, and that is not where its outputs rest.
+/// Returns a value within the limits of an input that differs from the rest value of its outputs.
 double example_value(const Field& input) {
   const double least = input.min.value_or(input.max.value_or(2) - 2);
   return input.max ? 0.5 * (least + *input.max) : least + 1;
 }
 
-/// The Real inputs' values, which the case holds.
+/// Returns the constant values of the Real inputs in the case.
 std::map<const Field*, std::vector<double>> held_inputs(const Plan& plan) {
   std::map<const Field*, std::vector<double>> held;
   for (const Field& field : plan.description->fields) {
@@ -64,7 +64,7 @@ std::string inputs_text(const Plan& plan) {
   return fmt::format("{}\n0{}\n", header, row);
 }
 
-/// The exact solution after 0, 1 and 10 steps.
+/// Returns the exact solution after 0, 1 and 10 steps.
 std::string expected_text(const Plan& plan, double step_s) {
   const auto held = held_inputs(plan);
   const double time_constant_s =

@@ -15,7 +15,7 @@ std::string member(const Field& field) {
   return field.cpp_name + "_";
 }
 
-/// What an output is drawn to, as C++; `index` names the loop variable when the output is an array.
+/// Returns C++ code for the final value of an output; `index` names the loop variable if the output is an array.
 std::string target(const Plan& plan, const Lag& lag) {
   std::string text;
   for (const Field* input : lag.inputs) {
@@ -28,7 +28,7 @@ std::string target(const Plan& plan, const Lag& lag) {
   return text;
 }
 
-/// The start of the description's namespace; a description may name none.
+/// Opens the description's namespace, if it has one.
 std::string opened_namespace(const modeldesc::Description& description) {
   return description.cpp_namespace.empty() ? "" : fmt::format("namespace {} {{\n\n", description.cpp_namespace);
 }

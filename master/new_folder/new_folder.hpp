@@ -6,42 +6,41 @@
 #include <utility>
 #include <vector>
 
-/// Folders to start from, made of templates/ of the build or installation. Each builds and runs as it is, against an
-/// installed MEbots. All throw Error: for a name that cannot be used, and for a folder that is there already, since
-/// nothing is ever overwritten.
+/// Creates folders from the templates/ of the build or installation. Each builds and runs unchanged with an installed
+/// MEbots. All functions throw Error for an invalid name, and for an existing folder, so nothing is overwritten.
 namespace mebots::new_folder {
 
-/// A bare-metal program for the chip: main.c, CMakeLists.txt, README.md. `folder` empty = the name, in the working
-/// folder. Returns the folder.
+/// Writes a bare-metal program for the chip: main.c, CMakeLists.txt, README.md. If `folder` is empty, it is the name in
+/// the working folder. Returns the folder.
 std::filesystem::path new_firmware(const std::string& name, std::filesystem::path folder);
 
 struct Sensor {
   std::string name;
-  /// What it senses in the mission: a Real output of its instances world, motors or battery.
+  /// The measured variable of the mission: a Real output of its instances world, motors or battery.
   std::string senses = "world.range.down";
-  /// The board that gets the sensor; empty = GAP8 alone.
+  /// The board that gets the sensor; empty = GAP8 without other devices.
   std::filesystem::path board;
-  /// With a device model in C++ instead of states in the board file alone.
+  /// Adds a device model in C++ to the states in the board file.
   bool with_code = false;
 };
 
-/// A device of the board's own with driver, firmware, chip FMU and mission.
+/// Writes a new device for a board, with driver, firmware, chip FMU and mission.
 std::filesystem::path new_sensor(const Sensor& sensor, std::filesystem::path folder);
 
-/// Words of a template and what stands for them, in names of files and in texts.
+/// Words of a template and their replacements, in file names and texts.
 using Words = std::vector<std::pair<std::string, std::string>>;
 
-/// The files of a template: path inside it, and text.
+/// The files of a template: relative path and text.
 using Files = std::vector<std::pair<std::filesystem::path, std::string>>;
 
-/// Reads templates/`name`, words replaced, by path.
+/// Reads templates/`name` with its words replaced, by path.
 Files read_template(const std::string& name, const Words& words);
 
-/// Throws Error unless `name` can name a C function, a device and a CMake target: lower-case letters, digits and _,
-/// and none of the words that the templates use themselves.
+/// Throws Error unless `name` can be the name of a C function, a device and a CMake target: lower-case letters, digits
+/// and _, and none of the templates' own words.
 void require_name(const std::string& name);
 
-/// Writes the files into a new folder. Throws Error when it exists.
+/// Writes the files into a new folder. Throws Error if it exists.
 void write_folder(const std::filesystem::path& folder, const Files& files);
 
 std::string read_text(const std::filesystem::path& file);

@@ -21,11 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The instances of the template's mission.json that a sensor can sense.
+/// The instances in the template's mission.json whose outputs a sensor can measure.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSensed = {
     {{"world", "fmu_world"}, {"motors", "fmu_motors"}, {"battery", "fmu_battery"}}};
 
-/// The unit of "world.range.down", as its FMU declares it.
+/// Returns the unit of a variable such as "world.range.down", as its FMU declares it.
 std::string unit_of(const std::string& text) {
   const auto dot = text.find('.');
   const auto instance = text.substr(0, dot);
@@ -51,7 +51,7 @@ std::string unit_of(const std::string& text) {
                                                    name, suggest(name, outputs)));
 }
 
-/// Where a new device fits.
+/// A free place for a new device.
 struct Slot {
   std::uint32_t base = 0;
   int interrupt = 0;
@@ -64,8 +64,8 @@ std::uint32_t address(const std::string& text) {
   return value;
 }
 
-/// The first free page of the devices of our own, above GAP8's, and the first free interrupt. What else is wrong with
-/// the board is found when it is built.
+/// Returns the first free page for devices, above those of GAP8, and the first free interrupt. Other errors in the
+/// board are reported when it is built.
 Slot free_slot(const std::string& text, const fs::path& board, const std::string& name) {
   constexpr std::uint32_t kFirstBase = 0x1A188000;
   constexpr std::uint32_t kPage = 0x1000;
@@ -96,7 +96,7 @@ Slot free_slot(const std::string& text, const fs::path& board, const std::string
   return slot;
 }
 
-/// Puts an entry behind the last of "devices" and leaves the rest of the text as its author wrote it.
+/// Inserts an entry after the last of "devices" and leaves the rest of the text unchanged.
 std::string with_device(const std::string& board, const std::string& entry) {
   auto at = board.find('[', board.find("\"devices\""));
   int depth = 0;
@@ -121,7 +121,7 @@ std::string library_call(const std::string& name) {
   return fmt::format("mebots_device_library({0} SOURCES {0}.cpp)\n", name);
 }
 
-/// Names the library with the device's kind in front of "devices", or in the list that there is.
+/// Adds the library of the device's kind before "devices", or to the existing list.
 std::string with_library(const std::string& board, const std::string& name) {
   constexpr std::string_view kList = "\"libraries\": [";
   if (const auto list = board.find(kList); list != std::string::npos) {

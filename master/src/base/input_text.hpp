@@ -6,7 +6,7 @@
 
 namespace mebots::master {
 
-/// What `read` returns; whatever it throws is an InputError.
+/// Returns the result of `read`; converts its exceptions to InputError.
 template <typename Read>
 auto refused_as_input(const Read& read) {
   try {
@@ -18,7 +18,7 @@ auto refused_as_input(const Read& read) {
   }
 }
 
-/// The whole content of a file that the user named. Throws InputError.
+/// Returns the whole content of a file named by the user. Throws InputError.
 inline std::string input_text(const std::filesystem::path& file) {
   return refused_as_input([&] { return text_of(file); });
 }

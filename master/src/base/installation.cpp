@@ -17,10 +17,10 @@
 namespace mebots::master {
 namespace {
 
-/// The object of the process that holds this code.
+/// The object file of the process that contains this code.
 struct Home {
   std::filesystem::path folder;
-  bool is_extension;  // a shared object that Python loaded, not the program
+  bool is_extension;  // a shared object loaded by Python, not the program
 };
 
 Home find_home() {
@@ -29,7 +29,7 @@ Home find_home() {
   link_map* object = nullptr;
   const bool known = dladdr1(reinterpret_cast<const void*>(&find_home), &info, reinterpret_cast<void**>(&object),
                              RTLD_DL_LINKMAP) != 0;
-  // The loader knows the program by an empty name: its path stands in /proc whatever argv[0] says.
+  // The loader stores an empty name for the program; /proc has its path regardless of argv[0].
   if (!known || object == nullptr || object->l_name == nullptr || object->l_name[0] == '\0') {
     return {std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path(), false};
   }
@@ -41,7 +41,7 @@ const Home& home() {
   return found;
 }
 
-// From the folder of the program, or of the extension, to those of data and programs.
+// Relative paths from the folder of the program or extension to those of data and programs.
 constexpr std::string_view kDataOfProgram[] = {"..", "../share/mebots"};
 constexpr std::string_view kDataOfExtension[] = {"share/mebots", "../..", "../../../../share/mebots"};
 constexpr std::string_view kProgramsOfProgram[] = {"."};
@@ -55,7 +55,7 @@ void append(const std::filesystem::path& folder, std::span<const std::string_vie
   }
 }
 
-/// The folder of PATH that holds `mebots`; empty without one.
+/// Returns the folder in PATH that contains `mebots`; empty if there is none.
 std::filesystem::path folder_in_path() {
   const char* text = std::getenv("PATH");
   if (text == nullptr) return {};

@@ -19,16 +19,16 @@
 /// | somebody's own program      | anywhere                                | those of the `mebots` in PATH  |
 namespace mebots::master {
 
-/// Where a file or folder `name` of the data may lie, best first; they need not exist.
+/// Returns the possible paths of a file or folder of the data, best first; they need not exist.
 std::vector<std::filesystem::path> data_places(std::string_view name);
 
-/// Where another program of ours may lie, best first; they need not exist.
+/// Returns the possible paths of another program of MEbots, best first; they need not exist.
 std::vector<std::filesystem::path> program_places(std::string_view name);
 
-/// As an error lists them.
+/// Converts the paths to texts for an error.
 std::vector<std::string> as_texts(const std::vector<std::filesystem::path>& places);
 
-/// The first of data_places(name) that exists. Throws Error naming the places when none does.
+/// Returns the first of data_places(name) that exists. If there is none, throws Error with the places.
 std::filesystem::path own_data(std::string_view name);
 
 }  // namespace mebots::master

@@ -14,7 +14,7 @@
 namespace mebots::master {
 namespace {
 
-constexpr const char* kFamily = "mebots-server";  // a thread inherits the name of who started it
+constexpr const char* kFamily = "mebots-server";  // a thread inherits the name of its creator
 
 struct Known {
   std::mutex mutex;

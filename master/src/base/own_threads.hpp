@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// The thread that makes it is one of mebots' own, for as long as this lives. Other threads of the process belong to
-/// FMUs or to the program around.
+/// Marks the calling thread as one of mebots' own during this object's lifetime. Other threads of the process belong to
+/// FMUs or to the embedding program.
 class OwnThread {
  public:
   OwnThread();
@@ -17,14 +17,14 @@ class OwnThread {
   OwnThread& operator=(const OwnThread&) = delete;
 };
 
-/// Calling thread, and all that it will start from now on, are mebots' own: for a library that has threads of its own.
-/// No FMU may be called from there.
+/// Marks the calling thread and all threads that it will create as mebots' own, for a library that creates threads.
+/// They must not call FMUs.
 void mark_own_family();
 
-/// Call it before an FMU is called: if the process is a fork, the threads that it has now are the program's own.
+/// Call it before calling an FMU: if the process is a fork, its present threads belong to the program.
 void adopt_threads_of_fork();
 
-/// The threads of this process that are not mebots' own, by the kernel's number.
+/// Returns the kernel's numbers of the threads of this process that are not mebots' own.
 std::set<pid_t> foreign_threads();
 
 }  // namespace mebots::master

@@ -21,7 +21,7 @@ using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdefla
 template <typename Bound, typename Compress>
 std::string packed(std::string_view bytes, Packing packing, Bound bound, Compress compress) {
   constexpr int kFastLevel = 1;
-  constexpr int kSmallLevel = 9;  // the last one before those that take four times as long for 5 % less
+  constexpr int kSmallLevel = 9;  // higher levels take four times as long for 5 % less
   const Compressor compressor(libdeflate_alloc_compressor(packing == Packing::fast ? kFastLevel : kSmallLevel),
                               &libdeflate_free_compressor);
   if (compressor == nullptr) throw Error(ErrorCode::system_failure, "no memory is left to deflate anything");
@@ -30,7 +30,7 @@ std::string packed(std::string_view bytes, Packing packing, Bound bound, Compres
   return result;
 }
 
-/// How many bytes there were, as a file of gzip says in its last four, the lowest first.
+/// Returns the unpacked size: the last four bytes of a gzip file, lowest first.
 std::size_t size_at_end_of(std::string_view file) {
   std::size_t size = 0;
   for (std::size_t i = 1; i <= sizeof(std::uint32_t); ++i) {
@@ -50,7 +50,7 @@ std::string gzipped(std::string_view bytes, Packing packing) {
 }
 
 std::string gunzipped(std::string_view bytes) {
-  constexpr std::size_t kLeastBytes = 18;  // of head and end
+  constexpr std::size_t kLeastBytes = 18;  // of header and trailer
   const auto damaged = [] { return Error(ErrorCode::syntax_error, "this is not a file of gzip, or it is damaged"); };
   if (bytes.size() < kLeastBytes) throw damaged();
   const auto size = size_at_end_of(bytes);
@@ -58,7 +58,7 @@ std::string gunzipped(std::string_view bytes) {
   const Decompressor decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
   if (decompressor == nullptr) throw Error(ErrorCode::system_failure, "no memory is left to inflate anything");
   std::string result(size, '\0');
-  constexpr std::size_t* kExactly = nullptr;  // fewer bytes are an error as more are
+  constexpr std::size_t* kExactly = nullptr;  // fewer bytes are an error too
   if (libdeflate_gzip_decompress(decompressor.get(), bytes.data(), bytes.size(), result.data(), size, kExactly) !=
       LIBDEFLATE_SUCCESS) {
     throw damaged();

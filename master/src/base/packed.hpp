@@ -7,17 +7,18 @@
 namespace mebots::master {
 
 enum class Packing {
-  fast,   ///< while a mission flies
-  small,  ///< ten times as long, for 15 % less
+  fast,   ///< for use during a mission
+  small,  ///< ten times as slow, for 15 % less
 };
 
-/// Deflated as RFC 1950 has it, which browsers call "deflate". Throws Error.
+/// Compresses as in RFC 1950, which browsers call "deflate". Throws Error.
 std::string deflated(std::string_view bytes, Packing packing);
 
-/// A file of gzip (RFC 1952), of no name and no date: the same bytes give the same file. Throws Error.
+/// Returns a gzip file (RFC 1952) without name and date: equal bytes give equal files. Throws Error.
 std::string gzipped(std::string_view bytes, Packing packing);
 
-/// What is in a file of gzip of one part. Throws Error for bytes that are none, and for more than 256 MiB in it.
+/// Returns the content of a gzip file with one member. Throws Error for other bytes, and for a content of more than 256
+/// MiB.
 std::string gunzipped(std::string_view bytes);
 
 }  // namespace mebots::master

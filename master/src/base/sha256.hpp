@@ -9,12 +9,12 @@
 
 namespace mebots::master {
 
-/// SHA-256 as 64 hexadecimal digits.
+/// Returns the SHA-256 as 64 hexadecimal digits.
 std::string sha256(std::string_view bytes);
-/// Throws InputError when the file cannot be read.
+/// Throws InputError if the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& file);
 
-/// SHA-256 of the first bytes of a file that grows; reads no byte twice.
+/// Computes the SHA-256 of the start of a growing file; reads no byte twice.
 class GrowingFileHash {
  public:
   GrowingFileHash();
@@ -22,8 +22,8 @@ class GrowingFileHash {
   GrowingFileHash(const GrowingFileHash&) = delete;
   GrowingFileHash& operator=(const GrowingFileHash&) = delete;
 
-  /// Of the first `bytes` bytes: at least as many as in the call before. The file may have got another name since.
-  /// Throws InputError when they are not there.
+  /// Returns the hash of the first `bytes` bytes, which must not decrease between calls. The file may have been
+  /// renamed. Throws InputError if it is shorter.
   std::string up_to(const std::filesystem::path& file, std::uint64_t bytes);
 
  private:

@@ -8,7 +8,7 @@
 namespace mebots::master {
 namespace {
 
-// A signal handler can reach nothing but globals; lock-free atomics are all it may touch.
+// A signal handler can access globals only, and of these only lock-free atomics.
 struct Slot {
   std::atomic<std::atomic<bool>*> flag{nullptr};
   std::atomic<int> signal{0};
@@ -19,7 +19,7 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::atomic<
 
 constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
 
-// Under the mutex.
+// Protected by the mutex.
 std::mutex guards_mutex;
 int guards = 0;
 int to_raise = 0;
@@ -37,12 +37,12 @@ void on_signal(int signal) {
 void install() {
   struct sigaction action {};
   action.sa_handler = on_signal;
-  // The second signal finds the default again: it helps where an FMU's call does not come back.
+  // The second signal has the default effect, which helps if an FMU's call does not return.
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
     sigaction(kSignals[i], nullptr, &handlers_before[i]);
-    if (handlers_before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);  // nohup means it
+    if (handlers_before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);  // respects nohup
   }
 }
 

@@ -49,13 +49,13 @@ bool means(std::int64_t p, std::int64_t q, std::int64_t m, int shift) {
   return difference < kFits && difference * kPerTolerance <= product;
 }
 
-/// The ratio that a number above 0 and below 2^34 means. Any ratio so near to it is one of its convergents (Legendre),
-/// so the first convergent within the tolerance is the answer.
+/// Returns the ratio that a number above 0 and below 2^34 represents. Any ratio this close is one of its convergents
+/// (Legendre), so the first convergent within the tolerance is the answer.
 std::optional<ExactTime> ratio_near(double x) {
   int exponent = 0;
   const auto m = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 53));
   const int shift = 53 - exponent;
-  if (shift <= 0 || shift > 100) return std::nullopt;  // whole, or below 2^-47 s
+  if (shift <= 0 || shift > 100) return std::nullopt;  // a whole number, or below 2^-47 s
   WideInteger numerator = m;
   WideInteger denominator = WideInteger{1} << shift;
   std::int64_t p_before = 0, q_before = 1, p = 1, q = 0;
@@ -86,7 +86,7 @@ std::optional<std::int64_t> to_nanoseconds(double seconds) {
   if (!std::isfinite(seconds) || std::abs(seconds) > kLongestTimeS) return std::nullopt;
   const double scaled = seconds * 1e9;
   const double whole = std::round(scaled);
-  // Reading the decimal and multiplying by 1e9 each round once: two units in the last place at most.
+  // Reading the decimal and multiplying by 1e9 each round once: an error of at most two units in the last place.
   const double rounding = 2 * std::numeric_limits<double>::epsilon() * std::abs(scaled);
   if (std::abs(scaled - whole) > rounding + 1e-9) return std::nullopt;
   return static_cast<std::int64_t>(whole);
@@ -140,12 +140,12 @@ std::int64_t nearest_whole(WideInteger numerator, WideInteger denominator) {
 double nearest_double(WideInteger numerator, std::int64_t denominator) {
   MEBOTS_ASSERT(denominator > 0 && denominator <= std::int64_t{1} << 60);
   const auto size = magnitude(numerator);
-  // A division of two exact doubles rounds once.
+  // The division of two exact doubles rounds once.
   if (size <= kExactDouble && denominator <= kExactDouble) {
     return static_cast<double>(static_cast<std::int64_t>(numerator)) / static_cast<double>(denominator);
   }
-  // The quotient of the shifted numerator has at least 66 bits. The lowest is far behind those that a double keeps, so
-  // it can say that there is a rest; the conversion to a double then rounds once.
+  // The quotient of the shifted numerator has at least 66 bits. Its lowest bit is far below the precision of a double,
+  // so it can record that there is a remainder; the conversion to a double then rounds once.
   MEBOTS_ASSERT(bit_width(static_cast<WideUnsigned>(size)) <= 126);
   const int shift = 127 - bit_width(static_cast<WideUnsigned>(size));
   const auto shifted = static_cast<WideUnsigned>(size) << shift;

@@ -8,8 +8,8 @@
 namespace mebots::master {
 
 /// The communication points of a run: t_k = t_0 + k p / q exactly, never a running sum. t_0 is a whole number of
-/// nanoseconds, p / q the step. Internal time is t_k rounded to nanoseconds, ties to even; it names the point, since no
-/// two points share one. An FMU receives the double nearest to t_k, and the double nearest to the step.
+/// nanoseconds, p / q the step. Internal time is t_k rounded to nanoseconds, ties to even; it identifies the point,
+/// because no two points share one. An FMU receives the doubles nearest to t_k and to the step.
 class TimeGrid {
  public:
   /// The shortest step that is not a whole number of nanoseconds.
@@ -20,22 +20,22 @@ class TimeGrid {
   /// The step must be above 0, and at least kShortestRatioNs unless it is whole.
   TimeGrid(std::int64_t start_ns, const ExactTime& step);
 
-  /// Internal time of the point t_k.
+  /// Returns the internal time of the point t_k.
   std::int64_t time_ns(std::int64_t k) const { return is_whole_ ? start_ns_ + k * step_ns_ : rounded_ns(k); }
   /// True if the time is that of a point t_k with k >= 0.
   bool is_point(std::int64_t time_ns) const;
-  /// The number k of the last point that is not after this time.
+  /// Returns the number k of the last point that is not after this time.
   std::int64_t point_at(std::int64_t time_ns) const;
 
-  /// The double nearest to the point with this internal time. A time between the points is taken as it is.
+  /// Returns the double nearest to the point with this internal time. A time between points is converted directly.
   double time_s(std::int64_t time_ns) const { return is_whole_ ? to_seconds(time_ns) : exact_s(time_ns); }
-  /// The double nearest to the time from one point to another, or between two times that are no points. The difference
-  /// of the doubles if only one of the two is a point.
+  /// Returns the double nearest to the time between two points, or between two times that are not points. If only one
+  /// is a point, returns the difference of their doubles.
   double length_s(std::int64_t from_ns, std::int64_t to_ns) const {
     return is_whole_ ? to_seconds(to_ns - from_ns) : exact_length_s(from_ns, to_ns);
   }
-  /// True if at least `duration_ns` lie between two points. Internal time of a step that is not whole is rounded, so a
-  /// nanosecond is forgiven there.
+  /// True if at least `duration_ns` lie between two points. If the step is not a whole number of nanoseconds, internal
+  /// time is rounded, so a difference of one nanosecond is tolerated.
   bool has_passed(std::int64_t from_ns, std::int64_t to_ns, std::int64_t duration_ns) const {
     return to_ns - from_ns >= duration_ns - (is_whole_ ? 0 : 1);
   }

@@ -28,7 +28,7 @@ std::filesystem::path existing_file(const Node& node, const std::filesystem::pat
   return file;
 }
 
-/// One file or a list of files.
+/// Reads a file or a list of files.
 std::vector<std::filesystem::path> read_inputs(const Node& node, const std::filesystem::path& folder) {
   const auto read_one = [&](const Node& element) { return existing_file(element, folder); };
   if (node.is(data::Kind::list)) return data::list_of(read_one)(node);
@@ -63,7 +63,7 @@ std::vector<Setting> read_parameters(const Node& node) {
   return settings;
 }
 
-/// As it is written, so that a decimal that means a ratio gets its notice where the run reads it.
+/// Keeps the written form, because the run gives a notice if a decimal means a ratio.
 WrittenTime read_step(const Node& node) {
   static_cast<void>(config::step_time(node));
   if (node.is(data::Kind::text)) return node.text();

@@ -26,11 +26,11 @@ using modeldesc::Variable;
 /// The expected values of one variable.
 struct Expected {
   const Variable* variable = nullptr;
-  std::string recorded;  // its name among the results
+  std::string recorded;  // its name in the results
   std::shared_ptr<const Signal> signal;
 };
 
-/// "y" and, as results.csv of a run has it, "instance.y".
+/// Finds "y" or, in the notation of results.csv, "instance.y".
 const Variable* find_variable(const modeldesc::ModelDescription& model, const std::string& instance,
                               const std::string& title) {
   if (const auto* variable = model.find(title)) return variable;
@@ -45,7 +45,7 @@ const Variable* find_variable(const modeldesc::ModelDescription& model, const st
                    fmt::format("{}: the FMU has no variable '{}'. {}", file.name(), title, suggest(title, names)));
 }
 
-/// The columns of a file of expected values.
+/// Reads the columns of a file of expected values.
 std::vector<Expected> read_expected(const std::filesystem::path& path, const modeldesc::ModelDescription& model,
                                     const std::string& instance) {
   SignalFile file(path, path.string(), "");
@@ -95,7 +95,7 @@ class Results {
   }
 
   const std::vector<std::int64_t>& times_ns() const { return times_ns_; }
-  /// A row of the results at which the value holds; the last point that is not after the time.
+  /// Returns the row of the results for a time: the last point that is not later.
   std::size_t row_at(std::int64_t time_ns) const {
     const auto after = std::ranges::upper_bound(times_ns_, time_ns);
     return static_cast<std::size_t>(after - times_ns_.begin()) - 1;
@@ -127,10 +127,10 @@ class Results {
   Run* run_;
   std::vector<ValueReference> references_;  // of texts
   std::vector<std::int64_t> times_ns_;
-  std::vector<std::vector<std::string>> texts_;  // per point
+  std::vector<std::vector<std::string>> texts_;  // by point
 };
 
-/// Returns how a value differs from the expected one; nothing if it is within the tolerance.
+/// Returns how a value differs from the expected one; empty if it is within the tolerance.
 std::optional<Divergence> compared(const Expected& column, const Signal::Value& expected, const Results& results,
                                    std::int64_t time_ns, const Tolerance& tolerance) {
   Divergence divergence;
@@ -152,7 +152,7 @@ std::optional<Divergence> compared(const Expected& column, const Signal::Value& 
   return divergence;
 }
 
-/// The first divergence of a variable.
+/// Returns the first divergence of a variable.
 std::optional<Divergence> first_divergence(const Expected& column, const Results& results, const Tolerance& tolerance) {
   const auto& times = column.signal->times();
   std::size_t near = 0;
@@ -207,7 +207,7 @@ RunOptions options_of(const CaseDescription& description, const CaseOptions& opt
   return run;
 }
 
-/// The first communication point at or after the last expected row, unless the case has a stop time.
+/// Returns the case's stop time, else the first communication point at or after the last expected row.
 std::int64_t stop_time_of(const CaseDescription& description, const SystemDescription& system,
                           const SignalTimes& expected) {
   if (description.stop_time_ns) return *description.stop_time_ns;

@@ -11,16 +11,16 @@
 
 namespace mebots::master::cases {
 
-/// A value that is not the expected one.
+/// A value that differs from the expected one.
 struct Divergence {
   double time_s = 0;
   std::string variable;
   std::string expected;
   std::string got;
-  std::optional<double> difference;  ///< of numbers
+  std::optional<double> difference;  ///< for numbers
   double tolerance = 0;
 
-  /// "at 0.5 s y is 3, expected 2 (difference 1, tolerance 2e-06)"
+  /// Returns "at 0.5 s y is 3, expected 2 (difference 1, tolerance 2e-06)".
   std::string text() const;
 };
 
@@ -29,35 +29,35 @@ enum class Verdict { passed, failed, error };
 struct CaseResult {
   std::string name;
   Verdict verdict = Verdict::passed;
-  std::string error;  ///< what ended the run before it could be compared
+  std::string error;  ///< why the run ended before it could be compared
   std::optional<Divergence> first;
   std::vector<std::string> others;  ///< variables that diverge later
-  std::size_t rows = 0;             ///< that were compared
+  std::size_t rows = 0;             ///< compared rows
   std::size_t variables = 0;
   double wall_s = 0;
 
-  /// One line: why the case did not pass, or what was compared.
+  /// Returns a line: why the case did not pass, or what was compared.
   std::string text() const;
 };
 
 struct CaseOptions {
-  bool isolate = false;               ///< run the FMU in a process of its own
-  std::filesystem::path folder = {};  ///< keep the results of the case here; empty = nowhere
+  bool isolate = false;               ///< run the FMU in a separate process
+  std::filesystem::path folder = {};  ///< write the results of the case here; empty = nowhere
 };
 
-/// Runs the FMU alone with the inputs of a case and compares its variables with the expected ones, at the time of each
-/// expected row. Between two communication points a continuous Real is interpolated, and any other variable has the
-/// value of the earlier point. Where two expected rows have the same time, either is right. What goes wrong in the run
-/// is in the result.
+/// Runs the FMU alone with the inputs of a case and compares its variables with the expected ones at the time of each
+/// expected row. Between two communication points a continuous Real is interpolated; any other variable has the value
+/// of the earlier point. If two expected rows have the same time, either may match. Errors of the run are in the
+/// result.
 CaseResult run_case(const std::filesystem::path& fmu, const CaseDescription& description,
                     const CaseOptions& options = {});
 
-/// Runs one case of a file: {"verdict": "passed" | "failed" | "error", "text": ...}. `fmu` takes precedence over the
-/// one that the file names. Throws InputError for a file or a name that is not there.
+/// Runs a case of a file: {"verdict": "passed" | "failed" | "error", "text": ...}. `fmu` takes precedence over the FMU
+/// named in the file. Throws InputError if the file or the name does not exist.
 std::string run_case_as_json(const std::filesystem::path& file, const std::string& name,
                              const std::optional<std::filesystem::path>& fmu, bool isolate);
 
-/// The FMU that a file of cases names. Throws InputError if it names none, or if it is not there.
+/// Returns the FMU named in a file of cases. Throws InputError if it names none or the FMU does not exist.
 std::filesystem::path fmu_of(const CaseFile& file);
 
 std::string_view name_of(Verdict verdict);

@@ -25,8 +25,8 @@ class MessageSink {
   virtual void message(const Message& message) = 0;
 };
 
-/// Passes each message to all listeners, one at a time, from any thread. Messages arrive within calls to FMUs, through
-/// which no exception may pass: an exception of a listener is kept until rethrow().
+/// Passes each message to all listeners, one at a time, from any thread. Messages arrive during calls to FMUs, and no
+/// exception may pass through foreign code: an exception of a listener is kept until rethrow().
 class MessageHub final : public MessageSink {
  public:
   using Listener = std::function<void(const Message&)>;
@@ -61,18 +61,18 @@ class MessageHub final : public MessageSink {
   std::atomic<bool> failed_{false};
 };
 
-/// Keeps the messages of slaves that step in parallel, and passes them on after the step in the order of the instances.
+/// Holds the messages of slaves that step in parallel, and releases them after the step in the order of the instances.
 /// Therefore the log does not depend on the threads.
 class OrderedMessages final : public MessageSink {
  public:
   /// `target` must outlive this object.
   explicit OrderedMessages(MessageSink& target) : target_(&target) {}
 
-  /// From any thread.
+  /// May be called from any thread.
   void message(const Message& message) override;
 
   void hold() { holds_ = true; }
-  /// Passes on all kept messages of the first instance, then of the second, and so on.
+  /// Releases all held messages of the first instance, then of the second, and so on.
   void release(const std::vector<std::string>& instances);
 
  private:
@@ -86,7 +86,7 @@ class OrderedMessages final : public MessageSink {
 
   MessageSink* target_;
   std::mutex mutex_;
-  bool holds_ = false;  // changed only while no slave steps
+  bool holds_ = false;  // changes only while no slave steps
   std::vector<Kept> kept_;
 };
 
@@ -97,7 +97,7 @@ class MessageLimit {
 
   explicit MessageLimit(std::size_t most_bytes = kMostBytes) : most_bytes_(most_bytes) {}
 
-  /// Returns whether a message with this much text is still kept; counts it as dropped if not.
+  /// Returns true if a message of this length is still accepted; else counts it as dropped.
   bool take(std::size_t text_bytes) {
     constexpr std::size_t kFrameBytes = 64;
     if (bytes_ + text_bytes + kFrameBytes > most_bytes_) {

@@ -12,21 +12,21 @@ namespace mebots::master {
 /// of the run itself have no instance: "notice: ...". Further lines are those of indented_lines().
 std::string message_text(const Message& message);
 
-/// "[   12.345 s]"
+/// Returns text such as "[   12.345 s]".
 std::string time_stamp(std::int64_t time_ns);
 
-/// Returns whether the text is well-formed UTF-8 (RFC 3629).
+/// True if the text is well-formed UTF-8 (RFC 3629).
 bool is_utf8(std::string_view text);
 
 /// Replaces every byte that is not part of well-formed UTF-8 (RFC 3629) by U+FFFD.
 std::string valid_utf8(std::string_view text);
 
-/// Escapes control characters, so that the text is one line and a terminal only prints it. Line feed, carriage return
+/// Escapes control characters, so that the text is one line and safe to print on a terminal. Line feed, carriage return
 /// and tab become \n, \r and \t; other characters of C0 and C1 become \x1b, \u009b and the like. Takes valid UTF-8.
 std::string one_line(std::string_view text);
 
-/// As one_line(), but keeps line breaks. Each line after the first is indented, so that it does not look like a message
-/// of its own. Leaves out empty lines. Takes valid UTF-8.
+/// Escapes as one_line() does, but keeps line breaks. Indents each line after the first, so that it does not look like
+/// a separate message. Leaves out empty lines. Takes valid UTF-8.
 std::string indented_lines(std::string_view text);
 
 }  // namespace mebots::master

@@ -10,11 +10,11 @@ namespace mebots::master {
 
 /// The interface of an FMU that an instance uses.
 enum class FmuKind : std::uint8_t {
-  co_simulation,   ///< the FMU brings its solver
+  co_simulation,   ///< the FMU contains its solver
   model_exchange,  ///< a solver of the master integrates it
 };
 
-/// As the config and the element of modelDescription.xml spell it.
+/// Returns the word of the config and of the element in modelDescription.xml.
 constexpr std::string_view word_of(FmuKind kind) {
   return kind == FmuKind::co_simulation ? "co_simulation" : "model_exchange";
 }
@@ -22,7 +22,7 @@ constexpr std::string_view element_of(FmuKind kind) {
   return kind == FmuKind::co_simulation ? "CoSimulation" : "ModelExchange";
 }
 
-/// Returns what the FMU declares for a kind, or null if it does not offer it.
+/// Returns the FMU's declaration for a kind, or null if it does not offer it.
 inline const modeldesc::Implementation* implementation_of(const modeldesc::ModelDescription& model, FmuKind kind) {
   if (kind == FmuKind::co_simulation) return model.co_simulation ? &*model.co_simulation : nullptr;
   return model.model_exchange ? &*model.model_exchange : nullptr;

@@ -14,7 +14,7 @@
 
 namespace mebots::master {
 
-/// One override of a variable, checked.
+/// A checked override of a variable.
 struct Override {
   const OverrideDescription* description = nullptr;
   ResolvedVariable variable;
@@ -22,25 +22,26 @@ struct Override {
   std::shared_ptr<const Signal> signal;   ///< for `signal`
 };
 
-/// The overrides of a system, and the times at which each acts. The columns of `inputs` come first, as overrides that
-/// always act.
+/// The overrides of a system and the times at which they are active. The columns of `inputs` come first, as overrides
+/// that are always active.
 class OverrideSchedule {
  public:
-  /// Throws InputError for unknown variables, those that cannot be overridden, and values of the wrong type or unit.
+  /// Throws InputError for unknown variables, for variables that cannot be overridden, and for values of the wrong type
+  /// or unit.
   explicit OverrideSchedule(const ResolvedSystem& system);
 
   const std::vector<Override>& overrides() const { return overrides_; }
-  /// The number of overrides that come from `inputs`.
+  /// Returns the number of overrides from `inputs`.
   std::size_t inputs() const { return inputs_; }
-  /// The start of the run.
+  /// Returns the start of the run.
   std::int64_t start_ns() const { return start_ns_; }
   const TimeGrid& grid() const { return grid_; }
-  /// Returns when an override begins, if that is known.
+  /// Returns the begin of an override, if it is known.
   std::optional<std::int64_t> begin_of(std::size_t override) const;
-  /// Returns the time since which an override acts, if it acts at this time.
+  /// Returns the time since which an override has been active; empty if it is not active at this time.
   std::optional<std::int64_t> since(std::size_t override, std::int64_t time_ns) const;
 
-  /// The condition of an override held for its time: the override begins.
+  /// Starts an override whose condition has held for its duration.
   void start(std::size_t override, std::int64_t time_ns) { started_ns_[override] = time_ns; }
   void visit(state::Visitor& v) { v("started_ns", started_ns_); }
 
@@ -49,10 +50,10 @@ class OverrideSchedule {
   TimeGrid grid_;
   std::size_t inputs_;
   std::vector<Override> overrides_;
-  std::vector<std::optional<std::int64_t>> started_ns_;  // of those with a condition
+  std::vector<std::optional<std::int64_t>> started_ns_;  // of overrides with a condition
 };
 
-/// "offset 3", for people.
+/// Returns readable text such as "offset 3".
 std::string action_text(const OverrideDescription& override);
 
 }  // namespace mebots::master

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kFrame = "frame";
 
-/// The value that a parameter beside the frame begins with: `x.frame` and "width" are `x.width`.
+/// Returns the start value of a parameter next to the frame: for `x.frame` and "width" that is `x.width`.
 std::optional<PictureSide> side(const ResolvedSystem& system, const VariableName& frame, std::string_view name) {
   const auto index = system.description->index_of(frame.instance);
   if (!index || !frame.variable.ends_with(kFrame)) return std::nullopt;

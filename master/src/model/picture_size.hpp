@@ -9,18 +9,19 @@
 
 namespace mebots::master {
 
-/// What an FMU says about the pictures of an OSMP binary: bytes alone say nothing of rows. Its Integer parameters
-/// beside `x.frame` are `x.width` and `x.height` where pictures come from, `x.frame_width` and `x.frame_height` where
-/// they go to.
+/// The size of the pictures in an OSMP binary, as an FMU declares it; the bytes alone do not define rows. Integer
+/// parameters next to `x.frame` contain it: `x.width` and `x.height` at the source, `x.frame_width` and
+/// `x.frame_height` at the reader.
 struct PictureSide {
   std::string parameter;  // `soc.camera.frame_width`
   std::int32_t pixels = 0;
 };
 
-/// The width of the pictures that come out of `frame`; nothing where the FMU does not say it.
+/// Returns the width of the pictures from `frame`; empty if the FMU does not declare it.
 std::optional<PictureSide> picture_width(const ResolvedSystem& system, const VariableName& frame);
 
-/// Throws InputError when both ends of a connection say the size of its pictures, and not the same. 0 is any.
+/// Throws InputError if both ends of a connection declare the size of its pictures, and the sizes differ. 0 means any
+/// size.
 void check_picture_sizes(const ResolvedSystem& system, const ConnectionDescription& connection);
 
 }  // namespace mebots::master

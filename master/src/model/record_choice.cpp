@@ -19,10 +19,11 @@ using modeldesc::Type;
 using modeldesc::Variability;
 using modeldesc::Variable;
 
-/// Patterns, and which of them fitted any name.
+/// A set of patterns that records which of them matched.
 ///
-/// A name is compared only with the patterns whose literal beginning (the text before the first * or ?) begins the
-/// name, so a long list of names or of patterns such as "cell.branch[7].*" costs one look-up per length of a beginning.
+/// A name is compared only with the patterns whose literal beginning (the text before the first * or ?) is a beginning
+/// of the name. Therefore a long list of names, or of patterns such as "cell.branch[7].*", costs one look-up per length
+/// of a beginning.
 class Patterns {
  public:
   explicit Patterns(const std::vector<RecordPattern>& patterns) : patterns_(&patterns), used_(patterns.size(), false) {
@@ -35,7 +36,7 @@ class Patterns {
 
   enum class Fit { none, pattern, outright };
 
-  /// Returns `outright` if a pattern is the name itself, `pattern` if a pattern only fits it.
+  /// Returns `outright` if a pattern equals the name, `pattern` if a pattern only matches it.
   Fit fit(std::string_view name) const {
     auto best = Fit::none;
     for_each_fitting(name, [&](std::size_t i) {
@@ -47,11 +48,11 @@ class Patterns {
     });
     return best;
   }
-  /// Marks every pattern that fits `name` as used.
+  /// Marks every pattern that matches `name` as used.
   void use(std::string_view name) {
     for_each_fitting(name, [&](std::size_t i) { used_[i] = true; });
   }
-  /// Throws InputError for a pattern that was never used. `names` are those that the error suggests.
+  /// Throws InputError for a pattern that was never used, with suggestions from `names`.
   void check(const std::string& what, const std::vector<std::string>& names) const {
     for (std::size_t i = 0; i < used_.size(); ++i) {
       if (used_[i]) continue;
@@ -80,8 +81,8 @@ class Patterns {
 
   const std::vector<RecordPattern>* patterns_;
   std::vector<bool> used_;
-  std::unordered_map<std::string_view, std::vector<std::size_t>> by_beginning_;  // literal beginning, its patterns
-  std::set<std::size_t> lengths_;                                                // of the beginnings
+  std::unordered_map<std::string_view, std::vector<std::size_t>> by_beginning_;  // maps literal beginnings to patterns
+  std::set<std::size_t> lengths_;                                                // lengths of the beginnings
 };
 
 void for_each_variable(const ResolvedSystem& system,
@@ -89,7 +90,7 @@ void for_each_variable(const ResolvedSystem& system,
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& model = *system.instances[i].model;
     for (const auto& variable : model.variables) {
-      if (is_osmp_part(model, variable)) continue;  // an address means nothing to anybody later
+      if (is_osmp_part(model, variable)) continue;  // an address is meaningless later
       const ResolvedVariable candidate{i, &variable};
       work(candidate, system.text(candidate));
     }
@@ -99,7 +100,7 @@ void for_each_variable(const ResolvedSystem& system,
 }  // namespace
 
 bool fits(std::string_view text, std::string_view pattern) {
-  // Greedy with one way back: the last star takes one more character whenever the rest does not fit.
+  // Greedy matching with one backtracking point: if the rest does not match, the last star takes one more character.
   std::size_t t = 0;
   std::size_t p = 0;
   std::size_t star = std::string_view::npos;
@@ -137,8 +138,8 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
     if (is_clocked(variable) && !ticks) return;
     const bool output = shown && (is_number(variable.type) || (variable.type == Type::string && record.texts));
     const auto fit = wanted.fit(name);
-    // A pattern that names one variable outright may name any; one with a star means outputs, texts only if the config
-    // asks for them, and no binaries. An FMU may make a text at some cost when it is read.
+    // A pattern without a star may name any variable. One with a star selects outputs: texts only if the config
+    // requests them, and no binaries. Reading a text may be expensive in the FMU.
     const bool by_pattern = record.patterns ? fit == Patterns::Fit::pattern : true;
     if (output || variable.causality == Causality::output) names.push_back(name);
     if (fit != Patterns::Fit::outright && !(output && by_pattern)) return;

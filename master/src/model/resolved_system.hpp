@@ -18,12 +18,12 @@
 #include <string_view>
 #include <vector>
 
-/// The system with every name looked up and everything checked that can be checked before the first step.
+/// The system with all names resolved and all checks done that are possible before the first step.
 namespace mebots::master {
 
 class Fmu;
 
-/// A variable of one instance. Points into the instance's description, which the system keeps alive.
+/// A variable of an instance. Points into the instance's description, which the system keeps alive.
 struct ResolvedVariable {
   std::size_t instance = 0;
   const modeldesc::Variable* variable = nullptr;
@@ -32,13 +32,13 @@ struct ResolvedVariable {
   auto operator<=>(const ResolvedVariable&) const = default;
 };
 
-/// One scalar to set before initialisation.
+/// A scalar to set before initialisation.
 struct StartValue {
   const modeldesc::Variable* variable = nullptr;
   modeldesc::Value value;
 };
 
-/// What an input gets for a value of an Integer, Enumeration (by number) or Boolean (0, 1).
+/// Maps an Integer, Enumeration (by number) or Boolean (0, 1) to the value of the input.
 struct ValuePair {
   std::int64_t from = 0;
   std::int64_t to = 0;
@@ -46,13 +46,13 @@ struct ValuePair {
   bool operator==(const ValuePair&) const = default;
 };
 
-/// One scalar connection; a connection of OSMP binaries becomes three, and so does one from a Binary to an OSMP binary.
-/// The input gets factor * value + offset, conversion of units included; anything but 1 and 0 only where the input is a
-/// Real.
+/// A scalar connection. A connection of OSMP binaries becomes three, and so does one from a Binary to an OSMP binary.
+/// The input is factor * value + offset, conversion of units included; other factors than 1 and offsets than 0 occur
+/// for Reals only.
 struct ResolvedConnection {
   ResolvedVariable from;
   ResolvedVariable to;
-  bool pointer = false;  ///< part of an OSMP binary: valid only in this process, for a while
+  bool pointer = false;  ///< part of an OSMP binary: valid only in this process, and temporarily
   double factor = 1;
   double offset = 0;
   bool inner = false;               ///< within a continuous system, which evaluates it; not moved at points
@@ -68,42 +68,45 @@ struct ResolvedConnection {
   bool is_continuous() const;
 };
 
-/// Preparations of the host process for an FMU that embeds an interpreter.
+/// The preparations of the host process for an FMU that embeds an interpreter.
 struct Interpreter {
-  bool embedded = false;    ///< the FMU's library stays loaded: interpreters cannot be unloaded safely
-  std::string library;      ///< Python's, if the FMU uses its symbols and names no library that has them; else empty
+  bool embedded = false;    ///< keep the FMU's library loaded, because interpreters cannot be unloaded safely
+  std::string library;      ///< Python's library, if the FMU uses its symbols but does not name a library for them;
+                            ///< else empty
   std::string python_path;  ///< added to PYTHONPATH: the packages of the virtual environment
 };
 
 struct ResolvedInstance {
   const InstanceDescription* description = nullptr;
-  std::shared_ptr<Fmu> fmu;                ///< a handle for fmi/ and above; nothing of model/ uses it
-  modeldesc::StructuralValues structural;  ///< of structural parameters (FMI 3.0) that the system sets
-  std::shared_ptr<const modeldesc::ModelDescription> model;  ///< the FMU's, with elements in place of arrays
+  std::shared_ptr<Fmu> fmu;                                  ///< for use by fmi/ and higher layers; not used by model/
+  modeldesc::StructuralValues structural;                    ///< structural parameters (FMI 3.0) that the system sets
+  std::shared_ptr<const modeldesc::ModelDescription> model;  ///< the FMU's description, with elements in place of
+                                                             ///< arrays
   FmuKind kind = FmuKind::co_simulation;
   bool clocks_tick = false;        ///< it is in a clock group
-  IsolationDescription isolation;  ///< as described, or its own process if the FMU cannot share one
-  Interpreter interpreter;         ///< of an FMU in its own process
+  IsolationDescription isolation;  ///< as described, or a separate process if the FMU cannot share one
+  Interpreter interpreter;         ///< for an FMU in a separate process
   std::vector<StartValue> starts;
   std::vector<std::string> log_categories;
-  std::optional<double> tolerance;  ///< for fmi2SetupExperiment: the config's, else the FMU's default
+  std::optional<double> tolerance;  ///< for fmi2SetupExperiment: that of the config, else the FMU's default
 
-  /// What the FMU declares for the kind of this instance.
+  /// Returns the FMU's declaration for the kind of this instance.
   const modeldesc::Implementation& implementation() const { return *implementation_of(*model, kind); }
-  /// The arguments of fmi2SetupExperiment for a run over this time.
+  /// Returns the arguments of fmi2SetupExperiment for a run over this time.
   Experiment experiment(std::int64_t start_ns, std::int64_t stop_ns) const;
 };
 
-/// Instances of model exchange that one solver integrates.
+/// Model exchange instances that one solver integrates.
 struct ResolvedContinuousSystem {
   std::vector<std::size_t> members;  ///< in the order of the config
   const SolverDescription* solver = nullptr;
 };
 
-/// Instances of co-simulation whose clocks are connected, or one that has clocks. They step from tick to tick together.
+/// Co-simulation instances whose clocks are connected, or a single one with clocks. They step from tick to tick
+/// together.
 struct ResolvedClockGroup {
   std::vector<std::size_t> members;             ///< in the order of the config
-  std::vector<ResolvedConnection> connections;  ///< between clocks, and between variables that belong to clocks
+  std::vector<ResolvedConnection> connections;  ///< between clocks, and between clocked variables
 };
 
 /// An input or bond whose error decides about the length of communication steps.
@@ -135,38 +138,38 @@ struct ResolvedSystem {
   std::optional<ResolvedStepControl> step_control;           ///< if the description has one
   std::map<ResolvedVariable, InputSignal> inputs;  ///< by target, so that their order in the config does not matter
   std::vector<std::shared_ptr<const Signal>> scenario_signals;  ///< one per scenario entry; null for other actions
-  std::vector<std::string> notices;                             ///< what the user should know, such as open inputs
+  std::vector<std::string> notices;                             ///< notices for the user, such as unconnected inputs
 
   /// Returns the signal that is the source of an input, or null.
   const InputSignal* input_signal(const ResolvedVariable& input) const;
-  /// Looks up a variable. Throws InputError with the nearest names; `place` says where it was written.
+  /// Looks up a variable. Throws InputError with the nearest names; `place` is where the name was written.
   ResolvedVariable find(const VariableName& name, const std::string& place) const;
   std::string text(const ResolvedVariable& variable) const;
 };
 
-/// A start value, looked up and checked. Throws InputError that names the place, and the nearest variables.
+/// Resolves and checks a start value. Throws InputError with the place and the nearest variables.
 StartValue checked_start(const InstanceDescription& instance, const modeldesc::ModelDescription& description,
                          const Assignment& assignment);
 
-/// Why a variable cannot be given a value before initialisation; empty when it can.
+/// Returns the reason why a variable cannot be set before initialisation; empty if it can.
 std::string why_not_settable(const modeldesc::Variable& variable);
 
-/// A written value as a value of the variable's type; enumerations by item or number. Throws InputError
-/// for another type, an unknown item, or a value outside of the variable's min and max.
+/// Converts a written value to the variable's type; enumerations by item or number. Throws InputError for another type,
+/// an unknown item, or a value outside of the variable's min and max.
 modeldesc::Value typed_value(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable,
                              const WrittenValue& written, const std::string& place);
 
-/// "1.5e+08", "true", "lipol_350": the shortest form that reads back to the same bits.
+/// Returns "1.5e+08", "true", "lipol_350": the shortest form that reads back to the same bits.
 std::string value_text(const modeldesc::Value& value);
 
-/// The variables that a system records in every row, in the order of instances and descriptions. Throws InputError
-/// for a pattern that fits nothing.
+/// Returns the variables recorded in every row, in the order of instances and descriptions. Throws InputError if a
+/// pattern matches nothing.
 std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system);
 
-/// The variables that are recorded once, at t = 0: parameters of all kinds, and constants. Throws InputError.
+/// Returns the variables recorded once, at t = 0: parameters of all kinds, and constants. Throws InputError.
 std::vector<ResolvedVariable> recorded_parameters(const ResolvedSystem& system);
 
-/// True when `text` fits a pattern in which `*` stands for any characters and `?` for one.
+/// True if `text` matches the pattern; `*` matches any characters, `?` one.
 bool fits(std::string_view text, std::string_view pattern);
 
 }  // namespace mebots::master

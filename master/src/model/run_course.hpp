@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-/// Points and ends of a run, as all layers name them.
+/// Points and ends of a run, used by all layers.
 namespace mebots::master {
 
 /// The arguments of fmi2SetupExperiment.
@@ -26,7 +26,7 @@ struct Point {
 /// How a run ended.
 struct End {
   EndReason reason = EndReason::stop_time;
-  std::string text;  ///< one sentence for people
+  std::string text;  ///< a sentence for users
 };
 
 /// An instance that failed during the run, while the others continued.

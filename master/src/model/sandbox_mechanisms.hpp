@@ -5,9 +5,9 @@
 
 namespace mebots::master {
 
-/// Mechanisms of a sandbox, by the names that a config uses.
-inline constexpr const char* kNamespaces = "namespaces";  ///< by bubblewrap, with a private tree of files
-inline constexpr const char* kLandlock = "landlock";      ///< files, once more; signals
+/// The mechanisms of a sandbox, by their names in a config.
+inline constexpr const char* kNamespaces = "namespaces";  ///< by bubblewrap, with a private file tree
+inline constexpr const char* kLandlock = "landlock";      ///< files and signals
 inline constexpr const char* kSeccomp = "seccomp";        ///< system calls
 inline constexpr std::array kMechanisms = {kNamespaces, kLandlock, kSeccomp};
 

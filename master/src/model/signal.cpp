@@ -13,10 +13,10 @@ std::int64_t SignalTimes::ns(std::size_t row) const {
 }
 
 std::size_t SignalTimes::row_at(std::int64_t time_ns, SignalSide side, std::size_t near) const {
-  constexpr std::size_t kNearby = 8;  // rows to look at before a search through all
+  constexpr std::size_t kNearby = 8;  // rows to check before a binary search
   MEBOTS_ASSERT(!times_s_.empty());
   if (time_ns < ns(0)) return kNone;
-  // The first row after the time, from `near` on.
+  // Returns the first row after the time, starting the search at `near`.
   auto next = near < size() && ns(near) <= time_ns ? near + 1 : 0;
   for (std::size_t i = 0; i < kNearby && next != 0 && next < size() && ns(next) <= time_ns; ++i) ++next;
   if (next == 0 || (next < size() && ns(next) <= time_ns)) {
@@ -42,7 +42,7 @@ double Signal::real_at(const SignalTime& time, SignalSide side, std::size_t& nea
   if (!linear_ || row + 1 == values.size() || times_->ns(row) == time.ns) return values[row];
   const double from = values[row];
   const double to = values[row + 1];
-  if (from == to) return from;  // the weights need not add up to 1 exactly
+  if (from == to) return from;  // rounding: the weights may not add up to 1
   const double from_s = times_->s(row);
   const double to_s = times_->s(row + 1);
   const double weight = (to_s - time.s) / (to_s - from_s);

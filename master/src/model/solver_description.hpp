@@ -7,20 +7,20 @@
 
 namespace mebots::master {
 
-/// Families of multistep methods of CVODE.
+/// The multistep methods of CVODE.
 enum class SolverMethod : std::uint8_t {
   bdf,    ///< orders 1 to 5, for stiff systems
   adams,  ///< orders 1 to 12, for systems that are not stiff
 };
 
-/// How a continuous system is integrated. Absent values have the defaults of docs/master/model-exchange.md.
+/// How a continuous system is integrated. The defaults of absent values are in docs/master/model-exchange.md.
 struct SolverDescription {
   SolverMethod method = SolverMethod::bdf;
   std::optional<double> relative_tolerance = {};
   std::optional<double> absolute_tolerance = {};  ///< times the nominal value of a state
   std::optional<double> max_step_s = {};
   std::int64_t max_steps = 100'000;  ///< of the solver, in one communication step
-  bool restarts_at_points = false;   ///< the solver starts anew at every communication point
+  bool restarts_at_points = false;   ///< the solver restarts at every communication point
   std::string place = {};
 };
 

@@ -9,7 +9,7 @@
 
 namespace mebots::master {
 
-/// Counts the work of the solver of a continuous system.
+/// Counters of the solver's work on a continuous system.
 struct SolverCounts {
   std::int64_t steps = 0;
   std::int64_t rejected_steps = 0;  ///< by the error test, or because Newton's method failed
@@ -34,7 +34,7 @@ struct SolverCounts {
   }
 };
 
-/// Of one continuous system.
+/// The counters of one continuous system.
 struct SolverStatistics {
   std::vector<std::string> members;  ///< names of its instances
   std::int64_t states = 0;

@@ -13,26 +13,26 @@
 
 namespace mebots::master {
 
-/// What one instance cost by the wall clock, over all calls to it.
+/// The wall time of all calls to an instance.
 struct InstanceStatistics {
   std::string name;
   std::int64_t calls = 0;
   std::int64_t steps = 0;
   double time_s = 0;               ///< in all calls
   double step_time_s = 0;          ///< in steps
-  double slowest_s = 0;            ///< the step that took longest
-  std::int64_t slowest_at_ns = 0;  ///< simulated time at which that step began
+  double slowest_s = 0;            ///< the slowest step
+  std::int64_t slowest_at_ns = 0;  ///< simulated time at the start of that step
 };
 
-/// Where the wall time of a run went. Never part of results.csv.
+/// The wall time of a run by instance. Never part of results.csv.
 struct Statistics {
   std::vector<InstanceStatistics> instances;  ///< in the order of the config
 };
 
-/// The statistics of all continuous systems as JSON: the same in every run of the same inputs.
+/// Returns the statistics of all continuous systems as JSON; equal for equal inputs.
 nlohmann::ordered_json solvers_json(const std::vector<SolverStatistics>& solvers);
 
-/// The same as lines of text.
+/// Returns the same as lines of text.
 std::vector<std::string> solvers_table(const std::vector<SolverStatistics>& solvers);
 
 /// The communication steps of a run under step control as JSON, lengths in seconds.
@@ -45,7 +45,7 @@ std::string step_control_line(const ResolvedSystem& system, const StepStatistics
 /// what no instance took of it is the master's.
 nlohmann::ordered_json statistics_json(const Statistics& statistics, double total_s);
 
-/// The same as lines of text.
+/// Returns the same as lines of text.
 std::vector<std::string> statistics_table(const Statistics& statistics, double total_s);
 
 }  // namespace mebots::master

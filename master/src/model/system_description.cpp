@@ -41,7 +41,7 @@ std::vector<std::string> SystemDescription::instance_names() const {
 }
 
 std::optional<VariableName> SystemDescription::split(std::string_view text) const {
-  // No instance's name is the beginning of another's, so at most one fits.
+  // No instance's name is a prefix of another's, so at most one matches.
   for (auto dot = text.find('.'); dot != std::string_view::npos; dot = text.find('.', dot + 1)) {
     const auto instance = text.substr(0, dot);
     if (dot + 1 < text.size() && find_instance(instance) != nullptr) {
@@ -70,7 +70,7 @@ std::optional<std::string> stop_time_problem(const SystemDescription& system, st
   if (WideInteger{stop_time_ns} - start_ns >
       WideInteger{static_cast<std::int64_t>(kLongestTimeS)} * kNanosecondsPerSecond)
     return fmt::format("the run would last longer than {} s", kLongestTimeS);
-  if (system.step.numerator <= 0) return std::nullopt;  // it was not understood
+  if (system.step.numerator <= 0) return std::nullopt;  // the step is invalid
   const auto grid = system.grid();
   const auto after_start = start_ns == 0 ? "" : fmt::format(" after the start time {} s", to_seconds(start_ns));
   const auto last = grid.point_at(stop_time_ns);

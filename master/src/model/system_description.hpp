@@ -19,11 +19,11 @@
 #include <unordered_map>
 #include <vector>
 
-/// What a user asks for, before any FMU was opened: instances, connections, and what to do with the
-/// results. The config file is one door to it; nothing here depends on the file's format.
+/// The user's description of a system, before any FMU is opened: instances, connections, and the use of the results.
+/// Independent of the file format: a config is one of several.
 namespace mebots::master {
 
-/// A variable of an instance, as "instance.variable" names it. Both may hold dots.
+/// A variable of an instance, written as "instance.variable". Both parts may contain dots.
 struct VariableName {
   std::string instance;
   std::string variable;
@@ -35,10 +35,10 @@ struct VariableName {
 /// A value as the user wrote it.
 using WrittenValue = Value;
 
-/// Returns the value as a message shows it: texts in quotes.
+/// Returns the value for messages: texts in quotes.
 std::string written_text(const WrittenValue& written);
 
-/// A start value for one variable. `place` says where it was written, for error messages.
+/// A start value of a variable. `place` is where it was written, for error messages.
 struct Assignment {
   std::string variable;
   WrittenValue value;
@@ -46,29 +46,29 @@ struct Assignment {
 };
 
 enum class ProcessKind {
-  shared,     ///< the master's
-  own,        ///< one of its own, which harms no other
-  sandboxed,  ///< one of its own, with access to few files and to nothing else (docs/master/isolation.md)
+  shared,     ///< the master's process
+  own,        ///< a separate process, in which the instance cannot harm others
+  sandboxed,  ///< a separate process with access to few files and nothing else (docs/master/isolation.md)
 };
 
-/// A sandbox beyond its defaults.
+/// Additions to the defaults of a sandbox.
 struct SandboxDescription {
-  std::vector<std::string> reads;     ///< absolute paths that the FMU may read, too
-  std::vector<std::string> may_lack;  ///< mechanisms without which the FMU runs all the same
+  std::vector<std::string> reads;     ///< further paths that the FMU may read, absolute
+  std::vector<std::string> may_lack;  ///< mechanisms that may be missing
 };
 
-/// Where an instance runs, and what its failures may cost.
+/// The process of an instance, and the limits of its failures.
 struct IsolationDescription {
   std::optional<ProcessKind> process;         ///< as written
-  std::optional<double> deadline_s;           ///< of each call, by the wall clock
-  std::optional<std::uint64_t> memory_bytes;  ///< of its own process
-  bool go_on_without = false;                 ///< when it fails, the others go on
+  std::optional<double> deadline_s;           ///< of each call, in wall time
+  std::optional<std::uint64_t> memory_bytes;  ///< of its separate process
+  bool go_on_without = false;                 ///< if it fails, the others continue
   SandboxDescription sandbox;
 
   static constexpr std::uint64_t kDefaultMemoryBytes = std::uint64_t{1024} << 20;
   static constexpr std::uint64_t kNoMemoryLimit = 0;
 
-  /// Whether it runs in a process of its own: where that is asked for, or needed for what is asked for.
+  /// True if the instance runs in a separate process, because this or an option that needs it is requested.
   bool alone() const {
     return process ? *process != ProcessKind::shared : deadline_s.has_value() || memory_bytes.has_value();
   }
@@ -80,10 +80,10 @@ struct InstanceDescription {
   std::string fmu;                 ///< as written
   std::filesystem::path fmu_path;  ///< absolute
   std::vector<Assignment> parameters;
-  std::int64_t steps = 1;           ///< its step, in steps of the system
-  bool divide_discarded = false;    ///< repeat a discarded step in parts instead of ending the run
-  bool pass_stop_time = false;      ///< fmi2SetupExperiment gets the run's stop time
-  bool pass_tolerance = true;       ///< fmi2SetupExperiment gets a tolerance, if there is one
+  std::int64_t steps = 1;           ///< its step in multiples of the system's step
+  bool divide_discarded = false;    ///< split a discarded step into parts instead of ending the run
+  bool pass_stop_time = false;      ///< pass the run's stop time to fmi2SetupExperiment
+  bool pass_tolerance = true;       ///< pass a tolerance, if there is one, to fmi2SetupExperiment
   std::optional<double> tolerance;  ///< if absent, the FMU's default applies
   IsolationDescription isolation;
   std::optional<FmuKind> kind;              ///< as written; if absent, co-simulation if the FMU offers it
@@ -91,14 +91,14 @@ struct InstanceDescription {
   std::string place;
 };
 
-/// The output's value `from`, as text, becomes `to`.
+/// Maps the output's value `from` (as text) to `to`.
 struct MappedValue {
   std::string from;
   WrittenValue to;
   std::string place;
 };
 
-/// The input gets factor * x + offset, with x the output's value in the input's unit.
+/// The input is factor * x + offset, where x is the output's value in the input's unit.
 struct ConnectionDescription {
   VariableName from;
   VariableName to;
@@ -111,44 +111,44 @@ struct ConnectionDescription {
   std::vector<MappedValue> map;  ///< of Integers, Enumerations and Booleans; other values pass as they are
 };
 
-/// Who sees whose outputs within a communication step.
+/// Defines which outputs an instance reads within a communication step.
 struct AlgorithmDescription {
-  std::string type = "jacobi";     ///< the name of one of kAlgorithms
-  std::vector<std::string> order;  ///< every instance once; empty = none given
+  std::string type = "jacobi";     ///< one of kAlgorithms
+  std::vector<std::string> order;  ///< every instance once; empty = not given
 };
 
 enum class AlgorithmType { jacobi, gauss_seidel };
 
-/// An algorithm that a config can name.
+/// An algorithm that can be named in a config.
 struct AlgorithmKind {
   AlgorithmType type;
   std::string_view name;
-  bool takes_order;  ///< whether the config may give an order of the instances
+  bool takes_order;  ///< the config may give an order of the instances
 };
 
-/// All of them. engine/algorithm/registry.cpp makes each.
+/// All algorithms. engine/algorithm/registry.cpp creates them.
 inline constexpr AlgorithmKind kAlgorithms[] = {
     {.type = AlgorithmType::jacobi, .name = "jacobi", .takes_order = false},
     {.type = AlgorithmType::gauss_seidel, .name = "gauss-seidel", .takes_order = true},
 };
 
-/// Returns the one that the description names. Throws InputError without a place, with the nearest names, if there is
-/// none, or if it takes no order and one is given.
+/// Returns the named algorithm. Throws InputError without a place, with the nearest names, if there is none, or if an
+/// order is given that it does not accept.
 const AlgorithmKind& find_algorithm(const AlgorithmDescription& description);
 
 enum class Comparison { equals, above, below };
 
-/// `variable` compared with `value`.
+/// A comparison of `variable` with `value`.
 struct ConditionDescription {
   VariableName variable;
   Comparison comparison = Comparison::equals;
   WrittenValue value;
-  std::int64_t for_ns = 0;  ///< must have held without a break for so long
-  bool ever = false;        ///< counts once it held at any communication point
+  std::int64_t for_ns = 0;  ///< duration for which it must hold without interruption
+  bool ever = false;        ///< true once it has held at any communication point
   std::string place;
 };
 
-/// The run's outcome when all of `when` hold at its end. No condition at all always holds.
+/// The outcome of a run in which all of `when` hold at the end. Without conditions it always applies.
 struct OutcomeDescription {
   std::string outcome;
   std::vector<ConditionDescription> when;
@@ -156,17 +156,18 @@ struct OutcomeDescription {
 
 enum class OverrideAction { set, offset, scale, freeze, noise, ramp, signal };
 
-/// A CSV file with the courses of variables over time.
+/// A CSV file with the values of variables over time.
 struct SignalFileDescription {
   std::filesystem::path path;  ///< absolute
   std::string name;            ///< as written
-  std::string time;            ///< the column of times; empty = the one named time or t
-  bool covers_start = false;   ///< refused if the run needs times before the first row; else the first values hold
-  bool covers_end = false;     ///< the same after the last row
+  std::string time;            ///< name of the time column; empty = the one named time or t
+  bool covers_start = false;   ///< true: an error if the run needs times before the first row; false: the first values
+                               ///< apply
+  bool covers_end = false;     ///< the same for times after the last row
   std::string place;
 };
 
-/// A column that becomes an input.
+/// A column that feeds an input.
 struct SignalColumn {
   std::string column;
   VariableName variable;
@@ -174,48 +175,49 @@ struct SignalColumn {
   std::string place;
 };
 
-/// A file whose columns are the sources of free inputs.
+/// A file whose columns are the sources of unconnected inputs.
 struct InputsDescription {
   SignalFileDescription file;
-  std::optional<std::vector<SignalColumn>> to;  ///< nothing = columns are named after their inputs
+  std::optional<std::vector<SignalColumn>> to;  ///< empty = columns are named after their inputs
 };
 
-/// One entry of a scenario: what happens to a variable, and when.
+/// An entry of a scenario: a change of a variable and its time.
 struct OverrideDescription {
-  std::string text;  ///< for people
+  std::string text;  ///< description for people
   VariableName variable;
   OverrideAction action = OverrideAction::set;
   WrittenValue value;                         ///< `set`
-  double number = 0;                          ///< `offset`, `scale`, standard deviation of `noise`, goal of `ramp`
+  double number = 0;                          ///< `offset`, `scale`, standard deviation of `noise`, final value of
+                                              ///< `ramp`
   std::string unit;                           ///< as written, to be checked (`signal`: of the column); may be empty
   std::optional<SignalFileDescription> file;  ///< `signal`
   std::string column;                         ///< `signal`
   std::uint64_t seed = 0;                     ///< `noise`
-  std::int64_t over_ns = 0;                   ///< `ramp`: time from the value found to the goal
-  std::int64_t from_ns = 0;                   ///< with `when`: the condition counts from then on
-  std::optional<std::int64_t> until_ns;       ///< not acting any more at this time
-  std::optional<ConditionDescription> when;   ///< begins when this has held for its time, once
-  std::optional<std::int64_t> duration_ns;    ///< from its beginning
+  std::int64_t over_ns = 0;                   ///< `ramp`: duration from the original to the final value
+  std::int64_t from_ns = 0;                   ///< with `when`: the condition is evaluated from this time
+  std::optional<std::int64_t> until_ns;       ///< the end, exclusive
+  std::optional<ConditionDescription> when;   ///< starts once, when this has held for its duration
+  std::optional<std::int64_t> duration_ns;    ///< from its start
   std::string place;
 };
 
-/// A final value for summary.json, under `path` (labels from outside to inside).
+/// A final value for summary.json, under `path` (labels, outermost first).
 struct SummaryEntry {
   std::vector<std::string> path;
   VariableName variable;
-  std::vector<ConditionDescription> when;  ///< all must hold at the end; else the value is left out
+  std::vector<ConditionDescription> when;  ///< if one of them does not hold at the end, the value is left out
   std::string place;
 };
 
-/// `*` stands for any characters, `?` for one.
+/// `*` matches any characters, `?` one.
 struct RecordPattern {
   std::string pattern;
   std::string place;
 };
 
 struct RecordDescription {
-  std::optional<std::vector<RecordPattern>> patterns;  ///< nothing = every Real, Integer and Boolean output
-  std::vector<RecordPattern> exclude;                  ///< what fits one of these is left out
+  std::optional<std::vector<RecordPattern>> patterns;  ///< empty = every Real, Integer and Boolean output
+  std::vector<RecordPattern> exclude;                  ///< matches are left out
   std::vector<RecordPattern> parameters;               ///< recorded once, at t = 0
   bool csv = true;                                     ///< into results.csv
   bool hdf5 = false;                                   ///< into results.h5
@@ -225,27 +227,27 @@ struct RecordDescription {
   bool step = false;                                   ///< a column with the length of the step to the row's point
 };
 
-/// Frames to keep as picture files: 8-bit grey pixels that an OSMP binary carries.
+/// Frames to write as picture files: 8-bit grey pixels in an OSMP binary.
 struct PictureDescription {
   VariableName frame;            ///< name of the binary, without `.base.lo`
   VariableName id;               ///< Integer that changes with every new frame
   std::int32_t width = 0;        ///< pixels per row
-  std::int64_t interval_ns = 0;  ///< shortest time from picture to picture; 0 = every frame
+  std::int64_t interval_ns = 0;  ///< minimum time between pictures; 0 = every frame
   std::string place;
 };
 
-/// One line, band or lane of a panel of the run's page.
+/// A line, band or lane in a panel of the run's page.
 struct CurveDescription {
   VariableName variable;
-  bool rate = false;  ///< shown is its mean rate of change from row to row: power of an energy
-  std::string label;  ///< for people; empty = the variable's name
+  bool rate = false;  ///< show the mean rate of change from row to row: the power for an energy
+  std::string label;  ///< for people; empty = the name of the variable
   std::string place;
 };
 
 enum class PanelKind {
-  lines,  ///< curves over each other
-  stack,  ///< one upon the other: parts of a whole
-  lanes,  ///< one below the other: states, and shares of the time as shades
+  lines,  ///< overlaid curves
+  stack,  ///< stacked areas: parts of a whole
+  lanes,  ///< one lane per curve: states, and shares of the time as shades
 };
 
 struct PanelDescription {
@@ -254,42 +256,42 @@ struct PanelDescription {
   std::vector<CurveDescription> curves;
 };
 
-/// What the page of a run is to show first. Nothing here changes what is computed or recorded.
+/// What the page of a run shows first. Has no effect on computed or recorded values.
 struct ViewDescription {
-  std::optional<VariableName> scene;  ///< String, read once at t = 0: a scene as docs/seeing.md describes it
+  std::optional<VariableName> scene;  ///< String, read once at t = 0: a scene in the format of docs/seeing.md
   std::string scene_place;
   std::vector<PanelDescription> panels;
-  std::vector<std::string> marks;  ///< instances whose messages are marks on the timeline
+  std::vector<std::string> marks;  ///< instances whose messages are marked on the timeline
 };
 
-/// Two connections whose product is the power that goes from one instance to another, such as force and velocity.
+/// Two connections whose product is the power transferred between two instances, such as force and velocity.
 struct BondDescription {
   std::string name;
-  VariableName effort;  ///< the connected input that takes the effort
-  VariableName flow;    ///< the connected input that takes the flow, of the instance that gives the effort
-  double limit = 0.01;  ///< most energy that the coupling may make or lose, over the energy that passed
+  VariableName effort;  ///< the connected input for the effort
+  VariableName flow;    ///< the connected input for the flow, of the instance that provides the effort
+  double limit = 0.01;  ///< maximum energy that the coupling may create or lose, relative to the transferred energy
   std::string place;
 };
 
-/// What to report about the coupling, and when to warn.
+/// What to report about the coupling, and the limits of its warnings.
 struct CouplingDescription {
-  std::optional<double> input_limit;  ///< most deviation of an input (root mean square) over its range
+  std::optional<double> input_limit;  ///< maximum deviation of an input (root mean square), relative to its range
   std::vector<BondDescription> bonds;
 };
 
-/// Log categories of one instance whose ordinary messages are shown; "*" = all.
+/// The log categories of an instance whose ordinary messages are shown; "*" = all.
 struct LogDescription {
   std::string instance;
   std::vector<std::string> categories;
 };
 
-/// Categories that are shown when the config says nothing else about an instance.
+/// Categories shown if the config has no other setting for an instance.
 inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events", "faults", "observe"};
 
-/// SystemDescription::threads: as many as the machine runs at the same time.
+/// Value of SystemDescription::threads: the number of threads that the machine runs at the same time.
 inline constexpr unsigned kAutomaticThreads = 0;
 
-/// Finds instances by their names. It learns them when it is first asked: from then on a name does not change.
+/// Finds instances by name. Indexes the names at the first search; they must not change afterwards.
 class InstanceIndex {
  public:
   std::optional<std::size_t> find(const std::vector<InstanceDescription>& instances, std::string_view name) const;
@@ -306,12 +308,12 @@ class InstanceIndex {
 
 struct SystemDescription {
   std::filesystem::path file;  ///< the config, FMU or SSP
-  std::string name;            ///< its file name without extension
-  std::string source;          ///< its bytes, for the hash of the inputs
+  std::string name;            ///< name of the file without extension
+  std::string source;          ///< content, for the hash of the inputs
   ExactTime step;              ///< communication step
   std::int64_t start_time_ns = 0;
   std::int64_t stop_time_ns = 0;  ///< internal time of a communication point, see TimeGrid
-  bool single_fmu = false;        ///< made from an FMU alone: names of variables need no instance in front
+  bool single_fmu = false;        ///< describes a single FMU: names of variables need no instance
   std::vector<InstanceDescription> instances;
   std::vector<ConnectionDescription> connections;
   AlgorithmDescription algorithm;
@@ -325,12 +327,12 @@ struct SystemDescription {
   RecordDescription record;
   std::vector<PictureDescription> pictures;
   ViewDescription view;
-  std::optional<CouplingDescription> coupling;  ///< nothing = no report
+  std::optional<CouplingDescription> coupling;  ///< empty = no report
   std::vector<LogDescription> log;
   bool draws_calibration = false;    ///< "uncertainty": "calibration"
-  unsigned threads = 1;              ///< the most that step slaves at the same time, where that is faster
+  unsigned threads = 1;              ///< maximum number of threads that step slaves, if that is faster
   std::vector<std::string> notices;  ///< of the reader, for the user
-  std::shared_ptr<const modeldesc::TemporaryFolder> unpacked;  ///< where an SSP's FMUs lie
+  std::shared_ptr<const modeldesc::TemporaryFolder> unpacked;  ///< the folder of an SSP's FMUs
 
   InstanceIndex index;
 
@@ -339,33 +341,33 @@ struct SystemDescription {
   ExactTime length_of(std::int64_t count) const;
   /// The step of an instance.
   ExactTime step_of(const InstanceDescription& instance) const;
-  /// Place among `instances`. Like all that looks for names, for one thread at a time.
+  /// Returns the index in `instances`. Like all name searches, for one thread at a time.
   std::optional<std::size_t> index_of(std::string_view instance_name) const;
   const InstanceDescription* find_instance(std::string_view instance_name) const;
   std::vector<std::string> instance_names() const;
-  /// Splits "instance.variable" by the names of the instances; returns nothing if no instance fits. In the system of a
-  /// single FMU every other text is a variable of that FMU.
+  /// Splits "instance.variable" by the names of the instances; empty if no instance matches. In the system of a single
+  /// FMU, every other text is a variable of that FMU.
   std::optional<VariableName> split(std::string_view text) const;
 };
 
-/// "instance.variable" apart; the instance is the first word when none of this name is there. Throws InputError for a
-/// text without both.
+/// Splits "instance.variable". If no instance matches, the instance is the first word. Throws InputError if one part is
+/// missing.
 VariableName parse_variable(const SystemDescription& system, std::string_view text, const std::string& place);
 
-/// A setting with its instance found.
+/// A setting with its resolved instance.
 struct LocatedSetting {
   InstanceDescription* instance = nullptr;
   Assignment assignment;
 };
 
-/// Throws InputError, with the nearest names, when the system has no such instance.
+/// Throws InputError with the nearest names if the system has no such instance.
 LocatedSetting locate(SystemDescription& system, const Setting& setting);
 
-/// Why the run cannot end at this time, if it cannot: all steps must go into the time from the start to it
-/// without a rest.
+/// Returns the reason why the run cannot end at this time; empty if it can. The time from the start must be a multiple
+/// of all steps.
 std::optional<std::string> stop_time_problem(const SystemDescription& system, std::int64_t stop_time_ns);
 
-/// Changes the end of the run, as `--stop-time` does. Throws InputError when there is a stop_time_problem().
+/// Sets the end of the run, as `--stop-time` does. Throws InputError if there is a stop_time_problem().
 void set_stop_time(SystemDescription& system, std::int64_t stop_time_ns, const std::string& place);
 
 }  // namespace mebots::master

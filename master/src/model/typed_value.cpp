@@ -25,7 +25,7 @@ std::optional<T> parsed(const std::string& text) {
   return value;
 }
 
-/// What is wrong and where, with the variable's type.
+/// Builds an error: the problem, its place and the variable's type.
 class Complaint {
  public:
   Complaint(const Variable& variable, const WrittenValue& written, const std::string& place)
@@ -54,7 +54,8 @@ double real_value(const WrittenValue& written, const Complaint& complaint) {
   return *value;
 }
 
-/// Within the range of the variable's type; a UInt64 above 2^63 by its bits, which only an untyped text can state.
+/// Checks the range of the variable's type. A UInt64 above 2^63 is stored by its bits; only an untyped text can contain
+/// one.
 std::int64_t whole_value(Type type, const WrittenValue& written, const Complaint& complaint, std::string_view wanted) {
   std::optional<std::int64_t> value;
   if (const auto* number = std::get_if<std::int64_t>(&written)) value = *number;
@@ -112,7 +113,7 @@ std::int64_t enumeration_value(const modeldesc::ModelDescription& description, c
                              variable.declared_type, variable.name, suggest("", names)));
 }
 
-/// Written as pairs of hexadecimal digits.
+/// Reads pairs of hexadecimal digits.
 std::string binary_value(const WrittenValue& written, const Complaint& complaint) {
   const auto* text = std::get_if<std::string>(&written);
   if (const auto* untyped = std::get_if<UntypedText>(&written)) text = &untyped->text;

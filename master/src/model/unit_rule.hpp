@@ -5,8 +5,9 @@
 
 namespace mebots::master {
 
-/// How a number goes from one unit to another. One name without definitions is one unit; else both must be defined, of
-/// the same dimension. `difference`: of two values, so that offsets fall out. Throws Error (wrong_unit) saying why not.
+/// Returns the conversion from one unit to another. Equal names without definitions are the same unit; otherwise both
+/// must be defined and have the same dimension. `difference`: the value is a difference of two, so offsets do not
+/// apply. Throws Error (wrong_unit) with the reason.
 modeldesc::UnitConversion conversion_between(const modeldesc::Unit& from, const modeldesc::Unit& to, bool difference);
 
 }  // namespace mebots::master

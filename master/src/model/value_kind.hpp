@@ -12,16 +12,15 @@
 #include <string_view>
 #include <vector>
 
-/// How values travel between the master and an FMU.
+/// How the master and FMUs exchange values.
 namespace mebots::master {
 
 /// FMI's handle of a variable.
 using ValueReference = std::uint32_t;
 
-/// How the master holds a value, whatever version of FMI it comes from:
-/// real: Float64 and Float32, as double; integer: whole numbers of 8 to 64 bits and enumerations, as std::int64_t
-/// (UInt64 by its bits); boolean: 0 and 1; string: text; binary: bytes in a std::string; clock: active or not, in
-/// events only.
+/// The master's representation of a value, independent of the version of FMI. real: Float64 and Float32, as double;
+/// integer: whole numbers of 8 to 64 bits and enumerations, as std::int64_t (UInt64 by its bits); boolean: 0 and 1;
+/// string: text; binary: bytes in a std::string; clock: active or not, in events only.
 enum class ValueKind : std::uint8_t { real, integer, boolean, string, binary, clock };
 
 constexpr ValueKind kind_of(modeldesc::Type type) {
@@ -48,12 +47,12 @@ constexpr bool is_number(modeldesc::Type type) {
   return kind_of(type) == ValueKind::real || kind_of(type) == ValueKind::integer || kind_of(type) == ValueKind::boolean;
 }
 
-/// True for variables that can be read and set only when a clock ticks: Clocks, and variables that belong to one.
+/// True for Clocks and for variables that belong to one: they can be read and set only when a clock ticks.
 inline bool is_clocked(const modeldesc::Variable& variable) {
   return variable.type == modeldesc::Type::clock || !variable.fmi3->clocks.empty();
 }
 
-/// The text of a whole number; for UInt64 without a sign.
+/// Returns the text of a whole number; UInt64 unsigned.
 std::string whole_text(modeldesc::Type type, std::int64_t value);
 
 /// One bit per ValueKind.
@@ -62,22 +61,22 @@ constexpr KindSet bit(ValueKind kind) {
   return static_cast<KindSet>(1U << static_cast<unsigned>(kind));
 }
 
-/// Endings of the three Integers of a binary variable.
+/// The endings of a binary variable's three Integers.
 inline constexpr const char* kOsmpEndings[] = {".base.lo", ".base.hi", ".size"};
 
-/// True for Integers that carry a pointer's half or a buffer's size, by their OSMP mark or, lacking one,
-/// by their names `x.base.lo`, `x.base.hi` and `x.size`.
+/// True for Integers with a half of a pointer or the size of a buffer. They are marked by OSMP; unmarked ones are
+/// recognised by their names `x.base.lo`, `x.base.hi` and `x.size`.
 bool is_osmp_part(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable);
 
-/// The three Integers of one OSMP binary variable, whose address means nothing in another process.
+/// The three Integers of an OSMP binary variable. Its address is meaningless in another process.
 struct OsmpTriple {
   std::array<ValueReference, 3> references;  // base.lo, base.hi, size
 };
 
-/// All binary variables of an FMU.
+/// Returns all binary variables of an FMU.
 std::vector<OsmpTriple> osmp_triples(const modeldesc::ModelDescription& description);
 
-/// Returns the places of the three in a list of references, or nullopt if one is absent.
+/// Returns the indices of the three in a list of references, or nullopt if one is absent.
 std::optional<std::array<std::size_t, 3>> places_of(const OsmpTriple& triple,
                                                     std::span<const ValueReference> references);
 

@@ -22,7 +22,7 @@ const char* sign(Comparison comparison) {
   return "<";
 }
 
-/// The value as the config would write it: enumerations by item.
+/// Returns the value in the notation of the config: enumerations by item.
 std::string shown(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable,
                   const modeldesc::Value& value) {
   if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);

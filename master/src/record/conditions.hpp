@@ -11,26 +11,26 @@
 
 namespace mebots::master {
 
-/// One variable compared with one value.
+/// A comparison of a variable with a value.
 class Condition {
  public:
-  /// Throws InputError for an unknown variable or a value that does not fit its type.
+  /// Throws InputError if the variable is unknown or the value does not fit its type.
   Condition(const ResolvedSystem& system, Ensemble& ensemble, const ConditionDescription& description);
 
   bool holds() const;
-  /// "world.drone.landed = true"
+  /// Returns text such as "world.drone.landed = true".
   const std::string& text() const { return text_; }
 
  private:
   const Ensemble* ensemble_;
   SignalId signal_;
   Comparison comparison_;
-  double number_ = 0;  // Integers, Booleans (0 and 1) and enumerations too
+  double number_ = 0;  // also for Integers, Booleans (0 and 1) and enumerations
   std::string string_;
   std::string text_;
 };
 
-/// Ends a run as soon as one of the conditions has held for its time.
+/// Ends a run when one of the conditions has held for its duration.
 class StopConditions final : public Observer {
  public:
   StopConditions(const ResolvedSystem& system, Ensemble& ensemble);
@@ -43,7 +43,7 @@ class StopConditions final : public Observer {
   struct Watch {
     Condition condition;
     std::int64_t for_ns;
-    std::optional<std::int64_t> since_ns = {};  // start of the time for which it has held without a break
+    std::optional<std::int64_t> since_ns = {};  // start of the time since which it has held without interruption
 
     void visit(state::Visitor& v) { v("since_ns", since_ns); }
   };
@@ -52,7 +52,7 @@ class StopConditions final : public Observer {
   std::vector<Watch> watches_;
 };
 
-/// Says what came of a run: the first outcome of the config whose conditions all hold, else "completed".
+/// Determines the outcome of a run: the first outcome of the config whose conditions all hold, else "completed".
 class Outcomes final : public Observer {
  public:
   Outcomes(const ResolvedSystem& system, Ensemble& ensemble);
@@ -61,14 +61,14 @@ class Outcomes final : public Observer {
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "outcomes"; }
 
-  /// At the point that was reached last.
+  /// Returns the outcome at the last point.
   std::string outcome() const;
 
  private:
   struct Watch {
     Condition condition;
     bool ever;
-    bool held = false;  // at some point so far; only for `ever`
+    bool held = false;  // at any point so far; used for `ever` only
 
     void visit(state::Visitor& v) { v("held", held); }
   };

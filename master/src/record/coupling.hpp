@@ -25,7 +25,7 @@ class InputDeviation {
   void visit(state::Visitor& v);
 
   const std::string& input() const { return input_; }
-  /// Root mean square of the deviation over the range of the source's value; 0 while that stands still.
+  /// Returns the root mean square of the deviation divided by the range of the source's value; 0 if the range is 0.
   double relative() const;
   int order() const { return coupled_.order(); }
   nlohmann::ordered_json json() const;
@@ -38,7 +38,7 @@ class InputDeviation {
   std::string unit_;
   CoupledInput coupled_;
 
-  double last_value_ = 0;  // of the source, as the input would have it, at last_time_ns_
+  double last_value_ = 0;  // of the source, in the input's unit, at last_time_ns_
   std::optional<std::int64_t> last_time_ns_;
   double least_ = 0;
   double most_ = 0;
@@ -61,7 +61,7 @@ class BondEnergy {
   const BondDescription& description() const { return bond_.description(); }
   double made() const { return made_; }
   double passed() const { return passed_; }
-  /// The most that was made or lost at any point, over all that passed.
+  /// Returns the largest energy created or lost at any point, divided by the transferred energy.
   double relative() const { return passed_ > 0 ? largest_ / passed_ : 0; }
   int order() const { return bond_.order(); }
   nlohmann::ordered_json json() const;
@@ -73,10 +73,10 @@ class BondEnergy {
   double largest_ = 0;
 };
 
-/// The report: per continuous Real connection its deviation, per bond its energy.
+/// Reports the deviation of each continuous Real connection and the energy of each bond.
 class Coupling final : public Observer {
  public:
-  /// Throws InputError for bonds that are none.
+  /// Throws InputError for an invalid bond.
   Coupling(const ResolvedSystem& system, Ensemble& ensemble);
 
   std::optional<std::string> reached(const Point& point) override;
@@ -97,8 +97,8 @@ class Coupling final : public Observer {
   std::vector<BondEnergy> bonds_;
 };
 
-/// The step of 1, 2 or 5 times a power of ten [s] at which an error that falls with this power of the step is below the
-/// limit; `relative` is the error at `step_s`.
+/// Returns the step (1, 2 or 5 times a power of ten [s]) at which the error is below the limit. The error decreases
+/// with the power `order` of the step; `relative` is the error at `step_s`.
 double step_for(double relative, double limit, int order, double step_s);
 
 }  // namespace mebots::master

@@ -11,19 +11,20 @@
 
 namespace mebots::master {
 
-/// Follows a run: records it, judges it, shows it. Reads values through the ensemble that it was made with.
+/// Observes a run, for example to record it or to evaluate conditions. Reads values through the ensemble passed to its
+/// constructor.
 class Observer {
  public:
   virtual ~Observer() = default;
 
-  /// Called at t = 0 and after every communication step. A text asks for the run to end here, and says why.
+  /// Called at t = 0 and after every communication step. If it returns a text, the run ends here for that reason.
   virtual std::optional<std::string> reached(const Point& point) = 0;
-  /// The run ends at `point`, which was reached. Not called when it fails.
+  /// Called when the run ends at `point`, which was reached. Not called if the run fails.
   virtual void ended(const Point& /*point*/) {}
 
-  /// Shows what an observer must remember to go on from a saved state.
+  /// Visits the state that the observer needs to continue from a saved state.
   virtual void visit(state::Visitor& /*v*/) {}
-  /// Under which name; empty for one that remembers nothing, which may come and go between the parts of a run.
+  /// Returns the name of its state. Empty if it has no state; such an observer may be absent in a resumed run.
   virtual std::string_view state_name() const { return {}; }
 };
 

@@ -31,7 +31,7 @@ std::string value_text(Slave& slave, const modeldesc::Variable& variable) {
       return one<std::int64_t>([&](auto r, auto v) { slave.get_booleans(r, v); }, reference) == 0 ? "0" : "1";
     case ValueKind::binary:
       return hexadecimal(one<std::string>([&](auto r, auto v) { slave.get_binaries(r, v); }, reference));
-    case ValueKind::clock:  // recorded_parameters() has none
+    case ValueKind::clock:  // recorded_parameters() returns no clocks
     case ValueKind::string:
       break;
   }

@@ -14,7 +14,7 @@ namespace mebots::master {
 namespace {
 
 struct Source {
-  std::vector<ResolvedVariable> frame;  // a Binary, or the three parts of an OSMP binary
+  std::vector<ResolvedVariable> frame;  // a Binary or the three parts of an OSMP binary
   ResolvedVariable id;
 };
 
@@ -68,14 +68,14 @@ void PictureRecorder::make_folder() const {
 
 void PictureRecorder::remove_pictures() const {
   std::error_code error;
-  // An earlier run's pictures would look like this one's.
+  // Removes an earlier run's pictures, which could not be told from this run's.
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     if (entry.path().extension() == ".png") std::filesystem::remove(entry.path(), error);
   }
 }
 
 std::optional<std::string> PictureRecorder::reached(const Point& point) {
-  if (!has_folder_) make_folder();  // of a run that is resumed, too: somebody may have removed it
+  if (!has_folder_) make_folder();  // also in a resumed run, because a user may have deleted the folder
   has_folder_ = true;
   if (point.step == 0) remove_pictures();
   const auto id = ensemble_->integer(id_);

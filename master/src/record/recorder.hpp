@@ -15,19 +15,19 @@
 
 namespace mebots::master {
 
-/// Records rows: one per communication point (or recording interval), the first at t = 0 and the last at the
-/// end. Costs the simulation a copy of the numbers; another thread makes files of them.
+/// Records rows: one per communication point (or recording interval), the first at t = 0 and the last at the end. The
+/// simulation only copies numbers; another thread writes the files.
 class Recorder final : public Observer {
  public:
-  /// Chooses the columns. Throws InputError for a pattern that fits nothing.
+  /// Chooses the columns. Throws InputError if a pattern matches nothing.
   Recorder(const ResolvedSystem& system, Ensemble& ensemble);
 
-  /// Where the rows go. Before the first point.
+  /// Adds a sink for the rows. Before the first point.
   void add(std::unique_ptr<RowSink> sink);
 
   std::optional<std::string> reached(const Point& point) override;
   void ended(const Point& point) override;
-  /// All rows so far are in the files afterwards. Throws Error when the disk is full or broken.
+  /// Writes all rows so far to the files. Throws Error if the disk is full or fails.
   void flush() { writer_.drain(block_); }
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "recorder"; }
@@ -36,11 +36,11 @@ class Recorder final : public Observer {
   std::int64_t rows() const { return rows_; }
 
  private:
-  /// Where a column's value lies; one of the three.
+  /// The source of a column's values; one of the three members is used.
   struct Source {
     const double* real = nullptr;
     const std::int64_t* integer = nullptr;
-    bool binary = false;  // the text is bytes, which are written as hexadecimal digits
+    bool binary = false;  // the text contains bytes, which are written as hexadecimal digits
     const std::string* text = nullptr;
     bool boolean = false;
   };
@@ -60,19 +60,19 @@ class Recorder final : public Observer {
   RowBlock block_;
   std::size_t text_bytes_ = 0;  // in the block
   std::vector<std::unique_ptr<RowSink>> sinks_;
-  BlockWriter writer_;  // after the sinks, which it must not outlive
+  BlockWriter writer_;  // after the sinks, which must outlive it
   std::int64_t rows_ = 0;
   std::int64_t last_step_ = -1;
 };
 
-/// Asks the slaves for the parameters that the system records. Once they are initialised.
+/// Reads the recorded parameters from the slaves. After their initialisation.
 std::vector<ParameterValue> read_parameters(const ResolvedSystem& system, Ensemble& ensemble);
 
-/// Writes parameters.csv at t = 0: name, unit, value, one row per parameter. In a file of its own, since a
-/// column per parameter would say the same at every row.
+/// Writes parameters.csv at t = 0: a row per parameter with name, unit and value. A separate file, because a column
+/// would repeat the value in every row.
 class ParameterRecorder final : public Observer {
  public:
-  /// Throws InputError for a pattern that fits nothing.
+  /// Throws InputError if a pattern matches nothing.
   ParameterRecorder(const ResolvedSystem& system, Ensemble& ensemble, std::filesystem::path file);
 
   std::optional<std::string> reached(const Point& point) override;
@@ -83,15 +83,14 @@ class ParameterRecorder final : public Observer {
   std::filesystem::path file_;
 };
 
-/// Keeps the frames that an OSMP binary carries, as PNG files named by their time:
-/// `0012.345000.png` is the frame that was out at 12.345 s.
+/// Writes the frames in an OSMP binary as PNG files named by their time: `0012.345000.png` is the frame at 12.345 s.
 class PictureRecorder final : public Observer {
  public:
-  /// Throws InputError when the frame or its id is not a variable of the kind that is needed.
+  /// Throws InputError if the frame or its id is not a variable of the required kind.
   PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
                   std::filesystem::path folder);
 
-  /// Throws Error when the folder cannot be made, or the frame is not made of whole rows or cannot be written.
+  /// Throws Error if the folder cannot be created, the frame does not consist of whole rows, or it cannot be written.
   std::optional<std::string> reached(const Point& point) override;
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "pictures"; }
@@ -106,14 +105,14 @@ class PictureRecorder final : public Observer {
   PictureDescription pictures_;
   TimeGrid grid_;
   std::filesystem::path folder_;
-  std::vector<SignalId> frame_;  // a Binary, or the three parts of an OSMP binary
+  std::vector<SignalId> frame_;  // a Binary or the three parts of an OSMP binary
   SignalId id_;
   bool has_folder_ = false;
   std::int64_t last_id_ = 0;
-  std::optional<std::int64_t> last_ns_;  // when a picture was written
+  std::optional<std::int64_t> last_ns_;  // time of the last picture
 };
 
-/// Throws InputError when the variables do not exist or are of the wrong kind, or the FMU says another width.
+/// Throws InputError if the variables do not exist or are of the wrong kind, or if the FMU declares another width.
 void check_pictures(const ResolvedSystem& system, const PictureDescription& pictures);
 
 }  // namespace mebots::master

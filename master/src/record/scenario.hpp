@@ -17,14 +17,14 @@
 
 namespace mebots::master {
 
-/// Starts the overrides of a system whose conditions hold. Such an override acts on inputs from that communication
-/// point on, and on outputs from the next one.
+/// Starts the overrides of a system whose conditions hold. A started override affects inputs from that communication
+/// point, and outputs from the next one.
 class Scenario final : public Observer {
  public:
-  /// Throws as OverrideSchedule does.
+  /// Throws what OverrideSchedule throws.
   explicit Scenario(const ResolvedSystem& system);
 
-  /// Looks the conditions' variables up. Before the ensemble is initialised.
+  /// Looks up the variables of the conditions. Before the ensemble is initialised.
   void watch(const ResolvedSystem& system, Ensemble& ensemble);
 
   const OverrideSchedule& schedule() const { return schedule_; }
@@ -33,7 +33,7 @@ class Scenario final : public Observer {
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "scenario"; }
 
-  /// The overrides with the times at which they acted, for summary.json; `end_ns` is the last point reached.
+  /// Returns the overrides with the times at which they were active, for summary.json. `end_ns` is the last point.
   nlohmann::ordered_json report(const ResolvedSystem& system, std::int64_t end_ns) const;
 
  private:
@@ -45,7 +45,7 @@ class Scenario final : public Observer {
   };
 
   OverrideSchedule schedule_;
-  std::vector<Trigger> triggers_;  // one per override; without a condition where there is none
+  std::vector<Trigger> triggers_;  // one per override; empty if it has no condition
 };
 
 }  // namespace mebots::master

@@ -13,7 +13,7 @@
 namespace mebots::master::report {
 namespace {
 
-/// Text of an HTML element.
+/// Escapes text for an HTML element.
 std::string escaped(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -31,7 +31,7 @@ std::string escaped(std::string_view text) {
   return result;
 }
 
-/// Puts `text` in the place of the one `{{name}}` of the page.
+/// Replaces the single `{{name}}` in the page by `text`.
 void put(std::string& page, std::string_view name, std::string_view text) {
   const auto place = fmt::format("{{{{{}}}}}", name);
   const auto at = page.find(place);

@@ -9,7 +9,7 @@
 
 namespace mebots::master::report {
 
-/// The parts of the page, which the build makes from web/.
+/// The parts of the page, built from web/.
 struct PageParts {
   std::string frame;   ///< page.html, with the places of the others in it
   std::string script;  ///< page.js or report.js
@@ -27,7 +27,7 @@ PageParts read_data_page_parts();
 /// Script and data are deflated (RFC 1950) and in base64.
 std::string make_page(const PageParts& parts, std::span<const RunFolder> runs);
 
-/// Returns the page of a run in progress. It fetches its data only from the server that it came from.
+/// Returns the page of a run in progress. It fetches data only from its own server.
 std::string make_live_page(const PageParts& parts, const std::string& name);
 
 /// Returns a page that shows `data`, which is JSON (web/src/report/content.ts). It needs no network.
@@ -36,13 +36,13 @@ std::string make_data_page(const PageParts& parts, const std::string& title, std
 /// The runs as bytes for the page. The length of a header (32 bits, little-endian), the header, which is JSON, and then
 /// blocks of bytes of which the header tells offset and length. web/src/data/payload.ts reads it.
 ///
-/// A column of n numbers is 8 n bytes. Each number's 64 bits (IEEE 754), read as a whole number, less those of the one
-/// before it, stand in byte planes. First the lowest byte of each, then the second of each, and so on. Neighbours in
-/// time differ little, so that deflate finds the upper bytes in runs. A column that stands still is one number in the
-/// header.
+/// A column of n numbers takes 8 n bytes. The 64 bits of each number (IEEE 754) are treated as a whole number, and the
+/// difference from the previous one is stored in byte planes: first the lowest byte of each number, then the second of
+/// each, and so on. Successive values differ little, so their upper bytes compress well. A constant column is a single
+/// number in the header.
 std::string payload_of(std::span<const RunFolder> runs);
 
-/// As RFC 4648 has it. Throws Error for more than 2 GiB.
+/// Encodes as in RFC 4648. Throws Error for more than 2 GiB.
 std::string base64(std::string_view bytes);
 
 }  // namespace mebots::master::report

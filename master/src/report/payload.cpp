@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The blocks behind the header.
+/// The blocks after the header.
 class Blocks {
  public:
   Json add(std::string_view bytes) {
@@ -97,7 +97,7 @@ std::string payload_of(std::span<const RunFolder> runs) {
 std::string base64(std::string_view bytes) {
   constexpr std::size_t kMost = std::numeric_limits<int>::max();
   if (bytes.size() > kMost) throw Error(ErrorCode::value_out_of_range, "a page holds at most 2 GiB");
-  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL ends it with a zero
+  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL appends a zero
   EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), reinterpret_cast<const unsigned char*>(bytes.data()),
                   static_cast<int>(bytes.size()));
   text.pop_back();

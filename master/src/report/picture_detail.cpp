@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kLeastWidth = 128;
 
-/// Each pixel is the mean of four; a last odd row or column is left out.
+/// Averages 2 x 2 pixels; drops an odd last row or column.
 GreyPicture halved(const GreyPicture& picture) {
   GreyPicture half;
   half.width = picture.width / 2;
@@ -30,7 +30,7 @@ GreyPicture halved(const GreyPicture& picture) {
   return half;
 }
 
-/// False: it is as small as it gets.
+/// Returns false if the picture is already at its smallest.
 bool shrink(Picture& picture) {
   const auto read = read_png(picture.png);
   if (!read || read->width / 2 < kLeastWidth || read->pixels.size() / read->width < 2) return false;

@@ -30,13 +30,14 @@ std::vector<Column> read_header(const data::CsvReader& reader) {
   return columns;
 }
 
-/// Lines that end, the header left out. Quoted texts may hold line ends: then it counts too many, which thins out more.
+/// Counts complete lines without the header. A line break in a quoted text counts too, which only increases the
+/// thinning.
 std::size_t rows_of(std::string_view text) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n'));
   return lines == 0 ? 0 : lines - 1;
 }
 
-/// What was written of the last line before its process was killed says nothing.
+/// Drops an incomplete last line, left by a killed process.
 std::string_view whole_lines(std::string_view text) {
   const auto end = text.rfind('\n');
   return end == std::string_view::npos ? std::string_view() : text.substr(0, end + 1);
@@ -58,7 +59,7 @@ void drop_texts(ResultTable& table, const std::vector<bool>& is_text) {
 
 std::size_t ResultTable::span_of(std::size_t rows, std::size_t columns) {
   const auto numbers = rows * columns;
-  return numbers <= kMostValues ? 1 : (2 * numbers + kMostValues - 1) / kMostValues;  // of a span two rows stay
+  return numbers <= kMostValues ? 1 : (2 * numbers + kMostValues - 1) / kMostValues;  // a span is reduced to two rows
 }
 
 namespace {

@@ -21,46 +21,46 @@ struct TimeSpan {
 struct ResultTable {
   struct Column {
     std::string name;  ///< "instance.variable"; the first is "time"
-    std::string unit;  ///< "-" without one
+    std::string unit;  ///< "-" if none
     std::vector<double> values;
   };
   std::vector<Column> columns;
-  std::vector<std::string> texts;  ///< names of columns that hold texts, which are left out
+  std::vector<std::string> texts;  ///< names of columns with texts, which are left out
   std::size_t rows = 0;            ///< in the file
   std::size_t span = 1;            ///< rows that a Thinner reduces to two
-  std::vector<TimeSpan> whole;     ///< spans with every row kept
+  std::vector<TimeSpan> whole;     ///< spans in which every row is kept
 
-  /// Most numbers in a page, so that people can still mail it. A longer table is thinned out.
+  /// The maximum of numbers in a page, so that it can still be mailed. Longer tables are thinned out.
   static constexpr std::size_t kMostValues = 600'000;
   /// Returns the span for a table of this size. `columns` includes the time.
   static std::size_t span_of(std::size_t rows, std::size_t columns);
 };
 
-/// Reads results.csv. Within the spans `whole`, every row is kept. Skips an incomplete last line, which a killed run
-/// leaves. Throws InputError for a file that is not such a table.
+/// Reads results.csv. Within the spans `whole`, every row is kept. Skips an incomplete last line, left by a killed run.
+/// Throws InputError if the file is not such a table.
 ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {});
 
-/// Thins out rows so that extremes stay: of every `span` rows that follow each other two remain, at the times of the
-/// first and the last of them. A column has its least and its greatest number of the span there, in the order in which
-/// they came. So what only grows, as a count of energy does, keeps its exact values at both times.
+/// Thins out rows and keeps extremes: every `span` consecutive rows become two, at the times of the first and the last
+/// of them. Each column contains its least and its greatest number of the span, in their original order. Therefore
+/// monotonic columns, such as energy counters, keep their exact values at both times.
 class Thinner {
  public:
-  /// A span of 1 keeps every row. The first column is the time.
+  /// With a span of 1, every row is kept. The first column is the time.
   Thinner(std::size_t columns, std::size_t span);
 
   void add(std::span<const double> row);
-  /// Adds a row that is kept. Ends the open span before it.
+  /// Adds a row unchanged, after ending the open span.
   void keep(std::span<const double> row);
   /// Ends the last span, which may be shorter.
   void finish();
 
-  /// By column.
+  /// Returns the values by column.
   std::vector<std::vector<double>>& values() { return values_; }
 
  private:
   struct Extreme {
     double value = 0;
-    std::size_t row = 0;  // of the span
+    std::size_t row = 0;  // in the span
   };
 
   std::size_t span_;

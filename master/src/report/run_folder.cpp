@@ -43,7 +43,7 @@ std::vector<fs::path> sorted_entries(const fs::path& folder) {
   return entries;
 }
 
-/// A picture's name is its time. Files of other names are somebody else's.
+/// The name of a picture is its time. Files with other names are ignored.
 PictureSeries read_series(const fs::path& folder, std::size_t known) {
   PictureSeries series;
   series.name = folder.filename().string();
@@ -59,7 +59,7 @@ PictureSeries read_series(const fs::path& folder, std::size_t known) {
   return series;
 }
 
-/// Profiles that lie in the folder: fmu_soc writes them where its parameter says.
+/// Reads profiles in the folder; fmu_soc writes them to the place in its parameter.
 std::vector<Json> read_profiles(const fs::path& folder) {
   std::vector<Json> profiles;
   for (const auto& file : sorted_entries(folder)) {

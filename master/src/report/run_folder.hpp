@@ -15,47 +15,47 @@ namespace mebots::master::report {
 /// A picture of a run.
 struct Picture {
   double time_s = 0;
-  std::string png;      ///< the file's bytes
-  unsigned shrunk = 1;  ///< pixels of the file per pixel, in each direction
+  std::string png;      ///< content of the file
+  unsigned shrunk = 1;  ///< original pixels per pixel of the file, in each direction
 };
 
-/// The pictures of one camera, in the order of time.
+/// The pictures of one camera in order of time.
 struct PictureSeries {
   std::string name;  ///< "world.camera.frame"
   std::vector<Picture> pictures;
-  std::size_t every = 1;  ///< kept one in this many
+  std::size_t every = 1;  ///< one of this many was kept
 };
 
-/// Most bytes of pictures in a page, so that people can still mail it.
+/// The maximum of bytes of pictures in a page, so that it can still be mailed.
 inline constexpr std::size_t kMostPictureBytes = 1'500'000;
 
-/// Makes the pictures fit into a page: first smaller, by means of 2 x 2 pixels, but not under 128 pixels of width;
-/// then fewer, evenly in time. Those within the spans `whole` stay as they are. A file that is not a PNG of grey pixels
-/// is not made smaller.
+/// Reduces the pictures to the size of a page: first their resolution, by averaging 2 x 2 pixels to not less than 128
+/// pixels of width; then their number, evenly in time. Those within the spans `whole` are unchanged, as are files that
+/// are not PNGs of grey pixels.
 void fit_into_page(PictureSeries& series, const std::vector<TimeSpan>& whole);
 
-/// The content of a run's folder. Only the table of results is always present. All else is empty if the run, or the
-/// older version that wrote it, left none.
+/// The content of a run's folder. Only the table of results is always present. Everything else is empty if the run, or
+/// the older version that wrote it, did not write it.
 struct RunFolder {
-  std::string name;  ///< of the folder, for people
+  std::string name;  ///< readable name of the folder
   ResultTable results;
-  nlohmann::json system;   ///< of system.json, or null
-  nlohmann::json summary;  ///< of summary.json, or null: of a run that is under way or was killed
-  nlohmann::json scene;    ///< of scene.json.gz, or null
-  std::string log;         ///< of log.txt
+  nlohmann::json system;   ///< system.json, or null
+  nlohmann::json summary;  ///< summary.json, or null if the run is in progress or was killed
+  nlohmann::json scene;    ///< scene.json.gz, or null
+  std::string log;         ///< log.txt
   std::vector<PictureSeries> pictures;
-  std::vector<nlohmann::json> profiles;  ///< files of speedscope, as fmu_soc writes them
-  nlohmann::json live;                   ///< of a run that is under way (master/live), or null
+  std::vector<nlohmann::json> profiles;  ///< speedscope files, written by fmu_soc
+  nlohmann::json live;                   ///< data of a run in progress (master/live), or null
 };
 
 /// Returns the pictures of a run, also during the run. Skips the first `known` pictures of each camera.
 std::vector<PictureSeries> read_pictures(const std::filesystem::path& folder, std::size_t known = 0);
 
-/// Reads the further files: scene and profiles, also during the run. Throws InputError for damaged files.
+/// Reads the other files: scene and profiles, also during the run. Throws InputError for damaged files.
 RunFolder read_side_files(const std::filesystem::path& folder);
 
 /// Reads a results folder and reduces it to the size of a page. Within the spans `whole`, every row and picture is
-/// kept. Throws InputError if it is no results folder, and for damaged files.
+/// kept. Throws InputError if it is not a results folder or a file is damaged.
 RunFolder read_run_folder(const std::filesystem::path& folder, const std::vector<TimeSpan>& whole = {});
 
 }  // namespace mebots::master::report

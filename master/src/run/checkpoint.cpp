@@ -115,12 +115,12 @@ Checkpointer::Checkpointer(Simulation& simulation, std::filesystem::path folder,
 std::optional<std::string> Checkpointer::reached(const Point& point) {
   if (point.time_ns < next_ns_) return std::nullopt;
   const auto every_ns = nanoseconds_of(*checkpoint_.options.checkpoint_every_s, "time from checkpoint to checkpoint");
-  const auto passed = point.time_ns / every_ns - (point.time_ns % every_ns < 0 ? 1 : 0);  // rounded down
+  const auto passed = point.time_ns / every_ns - (point.time_ns % every_ns < 0 ? 1 : 0);  // round down
   next_ns_ = (passed + 1) * every_ns;
-  const auto state = simulation_->save_state();  // the recorder hands its rows to the file
+  const auto state = simulation_->save_state();  // makes the recorder write its rows to the file
   checkpoint_.simulation = simulation_->serialize(state);
   checkpoint_.time_ns = point.time_ns;
-  // What the checkpoint counts on must be on the disk before it is.
+  // Files to which the checkpoint refers must be on the disk first.
   results_->sync();
   log_->sync();
   checkpoint_.results_bytes = results_->size();

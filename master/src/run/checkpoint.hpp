@@ -21,15 +21,15 @@ namespace mebots::master {
 
 inline constexpr const char* kCheckpointFile = "checkpoint.bin";
 
-/// A run as it stood at one communication point, complete enough for another process to go on with it.
+/// The state of a run at a communication point, complete enough to resume it in another process.
 struct Checkpoint {
   std::filesystem::path config;  ///< config, FMU or SSP
   RunOptions options;
   std::string inputs;  ///< the lines of InputHash
   std::int64_t time_ns = 0;
-  std::uint64_t results_bytes = 0;  ///< of results.csv up to here
-  std::uint64_t log_bytes = 0;      ///< of log.txt
-  std::string results_hash;         ///< of these bytes
+  std::uint64_t results_bytes = 0;  ///< length of results.csv at this point
+  std::uint64_t log_bytes = 0;      ///< length of log.txt
+  std::string results_hash;         ///< hash of these bytes
   std::string log_hash;
   std::vector<std::byte> simulation;
 
@@ -46,26 +46,27 @@ struct Checkpoint {
   }
 };
 
-/// With every path made absolute: the paths of a checkpoint must hold from any working folder.
+/// Makes every path absolute: a checkpoint must be valid from any working folder.
 RunOptions with_absolute_paths(RunOptions options);
 
-/// Writes a checkpoint so that the file is the old one or the new one at every moment. Throws Error.
+/// Replaces the checkpoint file atomically. Throws Error.
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 
-/// Throws InputError when there is none, or it is damaged or of another version.
+/// Throws InputError if there is no checkpoint, or if it is damaged or of another version.
 Checkpoint read_checkpoint(const std::filesystem::path& folder);
 
-/// Throws InputError that names the instances whose FMUs cannot write their state as bytes.
+/// Throws InputError with the instances whose FMUs cannot serialize their state.
 void check_can_checkpoint(const ResolvedSystem& system);
 
-/// Throws InputError that says what is not as it was when `what` ("the checkpoint") was written.
+/// Throws InputError that lists the changes since `what` ("the checkpoint") was written.
 void check_inputs(const std::string& inputs_then, const std::string& inputs_now, std::string_view what);
 
-/// Writes a checkpoint at t = 0 and then at the first communication point after each interval of simulated time.
-/// To be the last observer: what the others have written of a point must be in their files.
+/// Writes a checkpoint at t = 0 and then at the first communication point after each interval of simulated time. It
+/// must be the last observer, because the others must write their data of a point to their files first.
 class Checkpointer final : public Observer {
  public:
-  /// `blank` holds all that does not change on the way. All others must outlive the checkpointer.
+  /// `blank` contains everything that does not change during the run. All other arguments must outlive the
+  /// checkpointer.
   Checkpointer(Simulation& simulation, std::filesystem::path folder, Checkpoint blank, OutputFile& results,
                OutputFile& log);
 
@@ -84,13 +85,13 @@ class Checkpointer final : public Observer {
   std::int64_t next_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 
-/// The state of a run without files at one communication point. Other runs of the same inputs can start from it. A
-/// Checkpoint belongs to one run, whose files hold the earlier results.
+/// The state of a run without files at a communication point. Other runs with the same inputs can start from it. A
+/// Checkpoint, by contrast, belongs to one run, whose files contain the earlier results.
 struct SavedRun {
   std::string inputs;  ///< the lines of InputHash
   std::int64_t time_ns = 0;
   std::vector<std::byte> simulation;
-  std::vector<std::byte> rows;  ///< of the MemorySink, if there is one
+  std::vector<std::byte> rows;  ///< of the MemorySink, if it exists
 
   void visit(state::Visitor& v) {
     v("inputs", inputs);

@@ -19,7 +19,7 @@ std::string name_of(const Fmu& fmu) {
   return fmu.archive().filename().string();
 }
 
-/// By what a function changes: how many runs of this process use it now, and which FMU imported it first.
+/// The present use of a process function: the number of runs in this process, and the first FMU that imported it.
 struct Use {
   int runs = 0;
   std::string fmu;
@@ -31,11 +31,11 @@ struct Uses {
 };
 
 Uses& uses() {
-  static Uses& all = *new Uses;  // never destroyed: a run may be closed at the end of the process
+  static Uses& all = *new Uses;  // never destroyed: a run may be closed when the process ends
   return all;
 }
 
-/// The functions that FMUs of this process import, each with the name of the first such FMU.
+/// Returns the functions that FMUs of this process import, each with the first such FMU.
 std::map<const ProcessFunction*, std::string> functions_of(const ResolvedSystem& system) {
   std::map<const ProcessFunction*, std::string> functions;
   for (const auto& instance : system.instances) {

@@ -16,18 +16,17 @@ namespace mebots::master {
 /// Lists the FMUs that are not clean. All instances must have been freed.
 std::vector<Leftover> leftovers_of(const ResolvedSystem& system);
 
-/// The first FMU whose state does not hold everything that it computes with, and why. If all states are whole,
-/// returns nothing.
+/// Returns the first FMU that computes with data outside of its state, with the reason; empty if there is none.
 std::optional<std::string> fmu_without_whole_state(const ResolvedSystem& system);
-/// Throws InputError that names such an FMU; `what` is the call that needs a state.
+/// Throws InputError with the name of such an FMU. `what` is the call that needs a state.
 void require_whole_states(const ResolvedSystem& system, std::string_view what);
 
-/// The use that one run makes of what the C library keeps for the whole process, such as the generator of rand(). A run
-/// whose FMUs import the functions begins with all of it as in a fresh process, or is refused.
+/// The use of process-wide data of the C library by a run, such as the generator of rand(). If its FMUs import such
+/// functions, the run starts with this data as in a new process, or is rejected.
 class ProcessUse {
  public:
-  /// Throws InputError that names the FMU and the function if an earlier run may have changed what mebots cannot set
-  /// back, or if another run uses the same at the moment.
+  /// Throws InputError with the FMU and the function, if an earlier run may have changed data that mebots cannot reset,
+  /// or if another run is using it.
   explicit ProcessUse(const ResolvedSystem& system);
   ~ProcessUse();
   ProcessUse(const ProcessUse&) = delete;

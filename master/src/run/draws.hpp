@@ -16,38 +16,38 @@
 
 namespace mebots::master {
 
-/// A draw from the open interval (0, 1): 53 bits of a SHA-256 of the arguments, so that each draw is the same on every
-/// machine, whatever else is drawn.
+/// Returns a draw from the open interval (0, 1): 53 bits of the SHA-256 of the arguments. A draw is the same on every
+/// machine and independent of other draws.
 double unit_draw(std::int64_t seed, std::string_view name, std::int64_t index);
 
-/// The parameters that a draw sets, as "instance.variable": those named calibration.*, of which each is a position from
-/// -1 to 1 in the interval that a data file gives for a quantity. Without those that the system sets.
+/// Returns the parameters that a draw sets, as "instance.variable". They are named calibration.*; each is a position
+/// from -1 to 1 in the interval that a data file gives for a quantity. Leaves out those that the system sets.
 std::vector<std::string> calibration_parameters(const ResolvedSystem& system);
-/// The same of a config, whose FMUs are opened for it. Throws InputError.
+/// Opens the FMUs of a config and returns these parameters. Throws InputError.
 std::vector<std::string> calibration_parameters(const std::filesystem::path& config);
 
-/// Flights of the same system with drawn parameters.
+/// Runs of the same system with drawn parameters.
 class DrawnFlights {
  public:
-  /// A further draw of a quantity lies between the least and the greatest of 19 with a chance of 18/20: its rank among
-  /// the 20 is uniform, whatever the distribution.
+  /// With 19 draws, a further draw of a quantity lies between their least and greatest value with a probability of
+  /// 18/20: its rank among the 20 is uniform for any distribution.
   static constexpr int kFlights = 19;
   static constexpr double kLevel = 0.9;
   static constexpr std::int64_t kSeed = 0;
 
-  /// Called before each flight with its number from 1.
+  /// Called before each run with its number from 1.
   using Progress = std::function<void(int flight)>;
 
-  /// `run` has ended. Throws InputError if no FMU has calibration parameters.
+  /// `run` must have ended. Throws InputError if no FMU has calibration parameters.
   explicit DrawnFlights(Run& run);
-  /// Flies all. A flight that fails counts as an outcome. Returns false if a signal, or the interrupt flag of the run
-  /// that has ended, interrupted it.
+  /// Performs all runs. A failed run counts as an outcome. Returns false if a signal, or the interrupt flag of the
+  /// original run, interrupted it.
   bool fly(const Progress& progress);
 
-  /// Warnings of FMUs about calibration parameters whose data file has no interval.
+  /// Returns the FMUs' warnings about calibration parameters whose data file has no interval.
   const std::set<std::string>& without_effect() const { return without_effect_; }
 
-  /// For summary.json: parameters, outcomes, the interval of each number of the summary, and the warnings.
+  /// Returns the parameters, outcomes, interval of each number in the summary, and warnings, for summary.json.
   nlohmann::ordered_json json() const;
 
  private:
@@ -61,11 +61,11 @@ class DrawnFlights {
   bool interrupted_ = false;
 };
 
-/// True if the options or the config of a run that has ended ask for drawn flights. An interrupted run has none.
+/// True if the options or the config request drawn runs and `run` has ended without an interrupt.
 bool wants_draws(const Run& run);
 
-/// Flies the draws of a run that has ended, if it wants them, and adds them to its summary. Draws begin at t = 0 with
-/// the settings alone. Therefore there are none if a program wrote variables or began the run in its middle.
+/// If requested, performs the drawn runs and adds them to the summary of a run that has ended. They start at t = 0 from
+/// the settings alone, so there are none if a program wrote variables or used start_from().
 void add_draws(Run& run);
 
 }  // namespace mebots::master

@@ -12,7 +12,7 @@
 namespace mebots::master {
 namespace {
 
-/// Files that texts among the parameters name, as the FMU would open them: from the working folder.
+/// Returns the files named by text parameters; an FMU would open them relative to the working folder.
 std::map<std::string, std::filesystem::path> named_files(const SystemDescription& system) {
   std::map<std::string, std::filesystem::path> files;  // the last assignment to a parameter counts
   for (const auto& instance : system.instances) {

@@ -10,11 +10,11 @@
 
 namespace mebots::master {
 
-/// Fingerprint of all that a run depends on. The config's bytes, every FMU's bytes, the bytes of files that texts
-/// among the parameters name (a program for a chip, say), those of files of signals, and what the command line changed.
+/// A fingerprint of all inputs of a run: the bytes of the config, of every FMU, of the files named by text parameters
+/// (such as a chip's program) and of signal files, and the changes by the command line.
 struct InputHash {
   std::string all;
-  std::string lines;  ///< what `all` is the hash of: one line per input, its own hash last
+  std::string lines;  ///< the hashed text: one line per input, ending in its own hash
   std::string config;
   std::vector<std::pair<std::string, std::string>> fmus;  ///< instance, hash of its FMU
   std::vector<std::pair<std::string, std::string>>

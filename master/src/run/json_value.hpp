@@ -11,7 +11,7 @@
 
 namespace mebots::master {
 
-/// A variable's value as JSON has it; null for none.
+/// Returns a variable's value as JSON; null if empty.
 inline nlohmann::ordered_json json_of(const modeldesc::Value& value) {
   return std::visit(
       []<typename T>(const T& held) -> nlohmann::ordered_json {
@@ -24,8 +24,8 @@ inline nlohmann::ordered_json json_of(const modeldesc::Value& value) {
       value);
 }
 
-/// A new member of an object, or of what is none yet. The key must not be there: an ordered object would look through
-/// all that it has.
+/// Adds a member to an object, or to null. The key must be new, because an ordered object would compare it with all its
+/// members.
 inline nlohmann::ordered_json& add_member(nlohmann::ordered_json& object, const std::string& key) {
   if (object.is_null()) object = nlohmann::ordered_json::object();
   auto& members = object.get_ref<nlohmann::ordered_json::object_t&>();

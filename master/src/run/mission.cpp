@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C++ door to a Run: names and values as programs have them.
+// The public C++ interface of a Run: names and values in the form that programs use.
 #include "mebots/mission.hpp"
 
 #include "base/signal_guard.hpp"
@@ -52,9 +52,9 @@ class Mission::Door {
     return find_variable(*run, variable);
   }
 
-  std::filesystem::path config;  // of the constructor; empty for a run that was resumed
+  std::filesystem::path config;  // of the constructor; empty for a resumed run
   RunOptions options;
-  std::list<PointListener> listeners;  // before the run, which holds on to their addresses
+  std::list<PointListener> listeners;  // before the run, which stores their addresses
   std::unique_ptr<Run> run;
 };
 
@@ -138,7 +138,7 @@ void Mission::reset() {
                                                       ? "reset() from a listener: it is called in the middle of a step"
                                                       : "reset(): this mission was resumed from a checkpoint");
   }
-  door.run->close();  // lets go of the results folder
+  door.run->close();  // releases the results folder
   door.run = std::make_unique<Run>(door.config, door.options, door.run->library());
   door.listeners.clear();
 }

@@ -14,13 +14,13 @@ namespace mebots::master {
 
 namespace {
 
-/// What a run replaces in its folder, and removes where it does not write it again.
+/// The files that a run replaces in its folder, and deletes if it does not write them again.
 constexpr std::array<std::string_view, 7> kOutdated = {kSystemFile,  kSceneFile,       "summary.json", "results.csv",
                                                        "results.h5", "parameters.csv", kCheckpointFile};
 
 void refuse_as_input(const std::filesystem::path& folder, const std::filesystem::path& config) {
   for (const auto name : kOutdated) {
-    std::error_code none;  // most often there is no such file
+    std::error_code none;  // usually there is no such file
     if (!std::filesystem::equivalent(folder / name, config, none)) continue;
     throw InputError(ErrorCode::invalid_argument,
                      fmt::format("{}: the run would replace this file, which is its config, by its own {}. Choose "
@@ -51,7 +51,8 @@ ResultFiles::ResultFiles(const std::filesystem::path& folder, const ResolvedSyst
     return;
   }
   results_ = &folder_.reopen("results.csv");
-  log_ = &folder_.reopen("log.txt");  // silent until it is cut back: what is said on the way there stands in it already
+  log_ = &folder_.reopen("log.txt");  // messages are not written until it is truncated: it already contains those up to
+                                      // the checkpoint
   if (results_->size() < resumed->results_bytes || log_->size() < resumed->log_bytes) {
     throw InputError(
         ErrorCode::state_damaged,
@@ -80,7 +81,7 @@ void ResultFiles::add_sinks(Recorder& recorder) {
   if (!system_->description->record.hdf5) return;
   auto sink = std::make_unique<Hdf5Sink>(columns, folder_.reserve("results.h5"));
   hdf5_ = sink.get();
-  // A file that was being written when its process was killed may be broken: its rows are in results.csv too.
+  // A file that was being written when its process was killed may be damaged; its rows are also in results.csv.
   if (resumed_ != nullptr) copy_csv_rows(results_->path(), resumed_->results_bytes, columns, *sink);
   recorder.add(std::move(sink));
 }

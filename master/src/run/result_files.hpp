@@ -19,48 +19,48 @@
 
 namespace mebots::master {
 
-/// The files of a run: system.json, scene.json.gz, results.csv, results.h5, parameters.csv, pictures, log.txt,
-/// summary.json, checkpoint.bin, in one folder. Until the run has come to t = 0 an earlier run's files stay as they
-/// are.
+/// The files of a run in one folder: system.json, scene.json.gz, results.csv, results.h5, parameters.csv, pictures,
+/// log.txt, summary.json, checkpoint.bin. An earlier run's files are unchanged until this run reaches t = 0.
 class ResultFiles {
  public:
-  /// Makes the folder and the files that are always there, or opens those of the run that `resumed` goes on with.
-  /// Throws InputError when it cannot. `system` and `resumed` must outlive this object; `resumed` null = a new run.
+  /// Creates the folder and the files that every run has, or opens those of the run that `resumed` continues. Throws
+  /// InputError if that fails. `system` and `resumed` must outlive this object; null = a new run.
   ResultFiles(const std::filesystem::path& folder, const ResolvedSystem& system, const Checkpoint* resumed);
 
   const std::filesystem::path& folder() const { return folder_.path(); }
-  /// True from t = 0 on: the results in the folder are this run's.
+  /// True from t = 0: the results in the folder are this run's.
   bool kept() const { return folder_.kept(); }
-  /// What is shown to people as the file of the rows.
+  /// Returns the path of the rows, for messages.
   std::filesystem::path rows_file() const;
 
-  /// Hands the recorder its sinks. Before the first point.
+  /// Gives the recorder its sinks. Before the first point.
   void add_sinks(Recorder& recorder);
-  /// Observers of which each belongs to a file, in their order. Before the first point; valid as long as this object.
+  /// Returns observers, each for one file, in order. Before the first point; valid as long as this object.
   std::vector<Observer*> make_observers(Ensemble& ensemble);
-  /// The one that writes checkpoints; to be the last of all observers.
+  /// Returns the observer that writes checkpoints; it must be the last.
   Observer& make_checkpointer(Simulation& simulation, const RunOptions& options, const std::string& inputs);
-  /// What is written once all instances are initialised. Of a run that is resumed: cuts the log back, and goes on.
+  /// Writes the files of the start, after all instances are initialised. For a resumed run, truncates the log and
+  /// continues it.
   void started(Ensemble& ensemble);
 
-  /// A line of log.txt.
+  /// Writes a line to log.txt.
   void log(const Message& message);
 
-  /// Closes results and log, once the recorder has handed over its rows. Returns what went wrong first; nothing when
-  /// all is on the disk.
+  /// Closes results and log after the recorder has written its rows. Returns the first error; empty if everything is on
+  /// the disk.
   std::optional<std::string> close();
   /// Adds lines to log.txt after close(). Throws Error.
   void log_after_close(std::span<const std::string> lines);
-  /// Writes summary.json, whole or not at all. Throws Error.
+  /// Replaces summary.json atomically. Throws Error.
   void write_summary(const std::string& text);
   bool has_checkpoint() const;
-  /// There is nothing to go on with.
+  /// Removes the checkpoint, because there is nothing to resume.
   void remove_checkpoint();
-  /// All is written: another run may use the folder.
+  /// Releases the folder for other runs, after everything is written.
   void release() { folder_.release(); }
 
  private:
-  /// Puts this run's files in the place of an earlier run's, once it has come to t = 0.
+  /// When the run has reached t = 0, replaces an earlier run's files by its own.
   class KeepResults final : public Observer {
    public:
     explicit KeepResults(ResultFiles& files) : files_(&files) {}
@@ -79,10 +79,10 @@ class ResultFiles {
   OutputFile* results_ = nullptr;  // null without results.csv
   OutputFile* log_ = nullptr;
   bool logging_ = false;
-  Hdf5Sink* hdf5_ = nullptr;  // of the recorder; null without one
+  Hdf5Sink* hdf5_ = nullptr;  // the recorder's; null without results.h5
   std::optional<SystemFileWriter> system_writer_;
   std::optional<ParameterRecorder> parameters_;
-  std::list<PictureRecorder> pictures_;  // whoever observes holds on to their addresses
+  std::list<PictureRecorder> pictures_;  // a list, because observers are referenced by address
   std::optional<Checkpointer> checkpointer_;
 };
 

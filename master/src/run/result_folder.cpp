@@ -38,8 +38,9 @@ ResultFolder::~ResultFolder() {
   std::error_code ignored;
   for (const auto& waiting : waiting_) std::filesystem::remove(waiting.now, ignored);
   if (kept_) return;
-  lock_.reset();                                                              // its file would keep the folder
-  for (const auto& folder : made_) std::filesystem::remove(folder, ignored);  // only where it is empty
+  lock_.reset();                                                              // its file would keep the folder from
+                                                                              // being removed
+  for (const auto& folder : made_) std::filesystem::remove(folder, ignored);  // only if empty
 }
 
 OutputFile& ResultFolder::create(std::string_view name) {
@@ -82,7 +83,7 @@ void ResultFolder::keep(std::span<const std::string_view> outdated) {
 
 namespace {
 
-/// True if the file of this name is still the opened one. Its last owner removes it.
+/// True if this path still names the opened file. Its last owner removes it.
 bool is_still(const std::filesystem::path& file, int descriptor) {
   struct stat named {};
   struct stat opened {};
@@ -96,7 +97,7 @@ std::string owner_of(int descriptor) {
   return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : "unknown";
 }
 
-/// True if no process has this number. A child that a killed run was just starting keeps its lock for a moment.
+/// True if no process has this number. A child process that a killed run was just starting keeps the lock for a moment.
 bool is_gone(const std::string& owner) {
   pid_t number = 0;
   const auto* const end = owner.data() + owner.size();
@@ -131,14 +132,14 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / ".m
     if (is_still(file_, descriptor_)) break;
     ::close(descriptor_);
   }
-  // Should this fail, the lock holds all the same; only the other run's message lacks the number.
+  // If this fails, the lock is still valid; only the other run's message lacks the number.
   const auto own = std::to_string(::getpid());
   static_cast<void>(::ftruncate(descriptor_, 0) == 0 && ::pwrite(descriptor_, own.data(), own.size(), 0) > 0);
 }
 
 FolderLock::~FolderLock() {
   std::error_code ignored;
-  std::filesystem::remove(file_, ignored);  // before the lock goes: nobody may take a file that is then removed
+  std::filesystem::remove(file_, ignored);  // before unlocking, so that no other run locks a file that is then removed
   ::close(descriptor_);
 }
 

@@ -38,18 +38,18 @@ class ResultFolder {
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
-  /// A new file of this name. Lives as long as the folder object. Throws InputError.
+  /// Creates a file of this name; valid as long as this object. Throws InputError.
   OutputFile& create(std::string_view name);
-  /// The path of a new file that somebody else writes; it gets its name with keep(), too.
+  /// Returns the path of a new file that another component writes; keep() renames it too.
   std::filesystem::path reserve(std::string_view name);
-  /// A file that an earlier run left, to go on writing at its end. Throws InputError.
+  /// Opens an earlier run's file to append to it. Throws InputError.
   OutputFile& reopen(std::string_view name);
 
-  /// From now on the results are this run's: the new files take their places, and what an earlier run left
-  /// under `outdated` goes. Throws InputError.
+  /// Makes the results this run's: renames the new files to their final names, and deletes an earlier run's files in
+  /// `outdated`. Throws InputError.
   void keep(std::span<const std::string_view> outdated);
 
-  /// The run is over: another one may write here.
+  /// Releases the folder for other runs.
   void release() { lock_.reset(); }
 
   bool kept() const { return kept_; }
@@ -57,13 +57,13 @@ class ResultFolder {
 
  private:
   std::filesystem::path path_;
-  std::vector<std::filesystem::path> made_;  // folders, from the innermost outwards
+  std::vector<std::filesystem::path> made_;  // folders, innermost first
   std::optional<FolderLock> lock_;
   std::list<OutputFile> files_;
   struct Waiting {
     std::filesystem::path now;
     std::filesystem::path later;
-    OutputFile* file;  // null for one that somebody else writes
+    OutputFile* file;  // null if another component writes it
   };
   std::vector<Waiting> waiting_;
   bool kept_ = false;

@@ -30,7 +30,7 @@
 namespace mebots::master {
 namespace {
 
-/// Adds the wall time from here to the end of the scope, also when that is left by an exception.
+/// Adds the wall time until the end of the scope, also if an exception ends it.
 class Stopwatch {
  public:
   explicit Stopwatch(double& total_s) : total_s_(&total_s) {}
@@ -43,7 +43,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// An FMU alone and an SSP may lack both; a config has its own.
+/// A single FMU and an SSP may lack both times; a config has its own.
 GivenTimes given_times(const std::filesystem::path& config, const RunOptions& options) {
   GivenTimes times;
   times.step = options.step_s;
@@ -52,7 +52,7 @@ GivenTimes given_times(const std::filesystem::path& config, const RunOptions& op
   return times;
 }
 
-/// Throws InputError for a time that cannot be used.
+/// Throws InputError for an invalid time.
 void check_times(const RunOptions& options) {
   if (options.stop_time_s) static_cast<void>(nanoseconds_of(*options.stop_time_s, "stop time"));
   if (const auto* step_s = options.step_s ? std::get_if<double>(&*options.step_s) : nullptr) {
@@ -138,7 +138,7 @@ void Run::listen(MessageHub::Listener listener) {
   messages_.add(std::move(listener));
 }
 
-/// The description of the instance's FMU, for the structural parameters that are set so far.
+/// Returns the description of the instance's FMU for the structural parameters set so far.
 std::shared_ptr<const modeldesc::ModelDescription> Run::model_of(const InstanceDescription& instance) const {
   const auto fmu = open_fmu(instance, *library_);
   return fmu->model(structural_values(instance, fmu->description()));
@@ -197,7 +197,7 @@ void Run::record(const std::vector<std::string>& patterns) {
   options_.record = patterns;
 }
 
-/// What was asked for beyond the config: the same text whichever door it came through, and in whichever order.
+/// Returns the changes to the config. The text does not depend on the interface used or on their order.
 std::vector<std::string> Run::changes() const {
   std::vector<std::string> texts;
   if (options_.step_s) texts.push_back(fmt::format("step {}", time_text(*options_.step_s)));
@@ -259,7 +259,8 @@ std::vector<std::byte> Run::save_state() {
     memory_->visit_rows(saver);
     saved.rows = writer.take();
   });
-  require_whole_states(resolved_, "save_state()");  // an instance's own process has reported with its state
+  require_whole_states(resolved_, "save_state()");  // an instance in a separate process has reported it together with
+                                                    // its state
   return to_bytes(saved);
 }
 
@@ -272,7 +273,7 @@ void Run::attempt(Work work) {
   try {
     work();
     messages_.rethrow();
-  } catch (const InterruptedError&) {  // on the way to t = 0: there is no point to end at
+  } catch (const InterruptedError&) {  // before t = 0: there is no point at which the run could end
     report_.end_reason = EndReason::interrupted;
     report_.outcome = name_of(EndReason::interrupted);
     report_.end_text = checkpoint_ ? "interrupted before the checkpoint was reached" : "interrupted before t = 0";
@@ -314,7 +315,7 @@ void Run::begin() {
 
 void Run::open() {
   install_crash_notice();
-  take_kept_signal();  // of an earlier run
+  take_kept_signal();  // discards the signal of an earlier run
   MEBOTS_ASSERT(state_ == RunState::open && !simulation_);
   if (options_.isolate) {
     for (auto& instance : system_.instances) {
@@ -340,7 +341,7 @@ void Run::open() {
     check_inputs(past_->inputs, hash_.lines, "the saved state");
     require_whole_states(resolved_, "start_from()");
   }
-  recorded_variables(resolved_);  // the same of a name that fits nothing
+  recorded_variables(resolved_);  // throws if a name matches nothing
   recorded_parameters(resolved_);
   for (const auto& pictures : system_.pictures) check_pictures(resolved_, pictures);
   scenario_.emplace(resolved_);
@@ -408,17 +409,17 @@ void Run::initialise() {
     simulation_->resume(checkpoint_->simulation);
   } else if (past_) {
     simulation_->resume(past_->simulation);
-    past_->simulation = {};  // megabytes that nobody needs any more
+    past_->simulation = {};  // frees memory that is no longer needed
     past_->rows = {};
   } else {
     simulation_->initialize();
   }
-  // Said before the log goes on: it ends as the log of a run that nobody disturbed.
+  // Logged before the log is continued, so that the finished log equals that of an uninterrupted run.
   if (checkpoint_) say(Severity::info, "notice", fmt::format("resumed at {} s", to_seconds(time_ns())));
   if (files_) files_->started(ensemble);
 }
 
-/// Adds the notices of the slaves to those of the run.
+/// Adds the slaves' notices to those of the run.
 void Run::note_slaves(Ensemble& ensemble) {
   for (std::size_t i = 0; i < ensemble.size(); ++i) {
     for (const auto& notice : ensemble.slave(i).notices()) {
@@ -428,10 +429,10 @@ void Run::note_slaves(Ensemble& ensemble) {
   }
 }
 
-/// Looks after the process in the first, second, fourth ... step of this call, and at its end. A changed signal mask,
-/// by which an interrupt is lost, is noticed earlier.
+/// Checks the process in the first, second, fourth ... step of this call and at its end. Detects a changed signal mask
+/// earlier, because it would block interrupts.
 void Run::step_until(std::int64_t until_ns) {
-  // Watching the process costs more than a step.
+  // Checking the process costs more than a step.
   std::optional<ProcessWatch> watch;
   if (!has_foreign_ && until_ns > next_point_ns()) watch.emplace(resolved_, messages_);
   auto seen_ns = time_ns();
@@ -496,7 +497,7 @@ void Run::call(std::size_t instance, std::string_view what, const std::function<
 }
 
 void Run::at_point(const std::function<void()>& work) {
-  at_point_ = initialised_;  // while it comes to t = 0 the run is not to be asked yet
+  at_point_ = initialised_;  // variables cannot be read before t = 0
   try {
     work();
   } catch (...) {
@@ -518,7 +519,7 @@ void Run::finish() {
   try {
     simulation_->terminate();
   } catch (const Error& error) {
-    // An instance whose call an interrupt ended is told already, in the text of the end.
+    // If an interrupt ended an instance's call, the text of the end already reports it.
     if (end.reason != EndReason::interrupted) {
       report_.notices.push_back(fmt::format("after the end: {}", error.what()));
       say(Severity::warning, "notice", report_.notices.back());
@@ -529,7 +530,7 @@ void Run::finish() {
   watch.look("in fmi2Terminate", time_ns());
   if (const auto text = copies_ ? copies_->returned() : std::nullopt) report_fault(*text);
   if (const auto text = take_kept_signal()) report_fault(*text);
-  process_use_.reset();  // the FMUs compute no more
+  process_use_.reset();  // the FMUs compute nothing more
   if (coupling_) {
     for (const auto& warning : coupling_->warnings()) {
       report_.notices.push_back(warning);
@@ -550,13 +551,13 @@ void Run::report_fault(const std::string& text) {
   say(Severity::error, "notice", report_.notices.back());
 }
 
-/// The results are on the disk before: a crash in this process takes nothing away.
+/// The results are on the disk first, so a crash here loses nothing.
 void Run::free_fmus(bool unloads) {
   if (freed_ || !simulation_) return;
   freed_ = true;
   ProcessWatch watch(resolved_, messages_);
   auto faults = simulation_->free_instances();
-  if (unloads && library_.use_count() == 1) {  // else a run after this one goes on with them
+  if (unloads && library_.use_count() == 1) {  // otherwise a later run uses them
     for (const auto& instance : resolved_.instances) {
       try {
         instance.fmu->unload();
@@ -604,7 +605,7 @@ void Run::write_reports() noexcept {
   report_.simulated_ns = simulation_->time_ns() - system_.start_time_ns;
   report_.steps = simulation_->steps_done();
   report_.rows = recorder_ ? recorder_->rows() : 0;
-  if (files_ && !files_->kept()) return;  // t = 0 was never reached: the folder stays as it was found
+  if (files_ && !files_->kept()) return;  // t = 0 was not reached: the folder is unchanged
   const auto note = [this](const std::string& problem) {
     if (!report_.error.empty()) return;
     state_ = RunState::failed;
@@ -634,7 +635,7 @@ void Run::write_summary() {
   files_->write_summary(summary().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
-/// Another run may write into the folder.
+/// Another run may use the folder now.
 void Run::release_files() noexcept {
   if (files_ && files_->kept()) files_->release();
 }

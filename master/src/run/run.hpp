@@ -35,129 +35,131 @@
 
 namespace mebots::master {
 
-/// One run, from the request to the report. The command line, C++ and Python all use it.
+/// A run, from its request to the report. The command line, C++ and Python all use it.
 ///
-/// RunState says where it stands. An error in start(), step() and the like makes the run `failed` and is thrown; the
-/// files hold what was reached until then. After that the FMUs are not called any more: step() throws.
+/// RunState is its state. An error in start(), step() and similar functions sets the state to `failed` and is thrown;
+/// the files contain the results so far. Afterwards no FMU is called: step() throws.
 ///
-/// Observers hear of each communication point in this order: scenario, files of the start, pictures, recorder, values
-/// of the summary, outcomes, stop conditions, coupling, those of add(), checkpoint. So a checkpoint holds what all
-/// others made of its point.
+/// At each communication point, observers are called in this order: scenario, files of the start, pictures, recorder,
+/// values of the summary, outcomes, stop conditions, coupling, those of add(), checkpoint. Thus a checkpoint contains
+/// the data of all others for its point.
 ///
-/// One thread at a time; interrupt() from any thread and from signal handlers.
+/// For one thread at a time; interrupt() may be called from any thread and from signal handlers.
 class Run {
  public:
-  /// Reads the config and applies the options to it. Throws InputError; no file is made. With the library of an earlier
-  /// run, FMUs that it has opened are not opened again.
+  /// Reads the config and applies the options. Throws InputError; creates no files. With the library of an earlier run,
+  /// FMUs that it has opened are not opened again.
   explicit Run(const std::filesystem::path& config, RunOptions options = {},
                std::shared_ptr<FmuLibrary> library = std::make_shared<FmuLibrary>());
-  /// The run whose checkpoint is in this folder, as it stood there, once it is started. Throws InputError.
+  /// Returns the run of the checkpoint in this folder; start() restores its state. Throws InputError.
   static std::unique_ptr<Run> resume(const std::filesystem::path& folder, bool in_memory = false);
   /// Closes the run.
   ~Run();
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  // While it is open.
+  // Functions to call before start().
 
-  /// Who hears messages of FMUs and notices of the run.
+  /// Adds a listener for messages of FMUs and notices of the run.
   void listen(MessageHub::Listener listener);
-  /// A parameter or start value, in place of the config's. Opens the instance's FMU and checks name, type and limits.
+  /// Replaces a parameter or start value of the config. Opens the instance's FMU and checks name, type and limits.
   void set(const Setting& written);
-  /// Appends the overrides of a file.
+  /// Appends the overrides of a scenario file.
   void add_scenario(const std::filesystem::path& file);
-  /// Takes a CSV file's columns as sources of the free inputs that they are named after.
+  /// Uses a CSV file's columns as sources of the unconnected inputs with the same names.
   void add_inputs(const std::filesystem::path& file);
   void set_stop_time(std::int64_t stop_time_ns, const std::string& place);
   /// Records these variables (patterns with * and ?) in place of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
-  /// Must outlive the run's last step.
+  /// The observer must outlive the run's last step.
   void add(Observer& observer);
-  /// One of the program around, which may change the process as it likes: what the FMUs change in their steps is looked
-  /// for less often then.
+  /// Adds an observer of the embedding program, which may change the process itself. Changes of the process by FMUs are
+  /// then checked less often.
   void add_foreign(Observer& observer);
-  /// Variables are not read after the end: the FMUs are freed then, and what goes wrong in that stands in the report.
+  /// Frees the FMUs at the end, so that errors of freeing appear in the report. Variables cannot be read after the end.
   void free_at_end() { frees_at_end_ = true; }
-  /// Unpacks and loads the FMUs, and makes no instance: a fork of the process from here on begins as a fresh one.
-  /// Throws InputError.
+  /// Unpacks and loads the FMUs and creates no instance. A process forked after this call starts the run as a new one
+  /// would. Throws InputError.
   void load();
-  /// Begins where save_state() of a run of the same inputs was called, in this process or another. Throws InputError.
+  /// Starts from the state of save_state() of a run with the same inputs, in this process or another. Throws
+  /// InputError.
   void start_from(std::span<const std::byte> state);
 
-  // On the way.
+  // Functions that run the simulation.
 
-  /// Opens the FMUs, checks everything that can be checked, and goes to t = 0 or to the checkpoint. Nothing, when that
-  /// was done. Throws InputError and Error.
+  /// Opens the FMUs, makes all checks, and initialises to t = 0 or to the checkpoint. No effect if already done. Throws
+  /// InputError and Error.
   void start();
-  /// One communication step. False when the end was reached before, or in this step without a new point (an FMU that
-  /// ended the run, an interrupt). Starts the run if need be.
+  /// Takes one communication step. Returns false if the end was reached before, or in this step without a new point (an
+  /// FMU ended the run, or an interrupt). Starts the run if necessary.
   bool step();
-  /// Steps until `time_ns`, or to the end if that comes first.
+  /// Steps until `time_ns` or the end, whichever is earlier.
   void run_until(std::int64_t time_ns);
-  /// To the end.
+  /// Runs to the end.
   void run();
-  /// Asks for the end at the last point that all instances reached: within the next call to an FMU that returns. A
-  /// call to an isolated instance is ended. Safe in signal handlers.
+  /// Requests the end at the last point that all instances reached. Takes effect when the next call to an FMU returns;
+  /// a call to an isolated instance is ended. Safe in signal handlers.
   void interrupt() noexcept { interrupted_.store(true, std::memory_order_relaxed); }
-  /// For a SignalGuard.
+  /// Returns the flag for a SignalGuard.
   std::atomic<bool>& interrupt_flag() { return interrupted_; }
-  /// Ends the run at the current point, and writes its reports. No effect after the end. Never throws; the report
-  /// contains errors. From a listener: as interrupt().
+  /// Ends the run at the current point and writes its reports. No effect after the end. Never throws; the report
+  /// contains errors. Called from a listener, it acts as interrupt().
   void close() noexcept;
-  /// Closes the run and frees its instances. Lists the FMUs that are not clean: the next run in this process might find
-  /// what they left. No variable can be read from then on.
+  /// Closes the run and frees its instances. Returns the FMUs that are not clean: what they left behind could change
+  /// the next run in this process. No variable can be read afterwards.
   std::vector<Leftover> free_instances();
-  /// The run as it stands between two steps, for start_from(). Throws InputError for one that has ended or writes
-  /// files, and Error where an FMU cannot write its state as bytes.
+  /// Returns the state between two steps, for start_from(). Throws InputError if the run has ended or writes files, and
+  /// Error if an FMU cannot serialize its state.
   std::vector<std::byte> save_state();
-  /// For observers of add(): variables may be read in `work`.
+  /// Calls `work`, in which variables may be read. For observers of add().
   void at_point(const std::function<void()>& work);
-  /// True if it began with start_from() in place of t = 0.
+  /// True if the run started with start_from() instead of at t = 0.
   bool began_later() const { return past_.has_value(); }
-  /// True in a call that steps, so also for the listeners that it calls.
+  /// True during a call that steps, therefore also in listeners.
   bool busy() const { return busy_; }
 
-  // At any time.
+  // Functions to call at any time.
 
   RunState state() const { return state_; }
   const RunOptions& options() const { return options_; }
-  /// The FMUs that were opened so far, for a run after this one.
+  /// Returns the FMUs opened so far, for a later run.
   const std::shared_ptr<FmuLibrary>& library() const { return library_; }
   const SystemDescription& system() const { return system_; }
   std::int64_t time_ns() const { return simulation_ ? simulation_->time_ns() : system_.start_time_ns; }
-  /// The double nearest to the communication point.
+  /// Returns the double nearest to the communication point.
   double time_s() const { return system_.grid().time_s(time_ns()); }
-  /// The config's outcome at the point reached last ("completed" when none fits); "interrupted" and "failed" where the
-  /// run was. Empty before the start.
+  /// Returns the config's outcome at the last point ("completed" if none applies), or "interrupted" or "failed". Empty
+  /// before the start.
   std::string outcome() const;
-  /// What is known so far; complete once the run is over.
+  /// Returns the results so far; complete after the end.
   const RunReport& report() const { return report_; }
-  /// The content of summary.json, as far as it is known. From the start on.
+  /// Returns the content of summary.json so far. After the start.
   nlohmann::ordered_json summary() const;
   const Statistics& statistics() const { return statistics_; }
-  /// The work of the solvers of model exchange; empty without one.
+  /// Returns the statistics of the solvers of model exchange; empty if there are none.
   const std::vector<SolverStatistics>& solvers() const { return solvers_; }
   /// The communication steps under step control; null without it. From the start on.
   const StepStatistics* step_statistics() const { return simulation_ ? simulation_->step_statistics() : nullptr; }
   /// The values that the config asks for under `summary`. From the start on.
   const SummaryValues& values() const { return *values_; }
-  /// Instances that failed while the others went on.
+  /// Returns the instances that failed while the others continued.
   std::vector<InstanceLoss> losses() const;
-  /// Null without files.
+  /// Returns null if the run writes no files.
   const ResultFiles* files() const { return files_ ? &*files_ : nullptr; }
-  /// How many columns a row has, the time left out.
+  /// Returns the number of columns without the time.
   std::size_t columns() const { return recorder_ ? recorder_->columns().size() : 0; }
 
-  // From the start on. These throw InputError before, and after a failure.
+  // Functions to call after the start. Before it and after a failure they throw InputError.
 
   const ResolvedSystem& resolved() const;
-  /// Reads or sets variables of an instance. An error of the FMU fails the run. From a listener: at a point only.
+  /// Calls `work`, which reads or sets variables of an instance. An error of the FMU fails the run. From a listener:
+  /// only at a point.
   void call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work);
-  /// Adds the intervals of drawn flights to the summary of a run that has ended.
+  /// Adds the intervals of drawn runs to the summary after the end.
   void report_uncertainty(const nlohmann::ordered_json& uncertainty);
-  /// What was set on the way, for the summary.
+  /// Records a written variable for the summary.
   void note_write(const std::string& text);
-  /// Rows so far. Throws InputError without the option `in_memory`.
+  /// Returns the rows so far. Throws InputError without the option `in_memory`.
   const MemorySink& memory();
 
  private:
@@ -170,7 +172,8 @@ class Run {
   void attempt(Work work);
   void open();
   void initialise();
-  /// Keeps listeners from calling back into what called them, and FMUs from cancelling the thread that calls them.
+  /// Rejects calls from listeners into the function that called them, and prevents FMUs from cancelling the calling
+  /// thread.
   class Busy {
    public:
     Busy(Run& run, std::string_view what);
@@ -200,27 +203,27 @@ class Run {
 
   RunOptions options_;
   std::unique_ptr<nlohmann::ordered_json> uncertainty_;
-  std::optional<Checkpoint> checkpoint_;  ///< to go on from
-  std::optional<SavedRun> past_;          ///< the same, of another run
+  std::optional<Checkpoint> checkpoint_;  ///< to resume from
+  std::optional<SavedRun> past_;          ///< to start from, of another run
   RunState state_ = RunState::open;
-  bool initialised_ = false;  ///< came to t = 0, or to the checkpoint
+  bool initialised_ = false;  ///< reached t = 0 or the checkpoint
   bool busy_ = false;
   bool at_point_ = false;
   bool frees_at_end_ = false;
   bool freed_ = false;
   ExitGuard exit_guard_{busy_, [this](const std::string& what) { fail(ErrorCode::fmu_failed, what); }};
-  std::optional<ForkedCopies> copies_;  ///< that FMUs in this process forked
+  std::optional<ForkedCopies> copies_;  ///< forked by FMUs in this process
   std::atomic<bool> interrupted_{false};
   MessageHub messages_;
   std::vector<Observer*> added_;
-  bool has_foreign_ = false;  // observers of the program around
+  bool has_foreign_ = false;  // has observers of the embedding program
   std::shared_ptr<FmuLibrary> library_;
   SystemDescription system_;
   std::vector<std::string> setting_changes_;
   std::vector<std::string> scenario_changes_;
   std::vector<std::string> inputs_changes_;
   RunReport report_;
-  // From the start on, in the order in which they depend on each other.
+  // Members that exist after the start, in the order of their dependencies.
   ResolvedSystem resolved_;
   InputHash hash_;
   Statistics statistics_;
@@ -231,11 +234,11 @@ class Run {
   std::optional<ProcessUse> process_use_;
   std::optional<Simulation> simulation_;
   std::optional<Recorder> recorder_;
-  MemorySink* memory_ = nullptr;  // of the recorder; null without one
+  MemorySink* memory_ = nullptr;  // the recorder's; null if there is none
   std::optional<SummaryValues> values_;
   std::optional<Outcomes> outcomes_;
   std::optional<StopConditions> stop_conditions_;
-  std::optional<Coupling> coupling_;  // where the config asks for it
+  std::optional<Coupling> coupling_;  // if the config requests it
 };
 
 /// Finds "instance.variable" in a started run. Throws InputError with the nearest names.
@@ -246,7 +249,8 @@ ResolvedVariable find_variable(const Run& run, std::string_view name);
 /// InputError if the variable cannot be set or does not accept the value.
 modeldesc::Value write_variable(Run& run, std::string_view name, double value, const std::string& place);
 
-/// What write_variable() takes: [{"variable", "unit", "text", "type"}], in the order of instances and descriptions.
+/// Returns the variables that write_variable() accepts: [{"variable", "unit", "text", "type"}], in the order of
+/// instances and descriptions.
 nlohmann::ordered_json writable_variables(const ResolvedSystem& system);
 
 }  // namespace mebots::master

@@ -18,12 +18,12 @@
 
 namespace mebots::master {
 
-/// Everything that is needed to go on from a communication point, within the same process.
+/// Everything needed to continue from a communication point in the same process.
 struct SimulationState {
   std::int64_t step = 0;
   std::vector<std::unique_ptr<SlaveState>> slaves;
   std::vector<std::byte> master;  ///< last values and observers
-  std::uint64_t layout = 0;       ///< of `master`
+  std::uint64_t layout = 0;       ///< hash of the layout of `master`
 };
 
 /// The loop of a run over the points of a TimeGrid. An Algorithm carries the slaves from point to point, StepControl
@@ -31,25 +31,25 @@ struct SimulationState {
 /// settings: see Run.
 class Simulation {
  public:
-  /// `system`, `messages` and what `options` points to must outlive the simulation.
+  /// `system`, `messages` and all objects in `options` must outlive the simulation.
   Simulation(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options = {});
   ~Simulation();
 
   Ensemble& ensemble() { return ensemble_; }
   const Ensemble& ensemble() const { return ensemble_; }
 
-  /// Observers are told of every communication point in the order in which they were added. Add them
-  /// before initialize(); they must outlive the simulation's last step.
+  /// Adds an observer, which is called at every communication point in the order of addition. Call it before
+  /// initialize(). The observer must outlive the simulation's last step.
   void add(Observer& observer) { observers_.push_back(&observer); }
 
-  /// To the start time. Throws as Ensemble::initialize does, and InterruptedError.
+  /// Advances to the start time. Throws what Ensemble::initialize throws, and InterruptedError.
   void initialize();
 
-  /// Instead of initialize(): to where serialize() was called, in this process or another. Throws as both do.
+  /// Replaces initialize(): restores the state of serialize(), from this process or another. Throws what both throw.
   void resume(std::span<const std::byte> bytes);
 
-  /// Takes one communication step. Returns false, and stays at the point where it is, when the end was reached before
-  /// or when the step comes to nothing, as after an interrupt: see end().
+  /// Takes one communication step. Returns false and stays at the same point if the end was reached before, or if the
+  /// step is not completed, as after an interrupt: see end().
   bool step();
 
   /// Steps until the end.
@@ -57,12 +57,12 @@ class Simulation {
 
   bool ended() const { return ended_; }
   const End& end() const { return end_; }
-  /// Ends the run at the point where it stands.
+  /// Ends the run at the present point.
   void finish(End end);
 
-  /// Terminates the slaves, except those that failed.
+  /// Terminates the slaves that have not failed.
   void terminate() { ensemble_.terminate(); }
-  /// No slave is called any more. Returns what went wrong in it, one text for each slave.
+  /// Frees the instances; no slave is called afterwards. Returns an error text per failed slave.
   std::vector<std::string> free_instances() { return ensemble_.free_instances(); }
 
   /// Communication steps from the start to here.
@@ -73,13 +73,13 @@ class Simulation {
   const StepStatistics* step_statistics() const { return control_ ? &control_->statistics() : nullptr; }
   std::int64_t time_ns() const { return grid_.time_ns(step_); }
 
-  /// Throws Error for a slave that cannot save its state.
+  /// Throws Error if a slave cannot save its state.
   SimulationState save_state();
-  /// Shows what the master itself keeps, in save_state(): last values and observers.
+  /// Visits the master's own part of save_state(): last values and observers.
   void visit(state::Visitor& v);
-  /// Goes back (or forth) to where save_state() was called; observers follow.
+  /// Restores a state of save_state(), observers included.
   void restore_state(const SimulationState& state);
-  /// A state as bytes, for another process that runs the same config with the same FMUs, and back.
+  /// Converts a state to bytes and back, for another process that runs the same config with the same FMUs.
   std::vector<std::byte> serialize(const SimulationState& state);
   SimulationState deserialize(std::span<const std::byte> bytes);
 
@@ -87,7 +87,7 @@ class Simulation {
   void reach_point();
 
   const std::atomic<bool>* interrupted_;
-  OrderedMessages messages_;  // before the slaves, which write to it
+  OrderedMessages messages_;  // before the slaves, which send messages to it
   Ensemble ensemble_;
   SlaveSteps slaves_;
   std::unique_ptr<Algorithm> algorithm_;

@@ -25,11 +25,11 @@ constexpr std::string_view kOwnLabels[] = {
     "notices",    "statistics",  "scenario",         "lost_instances", "parameters",     "coupling",  "start_time",
     "error_code", "uncertainty", "solvers"};
 
-/// Values under nested labels, in the order in which they were put. A label is looked up in logarithmic time; an
-/// ordered JSON object would compare it with each of its members.
+/// Values under nested labels, in the order of insertion. A label is looked up in logarithmic time; an ordered JSON
+/// object would compare it with each of its members.
 class LabelTree {
  public:
-  /// `path` holds at least one label.
+  /// `path` must not be empty.
   void put(std::span<const std::string> path, Json value) {
     const auto [place, added] = places_.emplace(path.front(), children_.size());
     if (added) children_.emplace_back(path.front(), LabelTree());
@@ -49,18 +49,17 @@ class LabelTree {
   }
 
  private:
-  std::map<std::string, std::size_t> places_;  // of labels among the children
+  std::map<std::string, std::size_t> places_;  // maps labels to indices of children
   std::vector<std::pair<std::string, LabelTree>> children_;
-  Json value_ = Json::object();  // of a leaf; of an empty tree, no members
+  Json value_ = Json::object();  // for a leaf; in an empty tree an object without members
 };
 
-/// Appends the members of `more`. `object` has none of them.
+/// Appends the members of `more`. `object` must have none of them.
 void append(Json& object, Json more) {
   for (auto& [label, value] : more.get_ref<Json::object_t&>()) add_member(object, label) = std::move(value);
 }
 
-/// The FMU as its config names it; one from an SSP by its place in the archive, not by where that happens to be
-/// unpacked.
+/// Returns the FMU as named in the config; for an FMU of an SSP, its path in the archive instead of its temporary path.
 std::string fmu_text(const SystemDescription& system, const InstanceDescription& instance) {
   if (!system.unpacked) return instance.fmu;
   const auto inside = instance.fmu_path.lexically_relative(system.unpacked->path());
@@ -181,9 +180,9 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
                         {"stepping", report.wall.stepping_s},
                         {"total", report.wall.open_s + report.wall.initialise_s + report.wall.stepping_s}};
 
-  // An ordered JSON object moves its members when it grows: each part is whole before it goes in.
+  // An ordered JSON object moves its members when it grows, so each part is completed before it is added.
   Json versions = {{"mebots", MEBOTS_VERSION}};
-  // What the run started from beyond its FMUs' own start values: what a comparison of two runs asks first.
+  // The start values that replace those of the FMUs, which matter most in a comparison of two runs.
   Json parameters;
   for (const auto& instance : system.instances) {
     if (instance.starts.empty()) continue;

@@ -18,18 +18,18 @@
 
 namespace mebots::master {
 
-/// Final values that the config asks for under `summary`, as they stood at the last point reached.
+/// The final values that the config requests under `summary`, at the last point.
 class SummaryValues final : public Observer {
  public:
-  /// Throws InputError for an unknown variable or a label that summary.json uses itself.
+  /// Throws InputError for an unknown variable or for a label that summary.json itself uses.
   SummaryValues(const ResolvedSystem& system, Ensemble& ensemble);
 
   std::optional<std::string> reached(const Point& point) override;
 
-  /// Labels to values (numbers, true and false, texts, enumerations as their item's name); empty before t = 0. What was
-  /// not measured, by the conditions of its entry, is left out.
+  /// Returns labels with values (numbers, Booleans, texts, item names of enumerations); empty before t = 0. Leaves out
+  /// entries whose conditions did not hold.
   nlohmann::ordered_json values() const;
-  /// The same labels to units, without those that have none.
+  /// Returns the same labels with units; leaves out values without a unit.
   nlohmann::ordered_json units() const;
 
  private:
@@ -52,37 +52,38 @@ class SummaryValues final : public Observer {
   bool any_point_ = false;
 };
 
-/// How long the phases of a run took by the wall clock [s].
+/// Wall time of a run's phases [s].
 struct WallTimes {
   double open_s = 0;  ///< read the config, unpack and load the FMUs, check
   double initialise_s = 0;
   double stepping_s = 0;
 
-  /// In which instances are called.
+  /// Returns the time of the phases in which instances are called.
   double simulating_s() const { return initialise_s + stepping_s; }
 };
 
 /// The result of a run.
 struct RunReport {
-  std::string outcome;                  ///< of the config's outcomes, or "completed"; "interrupted", "closed", "failed"
-  std::optional<EndReason> end_reason;  ///< nothing before the end
+  std::string outcome;                  ///< one of the config's outcomes, or "completed", "interrupted", "closed",
+                                        ///< "failed"
+  std::optional<EndReason> end_reason;  ///< empty before the end
   std::string end_text;
-  std::string error;  ///< empty unless failed
+  std::string error;  ///< empty unless the run failed
   ErrorCode error_code = ErrorCode::unspecified;
   std::int64_t simulated_ns = 0;
   std::int64_t steps = 0;
   std::int64_t rows = 0;
   WallTimes wall;
-  std::vector<std::string> overrides;  ///< what was asked for beyond the config, the same text from every door
+  std::vector<std::string> overrides;  ///< changes to the config; the same text for every interface
   std::vector<std::string> notices;
-  std::vector<std::string> writes;  ///< variables that a program set on the way
+  std::vector<std::string> writes;  ///< variables that a program set during the run
   std::vector<std::string> faults;  ///< of FMUs after the end, when they are terminated and freed
 
-  /// Simulated time over stepping time; 0 when nothing was stepped.
+  /// Returns simulated time divided by stepping time; 0 if there were no steps.
   double real_time_factor() const;
 };
 
-/// The content of summary.json. All but `real_time_factor` and `wall_clock` is the same for the same inputs.
+/// Returns the content of summary.json. All except `real_time_factor` and `wall_clock` is equal for equal inputs.
 nlohmann::ordered_json summary_json(const ResolvedSystem& system, const InputHash& hash, const RunReport& report,
                                     const SummaryValues& values);
 

@@ -27,7 +27,8 @@ void put_unless_empty(Json& object, const char* key, const std::string& text) {
   if (!text.empty()) object[key] = text;
 }
 
-/// The `text` of a config, else of the config that it extends, which follows in `source`. Empty for an SSP.
+/// Returns the `text` of a config, or else that of the config that it extends, which follows in `source`. Empty for an
+/// SSP.
 std::string text_for_people(const std::string& source) {
   std::istringstream stream(source);
   try {
@@ -51,7 +52,7 @@ Json instances_json(const ResolvedSystem& system) {
   return instances;
 }
 
-/// The variable of this end of a connection; null for an OSMP binary, which is three.
+/// Returns the variable at this end of a connection; null for an OSMP binary, which has three.
 const modeldesc::Variable* variable_of(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
   return instance ? system.instances[*instance].model->find(name.variable) : nullptr;

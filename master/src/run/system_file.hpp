@@ -13,19 +13,19 @@ namespace mebots::master {
 inline constexpr std::string_view kSystemFile = "system.json";
 inline constexpr std::string_view kSceneFile = "scene.json.gz";
 
-/// The content of system.json: what the results are results of, for whoever shows them. Instances with their models,
-/// connections with their units, recorded variables with type, unit, meaning and the items of their enumerations, and
-/// what the config says under `view`. Throws InputError for names under `view` that no FMU has.
+/// Returns the content of system.json, which describes the system for tools that show its results: instances with their
+/// models, connections with their units, recorded variables with type, unit, description and enumeration items, and the
+/// section `view`. Throws InputError if a name under `view` is not a variable.
 ///
-/// It is not part of summary.json, which comes with the end: this is known at t = 0, also of a run that is being
-/// watched or that never came to its end.
+/// Separate from summary.json, which is written at the end: system.json exists from t = 0, also for a run in progress
+/// or one that never reached its end.
 nlohmann::ordered_json system_json(const ResolvedSystem& system);
 
-/// Writes system.json at t = 0, and the scene that the config names under `view` as scene.json.gz: its textures are
-/// long, and mostly alike.
+/// Writes system.json at t = 0, and the scene named under `view` as scene.json.gz, because its textures are long and
+/// compress well.
 class SystemFileWriter final : public Observer {
  public:
-  /// Throws InputError for a scene that is not a String. All must outlive this object.
+  /// Throws InputError if the scene is not a String. All arguments must outlive this object.
   SystemFileWriter(const ResolvedSystem& system, Ensemble& ensemble, std::filesystem::path folder);
 
   std::optional<std::string> reached(const Point& point) override;

@@ -7,8 +7,8 @@
 
 namespace mebots::master {
 
-/// Units of the variables of a config's FMUs, by "instance.variable". A variable without a unit is left out. Throws
-/// InputError.
+/// Returns the units of the variables of a config's FMUs by "instance.variable". Leaves out variables without a unit.
+/// Throws InputError.
 std::map<std::string, std::string> variable_units(const std::filesystem::path& config);
 
 }  // namespace mebots::master

@@ -17,7 +17,7 @@ using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variability;
 
-/// A number as the type of the variable that it is for: 1.0 is a whole number to an Integer and true to a Boolean.
+/// Converts a number to its variable's type: 1.0 is a whole number for an Integer and true for a Boolean.
 WrittenValue as_written(const modeldesc::Variable& variable, double value) {
   const bool whole = value == std::floor(value) && std::abs(value) < 1e15;
   if (fmi::is_whole(variable.type) && whole) return static_cast<std::int64_t>(value);
@@ -74,7 +74,7 @@ ResolvedVariable find_variable(const Run& run, std::string_view name) {
 modeldesc::Value write_variable(Run& run, std::string_view name, double value, const std::string& place) {
   const auto target = find_variable(run, name);
   check_settable(run, target, name);
-  // The same rules as for values of a config: type, limits, items.
+  // The rules are those for values of a config: type, limits, items.
   const auto& model = *run.resolved().instances[target.instance].model;
   auto typed = typed_value(model, *target.variable, as_written(*target.variable, value), place);
   const ValueReference reference[] = {target.variable->value_reference};

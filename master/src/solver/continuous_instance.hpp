@@ -10,10 +10,10 @@
 
 namespace mebots::master {
 
-/// The answer of an instance that computes values.
+/// The result of an evaluation.
 enum class Evaluation {
   ok,
-  recoverable,  ///< not at this time and these states: a smaller step of the solver may help
+  recoverable,  ///< failed at this time and these states: a smaller step of the solver may help
 };
 
 /// The result of one update of the discrete states.
@@ -29,8 +29,8 @@ struct CompletedStep {
   bool terminate = false;
 };
 
-/// A model that gives derivatives to a solver outside: an instance of an FMU for model exchange of any version of FMI.
-/// After initialisation it is in event mode. All calls throw Error if the instance fails.
+/// A model that provides derivatives for an external solver: a model exchange FMU instance of any version of FMI. After
+/// initialisation it is in event mode. All calls throw Error if the instance fails.
 class ContinuousInstance {
  public:
   virtual ~ContinuousInstance() = default;
@@ -38,7 +38,7 @@ class ContinuousInstance {
   virtual const std::string& name() const = 0;
   virtual std::size_t state_count() const = 0;
   virtual std::size_t indicator_count() const = 0;
-  /// The name of a state, for messages.
+  /// Returns the name of a state, for messages.
   virtual std::string state_name(std::size_t state) const = 0;
 
   virtual void set_time(double time_s) = 0;
@@ -60,8 +60,7 @@ class ContinuousInstance {
   virtual bool has_directional_derivatives() const { return false; }
   virtual std::span<const ValueReference> state_references() const { return {}; }
   virtual std::span<const ValueReference> derivative_references() const { return {}; }
-  /// Computes the change of `unknowns` that belongs to a change `seed` of `knowns`. Only if
-  /// has_directional_derivatives().
+  /// Computes the change of `unknowns` caused by the change `seed` of `knowns`. Only if has_directional_derivatives().
   virtual void directional_derivatives(std::span<const ValueReference> /*unknowns*/,
                                        std::span<const ValueReference> /*knowns*/, std::span<const double> /*seed*/,
                                        std::span<double> /*change*/) {}

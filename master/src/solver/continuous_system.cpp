@@ -16,14 +16,14 @@
 namespace mebots::master {
 namespace {
 
-/// Most updates of the discrete states at one event.
+/// The maximum of updates of the discrete states at one event.
 constexpr int kMostUpdates = 1000;
-/// Most transfers over discrete links between two updates.
+/// The maximum of transfers over discrete links between two updates.
 constexpr int kMostTransfers = 1000;
-/// Events that follow each other within this share of a communication step count as an endless sequence.
+/// Consecutive events within this share of a communication step count as an infinite sequence.
 constexpr std::size_t kZenoEvents = 20;
 constexpr double kZenoShare = 1e-7;
-/// Absolute over relative tolerance, for a nominal value of 1: what the FMI standard suggests.
+/// Absolute tolerance divided by relative tolerance, for a nominal value of 1, as the FMI standard suggests.
 constexpr double kAbsoluteShare = 0.01;
 
 bool same_bits(std::span<const double> a, std::span<const double> b) {
@@ -87,7 +87,7 @@ Evaluation ContinuousSystem::place(double time_s, std::span<const double> states
   return Evaluation::recoverable;
 }
 
-/// Brings all members to the present time and states.
+/// Sets all members to the present time and states.
 void ContinuousSystem::place_exactly() {
   failure_.clear();
   if (place(time_s_, states_) == Evaluation::ok) return;
@@ -140,8 +140,8 @@ Evaluation ContinuousSystem::jacobian(double time_s, std::span<const double> sta
   return Evaluation::ok;
 }
 
-/// Compares the signs of the event indicators at the present time with those after the last event, and notes whose
-/// changed. FMI distinguishes z > 0 from z <= 0; CVODE misses a function that leaves zero.
+/// Compares the signs of the event indicators with those after the last event, and records the members whose signs
+/// changed. FMI distinguishes z > 0 from z <= 0; CVODE does not detect a function that leaves zero.
 bool ContinuousSystem::has_crossed() {
   if (indicators_.empty()) return false;
   if (roots(time_s_, states_, indicators_) != Evaluation::ok) {
@@ -191,7 +191,7 @@ Advanced ContinuousSystem::advance(double end_s) {
   return {time_s_, terminated_by_.empty() ? std::nullopt : std::optional(terminated_by_)};
 }
 
-/// Handles what has happened at a communication point: changes of inputs, and events that are due.
+/// Handles changes of inputs and due events at a communication point.
 void ContinuousSystem::begin_at_point() {
   causes_.clear();
   if (in_event_mode_) return handle_event(EventKind::input);
@@ -256,7 +256,7 @@ void ContinuousSystem::count_solver_work() {
   counted_ = now;
 }
 
-/// Brings the members to the end of the solver's step. Returns which event has happened there.
+/// Sets the members to the end of the solver's step. Returns the kind of event that occurred there.
 ContinuousSystem::EventKind ContinuousSystem::complete_step() {
   step_is_open_ = false;
   time_s_ = step_end_s_;
@@ -375,7 +375,7 @@ bool ContinuousSystem::update_members() {
   return again;
 }
 
-/// Moves values along all connections until no discrete input changes. Returns true if an input has changed.
+/// Transfers values over all connections until no discrete input changes. Returns true if an input has changed.
 bool ContinuousSystem::propagate_in_event() {
   const std::vector<double> before(wiring_.inputs().begin(), wiring_.inputs().end());
   bool changed = false;

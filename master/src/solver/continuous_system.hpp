@@ -21,11 +21,12 @@
 
 namespace mebots::master {
 
-/// Connections of a continuous system that carry values in event mode only: discrete Reals, Integers, Booleans, texts.
+/// The connections of a continuous system that transfer values in event mode only: discrete Reals, Integers, Booleans,
+/// texts.
 class DiscreteLinks {
  public:
   virtual ~DiscreteLinks() = default;
-  /// Moves the values. Returns true if an input has changed.
+  /// Transfers the values. Returns true if an input has changed.
   virtual bool transfer() = 0;
 };
 
@@ -33,19 +34,19 @@ class DiscreteLinks {
 class OuterInputs {
  public:
   virtual ~OuterInputs() = default;
-  /// Sets the inputs whose value depends on time.
+  /// Sets the inputs whose values depend on time.
   virtual Evaluation set_at(double time_s) = 0;
 };
 
-/// How far a continuous system came.
+/// The result of an advance.
 struct Advanced {
   double time_s = 0;
-  std::optional<std::string> terminated_by = {};  ///< the member that requested the end, if one did
+  std::optional<std::string> terminated_by = {};  ///< the member that requested the end, if any
 };
 
-/// Connected instances that one solver integrates. From event to event the solver keeps its order and step over
-/// communication points; a step that reaches beyond a point is interpolated there, and completed when the system passes
-/// its end. Members must be in event mode before initialize().
+/// Connected instances that one solver integrates. Between events the solver keeps its order and step size across
+/// communication points. If a step extends beyond a point, the solution is interpolated at the point, and the step is
+/// completed when the system passes its end. Members must be in event mode before initialize().
 class ContinuousSystem final : private Equations {
  public:
   struct Parts {
@@ -53,40 +54,40 @@ class ContinuousSystem final : private Equations {
     std::vector<Wire> wires;
     DiscreteLinks* discrete = nullptr;    ///< null if there are none
     OuterInputs* inputs = nullptr;        ///< null if no input depends on time
-    double relative_tolerance = 1e-6;     ///< unless the description has one
+    double relative_tolerance = 1e-6;     ///< if the description has none
     std::optional<double> latest_s = {};  ///< the system is never evaluated after this time
     const std::atomic<bool>* interrupted = &kNeverInterrupted;
   };
 
-  /// All that is pointed to must outlive the system.
+  /// All pointed-to objects must outlive the system.
   ContinuousSystem(Parts parts, const SolverDescription& description);
 
-  /// Iterates the events of the start and enters continuous-time mode. Returns the member that requested the end, if
-  /// one did.
+  /// Iterates the events at the start and enters continuous-time mode. Returns the member that requested the end, if
+  /// any.
   std::optional<std::string> initialize(double time_s);
-  /// Integrates to `end_s`, with all events up to it. Afterwards all members are at that time, or where one of them
-  /// requested the end. Throws Error: an instance failed, values are not finite, the solver or an event iteration found
-  /// no solution, or there are too many steps or events. Throws InterruptedError.
+  /// Integrates to `end_s`, with all events up to it. Afterwards all members are at that time, or at the time at which
+  /// one requested the end. Throws Error if an instance fails, values are not finite, the solver or an event iteration
+  /// does not converge, or there are too many steps or events. Throws InterruptedError.
   Advanced advance(double end_s);
   double time_s() const { return time_s_; }
-  /// The communication point from which the present or last advance() started.
+  /// Returns the communication point at which the present or last advance() started.
   double point_s() const { return point_s_; }
 
-  /// A continuous input from outside has changed: the solver starts anew at the present time.
+  /// Reports a change of a continuous input from outside: the solver restarts at the present time.
   void input_changed() { restart_is_due_ = true; }
   /// Puts all members into event mode at the present time, so that discrete inputs can be set. The next advance()
-  /// begins with an event.
+  /// starts with an event.
   void enter_event_mode();
   bool in_event_mode() const { return in_event_mode_; }
 
   const SolverStatistics& statistics() const { return statistics_; }
 
-  /// The state of the solver. The members' own states must be restored first.
+  /// Visits the state of the solver. The members' own states must be restored first.
   void visit(state::Visitor& v);
-  /// What the solver does at the next advance() after a visit that restored: repeats the steps since its last start,
-  /// from which the bits of the steps to come follow. `keep` saves the members' states and returns what restores them.
-  /// Returns false if the repetition ends at other states, because a member computes with more than time, states and
-  /// inputs; then the solver starts anew at the present time.
+  /// After a restore, repeats the solver's steps since its last start, so that the following steps have the same bits.
+  /// The next advance() would do the same. `keep` saves the members' states and returns a function that restores them.
+  /// Returns false if the repetition ends in different states, because a member depends on more than time, states and
+  /// inputs; then the solver restarts at the present time.
   bool repeat_steps(const std::function<std::function<void()>()>& keep);
   bool must_repeat() const { return must_repeat_; }
 
@@ -95,7 +96,7 @@ class ContinuousSystem final : private Equations {
   struct Anchor {
     double time_s = 0;
     double scale_s = 0;
-    std::int64_t steps = 0;  ///< taken since
+    std::int64_t steps = 0;  ///< since then
     std::vector<double> states;
     std::vector<double> inputs;
 
@@ -142,29 +143,29 @@ class ContinuousSystem final : private Equations {
   bool has_jacobian_ = false;
   SolverStatistics statistics_;
 
-  double time_s_ = 0;           // of the point or event that the members are at
+  double time_s_ = 0;           // of the members' present point or event
   std::vector<double> states_;  // at that time
   double point_s_ = 0;
   double step_end_s_ = 0;       // of the solver's last step
-  bool step_is_open_ = false;   // the last step leads beyond time_s_ and is not completed
-  bool ended_at_root_ = false;  // the last step did
+  bool step_is_open_ = false;   // the last step extends beyond time_s_ and is not completed
+  bool ended_at_root_ = false;  // of the last step
   bool restart_is_due_ = false;
   bool in_event_mode_ = true;
   double next_event_s_ = kNoEvent;
   std::vector<double> indicators_;
-  std::vector<std::uint8_t> above_;  // by indicator: whether it was above zero after the last event
+  std::vector<std::uint8_t> above_;  // by indicator: above zero after the last event
   std::vector<double> tolerances_;   // absolute
   std::vector<double> recent_events_s_;
   Anchor anchor_;
 
   bool must_repeat_ = false;
-  std::int64_t steps_before_ = 0;  // when this advance() began
+  std::int64_t steps_before_ = 0;  // at the start of this advance()
   double scale_s_ = 1;             // length of this advance()
   std::string failure_;
   std::string terminated_by_;
   std::vector<std::size_t> causes_;  // members that caused the last event
   std::size_t next_event_member_ = 0;
-  Integrator::Counts counted_;  // of the integrator since its last start, in statistics_ already
+  Integrator::Counts counted_;  // of the integrator since its last start, already added to statistics_
   std::unique_ptr<Integrator> integrator_;
 };
 

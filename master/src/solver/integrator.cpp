@@ -20,7 +20,7 @@
 namespace mebots::master {
 namespace {
 
-/// A time that no run reaches: CVODE cannot forget a stop time.
+/// A time that no run reaches, because CVODE cannot remove a stop time.
 constexpr double kNever = 1e300;
 
 std::span<double> values_of(N_Vector vector) {
@@ -33,7 +33,7 @@ class Integrator::Cvode {
  public:
   Cvode(Equations& equations, SolverMethod method) : equations_(&equations), method_(method) {
     check(SUNContext_Create(nullptr, &context_), "SUNContext_Create");
-    // CVODE needs a state: a system without any gets one that stays 0.
+    // CVODE requires a state: a system without states gets one that stays 0.
     const auto count = static_cast<sunindextype>(std::max<std::size_t>(1, equations.state_count()));
     y_ = N_VNew_Serial(count, context_);
     tolerances_ = N_VNew_Serial(count, context_);
@@ -74,10 +74,10 @@ class Integrator::Cvode {
   }
 
   Reached advance() {
-    // A step that does not change the time would not end; CVODE gives up below this one.
+    // A step that does not change the time would not end; CVODE fails below this step size.
     const double shortest_s = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(time_s_), scale_s_);
     check(CVodeSetMinStep(memory_, shortest_s), "CVodeSetMinStep");
-    // In this mode CVODE uses the first argument once, for the size of the first step.
+    // In this mode CVODE uses the first argument only for the size of the first step.
     const int flag = CVode(memory_, time_s_ + scale_s_, y_, &time_s_, CV_ONE_STEP);
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
     if (flag == CV_ROOT_RETURN) {
@@ -133,7 +133,7 @@ class Integrator::Cvode {
     check(CVodeSetNoInactiveRootWarn(memory_), "CVodeSetNoInactiveRootWarn");
   }
 
-  /// Runs a callback of CVODE. No exception may pass its C code.
+  /// Runs a callback of CVODE. No exception may pass through its C code.
   template <typename Work>
   int answer(Work work) noexcept {
     try {
@@ -165,7 +165,7 @@ class Integrator::Cvode {
   static int jacobian(double time_s, N_Vector y, N_Vector /*derivatives*/, SUNMatrix matrix, void* self, N_Vector,
                       N_Vector, N_Vector) {
     auto& cvode = *static_cast<Cvode*>(self);
-    if (cvode.equations_->state_count() == 0) return 0;  // CVODE has filled the matrix with zeros
+    if (cvode.equations_->state_count() == 0) return 0;  // CVODE has set the matrix to zero
     return cvode.answer([&] {
       return cvode.equations_->jacobian(time_s, cvode.states_of(y),
                                         {SUNDenseMatrix_Data(matrix), cvode.equations_->state_count()});

@@ -13,7 +13,7 @@
 
 namespace mebots::master {
 
-/// A matrix by columns.
+/// A matrix in column-major order.
 struct Columns {
   double* data = nullptr;
   std::size_t rows = 0;
@@ -30,23 +30,23 @@ class Equations {
   virtual Evaluation derivatives(double time_s, std::span<const double> states, std::span<double> derivatives) = 0;
   virtual Evaluation roots(double time_s, std::span<const double> states, std::span<double> values) = 0;
   virtual bool has_jacobian() const { return false; }
-  /// Only if has_jacobian(). `jacobian` is zero before the call.
+  /// Only if has_jacobian(). `jacobian` is zero on entry.
   virtual Evaluation jacobian(double /*time_s*/, std::span<const double> /*states*/, const Columns& /*jacobian*/) {
     return Evaluation::recoverable;
   }
-  /// Returns the reason of the last recoverable evaluation; empty if none is known.
+  /// Returns the reason of the last recoverable failure; empty if unknown.
   virtual std::string failure() const { return {}; }
   /// Names the equations, for messages.
   virtual std::string subject() const = 0;
 };
 
-/// Integrates Equations by CVODE, with Newton's method and a dense matrix, one step at a time. What it computes depends
-/// on the equations and on the arguments of restart() alone.
+/// Integrates Equations with CVODE, Newton's method and a dense matrix, one step at a time. The result depends only on
+/// the equations and on the arguments of restart().
 class Integrator {
  public:
   enum class Reached { step, root, stop_time };
 
-  /// Of all steps since the last restart.
+  /// Counts since the last restart.
   struct Counts {
     std::int64_t rejected_steps = 0;
     std::int64_t evaluations = 0;
@@ -59,9 +59,9 @@ class Integrator {
     std::span<const double> states;
     std::span<const double> absolute_tolerances;
     double relative_tolerance = 0;
-    double scale_s = 0;  ///< the first step is far shorter
+    double scale_s = 0;  ///< the first step is much shorter
     double max_step_s = 0;
-    std::optional<double> stop_time_s;  ///< no step leads beyond it; later than time_s
+    std::optional<double> stop_time_s;  ///< no step extends beyond it; must be later than time_s
   };
 
   /// `equations` must outlive the integrator. Throws Error if there is no memory.
@@ -70,16 +70,16 @@ class Integrator {
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
 
-  /// Begins anew at order 1.
+  /// Restarts at order 1.
   void restart(const Start& start);
-  /// Takes one step, which ends early at a root. Throws Error (not_converged) if there is no step that is short enough.
+  /// Takes one step, which ends early at a root. Throws Error (not_converged) if even the shortest step fails.
   Reached advance();
-  /// The end of the last step.
+  /// Returns the end of the last step.
   double time_s() const;
   std::span<const double> states() const;
-  /// The states at a time within the last step.
+  /// Returns the states at a time within the last step.
   void interpolate(double time_s, std::span<double> states) const;
-  /// After Reached::root: whether the function has changed its sign.
+  /// After Reached::root, returns true if the function has changed its sign.
   bool is_root(std::size_t function) const;
   Counts counts() const;
 

@@ -17,10 +17,10 @@
 namespace mebots::master {
 namespace {
 
-/// Most sweeps over a loop of wires.
+/// The maximum of sweeps over a loop of wires.
 constexpr int kMostSweeps = 200;
 
-/// Returns true if two values differ by roundings at most.
+/// True if two values differ by rounding errors at most.
 bool is_close(double a, double b) {
   constexpr double kRoundings = 4 * std::numeric_limits<double>::epsilon();
   return a == b || std::abs(a - b) <= kRoundings * std::max(std::abs(a), std::abs(b));
@@ -56,7 +56,7 @@ class Wiring::Builder {
   }
 
  private:
-  /// The wired inputs that must be set before the wire's output is read.
+  /// Returns the wired inputs that must be set before the wire's output is read.
   std::set<MemberVariable> waited_for(const Wire& wire) const {
     std::set<MemberVariable> inputs;
     if (wire.dependencies) {
@@ -81,7 +81,8 @@ class Wiring::Builder {
     return outputs;
   }
 
-  /// The stage that reads `outputs`, in ascending order, and sets the inputs whose sources have all been read then.
+  /// Returns the stage that reads `outputs`, in ascending order, and then sets the inputs whose sources have all been
+  /// read.
   Stage stage_of(const std::vector<MemberVariable>& outputs) {
     Stage stage;
     for (const auto& output : outputs) {
@@ -111,7 +112,7 @@ class Wiring::Builder {
     calls.back().references.push_back(variable.reference);
   }
 
-  /// "a.y -> b.u -> b.y -> a.u -> a.y": a loop among the outputs that are left, found by walking against the wires.
+  /// Returns a loop among the remaining outputs, "a.y -> b.u -> b.y -> a.u -> a.y", found by following wires backwards.
   std::string path() const {
     std::vector<MemberVariable> walk;
     auto output = waits_for_.begin()->first;

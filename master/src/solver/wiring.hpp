@@ -19,52 +19,51 @@ struct MemberVariable {
   auto operator<=>(const MemberVariable&) const = default;
 };
 
-/// A Real output of one member that drives a continuous Real input of another one: the input gets factor * value +
-/// offset, or the sum of this over its wires.
+/// Connects a Real output of one member to a continuous Real input of another: the input is factor * value + offset, or
+/// the sum of this over its wires.
 struct Wire {
   MemberVariable from;
   MemberVariable to;
   double factor = 1;
   double offset = 0;
-  /// References of the inputs that the output depends on directly; absent if it may depend on all.
+  /// The inputs on which the output depends directly; empty if it may depend on all.
   std::optional<std::vector<ValueReference>> dependencies = {};
   std::string from_name = {};  ///< "instance.variable", for messages
   std::string to_name = {};
 };
 
-/// The wires of one continuous system, in an order in which every output is read after the inputs that it depends on
-/// have been set. Outputs are read in stages: all outputs of one stage and member in one call. Wires that form a loop,
-/// and those behind a loop, are evaluated together until no value changes.
+/// The wires of a continuous system, ordered so that every output is read after the inputs on which it depends were
+/// set. Outputs are read in stages: all outputs of a stage and member in one call. Wires in a loop, and those that
+/// depend on a loop, are evaluated together until no value changes.
 class Wiring {
  public:
   /// `members` must outlive the wiring.
   Wiring(std::vector<ContinuousInstance*> members, const std::vector<Wire>& wires);
 
-  /// Moves the values of all wires. Throws Error (algebraic_loop) with the path of a loop that does not settle.
+  /// Transfers the values of all wires. Throws Error (algebraic_loop) with the path of a loop that does not converge.
   Evaluation evaluate();
   bool has_loop() const { return !loop_.reads.empty(); }
   bool empty() const { return stages_.empty() && !has_loop(); }
 
-  /// Values of the inputs, in an order of their own.
+  /// Returns the values of the inputs in internal order.
   std::span<const double> inputs() const { return inputs_; }
-  /// The values from which the iteration of a loop starts at each evaluation. Results then do not depend on the
-  /// evaluations before.
+  /// Sets the values from which the iteration of a loop starts at each evaluation. Therefore results do not depend on
+  /// earlier evaluations.
   void set_loop_start(std::span<const double> inputs) { loop_start_.assign(inputs.begin(), inputs.end()); }
 
-  /// Computes the change of all derivatives that belongs to a change of one state of a member by 1. The derivatives of
-  /// a member begin at its place in `first_states`. Only without a loop, and if all members have directional
-  /// derivatives.
+  /// Computes the change of all derivatives if one state of a member changes by 1. The derivatives of a member start at
+  /// its index in `first_states`. Only if there is no loop and all members have directional derivatives.
   void propagate(std::size_t member, std::size_t state, std::span<const std::size_t> first_states,
                  std::span<double> derivatives);
 
  private:
-  /// Outputs of one member that are read together. Their values are adjacent.
+  /// Outputs of a member that are read together. Their values are adjacent.
   struct Read {
     std::size_t member = 0;
     std::vector<ValueReference> references = {};
     std::size_t first = 0;
   };
-  /// Inputs of one member that are set together. Their values are adjacent.
+  /// Inputs of a member that are set together. Their values are adjacent.
   struct Write {
     std::size_t member = 0;
     std::vector<ValueReference> references = {};
@@ -82,7 +81,7 @@ class Wiring {
   };
   class Builder;
 
-  /// The changes of what a member computes with, in propagate().
+  /// The changes of a member's inputs and states in propagate().
   struct Change {
     std::vector<ValueReference> knowns = {};
     std::vector<double> seed = {};

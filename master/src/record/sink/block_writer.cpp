@@ -19,7 +19,7 @@ BlockWriter::~BlockWriter() {
 }
 
 void BlockWriter::submit(RowBlock& block) {
-  // Before anything is handed over: where no thread can be made, nobody must wait for one.
+  // Starts the thread before handing over rows: if that fails, no later call waits for it.
   if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   {
     std::unique_lock lock(mutex_);
@@ -38,15 +38,15 @@ void BlockWriter::drain(RowBlock& block) {
     std::unique_lock lock(mutex_);
     wait_until_idle(lock);
   }
-  // The thread sleeps now, and stays asleep until the next submit().
-  const auto rows = std::exchange(block, RowBlock{block.cells_per_row, {}, {}});  // gone also when a sink throws
+  // The thread sleeps until the next submit().
+  const auto rows = std::exchange(block, RowBlock{block.cells_per_row, {}, {}});  // is emptied even if a sink throws
   write(rows);
   for (auto* sink : sinks_) sink->flush();
 }
 
 void BlockWriter::wait_until_idle(std::unique_lock<std::mutex>& lock) {
   changed_.wait(lock, [&] { return !busy_; });
-  if (failure_) std::rethrow_exception(failure_);  // for good: rows are missing from now on
+  if (failure_) std::rethrow_exception(failure_);  // permanent, because rows are missing
 }
 
 void BlockWriter::work() {

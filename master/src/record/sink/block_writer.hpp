@@ -11,8 +11,8 @@
 
 namespace mebots::master {
 
-/// Hands blocks of rows to sinks on a thread of its own, one block at a time and in order, so that turning
-/// numbers into text costs the simulation no time. The thread starts with the first full block: a short run has none.
+/// Passes blocks of rows to sinks on a separate thread, one block at a time and in order, so that the simulation does
+/// not wait for formatting. The thread starts with the first full block; a short run has none.
 class BlockWriter {
  public:
   BlockWriter() = default;
@@ -23,9 +23,9 @@ class BlockWriter {
   /// `sink` must outlive the writer.
   void add(RowSink& sink) { sinks_.push_back(&sink); }
 
-  /// Takes the rows of `block` and leaves it empty; waits for the block before. Throws what a sink threw.
+  /// Moves the rows out of `block`; waits until the previous block is written. Rethrows exceptions of sinks.
   void submit(RowBlock& block);
-  /// Writes the rows of `block` on the calling thread, after all that were submitted; all is in the files then.
+  /// Writes the rows of `block` on the calling thread after all submitted blocks. Afterwards all rows are in the files.
   void drain(RowBlock& block);
 
  private:

@@ -40,7 +40,7 @@ CsvSink::CsvSink(const std::vector<RecordColumn>& columns, OutputFile& file) : f
 
 namespace {
 
-/// Writes the shortest text from which the type reads the same bits.
+/// Writes the shortest text that reads back to the same bits.
 char* number_to_chars(char* first, char* last, modeldesc::Type type, std::uint64_t cell) {
   using modeldesc::Type;
   if (type == Type::real) return std::to_chars(first, last, std::bit_cast<double>(cell)).ptr;
@@ -53,7 +53,7 @@ bool is_text(modeldesc::Type type) {
   return kind_of(type) == ValueKind::string || kind_of(type) == ValueKind::binary;
 }
 
-/// The cell of a number's text; nothing if it is no number of the type.
+/// Returns the cell for a number's text; empty if it is not a number of the type.
 std::optional<std::uint64_t> cell_of(modeldesc::Type type, std::string_view text) {
   if (type == modeldesc::Type::uint64) return data::csv_number<std::uint64_t>(text);
   if (kind_of(type) == ValueKind::real) {
@@ -75,7 +75,7 @@ char* CsvSink::write_number(char* at, Column& column, std::uint64_t cell) {
     column.last = cell;
     column.last_size = static_cast<std::uint8_t>(end - first);
   }
-  std::memcpy(at, column.last_text.data(), kLongestNumber);  // of fixed size, which is cheaper than the right one
+  std::memcpy(at, column.last_text.data(), kLongestNumber);  // a fixed size is cheaper to copy than the exact one
   return at + column.last_size;
 }
 

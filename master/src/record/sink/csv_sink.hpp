@@ -13,11 +13,11 @@
 
 namespace mebots::master {
 
-/// Rows as CSV: numbers in their shortest form that reads back to the same bits, Booleans as 0 and 1,
-/// enumerations as their numbers, texts quoted where CSV asks for it.
+/// Writes rows as CSV: numbers in their shortest form that reads back to the same bits, Booleans as 0 and 1,
+/// enumerations as their numbers, texts quoted if necessary.
 class CsvSink final : public RowSink {
  public:
-  /// Writes the header unless the file holds rows already. `file` must outlive the sink.
+  /// Writes the header unless the file already contains rows. `file` must outlive the sink.
   CsvSink(const std::vector<RecordColumn>& columns, OutputFile& file);
 
   void write(const RowBlock& block) override;
@@ -30,7 +30,7 @@ class CsvSink final : public RowSink {
 
   struct Column {
     modeldesc::Type type;
-    // Most variables stand still most of the time: the text of the last value is used again.
+    // Most variables rarely change, so the text of the last value is cached.
     std::uint64_t last = 0;
     std::uint8_t last_size = 0;
     std::array<char, kLongestNumber> last_text{};
@@ -40,17 +40,17 @@ class CsvSink final : public RowSink {
 
   OutputFile* file_;
   std::vector<Column> columns_;
-  std::vector<char> line_;  // room for one row's numbers
+  std::vector<char> line_;  // buffer for one row's numbers
 };
 
-/// "name [unit]", quoted as CSV asks when it holds a comma or a quotation mark.
+/// Returns "name [unit]", quoted if it contains a comma or a quotation mark.
 std::string csv_header(std::string_view name, std::string_view unit);
 
-/// A text as one cell: quoted when it holds a comma, a quotation mark or a line's end.
+/// Returns a text as one cell, quoted if it contains a comma, a quotation mark or a line break.
 std::string csv_text(std::string_view text);
 
-/// Reads the first `bytes` of a results.csv with these columns back, to the same bits, into another sink. Throws
-/// Error for a file that a CsvSink did not write.
+/// Reads the first `bytes` of a results.csv with these columns back, to the same bits, into another sink. Throws Error
+/// if no CsvSink wrote the file.
 void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const std::vector<RecordColumn>& columns,
                    RowSink& sink);
 

@@ -30,18 +30,18 @@ namespace {
 constexpr std::size_t kPageBytes = 4096;
 using Page = std::array<std::byte, kPageBytes>;
 
-/// What H5Pset_driver hands to the driver.
+/// The argument that H5Pset_driver passes to the driver.
 struct DriverInfo {
   int* error_number;
 };
 
-/// A file as the driver sees it. HDF5 reads the base; see H5FDpublic.h.
+/// A file as seen by the driver. HDF5 reads the base; see H5FDpublic.h.
 struct DriverFile : H5FD_t {
   int descriptor = -1;
   int* error_number = nullptr;
   haddr_t end_of_allocation = 0;
   haddr_t end_of_file = 0;
-  std::map<haddr_t, Page> unwritten;  // pages that HDF5 wrote after the first error, by their number
+  std::map<haddr_t, Page> unwritten;  // pages written after the first error, by number
 };
 
 DriverFile& as_file(H5FD_t* file) {
@@ -51,8 +51,8 @@ const DriverFile& as_file(const H5FD_t* file) {
   return *static_cast<const DriverFile*>(file);
 }
 
-/// Repeats a call after EINTR and after a short transfer. Returns the bytes transferred, less than all at the end of
-/// the file and after an error; `errno` is 0 at the end of the file.
+/// Repeats a call after EINTR and after a short transfer. Returns the transferred bytes: less than all at the end of
+/// the file and after an error. At the end of the file, `errno` is 0.
 template <typename Call>
 std::size_t transfer_all(std::size_t size, Call call) {
   std::size_t done = 0;
@@ -76,7 +76,7 @@ bool read_disk(const DriverFile& file, haddr_t address, std::span<std::byte> byt
   return good;
 }
 
-/// Calls `use(page number, first byte in the page, bytes)` for each page that the bytes touch.
+/// Calls `use(page number, first byte in the page, bytes)` for each page that contains some of the bytes.
 template <typename Byte, typename Use>
 void for_each_page(haddr_t address, std::span<Byte> bytes, Use use) {
   while (!bytes.empty()) {
@@ -112,7 +112,7 @@ H5FD_t* open_file(const char* name, unsigned, hid_t access, haddr_t) {
 
 herr_t close_file(H5FD_t* file) {
   auto& self = as_file(file);
-  // Some file systems report a full disk only now.
+  // Some file systems report a full disk only at close().
   if (::close(self.descriptor) != 0 && errno != EINTR && *self.error_number == 0) *self.error_number = errno;
   delete &self;  // NOLINT(cppcoreguidelines-owning-memory): see open_file
   return 0;
@@ -181,7 +181,7 @@ herr_t set_length(H5FD_t* file, hid_t, hbool_t) {
   return 0;
 }
 
-/// Keeps other programs from reading a file that is half written.
+/// Prevents other programs from reading a partly written file.
 herr_t lock_file(H5FD_t* file, hbool_t for_writing) {
   const int status = ::flock(as_file(file).descriptor, (for_writing ? LOCK_EX : LOCK_SH) | LOCK_NB);
   return status == 0 || errno == ENOSYS || errno == EOPNOTSUPP ? 0 : -1;
@@ -228,7 +228,7 @@ hid_t driver_id() {
 }  // namespace
 
 File::File(std::filesystem::path path) : path_(std::move(path)) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // HDF5 would print its own stack of errors
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // otherwise HDF5 prints its own error stack
   std::error_code ignored;
   if (std::filesystem::is_symlink(path_, ignored)) std::filesystem::remove(path_, ignored);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), &H5Pclose);

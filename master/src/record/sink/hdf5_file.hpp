@@ -8,13 +8,13 @@
 #include <string>
 #include <utility>
 
-/// What the writers of HDF5 files share.
+/// Shared by the writers of HDF5 files.
 namespace mebots::master::hdf5 {
 
-/// Debian's HDF5 is not made for threads: one call at a time in the whole process.
+/// Debian's HDF5 is not thread-safe: hold this mutex during every call.
 std::mutex& library();
 
-/// An HDF5 identifier that closes itself.
+/// An HDF5 identifier that is closed by its destructor.
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -32,39 +32,39 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// UTF-8 of any length.
+/// Returns the type for UTF-8 text of variable length.
 Handle text_type();
 bool put_attribute(hid_t object, const char* name, const std::string& text);
-/// A name with what HDF5 takes for a separator replaced.
+/// Replaces the characters that HDF5 treats as separators.
 std::string without_slashes(std::string name);
 
-/// Writes an HDF5 file, and reports a full or broken disk without a crash.
+/// Writes an HDF5 file and reports a full or failing disk without a crash.
 ///
-/// HDF5 crashes when it closes a file after one of its writes has failed. This class gives it a driver that never
-/// reports a failure: the driver remembers the first error, and keeps in memory what HDF5 writes from then on. The
-/// caller learns of the error from check() and close().
+/// HDF5 crashes when it closes a file after a failed write. Therefore this class uses a driver that never reports a
+/// failure: the driver stores the first error and keeps everything that HDF5 writes afterwards in memory. check() and
+/// close() report the error.
 ///
 /// Hold library() during each call, construction and destruction included.
 class File {
  public:
-  /// Makes or empties the file. Throws InputError when it cannot be opened; check() reports a failed write of its first
-  /// bytes.
+  /// Creates or truncates the file. Throws InputError if it cannot be opened; check() reports a failed write of its
+  /// first bytes.
   explicit File(std::filesystem::path path);
-  /// Closes the file and ignores errors: call close() first to learn of them.
+  /// Closes the file and ignores errors. Call close() first to get them.
   ~File();
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
   hid_t id() const { return id_; }
   const std::filesystem::path& path() const { return path_; }
-  /// Takes the name that the file has now.
+  /// Sets the new name after the file was renamed.
   void renamed(std::filesystem::path path) { path_ = std::move(path); }
-  /// Throws Error if a write has failed since the file was made.
+  /// Throws Error if a write has failed since the file was created.
   void check() const;
-  /// Throws Error with the system's reason, or without one if no write has failed and HDF5 itself refused the call.
+  /// Throws Error with the system's reason; without a reason if no write failed and HDF5 itself rejected the call.
   [[noreturn]] void fail() const;
-  /// Writes the rest and closes the file; close its data sets first. If any write has failed, removes the file, which
-  /// cannot be read, and throws Error.
+  /// Writes the rest and closes the file. Close its data sets first. If a write failed, deletes the file, which is
+  /// unreadable, and throws Error.
   void close();
 
  private:

@@ -56,7 +56,7 @@ Handle memory_type(Type type) {
   return hdf5::text_type();
 }
 
-/// `instance/variable`, with what HDF5 takes for a separator replaced.
+/// Returns `instance/variable` without the characters that HDF5 treats as separators.
 std::string link_name(const std::string& name) {
   auto link = hdf5::without_slashes(name);
   const auto dot = link.find('.');
@@ -74,9 +74,9 @@ struct Hdf5Sink::File {
   };
 
   hdf5::File file;
-  std::vector<Column> columns;  // the first is the time
+  std::vector<Column> columns;  // the first one is the time
   hsize_t rows = 0;
-  std::vector<std::byte> numbers;  // of one column
+  std::vector<std::byte> numbers;  // values of one column
   std::vector<const char*> texts;
 
   explicit File(const std::filesystem::path& path) : file(path) {}
@@ -92,7 +92,7 @@ struct Hdf5Sink::File {
       H5Pset_shuffle(creation);
       H5Pset_deflate(creation, 1);
     }
-    H5Pset_obj_track_times(creation, false);  // the same run gives the same file
+    H5Pset_obj_track_times(creation, false);  // makes equal runs give equal files
     const Handle links(H5Pcreate(H5P_LINK_CREATE), &H5Pclose);
     H5Pset_create_intermediate_group(links, 1);
     Handle dataset(H5Dcreate2(file.id(), link.c_str(), type, space, links, creation, H5P_DEFAULT), &H5Dclose);
@@ -111,7 +111,7 @@ struct Hdf5Sink::File {
     if (H5Dwrite(column.dataset, column.type, memory, space, H5P_DEFAULT, values) < 0) file.fail();
   }
 
-  /// The cells of one column, in the type of its dataset.
+  /// Returns the cells of a column in the type of its dataset.
   const void* gather(const Column& column, const RowBlock& block, std::size_t index) {
     const auto cell = [&](std::size_t row) { return block.cells[row * block.cells_per_row + index]; };
     const auto fill = [&]<typename T>(T /*type*/, auto convert) -> const void* {
@@ -164,7 +164,7 @@ Hdf5Sink::Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesyst
   std::set<std::string> used;
   for (const auto& column : columns) {
     auto link = link_name(column.name);
-    while (!used.insert(link).second) link += '|';  // two names that differ in `/` and `|` only
+    while (!used.insert(link).second) link += '|';  // for names that differ in `/` and `|` only
     made->add(link, column);
   }
   made->file.check();

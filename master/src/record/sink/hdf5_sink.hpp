@@ -10,27 +10,27 @@
 
 namespace mebots::master {
 
-/// Rows as an HDF5 file: `/time`, and one dataset `/<instance>/<variable>` per column, all of one length, chunked and
-/// compressed. Reals are 64-bit floats, Integers and enumerations 32-bit, Booleans 8-bit (0 and 1), texts UTF-8 of
-/// any length. Attributes: `unit` and `name` (instance.variable, since a `/` in a name is written as `|`).
+/// Writes rows as an HDF5 file: `/time`, and one dataset `/<instance>/<variable>` per column, of equal length, chunked
+/// and compressed. Reals are 64-bit floats, Integers and enumerations 32-bit, Booleans 8-bit (0 and 1), texts UTF-8 of
+/// variable length. Attributes are `unit` and `name` (instance.variable, because a `/` in a name is written as `|`).
 class Hdf5Sink final : public RowSink {
  public:
-  /// Throws InputError when the file cannot be made, Error when its first bytes cannot be written.
+  /// Throws InputError if the file cannot be created, Error if its first bytes cannot be written.
   Hdf5Sink(const std::vector<RecordColumn>& columns, const std::filesystem::path& file);
   ~Hdf5Sink() override;
   Hdf5Sink(const Hdf5Sink&) = delete;
   Hdf5Sink& operator=(const Hdf5Sink&) = delete;
 
-  /// Values that hold for the whole run: texts of one row under `/parameters`, as parameters.csv has them.
+  /// Writes values that are constant during the run: texts of one row under `/parameters`, as in parameters.csv.
   void put_parameters(const std::vector<ParameterValue>& parameters);
   void write(const RowBlock& block) override;
   void flush() override;
-  /// Takes the name that the file has now.
+  /// Sets the new name after the file was renamed.
   void renamed(const std::filesystem::path& file);
-  /// Writes the rest and closes the file; nothing may be written afterwards. If any write has failed, removes the file,
-  /// which cannot be read, and throws Error.
+  /// Writes the rest and closes the file; no write may follow. If a write failed, deletes the file, which is
+  /// unreadable, and throws Error.
   void close();
-  /// To fewer rows than there are. Throws Error for more.
+  /// Can restore fewer rows than the file has. Throws Error for more.
   void visit(state::Visitor& v) override;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace mebots::master {
 
-/// A column of a whole table. All of a table have one length.
+/// A column of a table. All columns of a table have the same length.
 struct TableColumn {
   std::string name;
   std::string unit;  ///< empty: none
@@ -21,8 +21,8 @@ struct Table {
   std::vector<TableColumn> columns;
 };
 
-/// Writes tables as an HDF5 file: a dataset `/<table>/<column>` each, with the attribute `unit` where there is one; a
-/// `/` in a name is written as `|`. The same tables give the same bytes. Throws Error when the file cannot be written.
+/// Writes tables as an HDF5 file: a dataset `/<table>/<column>` per column, with the attribute `unit` if it has one. A
+/// `/` in a name is written as `|`. Equal tables give equal bytes. Throws Error if the file cannot be written.
 void write_hdf5(const std::vector<Table>& tables, const std::filesystem::path& file);
 
 }  // namespace mebots::master

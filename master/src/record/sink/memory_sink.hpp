@@ -11,27 +11,27 @@
 
 namespace mebots::master {
 
-/// Keeps the recorded rows in memory: one column of numbers per variable; Booleans as 0 and 1. Texts are left out.
-/// Read it only after RowSink::flush of the recorder: rows may come on another thread.
+/// Keeps recorded rows in memory: a column of numbers per variable; Booleans are 0 and 1. Leaves out texts. Read it
+/// only after the recorder's flush(), because another thread writes the rows.
 class MemorySink final : public RowSink {
  public:
   explicit MemorySink(const std::vector<RecordColumn>& columns);
 
   const std::vector<double>& times_s() const { return times_s_; }
   const std::vector<Series>& series() const { return series_; }
-  /// Null when the variable is not recorded.
+  /// Returns null if the variable is not recorded.
   const Series* find(std::string_view name) const;
 
   void write(const RowBlock& block) override;
   void flush() override {}
-  /// Goes back to fewer rows than there are, or as many.
+  /// Can restore at most the number of rows that it has.
   void visit(state::Visitor& v) override;
-  /// The rows themselves, which are not part of the state above.
+  /// Visits the rows, which are not part of the state above.
   void visit_rows(state::Visitor& v);
 
  private:
   struct Source {
-    std::size_t cell;  // in a row, behind the time
+    std::size_t cell;  // index in a row, not counting the time
     modeldesc::Type type;
   };
 

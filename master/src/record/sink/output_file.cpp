@@ -25,7 +25,7 @@ auto uninterrupted(Call call) {
   return result;
 }
 
-/// Linux has closed the descriptor also if a signal interrupted the call. Returns false with errno after another error.
+/// Linux closes the descriptor even if a signal interrupts the call. Returns false with errno after another error.
 bool close_descriptor(int descriptor) {
   return ::close(descriptor) == 0 || errno == EINTR;
 }
@@ -37,7 +37,7 @@ bool cannot_be_synced(int error_number) {
 /// Makes a rename in this folder survive a power failure.
 void sync_folder(const std::filesystem::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;  // a folder that takes files and cannot be read cannot be synchronised either
+  if (descriptor < 0) return;  // a folder that cannot be opened for reading cannot be synchronised
   const bool synced = uninterrupted([&] { return ::fsync(descriptor); }) == 0 || cannot_be_synced(errno);
   const int error_number = errno;
   ::close(descriptor);
@@ -111,7 +111,7 @@ void OutputFile::flush() {
     if (count < 0) {
       const int error_number = errno;
       buffer_.clear();
-      // Half a row would not be readable: back to where the last piece, which ended with a row, was whole.
+      // A partial row would be unreadable: truncates to the end of the last complete piece, which is the end of a row.
       if (uninterrupted([&] { return ::ftruncate(descriptor_, before); }) == 0)
         written_bytes_ = static_cast<std::uint64_t>(before);
       fail(error_number);
@@ -136,7 +136,7 @@ void OutputFile::close() {
     descriptor_ = -1;
     throw;
   }
-  // Some file systems report a full disk only now.
+  // Some file systems report a full disk only at close().
   if (!close_descriptor(std::exchange(descriptor_, -1))) fail(errno);
 }
 

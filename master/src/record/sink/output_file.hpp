@@ -10,37 +10,37 @@
 
 namespace mebots::master {
 
-/// Describes a write to `path` that failed with this errno, and what to do about it.
+/// Returns an error about a failed write to `path` with this errno, and what to do about it.
 Error write_error(const std::filesystem::path& path, int error_number);
 
-/// Renames a file on the same disk, in the place of any file of the new name. Throws InputError.
+/// Renames a file on the same disk and replaces any file of the new name. Throws InputError.
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// True if a file that is replaced must survive a power failure.
+/// `yes` if the replaced file must survive a power failure.
 enum class Durable : bool { no, yes };
 
-/// Writes PATH.new and renames it, so that the file is complete or as before. Throws Error.
+/// Writes PATH.new and renames it, so that the file is either complete or unchanged. Throws Error.
 void write_whole(const std::filesystem::path& path, std::string_view content, Durable durable = Durable::no);
 
-/// A file that is written in large pieces and says so when a piece did not arrive.
+/// A file that is written in large pieces and that reports failed writes.
 class OutputFile {
  public:
   enum class Mode {
     anew,   ///< creates or empties the file; follows a symbolic link, such as /dev/stdout
     fresh,  ///< creates the file; a file or link of this name is removed first, and never followed
-    go_on,  ///< opens an existing file, and writes at its end
+    go_on,  ///< opens an existing file and appends to it
   };
 
-  /// Throws InputError when the file cannot be opened.
+  /// Throws InputError if the file cannot be opened.
   explicit OutputFile(std::filesystem::path path, Mode mode = Mode::anew);
-  /// Writes what is left, in silence: call close() to hear of a failure.
+  /// Writes the rest and ignores errors. Call close() to get them.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Where the next bytes go. Append freely, then call written().
+  /// Returns the buffer of bytes to write. Append to it, then call written().
   std::string& buffer() { return buffer_; }
-  /// Hands the buffer on when it is large. Throws Error when the disk is full or broken.
+  /// Writes the buffer if it is large. Throws Error if the disk is full or fails.
   void written() {
     if (buffer_.size() >= kLargeBytes) flush();
   }
@@ -48,19 +48,19 @@ class OutputFile {
     buffer_ += bytes;
     written();
   }
-  /// Throws Error; what could not be written is dropped, so that it is complained about once.
+  /// Writes the buffer. Throws Error; drops what could not be written, so that the error is reported once.
   void flush();
   void close();
   /// Flushes, and waits until the bytes are on the disk.
   void sync();
 
-  /// Bytes so far, those in the buffer included.
+  /// Returns the number of bytes so far, buffer included.
   std::uint64_t size() const { return written_bytes_ + buffer_.size(); }
-  /// Cuts the file back (or, for a file that was written before, sets its length). Throws Error.
+  /// Truncates the file; for a reopened file, sets its length. Throws Error.
   void truncate(std::uint64_t size);
 
   const std::filesystem::path& path() const { return path_; }
-  /// Gives the file another name, on the same disk, in the place of any file of that name. Throws InputError.
+  /// Renames the file on the same disk and replaces any file of the new name. Throws InputError.
   void rename(std::filesystem::path path);
 
  private:

@@ -19,7 +19,7 @@ void append_number(std::string& bytes, std::size_t value) {
   for (const unsigned shift : {24U, 16U, 8U, 0U}) bytes += static_cast<char>(value >> shift & 0xFFU);
 }
 
-/// A part of the file: its length, and a check of all behind it.
+/// Appends a chunk: its length, type, data and a checksum of type and data.
 void append_chunk(std::string& file, std::string_view type, std::string_view data) {
   append_number(file, data.size());
   const auto checked = file.size();
@@ -31,11 +31,11 @@ std::string head(std::size_t width, std::size_t height) {
   std::string bytes;
   append_number(bytes, width);
   append_number(bytes, height);
-  return bytes += {8, 0, 0, 0, 0};  // bits of a pixel, grey; deflated, rows with a filter each, none of them interlaced
+  return bytes += {8, 0, 0, 0, 0};  // 8 bits per pixel; grey; deflate; filter per row; not interlaced
 }
 
-/// Each row as the differences of its neighbours, behind the number of that filter ("Sub"). A camera's picture is noise
-/// on slopes, so that differences take fewer bits than pixels.
+/// Returns the rows as differences of neighbouring pixels, each preceded by the number of this filter ("Sub"). A camera
+/// picture is noise on gradients, so differences take fewer bits than pixels.
 std::string differences(std::span<const std::uint8_t> pixels, std::size_t width) {
   std::string bytes(pixels.size() + pixels.size() / width, '\1');
   auto to = bytes.begin();
@@ -50,12 +50,13 @@ std::string differences(std::span<const std::uint8_t> pixels, std::size_t width)
 
 }  // namespace
 
-/// By hand, since libpng has zlib deflate row after row: 15 % slower, and a picture a second costs a mission more than
-/// all else that is recorded. A search for patterns that takes longer finds none in the noise.
+/// Does not use libpng, because that compresses row by row with zlib, which is 15 % slower: a picture per second would
+/// cost a mission more than everything else that is recorded. A more thorough search for patterns finds none in the
+/// noise.
 std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width) {
   MEBOTS_ASSERT(width > 0 && !pixels.empty() && pixels.size() % width == 0);
   const auto rows = deflated(differences(pixels, width), Packing::fast);
-  constexpr std::size_t kFrame = 64;  // what a file has beside its pixels, with room to spare
+  constexpr std::size_t kFrame = 64;  // upper bound of a file's bytes in addition to its pixels
   std::string file;
   file.reserve(rows.size() + kFrame);
   file += "\x89PNG\r\n\x1A\n";
@@ -70,7 +71,7 @@ void write_png(const std::filesystem::path& file, std::span<const std::uint8_t> 
 }
 
 std::optional<GreyPicture> read_png(std::string_view bytes) {
-  constexpr std::size_t kMostPixels = std::size_t{1} << 26;  // more than any camera has: a damaged file's word
+  constexpr std::size_t kMostPixels = std::size_t{1} << 26;  // more than any camera has; rejects damaged files
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&image, bytes.data(), bytes.size()) == 0) return std::nullopt;

@@ -8,30 +8,30 @@
 #include <string>
 #include <vector>
 
-/// What is recorded, on its way from the simulation to the files.
+/// Recorded data between the simulation and the files.
 namespace mebots::master {
 
-/// One recorded variable.
+/// A recorded variable.
 struct RecordColumn {
   std::string name;  ///< "instance.variable"
-  std::string unit;  ///< empty without one
+  std::string unit;  ///< empty = none
   modeldesc::Type type = modeldesc::Type::real;
 
   ValueKind kind() const { return kind_of(type); }
 };
 
-/// A parameter and its value as text, in the forms of results.csv.
+/// A parameter and its value as text, in the notation of results.csv.
 struct ParameterValue {
   std::string name;
   std::string unit;
   std::string value;
 };
 
-/// Cells after which a block is handed on: 128 KiB, which stay in the cache of a core.
+/// Cells per block: 128 KiB, which fit into the cache of a core.
 inline constexpr std::size_t kBlockCells = 1 << 14;
 
-/// Rows as raw numbers, so that the simulation need not wait until they are text. A row is its time [s], a double's
-/// bits, and one cell per column: a double's bits, a whole number, or the index of a text in `texts`.
+/// Rows as raw numbers, so that the simulation does not wait for formatting. A row is its time [s] (a double's bits)
+/// and a cell per column: a double's bits, a whole number, or the index of a text in `texts`.
 struct RowBlock {
   std::size_t cells_per_row = 1;
   std::vector<std::uint64_t> cells;
@@ -44,18 +44,18 @@ struct RowBlock {
   }
 };
 
-/// Takes the rows of a run, in their order.
+/// Receives the rows of a run in order.
 class RowSink {
  public:
   virtual ~RowSink() = default;
 
-  /// May be called by another thread than the other functions, but never at the same time. Throws Error when
-  /// the disk is full or broken.
+  /// May be called by another thread than the other functions, but never concurrently. Throws Error if the disk is full
+  /// or fails.
   virtual void write(const RowBlock& block) = 0;
-  /// Everything written so far is in the file afterwards.
+  /// Writes everything so far to the file.
   virtual void flush() = 0;
 
-  /// Shows what the sink must know to go on from a saved state; when that is put back, the sink goes back to there.
+  /// Visits the state that the sink needs to continue from a saved state. Restoring it sets the sink back.
   virtual void visit(state::Visitor& v) = 0;
 };
 
