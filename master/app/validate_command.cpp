@@ -172,9 +172,9 @@ bool validate(const Path& file) {
     std::printf("%s: valid %s file\n", file.c_str(), kind.c_str());
     return true;
   } catch (const data::Mistakes& mistakes) {
-    std::unordered_set<std::string> told;  // two readers of a file may report the same mistake
+    std::unordered_set<std::string> printed;  // two readers of a file may report the same mistake
     for (const auto& mistake : mistakes.list()) {
-      if (told.insert(mistake.place + mistake.text).second) print_mistake(mistake.place, mistake.text, mistake.code);
+      if (printed.insert(mistake.place + mistake.text).second) print_mistake(mistake.place, mistake.text, mistake.code);
     }
   } catch (const Error& error) {
     print_mistake("", error.what(), error.code());

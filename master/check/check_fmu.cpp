@@ -51,7 +51,7 @@ class FmuCheck {
         behaviour();
     }
     for (auto& check : report_.checks) {
-      report_.untold +=
+      report_.hidden_findings +=
           std::erase_if(check.findings, [&](const Finding& finding) { return finding.level > options_.level; });
     }
     return std::move(report_);

@@ -269,10 +269,10 @@ std::string crash_text(const ChildEnd& end) {
 
 /// Decides who caused a crash in a callback.
 void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const std::function<void(Witness&)>& work) {
-  Check aside;  // the first run has already reported its findings
-  Findings unheard(aside);
-  const auto without = run_once(rule, unheard, [&](Witness& witness) {
-    master::deafen_callbacks();
+  Check dropped;  // the first run has already reported its findings
+  Findings dropped_findings(dropped);
+  const auto without = run_once(rule, dropped_findings, [&](Witness& witness) {
+    master::ignore_callbacks();
     work(witness);
   });
   if (without.in_time && WIFSIGNALED(without.status) && without.callback.empty()) {

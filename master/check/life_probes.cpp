@@ -80,20 +80,20 @@ void check_run(const Library& library) {
   Instance instance(library, "run");
   instance.start();
   const auto& variables = library.output_variables(Type::real);
-  std::vector<bool> told(variables.size(), false);
+  std::vector<bool> reported(variables.size(), false);
   for (int k = 0; k <= target.steps; ++k) {
     if (k > 0) instance.run(k - 1, k);
     const auto outputs = instance.outputs();
     for (std::size_t i = 0; i < variables.size(); ++i) {
       const double value = outputs.reals[i];
       const auto& variable = *variables[i];
-      if (told[i]) continue;
+      if (reported[i]) continue;
       if (!std::isfinite(value)) {
-        told[i] = true;
+        reported[i] = true;
         library.witness().error(fmt::format("{} is {} at {} s", variable.name, value, k * target.step_s),
                                 "answer fmi2Error or fmi2Discard when nothing sensible can be computed");
       } else if ((variable.min && value < *variable.min) || (variable.max && value > *variable.max)) {
-        told[i] = true;
+        reported[i] = true;
         library.witness().warning(
             fmt::format("{} = {} at {} s is outside of its min and max", variable.name, value, k * target.step_s),
             "mend the model, or the limits");
@@ -162,28 +162,28 @@ void check_reset(const Library& library) {
 }
 
 void check_surroundings(const Library& library) {
-  std::set<std::string> told;
-  const auto tell = [&](const std::string& when, const std::vector<std::string>& changes) {
+  std::set<std::string> reported;
+  const auto report = [&](const std::string& when, const std::vector<std::string>& changes) {
     for (const auto& change : changes)
-      if (told.insert(change).second)
+      if (reported.insert(change).second)
         library.witness().warning(fmt::format("{}: {}", when, change),
                                   "leave to the importing tool what all FMUs of its process share");
   };
-  tell("loading the library", library.changes_at_load());
+  report("loading the library", library.changes_at_load());
   Surroundings surroundings;
   {
     Instance instance(library, "surroundings");
-    tell("fmi2Instantiate", surroundings.changes());
+    report("fmi2Instantiate", surroundings.changes());
     instance.start();
-    tell("initialisation", surroundings.changes());
+    report("initialisation", surroundings.changes());
     for (int k = 0; k < library.target().steps; ++k) {
       instance.run(k, k + 1);
-      tell(fmt::format("fmi2DoStep at {} s", k * library.target().step_s), surroundings.changes());
+      report(fmt::format("fmi2DoStep at {} s", k * library.target().step_s), surroundings.changes());
     }
     instance.terminate();
-    tell("fmi2Terminate", surroundings.changes());
+    report("fmi2Terminate", surroundings.changes());
   }
-  tell("fmi2FreeInstance", surroundings.changes());
+  report("fmi2FreeInstance", surroundings.changes());
 }
 
 constexpr const char* kStateWayOut = "put everything into the state that a later step depends on";

@@ -84,7 +84,8 @@ std::string to_text(const Report& report) {
   text += report.clean() ? fmt::format("clean at level {}", to_string(report.level))
                          : fmt::format("{} error{}, {} warning{} at level {}", errors, errors == 1 ? "" : "s", warnings,
                                        warnings == 1 ? "" : "s", to_string(report.level));
-  return text + (report.untold == 0 ? "\n" : fmt::format("; {} more at a higher --level\n", report.untold));
+  return text +
+         (report.hidden_findings == 0 ? "\n" : fmt::format("; {} more at a higher --level\n", report.hidden_findings));
 }
 
 std::string to_json(const Report& report) {

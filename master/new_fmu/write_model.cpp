@@ -222,7 +222,7 @@ std::string test_source(const Plan& plan) {
   if (driven != plan.lags.end()) {
     const auto& input = *driven->inputs.front();
     const double least = input.min.value_or(input.max.value_or(2) - 2);
-    const double asked = input.max ? 0.5 * (least + *input.max) : least + 1;
+    const double value = input.max ? 0.5 * (least + *input.max) : least + 1;
     std::string others;
     for (const Field* other : driven->inputs)
       others += fmt::format(
@@ -233,7 +233,7 @@ std::string test_source(const Plan& plan) {
     follows = fmt::format(R"(
 TEST(Model, FollowsItsInputsWithItsTimeConstant) {{
   Bench bench;
-  bench.inputs.{input} = {asked};
+  bench.inputs.{input} = {value};
   const double target = {target};
   const double before = bench.outputs.{output};
   bench.model.step(bench.inputs, bench.time_constant_ns, bench.outputs);
@@ -241,7 +241,7 @@ TEST(Model, FollowsItsInputsWithItsTimeConstant) {{
   EXPECT_NEAR(bench.outputs.{output}, target + (before - target) * std::exp(-1.0), 1e-12 * (1 + std::abs(target)));
 }}
 )",
-                          fmt::arg("input", input.cpp_name), fmt::arg("asked", asked), fmt::arg("target", others),
+                          fmt::arg("input", input.cpp_name), fmt::arg("value", value), fmt::arg("target", others),
                           fmt::arg("output", driven->output->cpp_name));
   }
   const auto time_constant = plan.time_constant == nullptr

@@ -120,7 +120,7 @@ TEST(CheckBehaviour, WhatIsNotToldIsCounted) {
   options.run = false;
   const auto report = check_fmu(workshop.culprit("none", {{"notes.txt", "x"}}), options);
   EXPECT_TRUE(report.clean());
-  EXPECT_EQ(report.untold, 1);
+  EXPECT_EQ(report.hidden_findings, 1);
   EXPECT_THAT(to_text(report), HasSubstr("clean at level standard; 1 more at a higher --level"));
 }
 

@@ -110,7 +110,7 @@ unsigned last_hart(const Soc& soc) {
   return cluster == nullptr ? kFabricControllerHart : hart_of_core(cluster->core_stopped_by_observer());
 }
 
-std::string why_no_end(const Soc& soc, const Options& options) {
+std::string missing_end_text(const Soc& soc, const Options& options) {
   const auto number = last_hart(soc);
   const auto pc = soc.hart(number).pc();
   const auto function = soc.program().where(pc);
@@ -231,8 +231,8 @@ int run(const Options& options) {
     json->print("{}", json_text(report));
     json->close();
   }
-  const bool is_told = soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
-  if (code == kFaultOrLimit && !is_told) fmt::print(stderr, "mebots-soc: {}\n", why_no_end(soc, options));
+  const bool is_reported = soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
+  if (code == kFaultOrLimit && !is_reported) fmt::print(stderr, "mebots-soc: {}\n", missing_end_text(soc, options));
   print_remarks(soc, !options.board);
   session.finish(code);
   if (signature) signature->write(soc);

@@ -143,10 +143,10 @@ class Mission {
 
  private:
   friend class InterruptOnSignals;
-  class Door;
-  explicit Mission(std::unique_ptr<Door> door);
+  class Impl;
+  explicit Mission(std::unique_ptr<Impl> impl);
 
-  std::unique_ptr<Door> door_;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// During its lifetime, the first SIGINT, SIGTERM or SIGHUP interrupts the mission, and all others with such an object.

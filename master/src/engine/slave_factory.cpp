@@ -49,7 +49,7 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
                                .grid = grid},
                               messages);
     }
-    if (wish.go_on_without && options.losses != nullptr) {
+    if (wish.continue_without && options.losses != nullptr) {
       auto& loss = (*options.losses)[i];
       loss.name = name;
       slave = std::make_unique<TolerantSlave>(std::move(slave), messages, loss);

@@ -102,7 +102,7 @@ class Fmu {
   /// thread's environment was restored.
   const std::optional<FloatEnvironment>& floats_at_load() const { return floats_at_load_; }
   /// Returns true in the first call only: that caller reports this FMU's floating-point environment. From any thread.
-  bool first_to_tell_of_floats() { return !told_of_floats_.exchange(true); }
+  bool claim_float_report() { return !floats_reported_.exchange(true); }
   /// Returns the folder of the FMU's resources in the form of fmi2Instantiate: a `file:///` URI.
   std::string resource_uri() const;
   /// Returns the folder with the unpacked FMU in the form of fmiInstantiateSlave (FMI 1.0): a `file:///` URI.
@@ -136,7 +136,7 @@ class Fmu {
   std::optional<LibraryImports> imports_;  // of libraries that are not loaded
   mutable std::mutex elsewhere_mutex_;
   std::string difference_elsewhere_;
-  std::atomic<bool> told_of_floats_{false};
+  std::atomic<bool> floats_reported_{false};
   FmuFunctions functions_;  // empty if not loaded
   std::mutex models_mutex_;
   std::map<modeldesc::StructuralValues, std::weak_ptr<const modeldesc::ModelDescription>> models_;

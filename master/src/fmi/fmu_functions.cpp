@@ -41,8 +41,8 @@ void require_text(const LibraryOwner& owner, const Expected& expected, Function*
                                shown_text(text, answer), expected.text, expected.consequence));
 }
 
-constexpr const char* kVersionAsked = "asked for its version";
-constexpr const char* kPlatformAsked = "asked for its platform";
+constexpr const char* kVersionCall = "asked for its version";
+constexpr const char* kPlatformCall = "asked for its platform";
 constexpr const char* kOtherSizes = ": its numbers have other sizes";
 
 /// Throws InputError if a function is null for which `is_needed` is true. `for_each` is the version's
@@ -64,8 +64,8 @@ Fmi1Functions load_fmi1(void* library, const LibraryOwner& owner) {
   require_functions(
       owner, functions, [](auto action) { fmi1::for_each_function(action); },
       [](fmi1::Need need) { return need == fmi1::Need::to_run; });
-  require_text(owner, {"fmiGetVersion", kVersionAsked, "1.0"}, functions.get_version);
-  require_text(owner, {"fmiGetTypesPlatform", kPlatformAsked, "standard32", kOtherSizes}, functions.get_types_platform);
+  require_text(owner, {"fmiGetVersion", kVersionCall, "1.0"}, functions.get_version);
+  require_text(owner, {"fmiGetTypesPlatform", kPlatformCall, "standard32", kOtherSizes}, functions.get_types_platform);
   return functions;
 }
 
@@ -76,8 +76,8 @@ Fmi2Functions load_fmi2(void* library, const LibraryOwner& owner) {
   require_functions(
       owner, functions, [](auto action) { fmi2::for_each_function(action); },
       [&](Need need) { return need == Need::to_run || need == to_run_kind; });
-  require_text(owner, {"fmi2GetVersion", kVersionAsked, "2.0"}, functions.get_version);
-  require_text(owner, {"fmi2GetTypesPlatform", kPlatformAsked, "default", kOtherSizes}, functions.get_types_platform);
+  require_text(owner, {"fmi2GetVersion", kVersionCall, "2.0"}, functions.get_version);
+  require_text(owner, {"fmi2GetTypesPlatform", kPlatformCall, "default", kOtherSizes}, functions.get_types_platform);
   return functions;
 }
 
@@ -92,7 +92,7 @@ Fmi3Functions load_fmi3(void* library, const LibraryOwner& owner) {
         return need == Need::to_run || need == (integrates ? Need::to_integrate : Need::to_step) ||
                (need == Need::events && (integrates || has_event_mode)) || (need == Need::event_mode && has_event_mode);
       });
-  require_text(owner, {"fmi3GetVersion", kVersionAsked, "3.0", "", true}, functions.get_version);
+  require_text(owner, {"fmi3GetVersion", kVersionCall, "3.0", "", true}, functions.get_version);
   return functions;
 }
 

@@ -62,7 +62,7 @@ struct IsolationDescription {
   std::optional<ProcessKind> process;         ///< as written
   std::optional<double> deadline_s;           ///< of each call, in wall time
   std::optional<std::uint64_t> memory_bytes;  ///< of its separate process
-  bool go_on_without = false;                 ///< if it fails, the others continue
+  bool continue_without = false;              ///< if it fails, the others continue
   SandboxDescription sandbox;
 
   static constexpr std::uint64_t kDefaultMemoryBytes = std::uint64_t{1024} << 20;

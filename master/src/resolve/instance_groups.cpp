@@ -61,7 +61,7 @@ void check_members(const ResolvedSystem& system, const std::vector<std::size_t>&
                              first.name, description.name, words.group, time_text(system.description->step_of(first)),
                              time_text(system.description->step_of(description))));
     }
-    if (instance.isolation.go_on_without && members.size() > 1) {
+    if (instance.isolation.continue_without && members.size() > 1) {
       refuse_key(
           system, member, "on_failure",
           fmt::format("'{}' is in a {} with others, which cannot continue without it", description.name, words.group));

@@ -95,8 +95,8 @@ void check_inputs(const std::string& inputs_then, const std::string& inputs_now,
   }
   for (const auto& line : now) {
     const auto name = line.substr(0, line.rfind(' '));
-    const bool told = std::find(changed.begin(), changed.end(), name) != changed.end();
-    if (!told && std::find(before.begin(), before.end(), line) == before.end()) changed.push_back(name);
+    const bool listed = std::find(changed.begin(), changed.end(), name) != changed.end();
+    if (!listed && std::find(before.begin(), before.end(), line) == before.end()) changed.push_back(name);
   }
   throw InputError(ErrorCode::state_of_other_fmu,
                    fmt::format("the inputs are not those of {} any more: {}. Put them back as they were, or "

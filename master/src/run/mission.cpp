@@ -39,13 +39,13 @@ class PointListener final : public Observer {
 
 }  // namespace
 
-class Mission::Door {
+class Mission::Impl {
  public:
-  explicit Door(std::unique_ptr<Run> opened) : run(std::move(opened)) {}
-  Door(const std::filesystem::path& system, const RunOptions& asked)
+  explicit Impl(std::unique_ptr<Run> opened) : run(std::move(opened)) {}
+  Impl(const std::filesystem::path& system, const RunOptions& requested)
       : config(std::filesystem::absolute(system)),
-        options(with_absolute_paths(asked)),
-        run(std::make_unique<Run>(system, asked)) {}
+        options(with_absolute_paths(requested)),
+        run(std::make_unique<Run>(system, requested)) {}
 
   ResolvedVariable find(std::string_view variable) {
     if (!run->busy()) run->start();
@@ -59,112 +59,112 @@ class Mission::Door {
 };
 
 Mission::Mission(const std::filesystem::path& config, const RunOptions& options)
-    : Mission(std::make_unique<Door>(config, options)) {}
-Mission::Mission(std::unique_ptr<Door> door) : door_(std::move(door)) {}
+    : Mission(std::make_unique<Impl>(config, options)) {}
+Mission::Mission(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Mission::~Mission() = default;
 Mission::Mission(Mission&& other) noexcept = default;
 Mission& Mission::operator=(Mission&& other) noexcept = default;
 
 Mission Mission::resume(const std::filesystem::path& folder, bool in_memory) {
-  return Mission(std::make_unique<Door>(Run::resume(folder, in_memory)));
+  return Mission(std::make_unique<Impl>(Run::resume(folder, in_memory)));
 }
 
 void Mission::on_message(std::function<void(const Message&)> listener) {
-  door_->run->listen(std::move(listener));
+  impl_->run->listen(std::move(listener));
 }
 
 void Mission::on_point(std::function<void(double)> listener) {
-  door_->run->add_foreign(door_->listeners.emplace_back(*door_->run, std::move(listener)));
+  impl_->run->add_foreign(impl_->listeners.emplace_back(*impl_->run, std::move(listener)));
 }
 
 void Mission::set(std::string_view variable, const Value& value) {
-  door_->run->set({std::string(variable), value, fmt::format("set(\"{}\")", variable)});
+  impl_->run->set({std::string(variable), value, fmt::format("set(\"{}\")", variable)});
 }
 
 void Mission::add_scenario(const std::filesystem::path& file) {
-  door_->run->add_scenario(file);
+  impl_->run->add_scenario(file);
 }
 
 void Mission::add_inputs(const std::filesystem::path& file) {
-  door_->run->add_inputs(file);
+  impl_->run->add_inputs(file);
 }
 
 void Mission::set_stop_time(double stop_time_s) {
-  door_->run->set_stop_time(nanoseconds_of(stop_time_s, "set_stop_time"), "set_stop_time");
+  impl_->run->set_stop_time(nanoseconds_of(stop_time_s, "set_stop_time"), "set_stop_time");
 }
 
 void Mission::record(const std::vector<std::string>& patterns) {
-  door_->run->record(patterns);
+  impl_->run->record(patterns);
 }
 
 void Mission::start_from(std::span<const std::byte> state) {
-  door_->run->start_from(state);
+  impl_->run->start_from(state);
 }
 
 std::vector<std::byte> Mission::save_state() {
-  if (!door_->run->busy()) door_->run->start();
-  return door_->run->save_state();
+  if (!impl_->run->busy()) impl_->run->start();
+  return impl_->run->save_state();
 }
 
 void Mission::start() {
-  door_->run->start();
+  impl_->run->start();
 }
 
 bool Mission::step() {
-  return door_->run->step();
+  return impl_->run->step();
 }
 
 void Mission::run() {
-  door_->run->run();
-  add_draws(*door_->run);
+  impl_->run->run();
+  add_draws(*impl_->run);
 }
 
 void Mission::run_until(double time_s) {
-  door_->run->run_until(nanoseconds_of(time_s, "run_until"));
+  impl_->run->run_until(nanoseconds_of(time_s, "run_until"));
 }
 
 void Mission::close() noexcept {
-  if (door_) door_->run->close();
+  if (impl_) impl_->run->close();
 }
 
 void Mission::interrupt() noexcept {
-  door_->run->interrupt();
+  impl_->run->interrupt();
 }
 
 void Mission::reset() {
-  auto& door = *door_;
-  if (door.config.empty() || door.run->busy()) {
-    throw InputError(ErrorCode::wrong_call_order, !door.config.empty()
+  auto& impl = *impl_;
+  if (impl.config.empty() || impl.run->busy()) {
+    throw InputError(ErrorCode::wrong_call_order, !impl.config.empty()
                                                       ? "reset() from a listener: it is called in the middle of a step"
                                                       : "reset(): this mission was resumed from a checkpoint");
   }
-  door.run->close();  // releases the results folder
-  door.run = std::make_unique<Run>(door.config, door.options, door.run->library());
-  door.listeners.clear();
+  impl.run->close();  // releases the results folder
+  impl.run = std::make_unique<Run>(impl.config, impl.options, impl.run->library());
+  impl.listeners.clear();
 }
 
 void Mission::load() {
-  door_->run->load();
+  impl_->run->load();
 }
 
 std::vector<Leftover> Mission::free_instances() {
-  return door_->run->free_instances();
+  return impl_->run->free_instances();
 }
 
 RunState Mission::state() const {
-  return door_->run->state();
+  return impl_->run->state();
 }
 
 double Mission::time_s() const {
-  return door_->run->time_s();
+  return impl_->run->time_s();
 }
 
 double Mission::step_s() const {
-  return to_seconds(door_->run->system().step);
+  return to_seconds(impl_->run->system().step);
 }
 
 double Mission::stop_time_s() const {
-  return door_->run->system().grid().time_s(door_->run->system().stop_time_ns);
+  return impl_->run->system().grid().time_s(impl_->run->system().stop_time_ns);
 }
 
 bool Mission::ended() const {
@@ -172,27 +172,27 @@ bool Mission::ended() const {
 }
 
 std::string Mission::outcome() const {
-  return door_->run->outcome();
+  return impl_->run->outcome();
 }
 
 std::optional<EndReason> Mission::end_reason() const {
-  return door_->run->report().end_reason;
+  return impl_->run->report().end_reason;
 }
 
 std::string Mission::end_text() const {
-  return door_->run->report().end_text;
+  return impl_->run->report().end_text;
 }
 
 std::string Mission::error() const {
-  return door_->run->report().error;
+  return impl_->run->report().error;
 }
 
 std::string Mission::summary() const {
-  return door_->run->summary().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return impl_->run->summary().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 double Mission::value(std::string_view variable) {
-  const auto [instance, found] = door_->find(variable);
+  const auto [instance, found] = impl_->find(variable);
   const ValueReference reference[] = {found->value_reference};
   const auto kind = kind_of(found->type);
   if (kind == ValueKind::string) {
@@ -200,7 +200,7 @@ double Mission::value(std::string_view variable) {
   }
   double real[1] = {};
   std::int64_t number[1] = {};
-  door_->run->call(instance, "value()", [&](Slave& slave) {
+  impl_->run->call(instance, "value()", [&](Slave& slave) {
     if (kind == ValueKind::real) slave.get_reals(reference, real);
     if (kind == ValueKind::integer) slave.get_integers(reference, number);
     if (kind == ValueKind::boolean) slave.get_booleans(reference, number);
@@ -210,33 +210,33 @@ double Mission::value(std::string_view variable) {
 }
 
 std::string Mission::text(std::string_view variable) {
-  const auto [instance, found] = door_->find(variable);
+  const auto [instance, found] = impl_->find(variable);
   if (found->type != Type::string) {
     throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is not a String: ask for its value", variable));
   }
   const ValueReference reference[] = {found->value_reference};
   std::string value[1];
-  door_->run->call(instance, "text()", [&](Slave& slave) { slave.get_strings(reference, value); });
+  impl_->run->call(instance, "text()", [&](Slave& slave) { slave.get_strings(reference, value); });
   return valid_utf8(value[0]);
 }
 
 void Mission::write(std::string_view variable, double value) {
-  if (!door_->run->busy()) door_->run->start();
-  static_cast<void>(write_variable(*door_->run, variable, value, fmt::format("write(\"{}\")", variable)));
+  if (!impl_->run->busy()) impl_->run->start();
+  static_cast<void>(write_variable(*impl_->run, variable, value, fmt::format("write(\"{}\")", variable)));
 }
 
 std::vector<std::string> Mission::variables() {
   std::vector<std::string> names;
-  for (const auto& one : door_->run->memory().series()) names.push_back(one.name);
+  for (const auto& one : impl_->run->memory().series()) names.push_back(one.name);
   return names;
 }
 
 std::vector<double> Mission::times() {
-  return door_->run->memory().times_s();
+  return impl_->run->memory().times_s();
 }
 
 Series Mission::series(std::string_view variable) {
-  const auto* found = door_->run->memory().find(variable);
+  const auto* found = impl_->run->memory().find(variable);
   if (found == nullptr) {
     throw InputError(ErrorCode::unknown_name,
                      fmt::format("'{}' is not recorded. {}; record() chooses what is, before the start", variable,
@@ -246,7 +246,7 @@ Series Mission::series(std::string_view variable) {
 }
 
 std::vector<Series> Mission::series() {
-  return door_->run->memory().series();
+  return impl_->run->memory().series();
 }
 
 class InterruptOnSignals::Guard {
@@ -257,7 +257,7 @@ class InterruptOnSignals::Guard {
 };
 
 InterruptOnSignals::InterruptOnSignals(Mission& mission, bool raise_again)
-    : guard_(std::make_unique<Guard>(mission.door_->run->interrupt_flag(), raise_again)) {}
+    : guard_(std::make_unique<Guard>(mission.impl_->run->interrupt_flag(), raise_again)) {}
 InterruptOnSignals::~InterruptOnSignals() = default;
 
 int InterruptOnSignals::signal() const noexcept {

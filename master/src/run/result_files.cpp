@@ -138,7 +138,7 @@ std::optional<std::string> ResultFiles::close() {
 }
 
 void ResultFiles::log_after_close(std::span<const std::string> lines) {
-  OutputFile log(log_->path(), OutputFile::Mode::go_on);
+  OutputFile log(log_->path(), OutputFile::Mode::append);
   for (const auto& line : lines) log.append(line + "\n");
   log.close();
 }

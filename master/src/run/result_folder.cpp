@@ -56,7 +56,7 @@ std::filesystem::path ResultFolder::reserve(std::string_view name) {
 }
 
 OutputFile& ResultFolder::reopen(std::string_view name) {
-  return files_.emplace_back(path_ / name, OutputFile::Mode::go_on);
+  return files_.emplace_back(path_ / name, OutputFile::Mode::append);
 }
 
 void ResultFolder::keep(std::span<const std::string_view> outdated) {

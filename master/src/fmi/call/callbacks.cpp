@@ -21,7 +21,7 @@ constinit thread_local CallbackScope* current = nullptr;  // the call to an FMU 
 constinit thread_local CurrentCallback callback{};        // the callback from that call
 constinit thread_local CurrentCall of_library{};          // the library call on this thread, outside of calls to
                                                           // instances
-constinit std::atomic<bool> deaf{false};
+constinit std::atomic<bool> callbacks_ignored{false};
 
 class InCallback {
  public:
@@ -121,7 +121,7 @@ void log_formatted(LoggerCall call, const void* environment, const char* instanc
 
 void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
          fmi2String message, ...) {
-  if (deaf.load(std::memory_order_relaxed)) return;
+  if (callbacks_ignored.load(std::memory_order_relaxed)) return;
   const InCallback here({"logger", false});
   std::va_list arguments;
   va_start(arguments, message);
@@ -134,7 +134,7 @@ void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status s
 /// FMI 1.0 has no environment. On a thread of the FMU, the name identifies the instance.
 void log_fmi1(fmiComponent /*component*/, fmiString instance, fmiStatus status, fmiString category, fmiString message,
               ...) {
-  if (deaf.load(std::memory_order_relaxed)) return;
+  if (callbacks_ignored.load(std::memory_order_relaxed)) return;
   const InCallback here({"logger", false});
   std::va_list arguments;
   va_start(arguments, message);
@@ -145,7 +145,7 @@ void log_fmi1(fmiComponent /*component*/, fmiString instance, fmiStatus status, 
 }
 
 void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message) {
-  if (deaf.load(std::memory_order_relaxed)) return;
+  if (callbacks_ignored.load(std::memory_order_relaxed)) return;
   const InCallback here({"logMessage", false});
   try {
     LoggerCall call;
@@ -235,8 +235,8 @@ CurrentCallback current_callback() noexcept {
   return callback;
 }
 
-void deafen_callbacks() noexcept {
-  deaf = true;
+void ignore_callbacks() noexcept {
+  callbacks_ignored = true;
 }
 
 CallbackScope::CallbackScope(CallbackTarget& target, const char* function, std::int64_t time_ns)

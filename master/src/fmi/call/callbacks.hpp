@@ -104,7 +104,7 @@ CurrentCallback current_callback() noexcept;
 
 /// Makes all callbacks ignore messages in the whole process, so that a crash handler can find the cause without the
 /// logger.
-void deafen_callbacks() noexcept;
+void ignore_callbacks() noexcept;
 
 /// Encloses every call to an instance: callbacks on this thread belong to it.
 class CallbackScope {

@@ -144,8 +144,8 @@ std::optional<std::string> take_kept_signal() {
 }
 
 ExitGuard::ExitGuard(const bool& busy, Fail fail) : busy_(&busy), process_(getpid()), fail_(std::move(fail)) {
-  static const bool asked = register_exit_handler();
-  static_cast<void>(asked);
+  static const bool is_registered = register_exit_handler();
+  static_cast<void>(is_registered);
   guarded_process = process_;
   auto& known = guards();
   const std::lock_guard lock(known.mutex);

@@ -106,7 +106,7 @@ void read_sandbox(const Node& node, InstanceDescription& instance, const Surroun
 }
 
 void read_on_failure(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
-  instance.isolation.go_on_without = data::word_of<bool>({{"stop", false}, {"continue", true}})(node);
+  instance.isolation.continue_without = data::word_of<bool>({{"stop", false}, {"continue", true}})(node);
 }
 
 void read_on_discard(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {

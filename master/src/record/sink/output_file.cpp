@@ -88,7 +88,7 @@ OutputFile::OutputFile(std::filesystem::path path, Mode mode) : path_(std::move(
                      fmt::format("{}: the file cannot be written: {}. Choose another folder with --out", path_.string(),
                                  std::strerror(errno)));
   }
-  if (mode != Mode::go_on) return;
+  if (mode != Mode::append) return;
   const auto size = ::lseek(descriptor_, 0, SEEK_END);
   if (size > 0) written_bytes_ = static_cast<std::uint64_t>(size);
 }

@@ -26,9 +26,9 @@ void write_whole(const std::filesystem::path& path, std::string_view content, Du
 class OutputFile {
  public:
   enum class Mode {
-    anew,   ///< creates or empties the file; follows a symbolic link, such as /dev/stdout
-    fresh,  ///< creates the file; a file or link of this name is removed first, and never followed
-    go_on,  ///< opens an existing file and appends to it
+    anew,    ///< creates or empties the file; follows a symbolic link, such as /dev/stdout
+    fresh,   ///< creates the file; a file or link of this name is removed first, and never followed
+    append,  ///< opens an existing file and appends to it
   };
 
   /// Throws InputError if the file cannot be opened.

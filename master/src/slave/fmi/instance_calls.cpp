@@ -94,7 +94,7 @@ void InstanceCalls::leave_by_exception(const char* name, const ForeignException&
 }
 
 void InstanceCalls::report_floats(const FloatEnvironment& found, const char* where) {
-  if (!fmu_->first_to_tell_of_floats()) return;
+  if (!fmu_->claim_float_report()) return;
   const auto text =
       fmt::format("the FMU {} changed how its thread computes, in {}: {}; this holds for calls to the instance only",
                   fmu_->archive().filename().string(), where, difference_text(found, floats_));

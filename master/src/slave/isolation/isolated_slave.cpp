@@ -106,10 +106,10 @@ std::optional<std::string> IsolatedSlave::free_instance() {
   put(Call::close);
   control_->command_bytes.store(commands_.size(), std::memory_order_relaxed);
   control_->asked.pass();
-  return tell_of_end();
+  return report_end();
 }
 
-std::optional<std::string> IsolatedSlave::tell_of_end() {
+std::optional<std::string> IsolatedSlave::report_end() {
   const auto grace_s = std::max(kGraceS, instance_->isolation.deadline_s.value_or(0));
   const auto end = process_->ended_within(grace_s);
   std::string problem;

@@ -99,7 +99,7 @@ class IsolatedSlave final : public Slave {
   SharedReader answers();
   void check(SharedReader& answers);
   void take_messages();
-  std::optional<std::string> tell_of_end();
+  std::optional<std::string> report_end();
   std::optional<std::string> failure_of_close();
   [[noreturn]] void lost(ErrorCode code, const std::string& how);
   ProcessEnd end_in_sandbox(ProcessEnd end) const;
