@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What mebots raises."""
+"""The exceptions that mebots raises."""
 
 
 class Error(RuntimeError):
-    """A run went wrong. The text names instance, time, call and what the FMU said.
+    """A run failed. The message contains instance, time, call and the FMU's log.
 
-    ``code`` is a short name of the kind of error ("fmu_failed", "not_finite"); it keeps its meaning from version to
-    version, where texts may change.
+    ``code`` is a short name of the kind of error ("fmu_failed", "not_finite"). It is stable across versions; messages
+    are not.
     """
 
     def __init__(self, text: str, code: str = "unspecified") -> None:
@@ -18,4 +18,4 @@ class Error(RuntimeError):
 
 
 class InputError(Error):
-    """Something handed in cannot be used; the text says what, and what to do instead."""
+    """An argument or a file cannot be used. The message says which, and what to do."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The programs of a wheel, which lie in the package's own folder: `mebots` and its companions as commands of the environment."""
+"""The programs of a wheel, in the package's folder: `mebots` and its companions as commands of the environment."""
 
 import os
 import pathlib
@@ -8,7 +8,7 @@ import sys
 
 def _become(name: str) -> None:
     program = pathlib.Path(__file__).with_name("bin") / name
-    # For what is written in Python: this environment's interpreter, though the environment may not be activated.
+    # Programs written in Python use this environment's interpreter, even if the environment is not activated.
     os.environ.setdefault("MEBOTS_PYTHON", sys.executable)
     try:
         os.execv(program, [name, *sys.argv[1:]])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Collects the cases of FMUs for pytest: files named ``*.mebots-test.json`` or ``CASES.json``, one test per case.
 
-The FMU is the one that the file names, or that of the option ``--mebots-fmu``. See docs/testing-fmus.md.
+The FMU is the one named in the file, or that of the option ``--mebots-fmu``. See docs/testing-fmus.md.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class CaseFile(pytest.File):
 
 
 class Diverged(Exception):
-    """A case that did not pass; the text says where."""
+    """A case that did not pass; the message contains the place."""
 
 
 class Case(pytest.Item):

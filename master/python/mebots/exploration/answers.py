@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Intervals for shares and means, from counts and sums alone.
+"""Intervals of shares and means, computed from counts and sums.
 
-Two kinds. A *fixed* interval keeps its level when the number of missions was settled beforehand: Wilson's for a share
-(Clopper and Pearson's where something is decided by it), Student's for a mean. A *sequence* keeps it at all numbers of missions at once, so that one may look after every round
-and stop when one likes what one sees: a mixture martingale, by Ville's inequality above 1/alpha with a chance of at most
-alpha (Robbins 1970; Howard et al. 2021).
+There are two kinds. A *fixed* interval keeps its level if the number of missions was chosen beforehand: Wilson's for a
+share (Clopper and Pearson's if a decision depends on it), Student's for a mean. A *sequence* keeps its level at all
+numbers of missions at once, so that one may look after every round and stop at any time. It is a mixture martingale,
+which by Ville's inequality exceeds 1/alpha with a probability of at most alpha (Robbins 1970; Howard et al. 2021).
 
 - Share: the likelihood ratio of a beta-binomial mixture against p (uniform prior),
-  B(1 + s, 1 + f) / (p^s (1 - p)^f). The interval is where it stays under 1/alpha. Exact for any p.
+  B(1 + s, 1 + f) / (p^s (1 - p)^f). The interval contains all p for which it is below 1/alpha. Exact for any p.
 - Mean: the likelihood ratio of Student's t with an effect of distribution N(0, g) against none (Lai 1976),
-  with x = t^2/(n - 1): (1 + n g)^(-1/2) ((1 + x)/(1 + x/(1 + n g)))^(n/2). Solved for x in closed form. Exact for normal
-  values, a good approximation for others with a mean of some ten missions.
-- Percentile: how many values are at or below the true one is a count with a known share, so the interval lies between the
-  order statistics that the share's interval leaves. Exact for any distribution.
+  with x = t^2/(n - 1): (1 + n g)^(-1/2) ((1 + x)/(1 + x/(1 + n g)))^(n/2). Solved for x in closed form. Exact for
+  normal values, a good approximation for other means of at least ten missions.
+- Percentile: the number of values at or below the true percentile is a count with a known share. The interval extends
+  between the order statistics that the share's interval permits. Exact for any distribution.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from collections.abc import Callable, Iterable, Sequence
 Interval = tuple[float, float]
 
 _EFFECT = 1.0
-"""g: variance of the effect, in standard deviations: large differences are found after few missions."""
+"""g: variance of the effect, in standard deviations. Large differences are detected after few missions."""
 
 
 def wilson(successes: int, count: int, error: float) -> Interval:
-    """Wilson's score interval of a share at level 1 - error, for a count settled beforehand."""
+    """Wilson's score interval of a share at level 1 - error, for a count chosen beforehand."""
     if count == 0:
         return 0.0, 1.0
     z = statistics.NormalDist().inv_cdf(1 - error / 2)
@@ -42,8 +42,8 @@ def wilson(successes: int, count: int, error: float) -> Interval:
 
 
 def exact_share(successes: int, count: int, error: float) -> Interval:
-    """Clopper and Pearson's interval of a share, for a count settled beforehand: of any share, each end is wrong with a
-    chance of at most half of ``error``."""
+    """Clopper and Pearson's interval of a share, for a count chosen beforehand. For any share, each end is wrong
+    with a probability of at most half of ``error``."""
     middle = successes / count if count else 0.0
     low = high = None
     if successes > 0:
@@ -54,14 +54,14 @@ def exact_share(successes: int, count: int, error: float) -> Interval:
 
 
 def share_evidence(successes: int, count: int, share: float) -> float:
-    """Logarithm of the evidence against a share: of the mixture's likelihood ratio."""
+    """Logarithm of the evidence against a share: the mixture's likelihood ratio."""
     failures = count - successes
     mixture = math.lgamma(1 + successes) + math.lgamma(1 + failures) - math.lgamma(2 + count)
     return mixture - _times_log(successes, share) - _times_log(failures, 1 - share)
 
 
 def share_sequence(successes: int, count: int, error: float) -> Interval:
-    """An interval of a share that holds at all counts at once, with a chance of at least 1 - error."""
+    """An interval of a share that is valid at all counts at once, with a probability of at least 1 - error."""
     if count == 0:
         return 0.0, 1.0
     bound = -math.log(error)
@@ -78,7 +78,7 @@ def _times_log(count: int, p: float) -> float:
 
 
 def _edge(outside: Callable[[float], bool], far: float, near: float) -> float:
-    """Between ``far``, which is outside, and ``near``, which is not: the last point outside."""
+    """Returns the last point outside, between ``far``, which is outside, and ``near``, which is not."""
     for _ in range(60):
         middle = (far + near) / 2
         if outside(middle):
@@ -90,7 +90,7 @@ def _edge(outside: Callable[[float], bool], far: float, near: float) -> float:
 
 @dataclasses.dataclass
 class Moments:
-    """Count, mean and sum of squared deviations of values that come one after the other (Welford)."""
+    """Count, mean and sum of squared deviations, updated value by value (Welford)."""
 
     count: int = 0
     mean: float = 0.0
@@ -114,7 +114,7 @@ class Moments:
 
 
 def student(moments: Moments, error: float) -> Interval:
-    """Student's interval of a mean at level 1 - error, for a count settled beforehand."""
+    """Student's interval of a mean at level 1 - error, for a count chosen beforehand."""
     if moments.count < 2:
         return -math.inf, math.inf
     half = t_quantile(1 - error / 2, moments.count - 1) * moments.deviation / math.sqrt(moments.count)
@@ -122,7 +122,7 @@ def student(moments: Moments, error: float) -> Interval:
 
 
 def mean_sequence(moments: Moments, error: float) -> Interval:
-    """An interval of a mean that holds at all counts at once, with a chance of at least 1 - error."""
+    """An interval of a mean that is valid at all counts at once, with a probability of at least 1 - error."""
     n = moments.count
     if n < 2:
         return -math.inf, math.inf
@@ -143,8 +143,8 @@ def percentile_of(ordered: Sequence[float], percentile: float) -> float:
 
 
 def percentile_interval(ordered: Sequence[float], percentile: float, error: float) -> Interval:
-    """An interval of a percentile at level 1 - error, for a count settled beforehand: each end is wrong with a chance of at
-    most half of it, by the binomial distribution."""
+    """An interval of a percentile at level 1 - error, for a count chosen beforehand. Each end is wrong with a
+    probability of at most half of ``error``, by the binomial distribution."""
     count, share = len(ordered), percentile / 100
     below, chance = 0, _binomial(0, count, share)
     while chance <= error / 2 and below < count:
@@ -158,20 +158,20 @@ def percentile_interval(ordered: Sequence[float], percentile: float, error: floa
 
 
 def percentile_sequence(ordered: Sequence[float], percentile: float, error: float) -> Interval:
-    """An interval of a percentile that holds at all counts at once, with a chance of at least 1 - error."""
+    """An interval of a percentile that is valid at all counts at once, with a probability of at least 1 - error."""
     count, share, bound = len(ordered), percentile / 100, -math.log(error)
     possible = [at for at in range(count + 1) if share_evidence(at, count, share) < bound]
     return _between_ranks(ordered, possible[0], possible[-1])
 
 
 def _between_ranks(ordered: Sequence[float], fewest: int, most: int) -> Interval:
-    """From ``fewest`` to ``most`` of the values are at or below the percentile."""
+    """Returns the interval if ``fewest`` to ``most`` of the values are at or below the percentile."""
     low = ordered[fewest - 1] if fewest > 0 else -math.inf
     return low, ordered[most] if most < len(ordered) else math.inf
 
 
 def _binomial(successes: int, count: int, share: float) -> float:
-    """Returns the chance of this number of successes."""
+    """Returns the probability of this number of successes."""
     ways = math.lgamma(count + 1) - math.lgamma(successes + 1) - math.lgamma(count - successes + 1)
     return math.exp(ways + _times_log(successes, share) + _times_log(count - successes, 1 - share))
 

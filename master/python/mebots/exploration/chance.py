@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws. Each is a function of seed, name and index alone: more replicates or another variable change none of those
-that were there, and every design gets the same, on any machine: the C library's log() and exp() differ in their last bits
-from processor to processor, so logarithms are taken in decimal arithmetic, which rounds once."""
+"""Random draws. Each draw is a function of seed, name and index only. Therefore more replicates or another variable
+do not change existing draws, and every design gets the same draws on any machine. The C library's log() and exp()
+differ in their last bits between processors, so logarithms are computed in decimal arithmetic, which rounds once."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from mebots import _mebots
 _NORMAL = statistics.NormalDist()
 _DIGITS = decimal.Context(prec=40)
 # Numerator and denominator of Wichura's Algorithm AS 241 (Applied Statistics 37, 1988) for the tails of the normal
-# distribution, up to 5 and beyond, highest power first. Between the tails Python's own takes no logarithm.
+# distribution, up to 5 and beyond, highest power first. Between the tails, Python's own algorithm uses no logarithm.
 _TAIL = (
     (7.74545014278341407640e-4, 2.27238449892691845833e-2, 2.41780725177450611770e-1, 1.27045825245236838258,
      3.64784832476320460504, 5.76949722146069140550, 4.63033784615654529590, 1.42343711074968357734),
@@ -46,7 +46,7 @@ def _polynomial(factors: tuple[float, ...], x: float) -> float:
 
 
 def normal(u: float) -> float:
-    """The value of the standard normal distribution at quantile ``u``."""
+    """Returns the value of the standard normal distribution at quantile ``u``."""
     if abs(u - 0.5) <= 0.425:
         return _NORMAL.inv_cdf(u)
     r = math.sqrt(-_log(u if u < 0.5 else 1.0 - u))
@@ -56,12 +56,13 @@ def normal(u: float) -> float:
 
 
 def unit(seed: int, name: str, index: int) -> float:
-    """A number of the uniform distribution on the open interval (0, 1): 53 bits of a SHA-256."""
+    """Returns a number of the uniform distribution on the open interval (0, 1): 53 bits of a SHA-256."""
     return _mebots.unit_draw(seed, name, index)
 
 
 def value(spread: dict[str, Any] | list[Any], u: float) -> Any:
-    """The value at quantile ``u`` of a distribution or a span, as the study file writes it; a list is a choice."""
+    """Returns the value at quantile ``u`` of a distribution or span in the notation of the study file; a list is a
+    choice."""
     if isinstance(spread, list):
         return _choice(spread, u)
     ((kind, arguments),) = spread.items()
@@ -69,7 +70,7 @@ def value(spread: dict[str, Any] | list[Any], u: float) -> Any:
 
 
 def extremes(spread: dict[str, Any] | list[Any]) -> list[Any]:
-    """Values that stand for all others when the study is checked."""
+    """Returns values that represent all others when the study is checked."""
     if isinstance(spread, list):
         return list(spread)
     ((kind, arguments),) = spread.items()

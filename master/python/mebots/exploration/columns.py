@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables for programs: tables.h5, and missions.parquet and designs.parquet where pyarrow is installed. They are made of
-the CSV files, which are what counts."""
+"""Tables for programs: tables.h5, and missions.parquet and designs.parquet if pyarrow is installed. They are derived
+from the CSV files, which are authoritative."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ _UNIT = re.compile(r" \[([^]]+)\]")
 
 
 MOST_ROWS = 250_000
-"""Of a larger table there is the CSV file alone: the others are made in memory."""
+"""A larger table is written as CSV only, because the other formats are built in memory."""
 
 
 def write(folder: pathlib.Path) -> None:
-    """Writes them next to the CSV files of this folder."""
+    """Writes the tables next to the CSV files of this folder."""
     tables = {name: read(folder / f"{name}.csv") for name in _TABLES if _is_small(folder / f"{name}.csv")}
     if tables:
         _write_hdf5(folder / "tables.h5", tables)
@@ -38,7 +38,7 @@ def _is_small(file: pathlib.Path) -> bool:
 
 
 def read(file: pathlib.Path) -> dict[str, list[Any]]:
-    """Columns by their titles: whole numbers, numbers with NaN for what is not there, or texts."""
+    """Returns columns by title: whole numbers, numbers with NaN for missing values, or texts."""
     titles, *rows = _mebots.read_csv(file)
     columns = list(zip(*rows, strict=True)) or [() for _ in titles]
     return {title: _typed(column) for title, column in zip(titles, columns, strict=True)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which designs a study compares: a function for each kind, in one registry. A further kind is a further row."""
+"""The designs that a study compares: a registry with one function per kind."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST = 10_000_000
 
 
 def designs_of(study: Study) -> list[Values]:
-    """All designs, in the study's order. Raises InputError where there are none, or too many."""
+    """Returns all designs in the study's order. Raises InputError if there are none or too many."""
     kind = study.design["kind"]
     found = KINDS[kind](study)
     conditions = study.design.get("conditions", [])
@@ -31,7 +31,7 @@ def designs_of(study: Study) -> list[Values]:
 
 
 def levels(spread: Any) -> list[Any]:
-    """The values of a factor of a grid: its list, or the names of its options."""
+    """Returns the values of a factor of a grid: its list, or the names of its options."""
     return list(spread["options"]) if isinstance(spread, dict) else list(spread)
 
 
@@ -56,7 +56,7 @@ def _list(study: Study) -> list[Values]:
 
 
 def _cell(text: str) -> Any:
-    """A number, true or false where the text is one; a text otherwise."""
+    """Returns a number or Boolean if the text is one, else the text."""
     try:
         value = json.loads(text)
     except ValueError:
@@ -69,7 +69,8 @@ def _random(study: Study) -> list[Values]:
 
 
 def _latin_hypercube(study: Study) -> list[Values]:
-    """Every factor takes one value of each of as many equally likely strata as there are designs."""
+    """Divides each factor into as many equally likely strata as there are designs, and uses one value of each
+    stratum."""
     orders: dict[str, list[int]] = {}
 
     def unit(name: str, i: int, count: int, seed: int) -> float:
@@ -81,7 +82,7 @@ def _latin_hypercube(study: Study) -> list[Values]:
 
 
 def _sobol(study: Study) -> list[Values]:
-    """Sobol's sequence, scrambled by the seed (SciPy)."""
+    """Sobol's sequence, scrambled with the seed (SciPy)."""
     qmc = extra("scipy.stats.qmc", "a design 'sobol'", "scipy")
     factors = study.design["factors"]
     count = study.design["points"]
@@ -92,7 +93,7 @@ def _sobol(study: Study) -> list[Values]:
 
 
 def _sensitivity(study: Study) -> list[Values]:
-    """The samples of a method of SALib: points on the unit cube, which become quantiles of the factors."""
+    """The samples of a method of SALib: points on the unit cube, converted to quantiles of the factors."""
     factors = study.design["factors"]
     return [
         {name: chance.value(spread, float(u)) for (name, spread), u in zip(factors.items(), point, strict=True)}
@@ -118,12 +119,12 @@ KINDS: dict[str, Callable[[Study], list[Values]]] = {
     "sobol": _sobol,
     "random": _random,
     "sensitivity": _sensitivity,
-    "search": lambda study: [],  # its designs come round by round: see search
+    "search": lambda study: [],  # its designs are created round by round: see search
 }
 
 
 def _fits(condition: dict[str, Any], design: Values) -> bool:
-    """Whether a design that is in ``when`` is in ``only``, too."""
+    """True if a design that matches ``when`` matches ``only`` too."""
     return not _in(condition["when"], design) or _in(condition["only"], design)
 
 

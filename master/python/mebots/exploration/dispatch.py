@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gives batches of orders to an executor and takes results back. Sends the files that a worker lacks. Counts the attempts
-of missions that ended without a result: a full disk, too little memory, a killed process, a lost worker."""
+"""Passes batches of orders to an executor and collects the results. Sends files that a worker lacks. Counts the
+attempts of missions that ended without a result: a full disk, too little memory, a killed process, a lost worker."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from mebots.exploration.orders import Order, Orders, packed
 from mebots.exploration.replies import Reply, reply_from
 
 ATTEMPTS = 3
-"""How often a mission may end without a result before the study stops."""
+"""The number of attempts without a result after which the study stops."""
 _BATCH_S = 0.25
-"""Time for which a batch should keep a worker busy: a kill loses no more of it."""
+"""The time for which a batch should occupy a worker. A kill loses at most this much."""
 _MOST_IN_BATCH = 1000
 _GROWTH = 10
 _MOST_SENDS = 5
-"""How often files are sent to workers for one batch."""
+"""The number of times that files are sent to workers for one batch."""
 
 Future = concurrent.futures.Future[dict[str, Any]]
 
 
 class Unfinished(Error):
-    """A mission had no result in several attempts, for a reason outside of the mission. The study stops."""
+    """A mission had no result after several attempts, for a reason outside of the mission. The study stops."""
 
     def __init__(self, text: str, code: str = "unfinished") -> None:
         super().__init__(text, code)
@@ -38,7 +38,7 @@ class Unfinished(Error):
 
 @dataclasses.dataclass
 class _Group:
-    """Orders, and the number of each mission in the round that asks for it; -1 for none."""
+    """Orders, and the number of each mission in the round that requested it; -1 for none."""
 
     orders: Orders
     indices: Sequence[int]
@@ -60,7 +60,7 @@ class _Task:
 
 
 class Dispatcher:
-    """At most ``most`` batches are out at the same time. One thread at a time."""
+    """Keeps at most ``most`` batches in progress. For one thread at a time."""
 
     def __init__(self, executor: concurrent.futures.Executor, most: int) -> None:
         self._executor = executor
@@ -79,12 +79,13 @@ class Dispatcher:
         return len(self._out) >= self._most
 
     def has_none_of(self, digests: Iterable[bytes]) -> bool:
-        """True if no mission of these was given out and has no result yet."""
+        """True if none of these missions is in progress."""
         return self._missions.isdisjoint(digests)
 
     def give(self, orders: Orders, indices: Sequence[int] | None = None, left: int = _MOST_IN_BATCH) -> None:
-        """Adds orders to the next batches, except those of missions that are out. ``indices``: the missions' numbers in the
-        round. ``left``: how many orders follow at most; near the end batches are small, so that all workers have one."""
+        """Adds orders to the next batches, except those of missions in progress. ``indices`` are the missions'
+        numbers in the round. ``left`` is the maximum number of orders that follow; near the end batches are
+        small, so that all workers have one."""
         if indices is None:
             indices = [-1] * len(orders)
         if not self.has_none_of(orders.digests):
@@ -97,11 +98,11 @@ class Dispatcher:
         self._send(whole=True)
 
     def flush(self) -> None:
-        """Sends the orders that are waiting for a full batch."""
+        """Sends the orders that wait for a full batch."""
         self._send(whole=False)
 
     def _send(self, *, whole: bool) -> None:
-        """Sends batches while there is place. ``whole``: none that more orders could fill."""
+        """Sends batches while there is capacity. ``whole``: only batches that are full."""
         waiting = sum(len(group.orders) for group in self._waiting)
         while waiting and len(self._out) < self._most:
             size = max(1, min(self._size, (waiting + self._left) // self._most))
@@ -120,13 +121,14 @@ class Dispatcher:
             self._submit(_Task(groups))
 
     def take(self) -> list[Reply]:
-        """Waits for the executor. Returns the results of missions that ended, perhaps none. Raises Unfinished at the call
-        after the one that returned the last results, Error for an executor that failed."""
+        """Waits for the executor. Returns the results of missions that ended, possibly none. Raises Unfinished in
+        the call after the one with the last results, and Error if the executor failed."""
         if self._unfinished is not None:
             raise self._unfinished
         if not self._out:
             self.flush()
-        # Not concurrent.futures.wait: an interrupt may leave it with a lock of a future, for which its worker waits for ever.
+        # Not concurrent.futures.wait(): an interrupt may leave a future's lock taken, and its worker would wait
+        # forever.
         done = [self._done.get()]
         while not self._done.empty():
             done.append(self._done.get())
@@ -139,7 +141,7 @@ class Dispatcher:
     def _reply(self, task: _Task, future: Future) -> Reply | None:
         problem = _problem_of(future)
         if isinstance(problem, (AssertionError, TypeError, AttributeError, ImportError)):
-            raise problem  # a mistake of the program: another attempt would end in the same way
+            raise problem  # a bug in the program: another attempt would end in the same way
         if problem is not None:
             for order, index in task:
                 self._repeat(order, index, f"the executor lost it: {str(problem) or type(problem).__name__}")
@@ -176,7 +178,7 @@ class Dispatcher:
         return reply if reply.digests else None
 
     def _repeat(self, order: Order, index: int, why: str) -> None:
-        """Gives a mission without a result out again, alone: no other one suffers if it ends its worker."""
+        """Repeats a mission without a result alone, so that no other mission is lost if it ends its worker."""
         mission = order["mission"]
         self._attempts[mission] += 1
         if self._attempts[mission] < ATTEMPTS:
@@ -198,7 +200,7 @@ class Dispatcher:
         with interrupts.held():
             try:
                 future = self._executor.submit(flying.fly_all, batch)
-            except Exception as error:  # noqa: BLE001 - each kind of executor has its own
+            except Exception as error:  # noqa: BLE001 - each kind of executor has its own exceptions
                 why = (str(error) or type(error).__name__).rstrip(".")
                 raise Error(f"the executor accepts no more missions: {why}. The same command continues with another executor", "system_failure") from None
             self._out[future] = task
@@ -208,7 +210,7 @@ class Dispatcher:
 def _problem_of(future: Future) -> BaseException | None:
     try:
         return future.exception()
-    except concurrent.futures.CancelledError as error:  # as Dask does when its scheduler is gone
+    except concurrent.futures.CancelledError as error:  # as in Dask after its scheduler has ended
         return error
 
 

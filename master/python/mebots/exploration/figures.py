@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers as people read them: with units, SI prefixes and as many digits as their interval allows."""
+"""Formats numbers for people: with units, SI prefixes, and the number of digits that their interval permits."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ _SCALED = ("Hz", "J", "W", "Wh", "A", "Ah", "V", "F", "N", "Pa")
 _MOST_DIGITS = 6
 """Significant digits of a value with an interval."""
 _SCALED_DOWN = ("s", "m")
-"""Units of which multiples above 1 have other names, or none that people use."""
+"""Units whose multiples above 1 have other names or are not in common use."""
 
 
 def scale_of(unit: str, values: Iterable[float]) -> tuple[float, str]:
-    """Returns a factor and a unit in which the largest of the values is from 1 to 1000, where the unit takes prefixes."""
+    """Returns a factor and a unit with which the largest of the values is from 1 to 1000, if the unit accepts
+    prefixes."""
     known = [abs(value) for value in values if math.isfinite(value) and value != 0]
     if unit == "1":
         return 1.0, ""
@@ -49,7 +50,7 @@ def quantity(value: Any, unit: str = "") -> str:
 
 
 def percent(share: float) -> str:
-    """Returns a share as a percentage. Digits are added towards 0 and 100, so that no other share reads as one of them."""
+    """Returns a share as a percentage. Adds digits near 0 and 100, so that no other share is rounded to them."""
     text = f"{100 * share:.0f}"
     if (text == "100" and share < 1) or (text == "0" and share > 0):
         text = f"{100 * share:.2g}" if share < 0.5 else f"{100 * share:.4g}"
@@ -67,7 +68,7 @@ def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
     if not (math.isfinite(low) and math.isfinite(high)):
         return " ".join(filter(None, (number(found.mean * factor), shown)))
     width = (high - low) * factor
-    # Rounding moves an end by at most a quarter of the width.
+    # Rounding moves an end by at most a quarter of the interval's width.
     decimals = max(0, math.ceil(-math.log10(width / 2))) if width > 0 else _decimals_of(found.mean * factor)
     size = max(abs(low), abs(high)) * factor
     decimals = min(decimals, max(0, _MOST_DIGITS - 1 - math.floor(math.log10(size)))) if size > 0 else decimals
@@ -77,18 +78,18 @@ def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
 
 
 def _decimals_of(value: float) -> int:
-    """Decimals of four significant digits, at most."""
+    """Returns the number of decimals for at most four significant digits."""
     text = number(value)
     return len(text.partition(".")[2]) if "e" not in text else 0
 
 
 class Units:
-    """Units of a study's factors and objectives: those that the study states, else those of the FMUs' variables."""
+    """Units of a study's factors and objectives: from the study, else from the FMUs' variables."""
 
     def __init__(self, study: Study, summary: Mapping[str, Any]) -> None:
         try:
             self._of_variables: dict[str, str] = _mebots.variable_units(study.mission)
-        except Error:  # what is wrong with the mission is reported by the check of the study
+        except Error:  # errors in the mission are reported by the study's check
             self._of_variables = {}
         self._summary = summary
 
@@ -96,7 +97,7 @@ class Units:
         return "s" if name == "/stop_time" else self._of_variables.get(name, "")
 
     def of(self, objective: Objective) -> str:
-        """Returns the unit of an objective; "" for none. An expression has the unit that the study states."""
+        """Returns the unit of an objective; "" for none. The unit of an expression is the one in the study."""
         if objective.unit or objective.is_share or objective.source == "expression":
             return objective.unit
         if objective.source == "summary":
@@ -104,7 +105,7 @@ class Units:
         return "s" if objective.reduction == "first_true" else self._of_variables.get(objective.what, "")
 
     def _variable_of(self, label: str) -> str:
-        """Returns the variable that a label of the summary names."""
+        """Returns the variable of a label in the summary."""
         found: Any = self._summary
         for part in label.split("."):
             found = found.get(part, "") if isinstance(found, dict) else ""
@@ -112,7 +113,7 @@ class Units:
 
 
 def design_names(factors: Sequence[str], designs: Sequence[Values], units: Units) -> list[str]:
-    """Returns a name for each design from the values in which designs differ: "lipol_350, 0.37 m/s"."""
+    """Returns a name per design, made of the values in which designs differ: "lipol_350, 0.37 m/s"."""
     varied = [name for name in factors if len({repr(design[name]) for design in designs}) > 1]
     shown = [units.of_factor(name) for name in varied]
     plain = [bool(unit) and unit != "1" and shown.count(unit) == 1 for unit in shown]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files that are complete or absent, whatever the disk does."""
+"""Writes files so that they are either complete or absent, even after an error of the disk."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _SPECIAL = re.compile('[,"\r\n]')
 
 
 def write_all(descriptor: int, block: bytes) -> None:
-    """Writes all bytes: the system may write fewer at a time. Raises OSError."""
+    """Writes all bytes, in several calls if necessary. Raises OSError."""
     rest = memoryview(block)
     while rest:
         rest = rest[os.write(descriptor, rest) :]
 
 
 def close(descriptor: int) -> None:
-    """Closes a descriptor. Raises OSError. Linux has closed it also if a signal interrupted the call."""
+    """Closes a descriptor. Raises OSError. Linux closes it even if a signal interrupts the call."""
     with contextlib.suppress(InterruptedError):
         os.close(descriptor)
 
@@ -36,10 +36,11 @@ def count_lines(file: pathlib.Path) -> int:
 
 
 def write_whole(file: pathlib.Path, blocks: Iterable[bytes]) -> None:
-    """Writes a file under another name, syncs it and renames it. Raises OSError and leaves the old file as it was."""
+    """Writes a file under another name, syncs it and renames it. On error, raises OSError and leaves the old file
+    unchanged."""
 
     def write(beside: pathlib.Path) -> None:
-        # O_EXCL: a symbolic link of this name is not followed.
+        # O_EXCL: does not follow a symbolic link of this name.
         descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
         try:
             for block in blocks:
@@ -53,7 +54,7 @@ def write_whole(file: pathlib.Path, blocks: Iterable[bytes]) -> None:
 
 
 def replace_with(file: pathlib.Path, write: Callable[[pathlib.Path], None]) -> None:
-    """Calls ``write`` with another name in the same folder, syncs what it wrote and renames it."""
+    """Calls ``write`` with another name in the same folder, then syncs and renames the written file."""
     beside = file.with_name(file.name + ".part")
     beside.unlink(missing_ok=True)
     try:
@@ -73,7 +74,7 @@ def write_csv(file: pathlib.Path, rows: Iterable[Sequence[str]]) -> None:
 
 
 def write_lines(file: pathlib.Path, lines: Iterable[str]) -> None:
-    """Writes texts of one or more lines in UTF-8, with bounded memory."""
+    """Writes texts of one or more lines in UTF-8 with bounded memory."""
     write_whole(file, _blocks(lines))
 
 
@@ -92,7 +93,7 @@ def _blocks(texts: Iterable[str]) -> Iterator[bytes]:
 
 
 def csv_text(cells: Iterable[str]) -> str:
-    """Returns cells separated by commas, in quotes where they need them."""
+    """Returns cells separated by commas, quoted if necessary."""
     return ",".join([f'"{cell.replace(_QUOTE, _QUOTE * 2)}"' if _SPECIAL.search(cell) else cell for cell in cells])
 
 
@@ -100,7 +101,7 @@ def _rename(old: pathlib.Path, new: pathlib.Path) -> None:
     while True:
         try:
             return os.replace(old, new)
-        except InterruptedError:  # of a network file system
+        except InterruptedError:  # by a network file system
             continue
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Mission processes from outside. Executors of any kind call ``fly_all``: it runs orders in a process that belongs to the
-calling thread, so that a crash costs a mission and never the executor's worker."""
+"""Controls mission processes. Executors of any kind call ``fly_all``, which executes orders in a process that
+belongs to the calling thread. A crash then costs a mission, but not the executor's worker."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from mebots.exploration.orders import Batch, Order, unpacked
 from mebots.exploration.replies import reply_of
 
 ATTEMPTS = 3
-"""How often a mission is tried whose process crashed: a crash may come by chance."""
+"""The number of attempts for a mission whose process crashes, because a crash may be random."""
 _LOOK_EVERY_S = 0.25
 _STALLED_AFTER_S = 60.0
 _STALLED_AFTER_LEAST_S = 5.0
@@ -34,8 +34,8 @@ _TICKS = os.sysconf("SC_CLK_TCK")
 
 
 class Lost(Exception):
-    """The process ended in the middle of a mission. The text says how and names no process. ``is_outcome`` is False if
-    something outside of the mission ended it."""
+    """The process ended during a mission. The message says how, without naming a process. ``is_outcome`` is False if
+    the cause was outside of the mission."""
 
     def __init__(self, text: str, *, is_outcome: bool = True) -> None:
         super().__init__(text)
@@ -43,7 +43,7 @@ class Lost(Exception):
 
 
 class MissionProcess:
-    """A worker in a process of its own. One thread at a time."""
+    """A worker in a separate process. For one thread at a time."""
 
     def __init__(self) -> None:
         life, self._life = os.pipe()
@@ -52,14 +52,15 @@ class MissionProcess:
         environment = dict(os.environ)
         package = str(pathlib.Path(__file__).resolve().parents[2])
         environment["PYTHONPATH"] = os.pathsep.join([package, *filter(None, [environment.get("PYTHONPATH")])])
-        environment["TMPDIR"] = folder = _folder()  # it is killed, and its unpacked FMUs go with the folder
+        environment["TMPDIR"] = folder = _folder()  # the process is killed at the end; its unpacked FMUs are deleted
+                                                    # with the folder
         self._process = subprocess.Popen(
             [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out), folder],
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,  # an FMU may print
-            stderr=self._last_words,  # of an assertion, say
+            stderr=self._last_words,  # for example of an assertion
             pass_fds=(life, out),
-            start_new_session=True,  # Ctrl-C is for who decides what is flown
+            start_new_session=True,  # the parent decides what Ctrl-C means
             env=environment,
         )
         os.close(life)
@@ -73,7 +74,7 @@ class MissionProcess:
             raise
 
     def fly(self, order: Order) -> dict[str, Any]:
-        """The record of a mission. Raises Lost, after which this object is of no use."""
+        """Returns the record of a mission. Raises Lost, after which this object cannot be used."""
         assert self._process.stdin is not None
         self._last_words.truncate(0)
         try:
@@ -90,7 +91,7 @@ class MissionProcess:
         return record
 
     def end(self) -> None:
-        """From any thread: whoever waits for a record hears that the process is lost."""
+        """Ends the process. From any thread: a thread that waits for a record gets Lost."""
         with contextlib.suppress(OSError):
             os.killpg(self._process.pid, signal.SIGKILL)
 
@@ -109,17 +110,17 @@ class MissionProcess:
                 self._process.stdin.close()
 
     def _line(self, limit_s: float | None) -> dict[str, Any]:
-        # Asked for after the first look alone, which most missions do not need: their record says what they took.
+        # Read after the first wait only; most missions end before, and their records contain the time.
         begun_s = last_s = None
         moved_at = time.monotonic()
-        # A call that waits for ever takes no processor time: this limit alone is of the wall clock.
+        # A call that waits forever uses no processor time, so only this limit uses the wall clock.
         patience_s = _STALLED_AFTER_S if limit_s is None else max(_STALLED_AFTER_LEAST_S, limit_s)
         while b"\n" not in self._rest:
             if select.select([self._records], [], [], _LOOK_EVERY_S)[0]:
                 block = os.read(self._records, 1 << 16)
                 if not block:
                     raise self._lost()
-                self._rest = (self._rest + block).lstrip(b"\n")  # it waits for another process
+                self._rest = (self._rest + block).lstrip(b"\n")  # an empty line: it waits for another process
                 moved_at = time.monotonic()
                 continue
             now_s = self._processor_time_s()
@@ -135,7 +136,8 @@ class MissionProcess:
         return json.loads(line)
 
     def _processor_time_s(self) -> float:
-        """Returns the time of the process and its descendants: its fork flies, and starts those of isolated instances."""
+        """Returns the processor time of the process and its descendants: its fork runs the mission and starts the
+        processes of isolated instances."""
         return _ticks_of_all(self._process.pid) / _TICKS
 
     def _lost(self) -> Lost:
@@ -147,7 +149,7 @@ class MissionProcess:
         size = self._last_words.seek(0, os.SEEK_END)
         self._last_words.seek(max(0, size - _MOST_WORDS))
         words = self._last_words.read().decode(errors="replace").strip().splitlines()
-        if words:  # the same on every machine and in every process
+        if words:  # equal on every machine and in every process
             text = f"{text}: {_ADDRESS.sub('0x...', without_paths(words[-1]))}"
         return Lost(text, is_outcome=not outcomes.is_outside_signal(-code) and not outcomes.describes_system_error("\n".join(words)))
 
@@ -170,7 +172,7 @@ def _over(limit_s: float) -> tuple[str, str]:
 
 
 def _ticks_of_all(process: int) -> int:
-    """Returns the time of a process and of all that it started, also of those that ended."""
+    """Returns the processor time of a process and of all its descendants, including ended ones."""
     total = _ticks_of(process)
     with contextlib.suppress(OSError):
         for task in os.listdir(f"/proc/{process}/task"):
@@ -180,14 +182,14 @@ def _ticks_of_all(process: int) -> int:
 
 
 def _ticks_of(process: int) -> int:
-    """User and system time, with that of children that ended; 0 for a process that is gone."""
+    """Returns user and system time, including those of ended children; 0 if the process has ended."""
     with contextlib.suppress(OSError, IndexError), open(f"/proc/{process}/stat", encoding="utf-8") as stat:
         return sum(int(word) for word in stat.read().rpartition(")")[2].split()[11:15])
     return 0
 
 
 def failed(order: Order, error: str, code: str) -> dict[str, Any]:
-    """Returns the record of a mission whose process wrote none."""
+    """Returns a record for a mission whose process wrote none."""
     return {"mission": order["mission"], "flown_by": order["build"], "outcome": "failed", "error": error, "code": code}
 
 
@@ -203,18 +205,18 @@ _LEFT_BEHIND_S = 600.0
 
 
 def _remove_empty_folders() -> None:
-    """Removes folders that killed runs left empty. A run fills its folder within a second."""
+    """Removes empty folders of killed runs. A run fills its folder within a second."""
     with contextlib.suppress(OSError), os.scandir(tempfile.gettempdir()) as entries:
         for entry in entries:
             if entry.name.startswith(_PREFIX):
-                with contextlib.suppress(OSError):  # in use, or of another user
+                with contextlib.suppress(OSError):  # in use, or another user's
                     if time.time() - entry.stat(follow_symlinks=False).st_mtime > _LEFT_BEHIND_S:
                         os.rmdir(entry.path)
 
 
 def _folder() -> str:
-    """For the temporary files of this process's mission processes, which are killed and cannot clean up, and for what
-    they keep for each other."""
+    """Returns the folder for temporary files of this process's mission processes, and for the states that they
+    share. They are killed and cannot delete their own files."""
     global _place
     with _lock:
         if _place is None:
@@ -224,10 +226,10 @@ def _folder() -> str:
 
 
 def fly_all(batch: Batch) -> dict[str, Any]:
-    """Runs a batch in the calling thread's mission process, for executors. Returns the missions' results (``replies.py``),
-    those ``unfinished`` with the reason, and ``duration_s``. If files
-    are not on this machine, returns ``{"lacks": [their hashes]}``; a batch may bring them under ``contents``. Another build
-    of MEbots might give other results: it returns its own ``build``."""
+    """Executes a batch in the calling thread's mission process, for executors. Returns the missions' results
+    (``replies.py``), the ``unfinished`` ones with the reason, and ``duration_s``. If files are missing on this
+    machine, returns ``{"lacks": [their hashes]}``; a batch may contain them under ``contents``. If this is
+    another build of MEbots, whose results could differ, returns its ``build``."""
     if batch["shared"]["build"] != build():
         return {"build": build()}
     lacking = _find_files(batch)
@@ -241,8 +243,8 @@ def fly_all(batch: Batch) -> dict[str, Any]:
 
 
 def fly(order: Order) -> dict[str, Any]:
-    """Runs an order, whose files are on this machine. Returns the mission's record, or ``{"mission", "unfinished": why}`` if
-    something outside of the mission ended it."""
+    """Executes an order whose files are on this machine. Returns the mission's record, or ``{"mission",
+    "unfinished": why}`` if a cause outside of the mission ended it."""
     for attempt in range(1, ATTEMPTS + 1):
         if _closing.is_set():
             raise RuntimeError("the study is over")
@@ -269,7 +271,7 @@ def _my_process() -> MissionProcess:
             is_late = _closing.is_set()
             if not is_late:
                 _all.add(process)
-        if is_late:  # the study ended while it started: end_all did not see it
+        if is_late:  # the study ended meanwhile, and end_all did not include it
             process.close()
             raise RuntimeError("the study is over")
         _mine.process = process
@@ -278,7 +280,7 @@ def _my_process() -> MissionProcess:
 
 def _drop_my_process() -> None:
     process, _mine.process = getattr(_mine, "process", None), None
-    if process is None:  # it was lost while it started
+    if process is None:  # it was lost during its start
         return
     with _lock:
         _all.discard(process)
@@ -286,13 +288,12 @@ def _drop_my_process() -> None:
 
 
 def ready() -> None:
-    """After ``end_all``, for the next study of this process."""
+    """Permits mission processes again after ``end_all``, for the next study in this process."""
     _closing.clear()
 
 
 def end_all() -> list[MissionProcess]:
-    """Ends all mission processes of this process, whatever they do. They are for ``close_ended`` when no thread waits
-    for them any more."""
+    """Ends all mission processes of this process. Pass the result to ``close_ended`` when no thread waits for them."""
     _closing.set()
     with _lock:
         processes = list(_all)
@@ -303,7 +304,7 @@ def end_all() -> list[MissionProcess]:
 
 
 def close_ended(processes: list[MissionProcess]) -> None:
-    """Waits for mission processes that were ended, and removes their files."""
+    """Waits for ended mission processes and deletes their files."""
     global _place
     for process in processes:
         process.close()
@@ -314,7 +315,7 @@ def close_ended(processes: list[MissionProcess]) -> None:
 
 
 def close_all() -> None:
-    """Ends and closes all mission processes of this process, of which no other thread may use one."""
+    """Ends and closes all mission processes of this process. No other thread may be using one."""
     close_ended(end_all())
 
 
@@ -324,13 +325,13 @@ _known: dict[tuple[str, int, int], str] = {}
 
 
 def cache_folder() -> pathlib.Path:
-    """Where a machine keeps files that came with orders."""
+    """Returns the machine's folder for files that came with orders."""
     base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     return pathlib.Path(base) / "mebots" / "inputs"
 
 
 def _find_files(batch: Batch) -> list[str]:
-    """Sets the paths of the batch's files to those on this machine. Returns the hashes of files that are not here."""
+    """Sets the paths of the batch's files on this machine. Returns the hashes of missing files."""
     contents = batch.pop("contents", {})
     lacking = []
     for digest, place in batch["files"].items():
@@ -354,7 +355,7 @@ def _keep(file: pathlib.Path, content: bytes) -> None:
 
 
 def _is(path: str, digest: str) -> bool:
-    """Whether the file has this hash; looked at once for each time and size that it has."""
+    """True if the file has this hash. Cached by the file's time and size."""
     try:
         stat = os.stat(path)
     except OSError:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Pareto front with what is sure of it.
+"""The Pareto front, with the certainty of each statement about it.
 
-Two designs are compared first by the intervals of their means, for all designs at once, and pair by pair only where the
-intervals leave it open.
+Two designs are compared first by the intervals of their means, for all designs at once. Only if the intervals overlap
+are they compared pair by pair.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ ON, OFF, UNDECIDED, EXCLUDED, NONE = "on", "off", "undecided", "excluded", ""
 
 
 def places(evidence: Evidence) -> list[str]:
-    """For each design: ``excluded`` (it surely breaks a constraint), ``off`` the front (another one that keeps all
-    constraints surely dominates it), ``on`` it (surely feasible, and surely better than every other one in some
-    objective), or ``undecided``. Noise is never ranked: two designs whose difference is not sure are both undecided."""
+    """Returns a word for each design. ``excluded``: it certainly violates a constraint. ``off``: another design that
+    satisfies all constraints certainly dominates it. ``on``: it is certainly feasible, and certainly better than
+    every other one in some objective. ``undecided``: anything else. Noise is never ranked: if the difference of
+    two designs is not certain, both are undecided."""
     designs = range(len(evidence.counts))
     if not evidence.has_front:
         return [NONE] * len(designs)
@@ -37,7 +38,7 @@ def places(evidence: Evidence) -> list[str]:
 
 
 class Dominance:
-    """What is sure of each design compared with those that lead among ``feasible`` and with all ``rivals``."""
+    """What is certain about each design compared with the leaders among ``feasible`` and with all ``rivals``."""
 
     def __init__(self, evidence: Evidence, feasible: list[int], rivals: list[int]) -> None:
         self._evidence = evidence
@@ -45,10 +46,10 @@ class Dominance:
         self._low, self._high, self._mean = low, high, mean
         self._leaders = np.array(evidence.leaders(feasible), int)
         self._rivals = np.array(rivals, int)
-        # A row for each objective: numpy is fast along rows.
+        # A row per objective, because numpy is fast along rows.
         self._leaders_low, self._leaders_mean = low[self._leaders].T.copy(), mean[self._leaders].T.copy()
         self._rivals_high = high[self._rivals].T.copy()
-        # Where two designs have the same missions, the mean of differences is the difference of means.
+        # If two designs have the same missions, the mean of differences is the difference of means.
         self._counts = np.array(evidence.counts)
         self._counts[~evidence.complete] = -1
         self._leaders_counts = self._counts[self._leaders]
@@ -56,14 +57,14 @@ class Dominance:
         self._slack = 1e-9 * np.nanmax(np.abs(mean), axis=0, initial=0.0)
 
     def is_dominated(self, design: int) -> bool:
-        """True if a leader surely dominates the design."""
+        """True if a leader certainly dominates the design."""
         leaders, tolerances = self._leaders, self._evidence.tolerances
         never_worse, some_better, may_lead = (np.full(len(leaders), one) for one in (True, False, True))
         for at, tolerance in enumerate(tolerances):
             lead = self._leaders_low[at] - self._high[design, at]
             never_worse &= (lead > 0) | (lead > -tolerance)
             some_better |= lead > 0
-            # A lower bound of a mean difference is below the difference.
+            # A lower bound of a mean difference is less than the difference.
             may_lead &= self._leaders_mean[at] > self._mean[design, at] - tolerance - self._slack[at]
         others = leaders != design
         if (never_worse & some_better & others).any():
@@ -75,7 +76,7 @@ class Dominance:
         return any(self._evidence.dominates(leader, design) for leader in largest_first.tolist())
 
     def is_best_somewhere(self, design: int) -> bool:
-        """True if the design is surely better than each rival in some objective, so that none dominates it."""
+        """True if the design is certainly better than each rival in some objective, so that none dominates it."""
         open_ones = self._rivals != design
         for at in range(len(self._rivals_high)):
             open_ones &= self._low[design, at] <= self._rivals_high[at]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ctrl-C between two steps, and never in the middle of one.
+"""Delivers Ctrl-C between two steps and never during one.
 
-Python raises KeyboardInterrupt between any two of its instructions. Inside ``Thread.start`` that leaves a thread which
-its pool does not know, inside a lock's ``with`` a lock that stays taken."""
+Python raises KeyboardInterrupt between any two of its instructions. During ``Thread.start`` this leaves a thread that
+its pool does not know of; inside a lock's ``with`` it leaves the lock taken."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _pending = False
 
 @contextlib.contextmanager
 def held() -> Iterator[None]:
-    """What the block does is done whole: an interrupt that comes meanwhile is raised at the block's end. In a thread
-    other than the main one it does nothing: Python interrupts only that."""
+    """Delays an interrupt until the end of the block. No effect in threads other than the main one, because Python
+    interrupts only that."""
     global _holds
     if not _can_come():
         yield
@@ -29,13 +29,13 @@ def held() -> Iterator[None]:
         with _handled():
             yield
     finally:
-        _holds = before  # an interrupt may have cut ``allowed`` short
+        _holds = before  # an interrupt may have ended ``allowed`` early
         _raise_pending_interrupt()
 
 
 @contextlib.contextmanager
 def allowed() -> Iterator[None]:
-    """Within ``held``: here an interrupt is raised at once, as everywhere else."""
+    """Within ``held``, raises an interrupt immediately."""
     global _holds
     if not _can_come():
         yield
@@ -53,7 +53,7 @@ def _can_come() -> bool:
 
 
 def interrupt(number: int, frame: object) -> None:
-    """A handler of signals."""
+    """Handles the signal."""
     global _pending
     if _holds:
         _pending = True
@@ -63,7 +63,7 @@ def interrupt(number: int, frame: object) -> None:
 
 @contextlib.contextmanager
 def _handled() -> Iterator[None]:
-    """Python's own handler of Ctrl-C raises wherever it is: this one stands in for it. Somebody else's stays."""
+    """Replaces Python's own handler of Ctrl-C, which raises at any place. Keeps a handler of another program."""
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Results of missions on disk: a line of JSON for each. A line is in the system's cache, which outlives any process, before
-its mission counts as done. Several times a second, and before tables are written, the system writes it to the disk.
+"""Results of missions on disk, one line of JSON each. A mission counts as done when its line is in the system's cache,
+which outlives any process. The file is synced to the disk several times a second, and before tables are written.
 
-The last member of a line is the CRC-32 of the bytes before it. A line whose checksum is wrong is reported and not used.
+The last member of a line is the CRC-32 of the bytes before it. A line with a wrong checksum is reported and not used.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ from mebots.exploration import files
 NAME = "journal.jsonl"
 
 _SYNC_EVERY_S = 0.25
-"""A synchronisation takes milliseconds in which no mission is given out."""
+"""A synchronisation takes milliseconds, during which no mission is started."""
 _BLOCK_BYTES = 8 << 20
 _WINDOW_BYTES = 1 << 16
 _decoded = json.JSONDecoder().decode
 _encoded = json.JSONEncoder(separators=(",", ":")).encode
 _MOST_NAMED = 10
-"""Damaged lines that are named; of more only their number is reported."""
+"""The number of damaged lines that are listed; of further ones only the number is reported."""
 
 Record = dict[str, Any]
 
-# A line as this version writes it, by byte positions.
+# The layout of a line of this version, by byte positions.
 _MISSION = b'{"mission":"'
 _BUILD = b'","flown_by":"'
 _DIGEST = 64
@@ -64,14 +64,14 @@ def record_of(line: bytes) -> Record:
 
 
 def key_of(mission: str) -> int:
-    """Returns the part of a mission's hash by which the journal finds its line."""
+    """Returns the part of a mission's hash with which the journal finds its line."""
     return int(mission[:16], 16)
 
 
 class Places:
-    """Where the line of each mission begins: 16 bytes for each, in runs sorted by key, the latest run last. A run is merged with
-    the one before it unless that is more than twice as long. Several missions may share a key; all their places are returned,
-    the latest first."""
+    """The place of each mission's line: 16 bytes per mission, in runs sorted by key, the latest run last. A run is
+    merged with the one before it unless that is more than twice as long. Several missions may share a key; all
+    their places are returned, latest first."""
 
     def __init__(self) -> None:
         self._runs: list[tuple[np.ndarray, np.ndarray]] = []
@@ -95,7 +95,7 @@ class Places:
                 at -= 1
 
     def may_have(self, wanted: np.ndarray) -> np.ndarray:
-        """Returns for each key whether there is a line with it."""
+        """Returns for each key whether a line with it exists."""
         found = np.zeros(len(wanted), bool)
         for keys, _ in self._runs:
             at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
@@ -114,8 +114,9 @@ def keys_of(digests: Sequence[bytes]) -> np.ndarray:
 
 
 class Journal:
-    """The records of a folder by the hash of their mission. Keeps their places in memory, not their content. One process
-    at a time writes. An incomplete last line, of a killed process, is cut off. ``notices`` are for the user."""
+    """The records of a folder by the hash of their mission. Keeps their places in memory, not their content. One
+    process at a time writes. Truncates an incomplete last line, which a killed process leaves. ``notices`` are
+    for the user."""
 
     def __init__(self, folder: pathlib.Path, *, writable: bool = True) -> None:
         self.file = folder / NAME
@@ -166,30 +167,30 @@ class Journal:
         return self._places.may_have(keys_of(digests))
 
     def at(self, place: int) -> Record:
-        """Returns the record whose line begins at a place."""
+        """Returns the record whose line starts at a place."""
         record: Record = json.loads(self._line(place))
         record.pop("crc32", None)
         return record
 
     def of_other_builds(self, build: str) -> int:
-        """Returns how many records that were there at first are of other builds; older ones do not state theirs."""
+        """Returns the number of initial records of other builds; old records do not state their build."""
         return self._builds.total() - self._builds[build]
 
     def append(self, records: Iterable[Record]) -> list[int]:
-        """As ``append_lines``."""
+        """Does the same as ``append_lines``."""
         records = list(records)
         lines = [line_of(record) for record in records]
         digests = [bytes.fromhex(record["mission"]) for record in records]
         return self.append_lines(digests, b"".join(lines), np.array([len(line) for line in lines], np.int64)).tolist()
 
     def append_lines(self, digests: Sequence[bytes], lines: bytes, lengths: np.ndarray) -> np.ndarray:
-        """Appends lines of missions. Returns their places when a kill of this process cannot undo them. Raises Error when they
-        cannot be written; then the journal ends where it did."""
+        """Appends lines of missions. Returns their places once a kill of this process cannot undo them. Raises Error
+        if they cannot be written; the journal is then unchanged."""
         try:
             os.lseek(self._descriptor, self._end, os.SEEK_SET)
             files.write_all(self._descriptor, lines)
         except OSError as error:
-            with contextlib.suppress(OSError):  # the next call cuts an incomplete line off
+            with contextlib.suppress(OSError):  # the next call truncates an incomplete line
                 os.ftruncate(self._descriptor, self._end)
             raise Error(f"{self.file}: {error.strerror}", "file_unwritable") from None
         ends = self._end + np.cumsum(lengths)
@@ -201,7 +202,7 @@ class Journal:
         return places
 
     def sync(self) -> None:
-        """Returns when all is on the disk. Raises Error."""
+        """Returns when everything is on the disk. Raises Error."""
         try:
             os.fdatasync(self._descriptor)
         except OSError as error:
@@ -209,7 +210,7 @@ class Journal:
         self._synced_s = time.monotonic()
 
     def close(self) -> None:
-        """Raises Error: some file systems report a full disk only now. A second call does nothing."""
+        """Raises Error: some file systems report a full disk only at this point. A second call has no effect."""
         descriptor, self._descriptor = self._descriptor, -1
         try:
             if descriptor >= 0:
@@ -235,7 +236,7 @@ class Journal:
             )
 
     def _line(self, place: int) -> bytes:
-        """Reads a line through a window: tables read lines roughly in the order of the file."""
+        """Reads a line through a window, because tables read lines roughly in the order of the file."""
         begin, window = self._window
         if begin <= place < begin + len(window):
             end = window.find(b"\n", place - begin)
@@ -258,7 +259,7 @@ class Journal:
     # Opening.
 
     def _read(self) -> int:
-        """Notes where the records are. Returns where the last complete line ends."""
+        """Records the places of the records. Returns the end of the last complete line."""
         scan = _Scan()
         keys, places = [], []
         place, rest, size = 0, b"", 0
@@ -289,8 +290,8 @@ class Journal:
 
 
 class _Scan:
-    """Reads the lines of a journal for their keys, places and builds, and checks them. Lines as this version writes them
-    are read by numpy; all others one after the other."""
+    """Reads the lines of a journal: their keys, places and builds, with checks. Reads lines of this version with
+    numpy; all others individually."""
 
     def __init__(self) -> None:
         self.builds: collections.Counter[str] = collections.Counter()
@@ -298,10 +299,10 @@ class _Scan:
         self.damaged_count = 0
         self._number = 0
         self._summed = False
-        """True after the first line with a checksum: earlier versions wrote none, this one always does."""
+        """True after the first line with a checksum. Earlier versions wrote none; this one always does."""
 
     def lines(self, text: bytes, place: int) -> tuple[np.ndarray, np.ndarray]:
-        """Returns the keys and places of the sound lines of a text that begins at ``place``."""
+        """Returns the keys and places of the valid lines in a text that starts at ``place``."""
         data = np.frombuffer(text, np.uint8)
         ends = np.flatnonzero(data == ord("\n")) + 1
         begins = np.concatenate([[0], ends[:-1]])
@@ -332,7 +333,7 @@ class _Scan:
         return usual
 
     def _count_builds(self, data: np.ndarray, begins: np.ndarray) -> None:
-        while len(begins):  # one turn for each build
+        while len(begins):  # one iteration per build
             first = data[begins[0] + _BUILD_AT :][:_DIGEST]
             same = _have(data, begins + _BUILD_AT, first)
             self.builds[first.tobytes().decode("latin-1")] += int(same.sum())
@@ -357,7 +358,7 @@ class _Scan:
 
 
 def _have(data: np.ndarray, begins: np.ndarray, mark: np.ndarray) -> np.ndarray:
-    """Returns for each place whether these bytes are there."""
+    """Returns for each place whether it contains these bytes."""
     same = np.ones(len(begins), bool)
     for offset, byte in enumerate(mark.tolist()):
         same &= data[begins + offset] == byte
@@ -373,7 +374,7 @@ def _hex(data: np.ndarray, begins: np.ndarray, digits: int) -> np.ndarray:
 
 
 def _identity(line: bytes) -> tuple[str, str]:
-    """Returns the mission, and the build that ran it. Raises an error for what is not a record."""
+    """Returns the mission, and the build that ran it. Raises an error if the line is not a record."""
     record = json.loads(line)
     texts = (record["mission"], record["outcome"], record["error"])
     parts = (record.get("values", {}), record.get("finals", {}), record.get("series", {}))

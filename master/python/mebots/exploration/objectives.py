@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the record of a mission to the numbers that the study asks for."""
+"""Converts the record of a mission to the numbers that the study requests."""
 
 from __future__ import annotations
 
@@ -18,20 +18,21 @@ from mebots.exploration.replies import Reply, number_of
 from mebots.exploration.study import Objective, Study
 
 Measures = tuple[float | None, ...]
-"""One number for each objective; None where the mission has none."""
+"""One number per objective; None if the mission has none."""
 
 
 class Measurer:
-    """Makes the numbers of one mission. ``labels`` are those of the mission's summary. Raises InputError for an
-    objective that asks for something that is not there."""
+    """Computes the numbers of a mission. ``labels`` are those of the mission's summary. Raises InputError if an
+    objective refers to something that does not exist."""
 
     def __init__(self, study: Study, labels: Iterable[str]) -> None:
         self._objectives = study.objectives
         self._place = study.place
         self._formulas: dict[str, Callable[[Mapping[str, Any]], float]] = {}
-        self._sound = 0  # missions
+        self._sound = 0  # number of missions
         self._valued: set[str] = set()  # objectives that had a value
-        self._mistakes: dict[str, tuple[int, str]] = {}  # what was wrong with an expression's arithmetic, in the first mission
+        self._mistakes: dict[str, tuple[int, str]] = {}  # the arithmetic error of an expression, in the first mission
+                                                         # that had it
         labels = list(labels)
         known: set[str] = set(labels)
         for one in self._objectives:
@@ -43,9 +44,9 @@ class Measurer:
             known.add(one.label)
 
     def __call__(self, record: Record, number: int = 0) -> Measures:
-        """Returns the measures of a mission. ``number``: its place in the study's order."""
+        """Returns the measures of a mission. ``number`` is its place in the study's order."""
         values: dict[str, Any] = record.get("values", {})
-        if self._formulas:  # which may use other objectives
+        if self._formulas:  # they may use other objectives
             values = dict(values)
         sound = not record["error"]
         self._sound += sound
@@ -65,7 +66,7 @@ class Measurer:
         return tuple(measured[one.label] for one in self._objectives)
 
     def columns(self, reply: Reply) -> np.ndarray:
-        """Returns the measures of missions, a row for each, with NaN where there is none."""
+        """Returns the measures of missions, one row each, with NaN for missing values."""
         if self._formulas:
             rows = [self(record, index) for record, index in zip(reply.records(), reply.indices, strict=True)]
             return np.array([[math.nan if one is None else one for one in row] for row in rows], float).reshape(len(rows), -1)
@@ -92,8 +93,8 @@ class Measurer:
         return reply.numbers.get(keys[one.source], none)
 
     def without_value(self) -> list[str]:
-        """Of each expression that had no value in any of the missions so far, because its arithmetic has none: what to
-        tell. One of values that a mission may lack, or restricted by ``where``, is none of them."""
+        """Returns a message for each expression that had no value in any mission so far because of an arithmetic
+        error. Skips expressions of values that a mission may lack, and those restricted by ``where``."""
         return [
             f"{self._place}: the objective '{label}' has no value in any of {self._sound} missions: '{what}': {why}"
             for label, what, why in (
@@ -112,7 +113,7 @@ class Measurer:
         if one.source == "expression":
             try:
                 result = self._formulas[one.label](values)
-            except TypeError:  # of a value that this mission does not have
+            except TypeError:  # a value is missing in this mission
                 return None
             except (ArithmeticError, ValueError) as error:
                 self._note(one.label, number, str(error))
@@ -135,12 +136,12 @@ def _share_of(one: Objective, reply: Reply) -> np.ndarray:
 
 
 def _ending(record: Record, one: Objective) -> str:
-    """Returns the outcome or the end reason of a mission. One that crashed has no end reason of its own."""
+    """Returns the outcome or the end reason of a mission. A crashed mission has no end reason."""
     return record["outcome"] if one.source == "outcome" else record.get("end_reason", "failed")
 
 
 def has_all(record: Record, order: Mapping[str, Any]) -> bool:
-    """Whether a record, perhaps of another study, has everything that the order wants."""
+    """True if a record, possibly of another study, contains everything that the order requests."""
     if record["error"]:
         return True
     if "out" in order and not os.path.exists(os.path.join(order["out"], "summary.json")):
@@ -165,14 +166,14 @@ _OPERATORS: dict[type, Callable[..., float]] = {
 }
 _MOST_CHARACTERS = 4000
 _MOST_LEVELS = 100
-"""Of an expression, far from where Python's own recursion ends, in whatever depth it is evaluated."""
+"""The maximum depth of an expression, far below Python's recursion limit at any depth of calls."""
 
 _FUNCTIONS: dict[str, Callable[..., float]] = {"abs": abs, "min": min, "max": max, "sqrt": math.sqrt}
 
 
 def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[str, Any]], float]:
-    """What an expression of +, -, *, /, abs, min, max, sqrt, numbers and names makes of values by name. A name may hold
-    dots. Raises InputError."""
+    """Returns a function that evaluates an expression of +, -, *, /, abs, min, max, sqrt, numbers and names. It
+    takes values by name. A name may contain dots. Raises InputError."""
     known = set(known)
 
     def compiled(node: ast.AST) -> Callable[[Mapping[str, Any]], float]:
@@ -200,7 +201,7 @@ def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[st
         raise too_long
     try:
         tree = ast.parse(text, mode="eval").body
-    except (SyntaxError, ValueError, MemoryError):  # parentheses nested too deep, too
+    except (SyntaxError, ValueError, MemoryError):  # also parentheses nested too deep
         raise InputError(f"{place}: '{text}' is not an expression", "syntax_error") from None
     if _depth(tree) > _MOST_LEVELS:
         raise too_long
@@ -208,7 +209,7 @@ def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[st
 
 
 def _depth(tree: ast.AST) -> int:
-    """Levels of a tree, counted without recursion."""
+    """Returns the depth of a tree, computed without recursion."""
     depth, level = 0, [tree]
     while level:
         depth, level = depth + 1, [child for node in level for child in ast.iter_child_nodes(node)]

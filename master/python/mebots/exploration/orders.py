@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Orders of many missions at once: on their way to an executor as columns, so that a mission costs no object of its own."""
+"""Orders of many missions at once. On their way to an executor they are columns, so that a mission needs no object
+of its own."""
 
 from __future__ import annotations
 
@@ -19,9 +20,9 @@ to a place only: ``until``: that place, ``keeps``: hash of the state there. Of a
 mission's folder."""
 
 Batch = dict[str, Any]
-"""Orders for one task of an executor. What all share is in it once: ``configs``: hash -> JSON text, ``shared``: the other parts,
-``files``. ``groups`` has the rest: of each group of missions ``digests``, and either ``own``: the parts of each order, or
-``common``: the parts that all have, and ``columns``: setting -> its value in each mission."""
+"""A task of an executor. It contains shared data once: ``configs``: hash -> JSON text, ``shared``: the other parts,
+``files``. ``groups`` contains the rest. Each group has ``digests`` of its missions, and either ``own``: the parts
+of each order, or ``common``: the parts that all have, and ``columns``: setting -> its value in each mission."""
 
 _SHARED = ("build", "finals", "series", "processor_time")
 _ELSEWHERE = (*_SHARED, "config", "files", "mission")
@@ -29,8 +30,8 @@ _ELSEWHERE = (*_SHARED, "config", "files", "mission")
 
 @dataclasses.dataclass
 class Orders:
-    """Orders of a few missions. Of missions that differ in numbers alone, ``common`` is an order without its hash, and
-    ``columns`` has the settings that differ. Otherwise ``own`` has an order of each mission."""
+    """Orders of a few missions. If the missions differ in numbers only, ``common`` is an order without its hash, and
+    ``columns`` has the settings that differ. Otherwise ``own`` has an order per mission."""
 
     digests: list[bytes]
     common: Order = dataclasses.field(default_factory=dict)
@@ -64,7 +65,7 @@ class Orders:
 
 
 def packed(groups: Sequence[Orders]) -> Batch:
-    """Returns a batch of orders, which are of one study."""
+    """Returns a batch of orders of one study."""
     whole = [order for orders in groups for order in ([orders.common] if orders.own is None else orders.own)]
     return {
         "configs": {order["digest"]: order["config"] for order in whole},
@@ -84,7 +85,7 @@ def _rest(order: Order) -> Order:
 
 
 def unpacked(batch: Batch) -> Iterator[Order]:
-    """Yields the orders of a batch. All of them have the files of all."""
+    """Yields the orders of a batch. Each has the files of all."""
     for group in batch["groups"]:
         orders = Orders(pieces_of(group["digests"]), group.get("common", {}), group.get("columns", {}), group.get("own"))
         for number, digest in enumerate(orders.digests):
@@ -93,5 +94,5 @@ def unpacked(batch: Batch) -> Iterator[Order]:
 
 
 def pieces_of(digests: bytes) -> list[bytes]:
-    """Returns the digests of missions from all of them in one."""
+    """Splits the joined digests of missions."""
     return [digests[at : at + DIGEST_BYTES] for at in range(0, len(digests), DIGEST_BYTES)]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tells the outcome of a mission from a fault outside of it. An outcome occurs again wherever the mission runs: an error or a
-crash of an FMU, or a limit of the study. A full disk, too little memory, or a killed process is none."""
+"""Distinguishes the outcome of a mission from a fault outside of it. An outcome recurs wherever the mission runs: an
+error or a crash of an FMU, or a limit of the study. A full disk, too little memory, or a killed process is not an
+outcome."""
 
 from __future__ import annotations
 
@@ -11,9 +12,9 @@ import signal
 from mebots.errors import Error
 
 _CODES = frozenset(["file_unwritable", "system_failure"])
-"""Codes of errors that a mission gets from the system and not from its FMUs."""
+"""Codes of errors that the system causes, not the FMUs."""
 _SIGNALS = frozenset([signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT, signal.SIGXCPU, signal.SIGXFSZ])
-"""Signals by which users, schedulers and the system end processes. FMUs that crash get others."""
+"""Signals with which users, schedulers and the system end processes. Crashing FMUs get others."""
 _ERRORS = (errno.ENOSPC, errno.EIO, errno.EDQUOT, errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EROFS, errno.EFBIG, errno.ESTALE)
 _TEXTS = (*(os.strerror(number) for number in _ERRORS), "bad_alloc", "Resource temporarily unavailable", "by SIGKILL", "by SIGTERM")
 
@@ -24,12 +25,12 @@ def is_outside_signal(number: int) -> bool:
 
 
 def describes_system_error(text: str) -> bool:
-    """True if a text has the system's words for a full disk, too little memory or the like."""
+    """True if a text contains the system's message for a full disk, too little memory or similar."""
     return any(words in text for words in _TEXTS)
 
 
 def is_outside(error: BaseException) -> bool:
-    """True if an exception in a mission process is no outcome of its mission."""
+    """True if an exception in a mission process is not an outcome of its mission."""
     if isinstance(error, (OSError, MemoryError)):
         return True
     return isinstance(error, Error) and (error.code in _CODES or describes_system_error(str(error)))

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The points that no other point dominates."""
+"""Finds the points that no other point dominates."""
 
 from __future__ import annotations
 
 import numpy as np
 
-try:  # of the extra mebots[sweep]: n log n in two and three dimensions (Fonseca, Lopez-Ibanez and others)
+try:  # in the extra mebots[sweep]: n log n in two and three dimensions (Fonseca, Lopez-Ibanez and others)
     import moocore
 except ImportError:
     moocore = None
@@ -14,8 +14,8 @@ _BLOCK = 256
 
 
 def front(points: np.ndarray) -> list[int]:
-    """Returns the numbers of the rows that no other row dominates: greater or equal in all columns, and not equal. Equal rows
-    dominate none of each other. Rows of infinities and finite numbers are allowed, NaN is not."""
+    """Returns the numbers of the rows that no other row dominates: greater or equal in all columns, and not equal.
+    Equal rows do not dominate each other. Rows may contain infinities, but no NaN."""
     points = points + 0.0  # -0.0 becomes 0.0
     if points.shape[1] == 1:
         return np.flatnonzero(points[:, 0] == points[:, 0].max()).tolist()
@@ -25,7 +25,8 @@ def front(points: np.ndarray) -> list[int]:
 
 
 def _front_by_blocks(points: np.ndarray) -> list[int]:
-    """Compares each block of points with the front so far, in the order of the sums: no point dominates one before it."""
+    """Compares each block of points with the front so far, in the order of the sums: no point dominates an earlier
+    one."""
     distinct, origin = np.unique(points, axis=0, return_inverse=True)
     order = np.lexsort(distinct.T)[::-1]
     order = order[np.argsort(-distinct[order].sum(axis=1), kind="stable")]
@@ -42,7 +43,7 @@ def _front_by_blocks(points: np.ndarray) -> list[int]:
 
 
 def _dominated(points: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Returns for each point whether another one is at least as great in all columns. The points are distinct."""
+    """Returns for each point whether another one is at least as great in all columns. All points must differ."""
     result = np.zeros(len(points), bool)
     for at, point in enumerate(points):
         better = (others >= point).all(axis=1)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""States of missions that others begin with, by their hash: the last few in memory, the last gigabytes on disk, where
-other mission processes of the same parent find them. One that is not there any more is flown again, by one process while
-the others that need it wait."""
+"""Saved states from which other missions start, by hash. The latest are in memory; the latest gigabytes are on disk,
+where other mission processes of the same parent find them. A deleted state is computed again by one process,
+while others that need it wait."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from collections.abc import Callable, Iterator
 
 _MOST_IN_MEMORY = 4
 MOST_BYTES = 4 << 30
-"""On disk. Those that were used longest ago go first."""
+"""Maximum size on disk. The least recently used states are deleted first."""
 _LOOK_EVERY_BYTES = MOST_BYTES // 64
-"""Written by one process, before it asks how full the folder is: that reads the size of every state in it."""
+"""The bytes that a process writes before it checks the size of the folder, which requires the size of every state in
+it."""
 _ASK_EVERY_S = 0.02
 _SAY_EVERY_S = 1.0
 
@@ -42,7 +43,7 @@ class Pasts:
     def keep(self, name: str, state: bytes) -> None:
         self._remember(name, state)
         beside = self._folder / f"{name}.{os.getpid()}"
-        with contextlib.suppress(OSError):  # a full disk costs time, and no mission
+        with contextlib.suppress(OSError):  # a full disk costs time, but no mission
             try:
                 beside.write_bytes(state)
                 beside.replace(self._folder / name)
@@ -56,12 +57,12 @@ class Pasts:
 
     @contextlib.contextmanager
     def flown_by_me(self, name: str, waiting: Callable[[], None]) -> Iterator[None]:
-        """Alone among processes: who comes later waits, calls ``waiting`` now and then, and finds the state. A process that
-        is killed lets the next one go on."""
+        """Excludes other processes. A process that comes later waits, calls ``waiting`` repeatedly, and then finds
+        the state. If the first process is killed, the next one continues."""
         file = self._folder / f"{name}.flying"
         try:
             lock = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-        except OSError:  # flown twice is better than not at all
+        except OSError:  # computing it twice is better than failing
             yield
             return
         try:
@@ -73,7 +74,7 @@ class Pasts:
                 time.sleep(_ASK_EVERY_S)
             yield
         finally:
-            file.unlink(missing_ok=True)  # who comes now finds the state, and does not wait
+            file.unlink(missing_ok=True)  # later processes find the state and do not wait
             os.close(lock)
 
     def _remember(self, name: str, state: bytes) -> None:
@@ -85,7 +86,7 @@ class Pasts:
     def _make_room(self) -> None:
         kept = []
         for file in os.scandir(self._folder):
-            with contextlib.suppress(FileNotFoundError):  # of another process, at the same work
+            with contextlib.suppress(FileNotFoundError):  # another process is deleting it too
                 stat = file.stat()
                 kept.append((stat.st_mtime_ns, stat.st_size, file.path))
         total = sum(size for _, size, _ in kept)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far a study is, for the terminal, the live page and callers of ``mebots.sweep``."""
+"""The progress of a study, for the terminal, the live page and callers of ``mebots.sweep``."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from mebots.exploration.answer import Answer
 
 @dataclasses.dataclass(frozen=True)
 class Progress:
-    """How far a study is. ``most_left`` counts missions that a decision may still save, ``likely_left`` those that stay if
-    decisions go on to save as many as until now; ``answer`` is what is known so far: how missions ended, and after a round
-    which designs are ahead. ``of_other_builds``: records of journals that are not used, since another build flew them."""
+    """The progress of a study. ``most_left`` is the number of missions left if no decision saves any.
+    ``likely_left`` assumes that decisions continue to save as many as until now. ``answer`` is the result so far:
+    how missions ended, and after a round which designs lead. ``of_other_builds`` counts records of journals that
+    are not used, because another build ran the missions."""
 
     flown: int
     taken: int
@@ -28,7 +29,7 @@ class Progress:
     """Ranks the designs by the missions so far; None for a rare event."""
 
     def line(self) -> str:
-        """Returns one line: missions flown and left, the time left, and how missions ended."""
+        """Returns a line: missions done and left, the remaining time, and how missions ended."""
         unused = f" ({self.of_other_builds} of other builds not used)" if self.of_other_builds else ""
         text = (
             f"{self.flown} flown, {self.taken} from a journal{unused}, {self.failed} failed, {self._left()} "
@@ -37,7 +38,7 @@ class Progress:
         return f"{text}; {self.answer}" if self.answer else text
 
     def _left(self) -> str:
-        """With the time; racing and stopping end designs earlier."""
+        """Returns missions and time left; racing and stopping end designs earlier."""
         rate = max(self.rate_per_s, 1e-9)
         most = f"at most {self.most_left} left, {duration_text(self.most_left / rate)}"
         likely = round(self.likely_left)

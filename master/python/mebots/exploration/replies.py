@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a worker returns for a batch: lines for the journal, and what the tables need as columns, so that the study's process
-does not read the lines again."""
+"""A worker's result for a batch: lines for the journal, and the values for the tables as columns, so that the
+study's process need not read the lines again."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from mebots.exploration.journal import Record, line_of, record_of
 from mebots.exploration.orders import pieces_of
 
 PARTS = ("values", "finals", "series")
-"""The parts of a record that have numbers."""
+"""The parts of a record that contain numbers."""
 
 
 def number_of(value: Any) -> float:
-    """Returns a finite number or a Boolean of a record as a float, and NaN for all else."""
+    """Returns a finite number or a Boolean of a record as a float, NaN for everything else."""
     if isinstance(value, (int, float)):
         try:
             found = float(value)
@@ -32,21 +32,21 @@ def number_of(value: Any) -> float:
 
 @dataclasses.dataclass
 class Reply:
-    """Results of missions that ended, in the order of the batch."""
+    """Results of finished missions, in the order of the batch."""
 
     digests: list[bytes]
     lines: bytes
     lengths: np.ndarray
     outcome_names: list[str]
     outcomes: np.ndarray
-    """Of each mission the number of its outcome's name."""
+    """For each mission the index of its outcome's name."""
     failed: np.ndarray
     times_s: np.ndarray
     """Simulated time of each mission."""
     numbers: dict[tuple[str, str], np.ndarray]
-    """By part of the record and label; NaN where a mission has no number."""
+    """By part of the record and label; NaN if a mission has no number."""
     indices: Sequence[int] = ()
-    """Of each mission its number in the round; -1 for a mission that the round did not ask for."""
+    """For each mission its number in the round; -1 if the round did not request it."""
 
     def __len__(self) -> int:
         return len(self.digests)
@@ -78,7 +78,7 @@ def reply_of(records: Sequence[Record]) -> dict[str, Any]:
 
 
 def reply_from(parts: dict[str, Any]) -> Reply:
-    """Returns the reply that a worker made. Raises ValueError if its lines were damaged on the way."""
+    """Returns the reply of a worker. Raises ValueError if its lines were damaged during the transfer."""
     if zlib.crc32(parts["lines"]) != parts["lines_crc32"]:
         raise ValueError("the checksum of a worker's answer is wrong")
     chosen = {key: parts[key] for key in ("lines", "lengths", "outcome_names", "outcomes", "failed", "times_s", "numbers")}

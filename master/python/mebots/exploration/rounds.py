@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which missions are flown next. Decisions are taken between rounds, from the missions of the rounds before and from
-nothing else: so they are the same for any number of workers and after any interruption."""
+"""Chooses the next missions. Decisions are made between rounds and depend only on the missions of earlier rounds.
+Therefore they are the same for any number of workers and after any interruption."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FLYING = "flying"
 
 
 class Flights(Sequence[Flight]):
-    """The same replicates of several designs, in the study's order, without a list of them."""
+    """The same replicates of several designs in the study's order, without a list of them."""
 
     def __init__(self, designs: Sequence[int], begin: int, end: int) -> None:
         self.designs = designs
@@ -36,10 +36,10 @@ class Flights(Sequence[Flight]):
 
 
 class Rounds:
-    """Flies every design of a list, as many replicates as it needs.
+    """Runs every design of a list with as many replicates as it needs.
 
-    Every round adds the same replicates to each design that is still flying. Then a design is done when what ``stop``
-    asks is known, or dropped by racing.
+    Every round adds the same replicates to each active design. Then a design is done if the condition of ``stop`` is
+    met, or dropped by racing.
     """
 
     def __init__(self, study: Study, evidence: Evidence) -> None:
@@ -54,19 +54,21 @@ class Rounds:
         return [design for design, status in enumerate(self.status) if status == FLYING]
 
     def next(self) -> Flights:
-        """Returns the missions of the next round in the study's order; none when the study is done."""
+        """Returns the missions of the next round in the study's order; none if the study is done."""
         return self._missions(self._flown)
 
     def ahead(self) -> Flights:
-        """What the round after this one would fly if all designs went on, for workers that would wait otherwise."""
+        """Returns the missions of the round after this one if all designs continue, for workers that would wait
+        otherwise."""
         return self._missions(self._flown + self._size)
 
     def most_left(self) -> int:
-        """How many missions there are from here on, if no design is done before its last replicate."""
+        """Returns the number of missions left if no design is done before its last replicate."""
         return len(self.flying()) * (self._study.replicates - self._flown)
 
     def likely_left(self) -> float:
-        """How many there will be if every round to come ends as great a share of the designs as those so far did."""
+        """Returns the number of missions left if every future round ends the same share of the designs as those so
+        far."""
         if self._decided == 0:
             return self.most_left()
         going_on = (len(self.flying()) / len(self.status)) ** (1 / self._decided)
@@ -77,7 +79,7 @@ class Rounds:
         return left
 
     def decide(self) -> None:
-        """Ends the round: all of its missions are in the evidence."""
+        """Ends the round, after all its missions were added to the evidence."""
         self._flown = min(self._flown + self._size, self._study.replicates)
         self._decided += 1
         last = self._flown == self._study.replicates

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Designs that a sampler of Optuna asks for, round by round, in place of a grid. It is told in the study's order, so the
-same missions come for any number of workers, and an interrupted search repeats its questions."""
+"""Designs proposed by a sampler of Optuna, round by round, in place of a grid. It gets the results in the study's
+order, so its proposals are the same for any number of workers and after an interruption."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.extras import extra
 
 
 class Search:
-    """Asks for designs, which it appends to ``designs``; the interface of Rounds."""
+    """Requests designs and appends them to ``designs``. It has the interface of Rounds."""
 
     def __init__(self, study: Study, evidence: Evidence, designs: list[Values]) -> None:
         self._study = study
@@ -37,7 +37,7 @@ class Search:
         return [design for design, status in enumerate(self.status) if status == FLYING]
 
     def next(self) -> Flights:
-        """All replicates of the next round's designs."""
+        """Returns all replicates of the next round's designs."""
         if self._round == self._study.design["rounds"]:
             return Flights([], 0, 0)
         first = len(self._designs)
@@ -51,7 +51,7 @@ class Search:
         return Flights(range(first, len(self._designs)), 0, self._study.replicates)
 
     def ahead(self) -> Flights:
-        """Nothing: what comes depends on this round."""
+        """Returns no missions, because the next designs depend on this round."""
         return Flights([], 0, 0)
 
     def most_left(self) -> int:
@@ -77,7 +77,7 @@ class Search:
             self.status[design] = reason
 
     def _broken(self, design: int) -> list[float]:
-        """By how much each constraint is broken; at most 0 where it is kept."""
+        """Returns the amount by which each constraint is violated; at most 0 if it is satisfied."""
         found = []
         for one in self._study.constraints:
             mean = self._evidence.shown(design, self._study.objective(one.label)).mean

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the missions of a study are: its designs, its draws, and the order for each mission."""
+"""The missions of a study: its designs, its draws, and the order for each mission."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from mebots.exploration.rounds import Flight, Flights
 from mebots.exploration.study import Study, Values
 
 MOST_DRAWS_KEPT = 100_000
-"""Replicates whose draws stay in memory; those of others are computed each time."""
+"""The number of replicates whose draws are cached; the others are computed each time."""
 
 
 class Space:
-    """Designs and draws of a study. ``designs`` of a search grow with its rounds."""
+    """Designs and draws of a study. In a search, ``designs`` grows with each round."""
 
     def __init__(self, study: Study) -> None:
         self.study = study
@@ -48,14 +48,14 @@ class Space:
         return self.missions.order(self.values(flight))
 
     def orders(self, flights: Flights, most: int) -> Iterator[tuple[int, Orders]]:
-        """Yields orders of at most ``most`` missions of one design, with the number of the first one."""
+        """Yields orders of at most ``most`` missions of a design, with the number of the first one."""
         for at, design in enumerate(flights.designs):
             for begin in range(flights.begin, flights.end, most):
                 drawn = [self.draw(replicate) for replicate in range(begin, min(begin + most, flights.end))]
                 yield at * (flights.end - flights.begin) + begin - flights.begin, self.missions.orders(self.designs[design], drawn)
 
     def provenance(self, example: Values) -> dict[str, str]:
-        """Returns what the study ran and with what, for people. ``example``: the values of any mission."""
+        """Describes for people what the study ran with. ``example`` contains the values of any mission."""
         draws = json.dumps(self.study.draws) if self.study.draws else "none"
         files: dict[str, Any] = self.missions.order(example)["files"]
         return {

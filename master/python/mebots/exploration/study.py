@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The study file: read and checked in C++ (master/src/io/study), with its defaults filled in here."""
+"""The study file: read and checked in C++ (master/src/io/study); defaults are filled in here."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from mebots.errors import InputError
 from mebots.exploration.files import write_whole
 
 NAME = "study.json"
-"""Of the study's copy beside its results."""
+"""Name of the study's copy in its results folder."""
 
 Values = dict[str, Any]
-"""Factor or variable -> value as the study has it."""
+"""Maps a factor or variable to its value in the notation of the study."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Objective:
-    """What is asked of every mission, by ``label``.
+    """A quantity that is computed for every mission, identified by ``label``.
 
-    ``source`` says where its value comes from ("outcome", "end_reason", "summary", "final", "series", "expression") and
-    ``what`` which one; ``sense`` is -1 to minimise, +1 to maximise, 0 for neither. A design's value is the mean of its
+    ``source`` is the origin of its value ("outcome", "end_reason", "summary", "final", "series", "expression"), and
+    ``what`` selects one. ``sense`` is -1 to minimise, +1 to maximise, 0 for neither. A design's value is the mean of its
     missions, or their ``percentile``.
     """
 
@@ -41,18 +41,18 @@ class Objective:
 
     @property
     def is_share(self) -> bool:
-        """Whether its values are 0 and 1, and its mean a share of missions."""
+        """True if its values are 0 and 1, and its mean is a share of missions."""
         return self.source in ("outcome", "end_reason")
 
     @property
     def statistic(self) -> str:
-        """Names what a design's value is made by."""
+        """Returns the name of the statistic that gives a design's value."""
         return "mean" if self.percentile is None else f"percentile {self.percentile:g}"
 
 
 @dataclasses.dataclass(frozen=True)
 class Constraint:
-    """A design counts when its share or mean of ``label`` lies on this side of ``bound``."""
+    """A design is feasible if its share or mean of ``label`` is on this side of ``bound``."""
 
     label: str
     above: bool
@@ -61,7 +61,7 @@ class Constraint:
 
 @dataclasses.dataclass(frozen=True)
 class Stop:
-    """A design needs no more missions when this is known of its objective ``label``."""
+    """A design needs no more missions if this is known about its objective ``label``."""
 
     label: str
     width: float | None = None
@@ -71,7 +71,7 @@ class Stop:
 
 @dataclasses.dataclass(frozen=True)
 class Fork:
-    """These factors and draws count from this time on; what comes before is flown once for all that share it."""
+    """These factors and draws apply from this time on. The part before is run once for all missions that share it."""
 
     at_s: float
     variables: tuple[str, ...]
@@ -79,9 +79,9 @@ class Fork:
 
 @dataclasses.dataclass(frozen=True)
 class Splitting:
-    """How likely is it that ``score`` reaches ``goal``, upwards (``sign`` +1) or downwards (-1), by ``levels``, of which
-    the goal is the last; none: they are to be found. ``missions`` from each level to the next, for one estimate; the
-    draws of ``reseed`` are made anew at each."""
+    """The estimation of the probability that ``score`` reaches ``goal``, upwards (``sign`` +1) or downwards (-1).
+    ``levels`` end with the goal; if empty, they are determined automatically. ``missions`` is the number from
+    each level to the next, for one estimate. The draws of ``reseed`` are repeated at each level."""
 
     score: str
     levels: tuple[float, ...]
@@ -93,8 +93,8 @@ class Splitting:
 
 @dataclasses.dataclass(frozen=True)
 class Study:
-    """A checked study. ``place`` names it in messages; files of its factors and draws are looked for in ``folders``;
-    ``text`` is the JSON it was made of, with absolute paths."""
+    """A checked study. ``place`` names it in messages. Files of its factors and draws are searched in ``folders``.
+    ``text`` is its JSON with absolute paths."""
 
     place: str
     folders: tuple[pathlib.Path, ...]
@@ -117,18 +117,18 @@ class Study:
     results: bool
 
     def write(self, folder: pathlib.Path) -> None:
-        """For `--status`, and for who calls again."""
+        """Writes the study for `--status` and for later calls."""
         write_whole(folder / NAME, [(self.text + "\n").encode()])
 
     def is_another_in(self, folder: pathlib.Path) -> bool:
-        """Whether the folder has the results of another study."""
+        """True if the folder has the results of another study."""
         try:
             return (folder / NAME).read_text(encoding="utf-8") != self.text + "\n"
         except (OSError, ValueError):
             return False
 
     def on(self, mission: pathlib.Path) -> Study:
-        """The same question of another mission."""
+        """Returns the same study of another mission."""
         path = mission.absolute()
         content = {**json.loads(self.text), "mission": str(path)}
         return dataclasses.replace(self, mission=path, text=_written(content), draws=_draws_of(content))
@@ -138,20 +138,19 @@ class Study:
 
     @property
     def rare(self) -> Splitting:
-        """Of a study of a rare event."""
+        """Returns the splitting of a study of a rare event."""
         assert self.splitting is not None
         return self.splitting
 
     @property
     def looks(self) -> bool:
-        """Whether the number of missions depends on what they brought: then only confidence sequences keep their
-        level."""
+        """True if the number of missions depends on their results: then only confidence sequences keep their level."""
         return self.racing or self.stop is not None
 
 
 def read_study(source: str | os.PathLike[str] | dict[str, Any]) -> Study:
-    """The study in a file, or in a dict whose paths are relative to the working folder. Raises InputError with every
-    mistake."""
+    """Reads the study from a file, or from a dict whose paths are relative to the working folder. Raises InputError
+    with all mistakes."""
     if isinstance(source, dict):
         return _from_dict(source)
     return _study(os.fspath(source), pathlib.Path(source).absolute().parent, json.loads(_mebots.read_study(source)))
@@ -192,7 +191,7 @@ def _study(place: str, folder: pathlib.Path, content: dict[str, Any]) -> Study:
 
 
 def _draws_of(content: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Returns the variables that are drawn. "uncertainty" adds the mission's calibration parameters."""
+    """Returns the drawn variables. "uncertainty" adds the mission's calibration parameters."""
     drawn = dict(content.get("draws", {}).get("variables", {}))
     if "uncertainty" in content:
         given = {*drawn, *content["design"].get("factors", {})}
@@ -211,7 +210,8 @@ def _written(content: dict[str, Any]) -> str:
 
 
 def _with_absolute_files(content: dict[str, Any], folder: pathlib.Path) -> dict[str, Any]:
-    """The content as it reads from any folder: where factors and draws name files beside the study, their paths."""
+    """Returns the content with absolute paths of the files of factors and draws, so that it can be read from any
+    folder."""
 
     def absolute(value: Any) -> Any:
         if isinstance(value, dict):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rows of missions.csv and designs.csv: the same bytes for the same study, on all workers."""
+"""Rows of missions.csv and designs.csv: equal bytes for equal studies, on all workers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.exploration.study import Objective, Study, Values
 
 
 def cell(value: Any) -> str:
-    """Numbers in the shortest form that reads back to the same bits; empty for what is not there."""
+    """Returns a cell: numbers in the shortest form that reads back to the same bits; empty for a missing value."""
     if value is None:
         return ""
     if isinstance(value, bool):

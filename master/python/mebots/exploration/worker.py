@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies orders, one after the other: ``python -m mebots.exploration.worker LIFE OUT FOLDER``.
+"""Executes orders one after the other: ``python -m mebots.exploration.worker LIFE OUT FOLDER``.
 
-Orders come on standard input and records go to the file descriptor OUT, a line of JSON each; an empty line says that the
-process waits for another one. The process ends when
-nobody holds the other end of the descriptor LIFE any more, so none outlives who started it; FOLDER, for temporary files
-and for states that others begin with, belongs to that one and goes with it.
+Orders arrive on standard input. Records are written to the file descriptor OUT, a line of JSON each; an empty line
+means that the process waits for another one. The process ends when no process holds the other end of the descriptor
+LIFE, so that it does not outlive its parent. FOLDER, for temporary files and for shared saved states, belongs to the
+parent, which deletes it.
 
-Each mission begins as in a fresh process. The first process loads FMUs and never makes an instance. It forks another one,
-which flies missions for as long as their FMUs are clean (``docs/master/clean-fmus.md``): then nothing of a mission is left
-in the process. After a mission with an FMU that is not clean, the next order goes to a new fork.
+Each mission starts as in a new process. The first process loads FMUs and never creates an instance. It forks another
+one, which runs missions while their FMUs are clean (``docs/master/clean-fmus.md``), which means that a mission leaves
+nothing in the process. After a mission with an FMU that is not clean, the next order goes to a new fork.
 """
 
 from __future__ import annotations
@@ -45,44 +45,46 @@ _NO_WHOLE_STATE = (
 )
 _TRIES_TO_REMOVE = 20
 FACTS = ("simulated_time", "steps")
-"""Numbers that the summary of each mission has under its own labels."""
-_ENDED_BY_FMU = -1  # with exit code 0, before the record was written
+"""Numbers that every mission's summary contains under its own labels."""
+_ENDED_BY_FMU = -1  # with exit code 0 before the record was written
 
 
 class Worker:
     """Keeps missions open, by their config."""
 
     def __init__(self, folder: str, pasts: Pasts, waiting: Callable[[], None] = lambda: None) -> None:
-        """``waiting`` is called now and then while another process flies the past that a mission needs."""
+        """``waiting`` is called repeatedly while another process computes the state that a mission needs."""
         self._folder = folder
         self._pasts = pasts
         self._waiting = waiting
         self._open: collections.OrderedDict[str, tuple[Mission, str]] = collections.OrderedDict()
-        self._about = ""  # the variable that is set or read now
+        self._about = ""  # the variable being set or read
         self._own_files: set[str] = set()
         self._flown: Mission | None = None
         self._was_clean = True
 
     def prepare(self, order: Order) -> None:
-        """Opens the order's mission and loads its FMUs. Makes no instance."""
+        """Opens the order's mission and loads its FMUs. Creates no instance."""
         config = _config_of(order)
         if ("out" in order and not order.get("check")) or config in self._open:
             return
-        with contextlib.suppress(Error, OSError, MemoryError):  # answer() meets the same
+        with contextlib.suppress(Error, OSError, MemoryError):  # answer() reports the same error
             self._mission(config, bool(order["series"]), None).load()
 
     def is_clean(self) -> bool:
-        """True if the next mission begins in this process as in a fresh one. Frees the instances of the last mission."""
+        """True if the next mission would start in this process as in a new one. Frees the instances of the last
+        mission."""
         self.free_instances()
         return self._was_clean
 
     def use_folder(self, folder: str) -> None:
-        """The folder for temporary files. After a fork: those of the other process stay."""
+        """Sets the folder for temporary files. After a fork, keeps the files of the other process."""
         self._folder = folder
         self._own_files.clear()
 
     def answer(self, order: Order) -> dict[str, Any]:
-        """The record of a mission; of an order to ``check``, only what is wrong with it, and ``about`` which variable."""
+        """Returns the record of a mission. For an order to ``check``, returns only the error, and the variable in
+        ``about``."""
         self.free_instances()
         self._about = ""
         record: dict[str, Any] = {"mission": order.get("mission", ""), "flown_by": order.get("build", ""), "outcome": "failed", "error": "", "code": ""}
@@ -111,12 +113,13 @@ class Worker:
         return record
 
     def _forget(self, order: Order) -> None:
-        """Drops a mission that a fault of the system left in an unknown state: the next attempt opens it again."""
+        """Drops a mission whose state is unknown after a system error; the next attempt opens it again."""
         self.free_instances()
         self._open.pop(_config_of(order), None)
 
     def free_instances(self) -> list[tuple[str, bool]]:
-        """Frees those of the last mission. Lists the FMUs that are not clean, and whether they ran in this process."""
+        """Frees the instances of the last mission. Returns the FMUs that are not clean, and whether they ran in this
+        process."""
         flown, self._flown = self._flown, None
         leftovers = [] if flown is None else flown.free_instances()
         self._was_clean = self._was_clean and not any(in_process for _, in_process in leftovers)
@@ -157,7 +160,7 @@ class Worker:
         return mission
 
     def _check(self, mission: Mission, order: Order) -> None:
-        """Everything that the order asks for, at t = 0."""
+        """Checks everything that the order requests at t = 0."""
         mission.start()
         scores = [turn["place"]["score"][0] for turn in order["course"] if "score" in turn["place"]]
         for name in (*order["finals"], *scores):
@@ -168,13 +171,13 @@ class Worker:
             _write(mission, turn["writes"])
         if order["course"]:
             mission.save_state()
-            with contextlib.suppress(Error):  # of the step: the mission itself is to tell of it
+            with contextlib.suppress(Error):  # an error of the step is reported by the mission itself
                 mission.step()
             if mission.state == "running" and not mission.ended:
-                mission.save_state()  # refused for an FMU that keeps something outside of its instance
+                mission.save_state()  # raises if an FMU keeps data outside of its instance
 
     def _follow(self, mission: Mission, order: Order) -> None:
-        """To behind the last turn of its course that the mission comes to, from the last state that is there."""
+        """Continues from the last saved state past the last turn of its course that the mission reaches."""
         course = order["course"]
         if not course:
             return
@@ -186,7 +189,7 @@ class Worker:
             self._go_on(mission, course, begin, state)
 
     def _last_state(self, course: list[dict[str, Any]]) -> tuple[int, bytes | None]:
-        """The state at the last turn that is there, and that turn."""
+        """Returns the last turn with a saved state, and the state."""
         for number in range(len(course) - 1, -1, -1):
             state = self._pasts.find(course[number]["past"])
             if state is not None:
@@ -232,7 +235,7 @@ class Worker:
             record["values"] = flat({key: summary[key] for key in (*labels, *FACTS) if key in summary})
         if "out" in order:
             mission.close()
-            shutil.rmtree(order["out"], ignore_errors=True)  # of a journal that is gone
+            shutil.rmtree(order["out"], ignore_errors=True)  # of a deleted journal
             os.replace(_unfinished(order["out"]), order["out"])
             record["memory_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
         record["finals"] = {name: mission.value(name) for name in order["finals"]}
@@ -260,7 +263,7 @@ def _write(mission: Mission, values: dict[str, Any]) -> None:
 
 
 def _go_to(mission: Mission, place: dict[str, Any]) -> bool:
-    """False for a mission that ended before."""
+    """Returns False if the mission ended before."""
     if "at" in place:
         mission.run_until(place["at"])
         return not mission.ended
@@ -269,8 +272,8 @@ def _go_to(mission: Mission, place: dict[str, Any]) -> bool:
 
 
 def _best_on_the_way(mission: Mission, score: str, sign: int, level: float) -> float:
-    """Flies until the score has come to the level, or to the end. Returns the greatest score on the way, or the least for
-    a negative sign."""
+    """Runs until the score reaches the level, or to the end. Returns the greatest score, or the least for a negative
+    sign."""
     best = mission.value(score)
     while sign * best < sign * level and mission.step():
         best = sign * max(sign * best, sign * mission.value(score))
@@ -278,7 +281,7 @@ def _best_on_the_way(mission: Mission, score: str, sign: int, level: float) -> f
 
 
 def flat(values: dict[str, Any], before: str = "") -> dict[str, Any]:
-    """Nested labels as one, joined by dots."""
+    """Flattens nested labels, joined by dots."""
     result: dict[str, Any] = {}
     for key, value in values.items():
         result |= flat(value, f"{before}{key}.") if isinstance(value, dict) else {before + key: value}
@@ -301,14 +304,15 @@ def _reduced(mission: Mission, name: str, how: str) -> float | None:
 
 
 def _without_paths(text: str, order: Order) -> str:
-    """A message that is the same on every machine: files by their names."""
+    """Makes a message equal on every machine: replaces paths by file names."""
     for path, name in order["files"].values():
         text = text.replace(path, name)
     return without_paths(text)
 
 
 class _Pipes:
-    """Orders and records, which all processes of a worker share. ``life`` is closed if no record is wanted any more."""
+    """The channels for orders and records, shared by all processes of a worker. ``life`` closes when no record is
+    needed any longer."""
 
     def __init__(self, life: int, out: int, folder: str) -> None:
         self.life = life
@@ -321,7 +325,8 @@ class _Pipes:
         os.close(nothing)
 
     def orders(self) -> Iterator[Order]:
-        """Yields orders. The next one is sent after the record was written, so that no process reads an order too early."""
+        """Yields orders. The next one is sent after the record was written, so that no process reads an order too
+        early."""
         text = b""
         while block := os.read(self._orders, 1 << 16):
             text += block
@@ -340,7 +345,7 @@ class _Pipes:
 
 
 def _end_with(life: int, parent: int, folder: str) -> None:
-    """Ends this process with its parent. If no record is wanted any more, removes all files as well."""
+    """Ends this process with its parent. If no record is needed any longer, deletes all files too."""
     if life in select.select([life, parent], [], [])[0]:
         for _ in range(_TRIES_TO_REMOVE):  # a mission may still be writing its state
             shutil.rmtree(folder, ignore_errors=True)
@@ -353,25 +358,25 @@ def _end_with(life: int, parent: int, folder: str) -> None:
 def _answer(worker: Worker, order: Order) -> dict[str, Any]:
     try:
         return worker.answer(order)
-    except Exception:  # not the mission's fault: who gave the order shows it
+    except Exception:  # not the mission's error: the parent reports it
         return {"mission": order["mission"], "bug": traceback.format_exc()}
 
 
 def _fly_while_clean(worker: Worker, order: Order, pipes: _Pipes) -> None:
-    """Flies this order and those after it, until a mission leaves something in the process."""
+    """Executes this order and the following ones until a mission leaves something in the process."""
     process = os.getpid()
     for each in itertools.chain([order], pipes.orders()):
         record = _answer(worker, each)
-        if os.getpid() != process:  # an FMU forked, and its child came back here
+        if os.getpid() != process:  # an FMU forked, and its child returned here
             os._exit(1)
-        with contextlib.suppress(BrokenPipeError):  # nobody reads any more
+        with contextlib.suppress(BrokenPipeError):  # the reader has ended
             pipes.write(record)
         if "bug" in record or not worker.is_clean():
             return
 
 
 def _fly_in_fork(worker: Worker, order: Order, pipes: _Pipes) -> int:
-    """The exit status of the process that flew the order and perhaps others; 0 if it ended as it should."""
+    """Returns the exit status of the process that executed the order and possibly others; 0 if it ended normally."""
     folder = tempfile.mkdtemp(prefix="flights-", dir=pipes.folder)
     well, told = os.pipe()
     parent, ours = os.pipe()
@@ -401,7 +406,7 @@ def _fly_in_fork(worker: Worker, order: Order, pipes: _Pipes) -> int:
 
 
 def _end_as(status: int) -> NoReturn:
-    """Ends this process as the one that flew ended, for whoever waits for its records."""
+    """Ends this process in the same way as its fork, for the process that reads its records."""
     if os.WIFSIGNALED(status):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         signal.signal(os.WTERMSIG(status), signal.SIG_DFL)
@@ -414,14 +419,14 @@ def main() -> None:
     pasts = os.path.join(pipes.folder, "pasts")
     os.makedirs(pasts, exist_ok=True)
     worker = Worker(tempfile.mkdtemp(prefix="worker-", dir=pipes.folder), Pasts(pasts), pipes.wait)
-    pipes.write({})  # ready: what comes now is the mission's time
+    pipes.write({})  # ready: the time from here on is the mission's
     for order in pipes.orders():
         worker.prepare(order)
-        gc.freeze()  # pages that nobody writes stay shared with the fork
+        gc.freeze()  # pages that are never written stay shared with the fork
         status = _fly_in_fork(worker, order, pipes)
         if status != 0 and not pipes.is_over():
             _end_as(status)
-    while not pipes.is_over():  # who gave orders is gone, or ends this process now
+    while not pipes.is_over():  # the parent has ended or ends this process now
         select.select([pipes.life], [], [])
     shutil.rmtree(pipes.folder, ignore_errors=True)
     os._exit(1)

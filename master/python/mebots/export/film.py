@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A film of the page of a run: Chromium draws it moment by moment, ffmpeg makes the film.
+"""Makes a film of a run's page: Chromium draws it moment by moment, and ffmpeg encodes the film.
 
-Chromium is spoken to over a pipe (--remote-debugging-pipe), so that nothing but itself is needed, and nobody else can
-reach it.
+Chromium is controlled through a pipe (--remote-debugging-pipe). Thus no other program is needed, and no other program
+can connect to it.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from mebots.errors import Error, InputError
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 WIDTH, HEIGHT = 1280, 720
 PATIENCE_S = 120  # until the page is drawn
-ABOVE = 10  # file descriptors from here on are nobody's: Chromium wants 3 and 4
+ABOVE = 10  # file descriptors from here on are free: Chromium uses 3 and 4
 
-# A moment stands on the page once two frames are drawn.
+# A moment is visible after two frames were drawn.
 SHOW = """new Promise((done) => {
   globalThis.mebots.clock.set(%r);
   requestAnimationFrame(() => requestAnimationFrame(() => done()));
 })"""
-# The run's end once all is drawn, nothing before that, or what the page says in its place.
+# Returns the run's end when everything is drawn, null before that, or the page's error message.
 READY = """(() => {
   const state = document.documentElement?.dataset.state ?? "loading";
   return state === "loading" ? null : state === "ready" ? globalThis.mebots.clock.end : document.body.innerText;
@@ -40,9 +40,9 @@ READY = """(() => {
 
 
 def write_film(page: pathlib.Path, out: pathlib.Path, frames_per_second: int, speed: float) -> int:
-    """Writes a film of all of the run on a page. Returns its number of frames. Raises InputError, Error.
+    """Writes a film of the whole run from its page. Returns its number of frames. Raises InputError, Error.
 
-    :param speed: simulated seconds in a second of the film.
+    :param speed: simulated seconds per second of the film.
     """
     browser = _program("Chromium", os.environ.get("CHROMIUM"), BROWSERS, "CHROMIUM")
     encoder = _program("ffmpeg", None, ("ffmpeg",), "PATH")
@@ -58,7 +58,7 @@ def write_film(page: pathlib.Path, out: pathlib.Path, frames_per_second: int, sp
                 film.stdin.write(tab.screenshot())
                 frames += 1
         except BrokenPipeError:
-            pass  # it says why below
+            pass  # the reason is reported below
         said = film.communicate()[1].decode(errors="replace").strip()
         if film.returncode != 0:
             raise Error(f"{out}: ffmpeg could not write it: {said or film.returncode}", "system_failure")
@@ -76,7 +76,7 @@ def _program(what: str, named: str | None, names: tuple[str, ...], place: str) -
 
 
 class _Tab:
-    """A page that Chromium shows, spoken to in the DevTools protocol: JSON texts that end in a zero."""
+    """A page in Chromium, controlled by the DevTools protocol: JSON texts that end in a zero byte."""
 
     def __init__(self, to: Any, answers: Any) -> None:
         self._to, self._answers = to, answers
@@ -88,7 +88,7 @@ class _Tab:
         self._call("Emulation.setDeviceMetricsOverride", width=WIDTH, height=HEIGHT, deviceScaleFactor=1, mobile=False)
 
     def open(self, page: pathlib.Path) -> float:
-        """Waits until all is drawn. Returns the run's end [s]."""
+        """Waits until everything is drawn. Returns the run's end [s]."""
         self._call("Page.navigate", url=page.resolve().as_uri() + "#t=0")
         deadline = time.monotonic() + PATIENCE_S
         while (end := self.evaluate(READY)) is None:
@@ -118,7 +118,7 @@ class _Tab:
         while True:
             answer = self._next()
             if answer.get("id") != self._number:
-                continue  # an event, which nobody asked for
+                continue  # an event, not the reply
             if "error" in answer:
                 raise Error(f"Chromium refuses {method}: {answer['error'].get('message')}", "system_failure")
             return answer["result"]
@@ -138,8 +138,8 @@ def _chromium(program: str) -> Iterator[_Tab]:
     options = ["--headless=new", "--remote-debugging-pipe", "--hide-scrollbars", "--no-first-run", "--disable-background-networking",
                "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     if os.geteuid() == 0:
-        options.append("--no-sandbox")  # Chromium's sandbox refuses to run as root
-    ours, theirs = os.pipe(), os.pipe()  # they hold the low numbers until Chromium has its own
+        options.append("--no-sandbox")  # Chromium's sandbox does not run as root
+    ours, theirs = os.pipe(), os.pipe()  # they occupy the low numbers until Chromium has its own
     reads, writes = fcntl.fcntl(ours[0], fcntl.F_DUPFD, ABOVE), fcntl.fcntl(theirs[1], fcntl.F_DUPFD, ABOVE)
 
     def give() -> None:

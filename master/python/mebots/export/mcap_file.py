@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run's results as an MCAP file, which Foxglove, Lichtblick and PlotJuggler open.
+"""Writes a run's results as an MCAP file, which Foxglove, Lichtblick and PlotJuggler open.
 
-Channels: /<instance> for what was recorded of each instance, nested by the dots of the names; `rotor[1]` as `rotor_1`, with
-units in the schema; /tf for the poses of the bodies of the scene; /scene for its faces; /<picture> for what a camera
-saw; /log. Poses, faces, pictures and log have Foxglove's own schemas, in JSON.
+Channels: /<instance> for the recorded variables of each instance, nested by the dots of the names (`rotor[1]` becomes
+`rotor_1`), with units in the schema; /tf for the poses of the bodies in the scene; /scene for its faces; /<picture> for
+the pictures of a camera; /log. Poses, faces, pictures and log have Foxglove's own schemas, in JSON.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ NUMBER, TEXT, INTEGER = {"type": "number"}, {"type": "string"}, {"type": "intege
 
 
 def record(title=None, **properties):
-    """A JSON schema of an object."""
+    """Returns a JSON schema of an object."""
     schema = {"type": "object", "properties": properties}
     return {"title": title, **schema} if title else schema
 
@@ -54,7 +54,7 @@ SCHEMAS = {
         triangles=list_of(record(pose=record(position=POINT, orientation=QUATERNION), points=list_of(POINT), color=COLOUR,
                                  colors=list_of(COLOUR), indices=list_of(INTEGER)))))),
 }
-LEVELS = {"warning": 3, "error": 4}  # of foxglove.Log; 2 = info
+LEVELS = {"warning": 3, "error": 4}  # levels of foxglove.Log; 2 = info
 
 
 def nanoseconds(time_s):
@@ -69,12 +69,12 @@ def timestamp(time_ns):
 
 
 def path_of(variable):
-    """The steps to a variable inside its instance's message."""
+    """Returns the path to a variable inside its instance's message."""
     return [re.sub(r"\[([^\]]*)\]", r"_\1", step).replace(",", "_") for step in variable.split(".")]
 
 
 def put(message, path, value):
-    """Where a name is the beginning of another (`power`, `power.l2`), its own value goes to `value`."""
+    """Sets a value. If a name is the beginning of another (`power`, `power.l2`), its own value is stored in `value`."""
     for step in path[:-1]:
         inner = message.setdefault(step, {})
         if not isinstance(inner, dict):
@@ -88,7 +88,7 @@ def put(message, path, value):
 
 
 def quaternion(roll, pitch, yaw):
-    """Yaw about z, then pitch about the new y, then roll about the new x."""
+    """Rotates by yaw about z, then pitch about the new y, then roll about the new x."""
     cr, sr = math.cos(roll / 2), math.sin(roll / 2)
     cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
     cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
@@ -97,7 +97,7 @@ def quaternion(roll, pitch, yaw):
 
 
 class Export:
-    """One MCAP file on its way. Messages of a channel come in the order of time."""
+    """An MCAP file being written. Messages of a channel are in order of time."""
 
     def __init__(self, file):
         self.writer = Writer(file)
@@ -187,7 +187,7 @@ def entity(frame, name, locked, triangles):
 
 
 def displacement(mover, time_s):
-    """Offset and turn of what moves on a path of its own, as docs/seeing.md tells."""
+    """Returns offset and rotation of a body on a path of its own, as described in docs/seeing.md."""
     points = mover["points"]
     end = points[-1]["time"]
     now = time_s % end if mover["repeat"] else min(time_s, end)
@@ -214,7 +214,7 @@ def export_log(export, file):
     for line in file.read_text(errors="replace").splitlines():
         timed = re.match(r"\[\s*([\d.]+) s\] ([^:]+): (?:(warning|error): )?(.*)", line)
         if not timed:
-            continue  # a notice of the run belongs to no moment
+            continue  # a notice of the run has no time
         time_s, name, severity, text = timed.groups()
         time_ns = nanoseconds(time_s)
         export.add_known("/log", "foxglove.Log", time_ns, {
@@ -222,7 +222,7 @@ def export_log(export, file):
 
 
 def write_mcap(folder: pathlib.Path, out: pathlib.Path) -> None:
-    """Writes the results in a folder as one MCAP file. Raises InputError."""
+    """Writes the results in a folder as an MCAP file. Raises InputError."""
     results = read(folder)
     try:
         system = json.loads((folder / "system.json").read_text())
@@ -241,6 +241,6 @@ def write_mcap(folder: pathlib.Path, out: pathlib.Path) -> None:
 
 
 def read_scene(folder: pathlib.Path):
-    """The scene of a run, or None without one."""
+    """Returns the scene of a run, or None if it has none."""
     file = folder / "scene.json.gz"
     return json.loads(gzip.decompress(file.read_bytes())) if file.exists() else None

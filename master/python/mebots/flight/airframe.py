@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Airframe files, and the data files that they name."""
+"""Airframe files and their data files."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ _SHIPPED = {"rotor": ("fmu_motors", "rotors"), "cell": ("fmu_battery", "cells"),
 
 @dataclasses.dataclass(frozen=True)
 class Airframe:
-    """A drone as it flew. ``rotor``, ``cell`` and ``drone``: name of a shipped file, or a path."""
+    """The configuration of a drone in a flight. ``rotor``, ``cell`` and ``drone`` are names of shipped files or
+    paths."""
 
     file: pathlib.Path
     content: dict[str, Any]
     decks: tuple[str, ...]
     weighed_kg: float | None
-    """The whole drone on a scale, if somebody weighed it."""
+    """The weighed mass of the whole drone, if known."""
 
     @property
     def name(self) -> str:
@@ -35,12 +36,12 @@ class Airframe:
         return self.content[kind]
 
     def path(self, kind: str) -> str:
-        """What an FMU is given for a part: a name, or an absolute path."""
+        """Returns the FMU's parameter for a part: a name or an absolute path."""
         name = self.part(kind)
         return str(pathlib.Path(name).resolve()) if name.endswith(".json") else name
 
     def data(self, kind: str) -> dict[str, Any]:
-        """The content of the data file ``rotor``, ``cell`` or ``drone``."""
+        """Returns the content of the data file ``rotor``, ``cell`` or ``drone``."""
         name = self.part(kind)
         if name.endswith(".json"):
             return _read_part(kind, pathlib.Path(name))
@@ -52,7 +53,7 @@ class Airframe:
 
     @property
     def mass_kg(self) -> float:
-        """The drone with its cell and its decks."""
+        """Returns the mass of the drone with its cell and decks."""
         if self.weighed_kg is not None:
             return self.weighed_kg
         decks = sum(self.content["decks"][deck]["value"] for deck in self.decks)
@@ -70,9 +71,9 @@ class Airframe:
 
 
 _MASS_FACTOR = 5.0
-"""A weighed mass that is further off belongs to another drone, or is in grams."""
+"""If a weighed mass differs by a larger factor, it belongs to another drone or is in grams."""
 _NEEDED = {"rotor": ("thrust_coefficient", "value"), "cell": ("mass", "value"), "drone": ("drag", "values")}
-"""What is read here; the FMUs check the rest of rotor and cell."""
+"""The values that are read here; the FMUs check the rest of rotor and cell."""
 
 
 def _read_part(kind: str, file: pathlib.Path) -> dict[str, Any]:
@@ -90,7 +91,7 @@ def _read_part(kind: str, file: pathlib.Path) -> dict[str, Any]:
 def read_airframe(file: str | os.PathLike[str], decks: Sequence[str] | None = None, mass_kg: float | None = None) -> Airframe:
     """Reads an airframe file. Raises InputError with all mistakes of the file.
 
-    :param decks: decks that the drone carries, in place of the file's ``fitted_decks``.
+    :param decks: decks of the drone, in place of the file's ``fitted_decks``.
     :param mass_kg: mass of the whole drone, in place of the sum.
     """
     path = pathlib.Path(file)
@@ -116,7 +117,7 @@ def read_airframe(file: str | os.PathLike[str], decks: Sequence[str] | None = No
 
 
 def shipped(kind: str, name: str) -> dict[str, Any]:
-    """The content of a data file that an FMU carries. Raises InputError with the names that there are."""
+    """Returns the content of a data file inside an FMU. Raises InputError with the available names."""
     fmu, folder = _SHIPPED[kind]
     with zipfile.ZipFile(_mebots.find_fmu(fmu)) as archive:
         prefix = f"resources/{folder}/"

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fits a cell to the voltages of flights: its series resistance, its polarisation, its capacity.
 
-The battery FMU alone is flown with the power of each log, and the sum of squares of its voltage errors is minimised.
-Power is measured where the log has a current; elsewhere it is the rotor model's at the measured voltage, whose error
-the resistances take over. Two things of each flight are unknown as well, and are fitted with the cell: the state of charge
-at the start, and, for a log that begins aloft, how long the drone had flown before.
+The battery FMU is run alone with the power of each log, and the sum of squares of its voltage errors is minimised. If
+the log has a current, the power is measured. Otherwise it is the rotor model's at the measured voltage, and the
+resistances absorb the error of that model. Two further unknowns of each flight are fitted with the cell: the state of
+charge at the start and, if the log begins in flight, the time flown before.
 
-The three properties are factors on the base cell's: on R0; on R1 and R2, with C1 and C2 by the inverse, which keeps the
-time constants; on the capacity. A factor that the flights do not determine keeps the base's value.
+The three properties are factors on those of the base cell: on R0; on R1 and R2 (C1 and C2 get the inverse, which keeps
+the time constants); on the capacity. A factor that the flights do not determine keeps the base's value.
 """
 
 from __future__ import annotations
@@ -30,27 +30,27 @@ from mebots.mission import Mission
 FACTORS = ("series_resistance", "polarisation", "capacity")
 STEP_S = 0.05
 BLOCK_S = 0.5
-"""Residuals are means over this long: the voltage has no more to say."""
+"""Residuals are means over this duration: the voltage contains no more information."""
 CLUSTER_S = 15.0
 MOST_DEVIATION = 0.35
-"""A factor whose logarithm has a larger standard error, a factor of two at 95 %, is not determined."""
+"""A factor whose logarithm has a larger standard error (a factor of two at 95 %) is not determined."""
 _LEAST, _MOST = np.log(0.2), np.log(5.0)
 _LONGEST_S = 300.0
-"""Longer flights before the log do not change the polarisation any more."""
+"""A longer flight before the log does not change the polarisation further."""
 _BEFORE_S = 60.0
 _STARTS = (1.0, 1.8)
-"""Factors on both resistances at which the search starts: far from the right charges it finds no way."""
+"""Start values of the factor on both resistances; the search does not converge from too distant charges."""
 _CHARGES = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97)
 
 
 @dataclasses.dataclass
 class Flight:
-    """The power that a cell delivered, and its voltage."""
+    """The delivered power of a cell, and its voltage."""
 
     name: str
     power_w: Array
     voltage_v: Array
-    """In blocks of ``BLOCK_S``; NaN where nothing was measured."""
+    """In blocks of ``BLOCK_S``; NaN if nothing was measured."""
     charge: float
     began_aloft: bool
 
@@ -61,18 +61,19 @@ class Flight:
 
 @dataclasses.dataclass(frozen=True)
 class CellFit:
-    """``factors``: name -> (value, low, high) on the base cell; ``kept``: those that the flights do not determine."""
+    """The fit of a cell. ``factors``: name -> (value, low, high) relative to the base cell. ``kept``: factors that
+    the flights do not determine."""
 
     factors: dict[str, tuple[float, float, float]]
     kept: dict[str, str]
     rms_v: float
     before_v: float
-    """The rms error with the base cell, charges fitted."""
+    """The rms error of the base cell with fitted charges."""
     count: int
 
 
 def flight_of(log: FlightLog, traces: Traces) -> Flight | None:
-    """What a replayed log says of its cell. None without a voltage."""
+    """Returns the cell's power and voltage from a replayed log; None if it has no voltage."""
     if not log.has(["battery.voltage"]):
         return None
     times = np.arange(traces.times[0], traces.times[-1], STEP_S)
@@ -84,7 +85,7 @@ def flight_of(log: FlightLog, traces: Traces) -> Flight | None:
         energy = traces[f"{own}.energy"] + np.cumsum(np.r_[0.0, traces[f"{own}.avionics.power"][1:] * np.diff(traces.times)])
         power_w = np.maximum(np.gradient(np.interp(times, traces.times, energy), STEP_S), 0)
     settled = int(SETTLE_S / STEP_S)
-    if len(power_w) > 2 * settled:  # the model's rotors spin up there
+    if len(power_w) > 2 * settled:  # the model's rotors accelerate in that time
         power_w[:settled] = power_w[settled : 2 * settled].mean()
     first = [float(log[name].values[:20].mean()) for name in COMMANDS if name in log]
     aloft = bool(first) and max(first) > DRIVEN
@@ -92,7 +93,7 @@ def flight_of(log: FlightLog, traces: Traces) -> Flight | None:
 
 
 def _blocks(log: FlightLog, traces: Traces, steps: int) -> Array:
-    """The measured voltage in blocks from the start."""
+    """Returns the measured voltage in blocks from the start."""
     voltage = log["battery.voltage"]
     count = int(steps * STEP_S / BLOCK_S)
     place = np.floor((voltage.times - traces.times[0]) / BLOCK_S).astype(int)
@@ -103,12 +104,12 @@ def _blocks(log: FlightLog, traces: Traces, steps: int) -> Array:
 
 
 def capacity_c(cell: dict[str, Any]) -> float:
-    """Returns the charge that a cell file's content states, aged by its factor."""
+    """Returns the charge in a cell file, reduced by its ageing factor."""
     return cell["capacity"]["value"] * cell.get("capacity_factor", {"value": 1.0})["value"]
 
 
 def scaled_cell(base: dict[str, Any], factors: dict[str, float]) -> dict[str, Any]:
-    """The base cell with these factors."""
+    """Returns the base cell with these factors."""
     cell = copy.deepcopy(base)
     _scale(cell["series_resistance"], factors.get("series_resistance", 1.0))
     for pair in ("pair1", "pair2"):
@@ -128,7 +129,7 @@ def _scale(curve: dict[str, Any], factor: float) -> None:
 
 
 class _Problem:
-    """Residuals of all flights over the free factors, and over the unknowns of each flight."""
+    """The residuals of all flights as functions of the free factors and of the unknowns of each flight."""
 
     def __init__(self, base: dict[str, Any], flights: Sequence[Flight], free: Sequence[str], folder: pathlib.Path) -> None:
         self.base, self.flights, self.free, self.folder = base, flights, list(free), folder
@@ -138,7 +139,7 @@ class _Problem:
             self._write_power(number, flight)
 
     def start(self, resistances: float) -> Array:
-        """Values to start at: this factor on the resistances, and the best charge of a list for each flight."""
+        """Returns start values: this factor on the resistances, and the best charge of a list for each flight."""
         values = np.zeros(int(self.starts[-1]) + self.flights[-1].unknowns)
         for i, name in enumerate(self.free):
             values[i] = 0.0 if name == "capacity" else np.log(resistances)
@@ -167,7 +168,7 @@ class _Problem:
         return np.concatenate([self._residuals(i, values) for i in range(len(self.flights))])
 
     def jacobian(self, values: Array) -> Array:
-        """By differences; an unknown of one flight concerns that flight alone."""
+        """Computes differences; an unknown of a flight affects only that flight."""
         result = []
         for number, flight in enumerate(self.flights):
             own = [*range(len(self.free)), *range(self.starts[number], self.starts[number] + flight.unknowns)]
@@ -192,7 +193,7 @@ class _Problem:
         factors = {name: float(np.exp(values[i])) for i, name in enumerate(self.free)}
         cell = self.folder / "cell.json"
         content = scaled_cell(self.base, factors)
-        content["cut_off_voltage"]["value"] = 0.0  # a protection that opens would hide how far the voltage is off
+        content["cut_off_voltage"]["value"] = 0.0  # if the protection opened, it would hide the voltage error
         content.pop("release_voltage", None)
         cell.write_text(json.dumps(content), encoding="utf-8")
         charge = float(values[self.starts[number]])
@@ -201,12 +202,13 @@ class _Problem:
         return voltage_v[self.blocks[number]] - flight.voltage_v[self.blocks[number]]
 
     def _voltage(self, number: int, cell: pathlib.Path, charge: float, before_s: float) -> Array:
-        """The model's voltage in blocks. ``charge`` is the one at the log's start, after ``before_s`` of the same flight."""
+        """Returns the model's voltage in blocks. ``charge`` is the state at the start of the log, after ``before_s``
+        of the same flight."""
         flight = self.flights[number]
         per_block = round(BLOCK_S / STEP_S)
         earlier = round(before_s / STEP_S)
         content = json.loads(cell.read_text(encoding="utf-8"))
-        # What was drawn before, at about the mean voltage of the log.
+        # The charge drawn before, at about the mean voltage of the log.
         drawn = before_s * float(flight.power_w[:per_block].mean()) / float(np.nanmean(flight.voltage_v)) / capacity_c(content)
         mission = self.folder / f"flight{number}.json"
         config = {
@@ -230,14 +232,14 @@ class _Problem:
         return voltage_v[: count * per_block].reshape(count, per_block).mean(axis=1)
 
     def _write_power(self, number: int, flight: Flight) -> None:
-        """From long before the start on: the power of its first seconds."""
+        """Writes the power, extended to a long time before the start with the mean of its first seconds."""
         times = np.r_[-2 * _LONGEST_S, np.arange(len(flight.power_w)) * STEP_S]
         rows = np.column_stack([times, np.r_[flight.power_w[: round(SETTLE_S / STEP_S)].mean(), flight.power_w]])
         np.savetxt(self.folder / f"power{number}.csv", rows, fmt="%.9g", delimiter=",", header="time,power", comments="")
 
 
 def fit_cell(base: dict[str, Any], flights: Sequence[Flight], folder: pathlib.Path, wanted: Sequence[str] = FACTORS) -> CellFit:
-    """Fits the cell. ``folder`` holds files of the fit and may be removed afterwards."""
+    """Fits the cell. ``folder`` holds temporary files and may be deleted afterwards."""
     free = list(wanted)
     kept = {name: "not asked for" for name in FACTORS if name not in free}
     before = _solve(base, flights, [], folder)
@@ -254,7 +256,7 @@ def fit_cell(base: dict[str, Any], flights: Sequence[Flight], folder: pathlib.Pa
 
 
 def _solve(base: dict[str, Any], flights: Sequence[Flight], free: Sequence[str], folder: pathlib.Path) -> Fit:
-    """The best of searches from several starts."""
+    """Returns the best result of searches from several start values."""
     problem = _Problem(base, flights, free, folder)
     low, high = problem.bounds()
     starts = [problem.start(resistances) for resistances in (_STARTS if free else _STARTS[:1])]

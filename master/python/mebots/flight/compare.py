@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of the model: what it computed less what was measured."""
+"""Errors of the model: computed minus measured values."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ PERCENTILES = (5, 50, 95)
 
 @dataclasses.dataclass(frozen=True)
 class ErrorRow:
-    """Statistics of one quantity. ``model`` says what the model was given, ``excluded`` how many samples of the log in the
-    compared time were left out: by the rules of ``quality``, near gaps, or windows with a gap in them."""
+    """Statistics of one quantity. ``model`` describes the inputs of the model. ``excluded`` is the number of samples
+    in the compared time that were left out: by the rules of ``quality``, near gaps, or in windows with a gap."""
 
     quantity: str
     unit: str
@@ -35,7 +35,7 @@ class ErrorRow:
 
     @property
     def relative(self) -> float:
-        """The mean error as a share of the mean measured value."""
+        """The mean error divided by the mean measured value."""
         return self.mean / self.measured if self.measured else np.nan
 
 
@@ -43,7 +43,7 @@ COMMANDS_ONLY, MEASURED_VOLTAGE, MEASURED_SPEEDS = "commands", "commands, measur
 
 
 def row(quantity: str, unit: str, model: str, computed: Array, measured: Array, excluded: int) -> ErrorRow | None:
-    """None if there is nothing to compare."""
+    """Returns None if there is nothing to compare."""
     if not len(measured):
         return None
     error = computed - measured
@@ -53,7 +53,7 @@ def row(quantity: str, unit: str, model: str, computed: Array, measured: Array, 
 
 
 def errors(raw: FlightLog, log: FlightLog, traces: Traces, motion: Motion | None) -> list[ErrorRow]:
-    """All that the log measured. ``raw`` is the log before samples were excluded."""
+    """Returns the errors of all measured quantities. ``raw`` is the log before samples were excluded."""
     rows: list[ErrorRow | None] = [_signal(raw, log, traces, "battery.voltage", "battery.bus.voltage", COMMANDS_ONLY)]
     rows.append(_signal(raw, log, traces, "battery.current", "battery.cell.current", COMMANDS_ONLY))
     for instance, given in (("motors", COMMANDS_ONLY), ("motors_at_measured", MEASURED_VOLTAGE)):
@@ -64,8 +64,8 @@ def errors(raw: FlightLog, log: FlightLog, traces: Traces, motion: Motion | None
 
 
 def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]:
-    """The thrust of all rotors at the traces' times, by the commands, at the measured voltage, and by the measured
-    speeds; and where it is known."""
+    """Yields the thrust of all rotors at the traces' times by three methods (by the commands, at the measured
+    voltage, and by the measured speeds), and the times at which it is known."""
     everywhere = np.ones(len(traces.times), bool)
     yield COMMANDS_ONLY, traces.thrust_n(), everywhere
     if traces.has_measured_voltage:
@@ -76,7 +76,7 @@ def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]
 
 
 def _at_measured_speed(traces: Traces, speed: Signal, rotor: int) -> Array:
-    """The thrust of a rotor goes with the square of its speed; the factor is the model's at that time."""
+    """Returns the thrust of a rotor: proportional to the square of its speed, with the model's factor at that time."""
     own = f"{'motors_at_measured' if traces.has_measured_voltage else 'motors'}.rotor[{rotor}]"
     turning = np.maximum(traces[f"{own}.speed"], 1.0)
     return traces[f"{own}.thrust"] * (np.interp(traces.times, speed.times, speed.values) / turning) ** 2
@@ -96,7 +96,7 @@ def _signal(raw: FlightLog, log: FlightLog, traces: Traces, name: str, variable:
 
 
 def _compared(traces: Traces) -> tuple[float, float]:
-    """The time between the first good point and the last; an empty one if there is none."""
+    """Returns the time from the first good point to the last; an empty interval if there is none."""
     times = traces.times[traces.good]
     return (float(times[0]), float(times[-1])) if len(times) else (np.inf, -np.inf)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Least squares with intervals that allow for residuals which depend on each other."""
+"""Least squares with intervals that are valid for correlated residuals."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ CONFIDENCE = 0.95
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
-    """Fitted parameters with the covariance of their errors. ``degrees``: clusters of residuals less one."""
+    """Fitted parameters with the covariance of their errors. ``degrees`` is the number of clusters of residuals
+    minus one."""
 
     values: Array
     covariance: Array
@@ -28,17 +29,17 @@ class Fit:
         return float(np.sqrt(np.mean(self.residuals**2)))
 
     def deviation(self, place: int) -> float:
-        """The standard error of a parameter."""
+        """Returns the standard error of a parameter."""
         return float(np.sqrt(self.covariance[place, place]))
 
     def interval(self, place: int) -> tuple[float, float]:
-        """Where the parameter is with a probability of ``CONFIDENCE``."""
+        """Returns the interval that contains the parameter with a probability of ``CONFIDENCE``."""
         half = self.deviation(place) * quantile(self.degrees)
         return float(self.values[place]) - half, float(self.values[place]) + half
 
 
 def quantile(degrees: int) -> float:
-    """Of Student's distribution, for both sides."""
+    """Returns the two-sided quantile of Student's distribution."""
     stats = extra("scipy.stats", "`mebots identify`", "scipy", "flight")
     return float(stats.t.ppf((1 + CONFIDENCE) / 2, max(degrees, 1)))
 
@@ -51,8 +52,8 @@ def solve(
     high: Array,
     clusters: np.ndarray,
 ) -> Fit:
-    """Minimises the sum of squares within bounds. ``clusters`` numbers the residuals: those of one cluster may depend on
-    each other, as errors of one flight do. The covariance is the sandwich estimator of White over clusters."""
+    """Minimises the sum of squares within bounds. ``clusters`` numbers the residuals: those of a cluster may be
+    correlated, as errors of one flight are. The covariance is White's sandwich estimator over clusters."""
     optimize = extra("scipy.optimize", "`mebots identify`", "scipy", "flight")
     found = optimize.least_squares(residuals, start, jac=jacobian, bounds=(low, high), x_scale="jac", xtol=1e-5, ftol=1e-6)
     slopes, errors = found.jac, found.fun
@@ -66,7 +67,7 @@ def solve(
 
 
 def clusters_of(logs: np.ndarray, blocks: np.ndarray) -> np.ndarray:
-    """One cluster for each log if there are four or more; else one for each block of a log."""
+    """Returns a cluster per log if there are four or more; otherwise a cluster per block of a log."""
     if len(np.unique(logs)) >= 4:
         return logs
     return np.unique(np.column_stack([logs, blocks]), axis=0, return_inverse=True)[1].reshape(-1)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """``mebots identify``: fits an airframe to recorded flights by least squares.
 
-Thrust and mass cannot both be fitted. In flight, thrust appears as F/m only: a drone that is 5 % heavier with rotors that
-are 5 % stronger moves alike. So either the mass is taken as known and the thrust coefficient is fitted, or the reverse.
+Thrust and mass cannot both be fitted. In flight, only the ratio F/m has an effect: a drone that is 5 % heavier with
+rotors that are 5 % stronger moves in the same way. Therefore either the mass is assumed as known and the thrust
+coefficient is fitted, or the reverse.
 """
 
 from __future__ import annotations
@@ -32,15 +33,15 @@ from mebots.flight.reading import read_log
 from mebots.flight.traces import Traces, fly
 
 SCALE_KG = 1e-4
-"""Uncertainty of a mass that somebody weighed."""
+"""Uncertainty of a weighed mass."""
 WHAT = ("thrust", "mass", "cell")
 _BLOCK_WINDOWS = 5
 
 
 @dataclasses.dataclass(frozen=True)
 class Estimate:
-    """A fitted value, where it is with a probability of 95 %, and the base's value. Without a base it is an assumption, and
-    the bounds are those of the assumption."""
+    """A fitted value with its 95 % interval, and the base's value. Without a base it is an assumption with assumed
+    bounds."""
 
     name: str
     unit: str
@@ -53,7 +54,7 @@ class Estimate:
 
 @dataclasses.dataclass(frozen=True)
 class Identified:
-    """What was fitted. ``residuals`` are sentences. ``files`` were written, the airframe first."""
+    """The result of a fit. ``residuals`` are sentences. ``files`` are the written files, the airframe first."""
 
     estimates: list[Estimate]
     residuals: list[str]
@@ -83,13 +84,13 @@ def identify(
     """Fits an airframe to recorded flights, as ``mebots identify`` does.
 
     :param logs: flights of one drone.
-    :param airframe: the airframe to begin with; what is not fitted stays as it has it.
-    :param out: airframe file to write; OUT.rotor.json and OUT.cell.json lie beside it.
+    :param airframe: the base airframe; properties that are not fitted keep its values.
+    :param out: airframe file to write; OUT.rotor.json and OUT.cell.json are written next to it.
     :param fit: "thrust" or "mass", and "cell".
-    :param mapping: which column of the logs is which signal.
-    :param decks: decks that the drone carried, in place of the airframe's.
+    :param mapping: maps columns of the logs to signals.
+    :param decks: decks of the drone, in place of the airframe's.
     :param mass: mass of the whole drone [kg], in place of the airframe's.
-    :param hover: logs without motion are of a drone that hovered.
+    :param hover: the drone hovered in logs without motion.
     :param window: length of the windows of the momentum balance [s].
     """
     _check(logs, fit)
@@ -103,7 +104,7 @@ def identify(
     flown = [_fly(log, mapping, base, hover, window) for log in logs]
     source = ", ".join(f"{pathlib.Path(log).name} (SHA-256 {_hash(log)})" for log in logs)
     result = Identified([], [], [], [])
-    contents: dict[pathlib.Path, dict[str, Any]] = {}  # written when all fits have come to an end
+    contents: dict[pathlib.Path, dict[str, Any]] = {}  # written after all fits are done
     new = copy.deepcopy(base.content)
     new.pop("$schema", None)
     new["name"] = f"{base.name}, fitted"
@@ -139,7 +140,7 @@ def _check(logs: Sequence[str | os.PathLike[str]], fit: Sequence[str]) -> None:
 def _fly(log: str | os.PathLike[str], mapping: str | os.PathLike[str] | None, base: Airframe, hover: bool, window_s: float) -> _Flown:
     clean, _ = quality.clean(read_log(log, mapping), cells=1)
     traces = fly(clean, base, None, 0.002, None)
-    # A cell that is empty in the model ends what is compared with it; thrust at the measured voltage is not affected.
+    # When the model's cell is empty, the comparison ends; the thrust at the measured voltage is not affected.
     good = traces.good if not traces.has_measured_voltage else traces.logged
     return _Flown(clean, traces, motion_of(clean, base, traces.times, good, window_s, hover))
 
@@ -153,7 +154,8 @@ def _hash(file: str | os.PathLike[str]) -> str:
 
 @dataclasses.dataclass(frozen=True)
 class _Balance:
-    """Vertical forces in windows of all flights: by the base's rotors, and as the motion with the base's mass needs."""
+    """Vertical forces in windows of all flights: those of the base's rotors, and those that the motion requires with
+    the base's mass."""
 
     model_n: np.ndarray
     needed_n: np.ndarray
@@ -167,7 +169,7 @@ def _balance(flown: Sequence[_Flown]) -> _Balance:
     for number, one in enumerate(flown):
         if one.motion is None or not len(one.motion.start):
             continue
-        *_, (how, thrust_n, known) = thrusts(one.traces, one.log)  # the last one is nearest to the measurement
+        *_, (how, thrust_n, known) = thrusts(one.traces, one.log)  # the last method is closest to the measurement
         whole = one.motion.mean(np.where(known, 0.0, 1.0)) == 0
         drag_n = one.motion.drag_ns_per_m * one.motion.mean(one.motion.speed_m_per_s)
         rows.append(np.array([one.motion.vertical_thrust_n(thrust_n), one.motion.needed_thrust_n, drag_n])[:, whole])
@@ -185,7 +187,7 @@ def _balance(flown: Sequence[_Flown]) -> _Balance:
 
 
 def _ratio(x: np.ndarray, y: np.ndarray, clusters: np.ndarray) -> Fit:
-    """The least-squares factor of y over x."""
+    """Returns the least-squares factor of y over x."""
     return solve(
         lambda values: values[0] * x - y, lambda values: x[:, None], np.array([1.0]), np.array([0.2]), np.array([5.0]), clusters
     )
@@ -204,7 +206,7 @@ def _describe(balance: _Balance, fit: Fit, result: Identified) -> None:
 
 
 def _widened(low: float, high: float, value: float, quantity: dict[str, Any]) -> tuple[float, float]:
-    """The interval with the relative uncertainty of a known quantity added, which all flights share."""
+    """Returns the interval widened by the relative uncertainty of a known quantity that all flights share."""
     if "interval" not in quantity:
         return low, high
     below = (quantity["value"] - quantity["interval"][0]) / quantity["value"]
@@ -213,7 +215,7 @@ def _widened(low: float, high: float, value: float, quantity: dict[str, Any]) ->
 
 
 def _mass_of(base: Airframe) -> dict[str, Any]:
-    """The mass of the whole drone, with the interval that somebody's scale or the airframe's file allows."""
+    """Returns the mass of the whole drone, with the interval of the weighing or of the airframe's file."""
     if base.weighed_kg is not None:
         below = above = SCALE_KG
     else:
@@ -238,7 +240,7 @@ def _fit_thrust(
     old = rotor["thrust_coefficient"]["value"]
     factor = float(fit.values[0])
     low, high = _widened(*fit.interval(0), factor, _mass_of(base))
-    # A rotor that pulls more at the same speed also brakes more: the drag torque goes with the thrust.
+    # A rotor with more thrust at the same speed also has more drag torque, in proportion.
     rotor["thrust_coefficient"] = {
         "value": factor * old,
         "unit": "N.s2/rad2",
@@ -265,7 +267,7 @@ def _fit_thrust(
 
 def _fit_mass(base: Airframe, flown: Sequence[_Flown], source: str, new: dict[str, Any], result: Identified) -> None:
     balance = _balance(flown)
-    # F - c v = m (g + a), and needed - c v is the right-hand side with the base's mass.
+    # F - c v = m (g + a); needed - c v is the right-hand side with the base's mass.
     fit = _ratio(balance.needed_n - balance.drag_n, balance.model_n - balance.drag_n, balance.clusters)
     factor = float(fit.values[0])
     low, high = _widened(*fit.interval(0), factor, base.data("rotor")["thrust_coefficient"])
@@ -312,7 +314,7 @@ def _fit_cell(
 
 
 def fitted_cell(base: dict[str, Any], found: CellFit, source: str) -> dict[str, Any]:
-    """The content of a cell file with the fitted factors."""
+    """Returns the content of a cell file with the fitted factors."""
     cell = scaled_cell(base, {name: value for name, (value, _, _) in found.factors.items()})
     cell.pop("$schema", None)
     cell["name"] = f"{base['name']}, fitted"
@@ -327,7 +329,7 @@ def fitted_cell(base: dict[str, Any], found: CellFit, source: str) -> dict[str, 
             cell["resistance_factor"] |= {"interval": [factor * low / value, factor * high / value], "fitted_on": source}
             cell["resistance_factor"]["source"] += "; interval: 95 % of the series resistance, by mebots identify"
         if name == "capacity":
-            charge = base["capacity"]["value"]  # capacity_factor stays, and multiplies the interval too
+            charge = base["capacity"]["value"]  # capacity_factor is kept, and also multiplies the interval
             cell.get("capacity_factor", {}).pop("interval", None)
             cell["capacity"] |= {"interval": [low * charge, high * charge], "fitted_on": source, "source": "mebots identify, least squares of voltages; interval: 95 %"}
     return cell
@@ -356,7 +358,7 @@ def write_json(file: pathlib.Path, content: dict[str, Any]) -> None:
 
 
 def shown(result: Identified) -> str:
-    """For a terminal."""
+    """Formats the result for a terminal."""
     lines = []
     for one in result.estimates:
         remark = f" ({one.remark})" if one.remark else ""

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands for a log that has none: those with which the model's rotors give the thrust that the motion needs.
+"""Computes commands for a log that has none: those with which the model's rotors produce the thrust that the motion
+requires.
 
-A replay with them says nothing about thrust, since it is put in. It says what the cell does under the power that the
-rotor model takes for this motion.
+A replay with them gives no information about thrust, because thrust is its input. It shows the behaviour of the cell
+under the power that the rotor model needs for this motion.
 """
 
 from __future__ import annotations
@@ -23,17 +24,18 @@ from mebots.mission import Mission
 NOTE = "the log has no commands: they are those that give the thrust which the motion needs, so thrust is not compared"
 INTERVAL_S = 0.02
 GROUND_HEIGHT_M = 0.15
-"""A drone that is not higher above the lowest place of the log stands; estimated heights drift by as much on the ground."""
+"""A drone that is not higher than this above the lowest height of the log is on the ground, because estimated
+heights drift by as much."""
 _SLOPE_S = 0.5
-"""The vertical acceleration is the slope of the speed over this long."""
+"""The vertical acceleration is the slope of the speed over this duration."""
 _LEVELS = np.linspace(0.0, 1.0, 21)
 _HOLD_S = 1.5
-"""Rotors are steady after this."""
+"""Rotors have reached a constant speed after this time."""
 _TABLE_V = 3.8
 
 
 def with_commands(log: FlightLog, airframe: Airframe) -> FlightLog:
-    """Returns the log with commands for its motion. It must have a height or a vertical speed, and a voltage."""
+    """Returns the log with commands for its motion. The log must have a height or a vertical speed, and a voltage."""
     notes: list[str] = []
     speed = vertical_speed(log, notes)
     assert speed is not None  # there is a height
@@ -51,14 +53,15 @@ def with_commands(log: FlightLog, airframe: Airframe) -> FlightLog:
 
 
 def _smooth(duty: Array) -> Array:
-    """The mean over ``RAMP_S`` around each sample: a height says when a drone leaves the ground, not how its motors start."""
+    """Returns the mean over ``RAMP_S`` around each sample: a height shows when a drone leaves the ground, but not
+    how its motors start."""
     width = round(RAMP_S / INTERVAL_S)
     padded = np.pad(duty, (width // 2, width - 1 - width // 2), mode="edge")
     return np.convolve(padded, np.full(width, 1 / width), mode="valid")
 
 
 def _thrusts(airframe: Airframe) -> Array:
-    """The steady thrust of a rotor at each of ``_LEVELS``, by the motors FMU at ``_TABLE_V``."""
+    """Returns the steady thrust of a rotor at each of ``_LEVELS``, from the motors FMU at ``_TABLE_V``."""
     with tempfile.TemporaryDirectory(prefix="mebots-replay-") as name:
         folder = pathlib.Path(name)
         starts = np.arange(len(_LEVELS)) * _HOLD_S

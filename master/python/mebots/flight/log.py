@@ -41,7 +41,7 @@ UNITS: dict[str, str] = dict(_mebots.log_signals())
 
 @dataclasses.dataclass(frozen=True)
 class Signal:
-    """One column of a log. ``times`` are in seconds since the log's start, as many as ``values``."""
+    """A column of a log. ``times`` has one entry per value, in seconds since the log's start."""
 
     name: str
     unit: str
@@ -65,7 +65,7 @@ class Signal:
 
 @dataclasses.dataclass(frozen=True)
 class FlightLog:
-    """What a file holds. ``notes`` list what the reader had to leave out."""
+    """The content of a file. ``notes`` list what the reader left out."""
 
     file: pathlib.Path
     kind: str
@@ -83,7 +83,7 @@ class FlightLog:
         return all(name in self.signals and len(self.signals[name]) > 1 for name in names)
 
     def require(self, names: Iterable[str], purpose: str) -> None:
-        """Raises InputError for signals that are not in the log."""
+        """Raises InputError for missing signals."""
         absent = [name for name in names if not self.has([name])]
         emptied = [name for name in absent if name in self.signals]
         if emptied:
@@ -102,14 +102,14 @@ class FlightLog:
 
     @property
     def duration_s(self) -> float:
-        """From the start to the last sample of a known signal."""
+        """Returns the time from the start to the last sample of a known signal."""
         return max((float(one.times[-1]) for one in self.signals.values() if len(one) and one.unit), default=0.0)
 
 
 def log_of(file: pathlib.Path, kind: str, signals: Iterable[Signal], notes: Iterable[str] = ()) -> FlightLog:
-    """Makes a log whose times start at 0. Raises InputError for a log without samples."""
+    """Creates a log whose times start at 0. Raises InputError if it has no samples."""
     filled = [one for one in signals if len(one)]
-    # Messages that no signal is made of may have another clock.
+    # Messages without a known signal may have another clock.
     clocks = [one for one in filled if one.name in UNITS] or filled
     finite = [float(one.times[np.isfinite(one.times)].min()) for one in clocks if np.isfinite(one.times).any()]
     if not finite:

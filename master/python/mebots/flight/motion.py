@@ -3,10 +3,10 @@
 
     m dv_z/dt = F R33 - m g - c v_z
 
-F is the thrust of all rotors, R33 the cosine of the tilt, c the vertical drag of the drone file. The law needs no
-controller: it says how much the vertical speed changes from the start of a window to its end. A free replay of the whole
-flight says little, since an error of 1 % in thrust moves the drone by 5 m within 10 s; the pilot or controller of the
-real flight would have answered it.
+F is the thrust of all rotors, R33 the cosine of the tilt, c the vertical drag in the drone file. The equation needs no
+controller: it gives the change of the vertical speed from the start of a window to its end. A free replay of the whole
+flight would show little: an error of 1 % in thrust moves the drone by 5 m within 10 s, which the pilot or controller of
+the real flight would have corrected.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from mebots.flight.quality import DRIVEN, Mask, covered, mean_over
 
 GRAVITY_M_PER_S2 = 9.80665
 LEAST_COMMAND = 0.6
-"""A smaller mean command than this share of the flight's median one lifts no drone."""
+"""A mean command below this share of the flight's median command cannot lift a drone."""
 GROUND_HEIGHT_M = 0.05
 GROUND_MARGIN_S = 0.3
 _SLOPE_S = 0.1
-"""A vertical speed that the log lacks is the slope of the height over this long."""
+"""If the log has no vertical speed, it is the slope of the height over this duration."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Motion:
-    """The measured vertical motion at ``times``. ``start`` and ``end``: indices into them of each window."""
+    """The measured vertical motion at ``times``. ``start`` and ``end`` are indices of each window."""
 
     times: Array
     upright: Array
@@ -43,7 +43,7 @@ class Motion:
     drag_ns_per_m: float
 
     def mean(self, values: Array) -> Array:
-        """The mean of ``values`` over each window."""
+        """Returns the mean of ``values`` over each window."""
         total = np.r_[0.0, np.cumsum((values[1:] + values[:-1]) / 2 * np.diff(self.times))]
         return (total[self.end] - total[self.start]) / self.lengths_s
 
@@ -57,7 +57,7 @@ class Motion:
 
     @property
     def acceleration(self) -> Array:
-        """Measured, over each window [m/s2]."""
+        """Returns the measured acceleration of each window [m/s2]."""
         return (self.speed_m_per_s[self.end] - self.speed_m_per_s[self.start]) / self.lengths_s
 
     def predicted_acceleration(self, thrust_n: Array) -> Array:
@@ -66,7 +66,7 @@ class Motion:
 
     @property
     def needed_thrust_n(self) -> Array:
-        """The vertical thrust that the measured motion needs, over each window."""
+        """Returns the vertical thrust that the measured motion requires in each window."""
         return self.mass_kg * (GRAVITY_M_PER_S2 + self.acceleration) + self.drag_ns_per_m * self.mean(self.speed_m_per_s)
 
     def vertical_thrust_n(self, thrust_n: Array) -> Array:
@@ -74,8 +74,8 @@ class Motion:
 
 
 def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, window_s: float, hover: bool) -> Motion | None:
-    """The motion at ``times``, in windows of ``window_s`` during which everything was logged. None if the log has no
-    height and no vertical speed, and nobody says that it is a ``hover``."""
+    """Returns the motion at ``times``, in windows of ``window_s`` in which everything was logged. Returns None if
+    the log has no height and no vertical speed, and ``hover`` is False."""
     notes: list[str] = []
     speed = vertical_speed(log, notes)
     if speed is None and hover:
@@ -98,8 +98,8 @@ def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, wind
 
 
 def _on_ground(log: FlightLog, times: Array) -> Mask:
-    """True where the ground may carry the drone, and ``GROUND_MARGIN_S`` before and after: the rotors turn too slowly to
-    fly, and the height, if it is known, is the lowest of the log."""
+    """True if the drone may be on the ground, and ``GROUND_MARGIN_S`` before and after: the rotors turn too slowly
+    to fly, and the height, if known, is the lowest of the log."""
     command = np.mean([mean_over(log[name], times) for name in COMMANDS], axis=0)
     driven = command[command > DRIVEN]
     ground = command < LEAST_COMMAND * (np.median(driven) if len(driven) else 1.0)
@@ -127,7 +127,8 @@ def vertical_speed(log: FlightLog, notes: list[str]) -> Signal | None:
 
 
 def _windows(times: Array, good: Mask, window_s: float) -> tuple[np.ndarray, np.ndarray, int]:
-    """Windows one after the other from the first good time to the last; those that hold a bad one are rejected."""
+    """Returns consecutive windows from the first good time to the last. Windows that contain a bad time are
+    rejected."""
     places = np.flatnonzero(good)
     if len(places) < 2:
         return np.zeros(0, int), np.zeros(0, int), 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which column of a log is which signal, and in which unit.
+"""Maps columns of logs to signals and units.
 
 The names of the Crazyflie are those of the log groups in its firmware (crazyflie-firmware, LOG_GROUP_START): ``pwm`` in
 motors.c, ``motor`` and ``stateEstimate`` in stabilizer.c, ``pm`` in pm_stm32f4.c, ``rpm`` in the RPM deck's driver.
@@ -19,7 +19,7 @@ DUTY = "1/65535"
 
 @dataclasses.dataclass(frozen=True)
 class Meaning:
-    """The signal that a column holds, the column's unit, and a factor on top of it."""
+    """The signal in a column, the column's unit, and an additional factor."""
 
     signal: str
     unit: str
@@ -48,17 +48,18 @@ CRAZYFLIE: dict[str, Meaning] = (
     | _per_axis("acc.{}", "acceleration.{}", "g0")
     | _per_axis("gyro.{}", "rate.{}", "deg/s")
 )
-"""Columns of the firmware's logs; of two for one signal the earlier one counts."""
+"""Columns of the firmware's logs; if two have the same signal, the earlier one counts."""
 
 
 def signal_of(column: str, meaning: Meaning, times: Array, values: Array) -> Signal:
-    """The known signal that a column holds, in its own unit."""
+    """Returns the known signal in a column, in the signal's unit."""
     unit = UNITS[meaning.signal]
     return Signal(meaning.signal, unit, times, values * (_mebots.log_unit_factor(meaning.unit, unit) * meaning.scale), column)
 
 
 def named(columns: Iterable[tuple[str, Array, Array]], meanings: Mapping[str, Meaning]) -> list[Signal]:
-    """Signals of columns (name, times, values): known ones by ``meanings``, the others under their own names."""
+    """Returns signals for columns (name, times, values): known ones by ``meanings``, the others under their own
+    names."""
     found: dict[str, Signal] = {}
     order = {column: place for place, column in enumerate(meanings)}
     for column, times, values in sorted(columns, key=lambda one: order.get(one[0], len(order))):

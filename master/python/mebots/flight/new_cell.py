@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots new-cell``: a cell file from what a seller prints.
+"""``mebots new-cell``: writes a cell file from the data on a label.
 
     capacity   as printed; sellers round up, so 10 % less is within the interval
-    mass       as printed, to its last digit
+    mass       as printed, with the uncertainty of its last digit
     current    C rate times capacity
-    R0         the published cells of 250 mAh have 0.15 Ohm at 15 C and 0.06 Ohm at 25 C: at the stated current a cell loses
-               0.375 to 0.5625 V. C rates are often twice the truth, so twice the resistance is within the interval
+    R0         the published cells of 250 mAh have 0.15 Ohm at 15 C and 0.06 Ohm at 25 C: at the stated current a cell
+               loses 0.375 to 0.5625 V. C rates are often twice the true value, so twice the resistance is within the
+               interval
     the rest   open-circuit voltage and time constants of Chen and Rincon-Mora's cell, as in the shipped files
 
-A resistance or a discharge that was measured takes the place of the estimate.
+A measured resistance or discharge replaces the estimate.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from mebots.flight.reading import read_log
 TEMPLATE = "bitcraze_250"
 LEAST_LOSS_V, LOSS_V, MOST_LOSS_V = 0.375, 0.46875, 0.5625
 OVERSTATED = 2.0
-RULE_C_RATES = (10, 40)  # C rates near those of the cells from which the loss comes
+RULE_C_RATES = (10, 40)  # C rates near those of the cells from which the loss was taken
 SHORT_OF_CAPACITY = 0.1
 _ASSUMED = "assumed by mebots new-cell"
 
@@ -57,8 +58,8 @@ def new_cell(
     :param c_rate: continuous discharge current as a multiple of the capacity per hour. Without ``resistance`` and
         ``discharge``, from 10 to 40.
     :param resistance: measured series resistance [Ohm].
-    :param discharge: log of a discharge from full, with battery.voltage and battery.current, which the cell is fitted to.
-    :param mapping: which column of that log is which signal.
+    :param discharge: log of a discharge from full charge, with battery.voltage and battery.current, for fitting the cell.
+    :param mapping: maps columns of that log to signals.
     """
     file = pathlib.Path(out)
     if file.suffix != ".json" or not file.absolute().parent.is_dir():
@@ -82,7 +83,7 @@ def new_cell(
 
 
 def _digits(value: float) -> float:
-    """Half of the last digit of a number as it is printed."""
+    """Returns half of the last printed digit of a number."""
     text = f"{value:.12f}".rstrip("0")
     places = len(text.partition(".")[2])
     return 0.5 * 10.0**-places
@@ -93,7 +94,7 @@ def _resistance(capacity_mah: float, c_rate: float, loss_v: float) -> float:
 
 
 def _stated(name: str, capacity_mah: float, mass_g: float, c_rate: float, resistance_ohm: float | None) -> dict[str, Any]:
-    """The cell by what is printed on it."""
+    """Returns the cell according to its label."""
     cell = copy.deepcopy(shipped("cell", TEMPLATE))
     cell.pop("$schema", None)
     r0 = resistance_ohm or _resistance(capacity_mah, c_rate, LOSS_V)
@@ -133,7 +134,7 @@ def _series_resistance(cell: dict[str, Any], capacity_mah: float, c_rate: float,
 
 
 def _fit_discharge(cell: dict[str, Any], raw: FlightLog, result: Identified) -> dict[str, Any]:
-    """The cell with resistance, polarisation and capacity as a discharge from full shows them."""
+    """Returns the cell with resistance, polarisation and capacity fitted to a discharge from full charge."""
     log, findings = quality.clean(raw, cells=1)
     log.require(("battery.voltage", "battery.current"), "a discharge")
     voltage, current = log["battery.voltage"], log["battery.current"]

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rules that find bad samples of a log, exclude them, and count them.
 
-Every rule looks at one signal and is applied in this order. A rule excludes samples; ``at_limit`` and ``gap`` only count.
+Every rule checks one signal. The rules are applied in this order. A rule excludes samples; ``at_limit`` and ``gap`` only
+count them.
 
     not_finite    NaN or infinite, or an empty cell
     time_back     its time is not later than that of the sample before it
-    gap           more than ``GAP_S`` and five sample times pass until the next one
-    impossible    beyond what the quantity can be
-    straight      on one straight line for ``STRAIGHT_S``: somebody filled a gap by interpolation
-    stuck         one value for longer than ``STUCK_S`` while the motors are driven
-    wrong_speed   a rotor reads less than ``LEAST_SHARE`` of the median rotor's speed, though it is driven like the others
+    gap           the next sample is more than ``GAP_S`` and five sample times later
+    impossible    outside of the range that the quantity can have
+    straight      on one straight line for ``STRAIGHT_S``: a gap was filled by interpolation
+    stuck         the same value for longer than ``STUCK_S`` while the motors are driven
+    wrong_speed   a rotor's speed is less than ``LEAST_SHARE`` of the median rotor's, though it is driven like the others
     not_a_turn    a quaternion whose length is not 1
     at_limit      a command at its upper limit: kept
 """
@@ -33,12 +34,12 @@ STRAIGHT_S = 0.2
 STUCK_S = {"battery.voltage": 5.0, "battery.current": 5.0} | dict.fromkeys(SPEEDS, 0.5)
 LEAST_SHARE = 0.6
 DRIVEN = 0.05
-"""A motor with a smaller command may stand."""
+"""With a smaller command, a motor may be at rest."""
 AVERAGE_S = 0.2
-"""A rotor follows its command within this time or so: comparisons of speeds and commands use means over it."""
+"""A rotor follows its command within about this time: comparisons of speeds and commands use means over it."""
 LIMITS: dict[str, tuple[float, float]] = {
     "motor": (0, 1),
-    "rotor": (0, 6000),  # 57,000 rpm; a propeller of 47 mm would have 140 m/s at its tips
+    "rotor": (0, 6000),  # 57,000 rpm; the tips of a propeller of 47 mm would have 140 m/s
     "battery.voltage": (0.5, 60),
     "battery.current": (-500, 500),
     "position": (-1e5, 1e5),
@@ -48,15 +49,15 @@ LIMITS: dict[str, tuple[float, float]] = {
     "rate": (-100, 100),
 }
 MOST_IMPOSSIBLE = 0.5
-"""Share of impossible samples above which the log is refused."""
+"""The share of impossible samples above which the log is rejected."""
 HIGHEST_CELL_V = 4.4
-"""No charger of a LiPo cell goes higher."""
+"""The maximum voltage of any charger for a LiPo cell."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """How many samples of a signal a rule found. ``first_s`` is the time of the first one, ``total`` the samples that the
-    signal had in the file."""
+    """The number of samples of a signal that a rule found. ``first_s`` is the time of the first, ``total`` the
+    number of the signal's samples in the file."""
 
     signal: str
     rule: str
@@ -88,13 +89,13 @@ class _Cleaner:
             self.findings.append(Finding(name, rule, int(found.sum()), len(self.log[name]), first_s, excluded))
 
     def known(self) -> Iterator[str]:
-        """Signals that the rules know, as long as they have samples."""
+        """Yields the signals with rules that have samples."""
         return (name for name, signal in list(self.signals.items()) if _limits(name) is not None and len(signal))
 
 
 def clean(log: FlightLog, cells: int | None = None) -> tuple[FlightLog, list[Finding]]:
-    """Returns the log without its bad samples, and what was found. ``cells``: LiPo cells in series, if that is known.
-    Raises InputError for a clock that goes back for good, and for a signal that is impossible most of the time."""
+    """Returns the log without its bad samples, and the findings. ``cells`` is the number of LiPo cells in series, if
+    known. Raises InputError if the clock goes back permanently, or if a signal is mostly impossible."""
     work = _Cleaner(log)
     for name in work.known():
         _check_times(work, name)
@@ -119,12 +120,12 @@ def clean(log: FlightLog, cells: int | None = None) -> tuple[FlightLog, list[Fin
 
 
 def gap_limit_s(signal: Signal) -> float:
-    """A longer time between two samples is a gap."""
+    """Returns the time between two samples above which it is a gap."""
     return max(GAP_S, 5 * signal.interval_s)
 
 
 def covered(signal: Signal, times: Array) -> Mask:
-    """True for the times that lie between two samples without a gap between them."""
+    """True for the times between two samples without a gap."""
     if len(signal) < 2:
         return np.zeros(len(times), bool)
     after = np.clip(np.searchsorted(signal.times, times, side="right"), 1, len(signal) - 1)
@@ -133,7 +134,7 @@ def covered(signal: Signal, times: Array) -> Mask:
 
 
 def counts(findings: list[Finding]) -> dict[str, int]:
-    """Samples by rule, over all signals."""
+    """Returns the number of samples by rule, over all signals."""
     found: collections.Counter[str] = collections.Counter()
     for one in findings:
         found[one.rule] += one.count
@@ -172,7 +173,7 @@ def _beyond(signal: Signal, cells: int | None) -> Mask:
 
 
 def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | None) -> None:
-    """Bad samples are few. Where most are, the column has another unit or is another quantity."""
+    """Raises InputError if most samples are bad: then the column has another unit or is another quantity."""
     if not bad.size or bad.mean() <= MOST_IMPOSSIBLE:
         return
     low, high = _bounds(signal, cells)
@@ -184,7 +185,7 @@ def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | No
 
 
 def _runs(same: Mask) -> Iterator[tuple[int, int]]:
-    """First and last sample of each run of true entries; entry i is about the samples i and i + 1."""
+    """Yields the first and last sample of each run of true entries; entry i compares the samples i and i + 1."""
     edges = np.flatnonzero(np.diff(np.r_[False, same, False].astype(np.int8)))
     return zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
@@ -198,7 +199,7 @@ def _stuck(signal: Signal, longest_s: float) -> Mask:
 
 
 def _straight(signal: Signal) -> Mask:
-    """Samples inside of rising or falling straight lines: rounding of the file's digits allowed for."""
+    """True for samples inside of rising or falling straight lines, apart from the rounding of the file's digits."""
     bad = np.zeros(len(signal), bool)
     if len(signal) < 4:
         return bad
@@ -212,7 +213,7 @@ def _straight(signal: Signal) -> Mask:
 
 
 def mean_over(signal: Signal, times: Array) -> Array:
-    """The mean of a signal over the ``AVERAGE_S`` before each time."""
+    """Returns the mean of a signal over the ``AVERAGE_S`` before each time."""
     if len(signal) < 2:
         return np.full(len(times), signal.values[0] if len(signal) else np.nan)
     total = np.r_[0.0, np.cumsum((signal.values[1:] + signal.values[:-1]) / 2 * np.diff(signal.times))]
@@ -222,7 +223,7 @@ def mean_over(signal: Signal, times: Array) -> Array:
 
 
 def _driven(signals: dict[str, Signal], times: Array) -> Mask:
-    """True where a motor is driven, or where no command is known."""
+    """True if a motor is driven, or if no command is known."""
     commands = [signals[name] for name in COMMANDS if name in signals and len(signals[name]) > 1]
     if not commands:
         return np.ones(len(times), bool)

@@ -20,9 +20,9 @@ from mebots.flight.usd import read_usd
 
 
 def read_log(file: str | os.PathLike[str], mapping: str | os.PathLike[str] | None = None) -> FlightLog:
-    """Reads a flight log: a Crazyflie's uSD log, PX4's ULog, or CSV. The content tells which one it is.
+    """Reads a flight log: a Crazyflie's uSD log, PX4's ULog, or CSV. The kind is recognised by its content.
 
-    :param mapping: file (.json) that says which column is which signal. CSV needs it; to other logs it adds.
+    :param mapping: file (.json) that maps columns to signals. Required for CSV; optional for other logs.
     """
     path = pathlib.Path(file)
     given = {} if mapping is None else json.loads(_mebots.read_log_mapping(pathlib.Path(mapping)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots.replay``: a recorded flight on our models, and the errors of the models."""
+"""``mebots.replay``: runs a recorded flight on the models and computes the errors of the models."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ def replay(
     hover: bool = False,
     step: float = 0.002,
 ) -> Replay:
-    """Flies the commands of a recorded flight on the models of motors and battery, as ``mebots replay`` does, and compares
-    voltage, rotor speeds, thrust and vertical motion with what was measured.
+    """Runs the commands of a recorded flight on the models of motors and battery, as ``mebots replay`` does, and compares
+    voltage, rotor speeds, thrust and vertical motion with the measured ones.
 
     :param log: a Crazyflie's uSD log, PX4's ULog, or CSV.
     :param airframe: airframe file (.json): rotor, cell, mass.
     :param out: folder for errors.csv, replay.json, traces.csv, replay.html and the mission; None = no files.
-    :param mapping: file (.json) that says which column of the log is which signal.
-    :param decks: decks that the drone carried, in place of the airframe's.
+    :param mapping: file (.json) that maps columns of the log to signals.
+    :param decks: decks of the drone, in place of the airframe's.
     :param mass: mass of the whole drone [kg], in place of the airframe's.
-    :param initial_charge: state of charge at the start, 0 to 1; by default the one with which the first voltages agree.
+    :param initial_charge: state of charge at the start, 0 to 1; by default the one that fits the first voltages.
     :param window: length of the windows of the momentum balance [s].
-    :param hover: a log without motion is of a drone that hovered: the needed thrust is its weight.
+    :param hover: the drone hovered in a log without motion: the required thrust is its weight.
     :param step: communication step [s].
     """
     if not 0.1 <= window <= 60:
@@ -70,7 +70,7 @@ def replay(
     inverted = not any(name in raw for name in COMMANDS) and clean.has(["battery.voltage", POSITION[2]])
     if inverted:
         clean = with_commands(clean, flown)
-    with tempfile.TemporaryDirectory(prefix="mebots-replay-") as name:  # a flight that fails leaves OUT as it was
+    with tempfile.TemporaryDirectory(prefix="mebots-replay-") as name:  # if the run fails, OUT is unchanged
         traces = fly(clean, flown, pathlib.Path(name), step, initial_charge)
         mission = {file.name: file.read_bytes() for file in pathlib.Path(name).iterdir() if file.name in ("mission.json", "inputs.csv")}
     motion = None if inverted else motion_of(clean, flown, traces.times, traces.good, window, hover)
@@ -85,7 +85,7 @@ _FILES = ("mission.json", "inputs.csv", "errors.csv", "replay.json", "traces.csv
 
 
 def _make(folder: pathlib.Path) -> None:
-    """Makes the folder, and refuses one where a file cannot be written: a replay takes minutes."""
+    """Creates the folder. Raises an error at once if no file can be written there, because a replay takes minutes."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -143,7 +143,7 @@ def _write(folder: pathlib.Path, result: Replay, mission: dict[str, bytes]) -> N
 
 
 def _finite(value: Any) -> Any:
-    """JSON has no NaN."""
+    """Replaces NaN, which JSON cannot represent."""
     if isinstance(value, dict):
         return {key: _finite(inner) for key, inner in value.items()}
     if isinstance(value, list):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a replay returns: errors, findings, curves; and its table for a terminal."""
+"""The result of a replay: errors, findings, curves; and its table for a terminal."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ FIELDS = ("quantity", "unit", "model", "n", "excluded", "measured", "mean", "rms
 
 @dataclasses.dataclass(frozen=True)
 class Replay:
-    """A replayed flight. ``errors``: one row for each measured quantity and way to compute it. ``findings``: bad samples
-    of the log. ``summary``: what the model says of energy and charge, and notes on what the log lacks."""
+    """A replayed flight. ``errors`` has a row per measured quantity and method of computing it. ``findings`` are the
+    bad samples of the log. ``summary`` contains the model's energy and charge, and notes on what the log lacks."""
 
     log: FlightLog
     airframe: Airframe
@@ -34,7 +34,7 @@ class Replay:
     motion: Motion | None
 
     def error(self, quantity: str, model: str) -> ErrorRow:
-        """The row of a quantity. Raises KeyError."""
+        """Returns the row of a quantity. Raises KeyError."""
         for one in self.errors:
             if (one.quantity, one.model) == (quantity, model):
                 return one
@@ -42,7 +42,7 @@ class Replay:
 
 
 def table(rows: Sequence[ErrorRow]) -> list[list[str]]:
-    """The rows as texts, below their titles."""
+    """Returns the rows as texts, after their titles."""
     return [list(FIELDS), *([_text(getattr(one, field)) for field in FIELDS] for one in rows)]
 
 
@@ -51,7 +51,7 @@ def _text(value: object) -> str:
 
 
 def shown(result: Replay) -> str:
-    """The table and the notes for a terminal."""
+    """Formats the table and the notes for a terminal."""
     lines = table(result.errors)
     widths = [max(len(line[i]) for line in lines) for i in range(len(FIELDS))]
     text = ["  ".join(cell.ljust(width) if i < 3 else cell.rjust(width) for i, (cell, width) in enumerate(zip(line, widths, strict=True))).rstrip() for line in lines]
@@ -71,7 +71,7 @@ TRACE_INTERVAL_S = 0.02
 
 
 def curves(result: Replay) -> dict[str, np.ndarray]:
-    """Model and measurement side by side, every ``TRACE_INTERVAL_S``; NaN where nothing was measured."""
+    """Returns curves of model and measurement, every ``TRACE_INTERVAL_S``; NaN if nothing was measured."""
     traces = result.traces
     stride = max(1, round(TRACE_INTERVAL_S / float(traces.times[1] - traces.times[0])))
     times = traces.times[::stride]

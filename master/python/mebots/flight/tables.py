@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of logs in CSV: a mapping says which column is which signal.
+"""Reader of logs in CSV. A mapping assigns columns to signals.
 
     {"time": {"column": "t", "unit": "s"}, "columns": {"vbat": {"signal": "battery.voltage", "unit": "mV"}}}
 
 A table without times has "time": {"period": 0.01, "unit": "s"}. A second clock, "reference": {"column": ..., "unit": ...},
-measures the drift of the first one, which is taken out.
+measures the drift of the first one, which is removed.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from mebots.flight.log import Array, FlightLog, log_of
 from mebots.flight.names import Meaning, named
 
 _MOST_DRIFT = 0.05
-"""Two clocks of one flight that differ by more do not measure the same time."""
+"""If two clocks of a flight differ by more, they do not measure the same time."""
 
 
 def read_table(file: pathlib.Path, mapping: dict[str, Any], meanings: dict[str, Meaning]) -> FlightLog:
-    """Reads a log in CSV by a mapping that ``reading`` has checked. Raises InputError with line and column."""
+    """Reads a log in CSV with a mapping that ``reading`` has checked. Raises InputError with line and column."""
     try:
         header, *rows = _mebots.read_csv(file)
     except UnicodeDecodeError as error:
@@ -44,7 +44,7 @@ def read_table(file: pathlib.Path, mapping: dict[str, Any], meanings: dict[str, 
 
 
 def _numbers(file: pathlib.Path, rows: list[list[str]], place: int, needed: bool) -> Array | None:
-    """A column's values, an empty cell as NaN. None for a column of texts that no signal needs."""
+    """Returns a column's values, with NaN for an empty cell. None for a column of texts that no signal needs."""
     cells = [row[place].strip() or "nan" for row in rows]
     try:
         return np.array(cells, dtype=np.float64)
@@ -83,7 +83,7 @@ def _clock(file: pathlib.Path, column: str, columns: dict[str, Array | None]) ->
 
 
 def _without_drift(file: pathlib.Path, times: Array, other: Array) -> tuple[Array, list[str]]:
-    """Times in the rate of the reference clock, by a straight line through both."""
+    """Converts times to the rate of the reference clock, by a straight line through both."""
     good = np.isfinite(times) & np.isfinite(other)
     if good.sum() < 2 or np.ptp(times[good]) <= 0:
         raise InputError(f"{file}: the reference clock has fewer than two times", "invalid_value")

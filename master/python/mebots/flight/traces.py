@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies the commands of a log on the real FMUs: motors and battery in one run of the master.
+"""Runs the commands of a log on the FMUs: motors and battery in one run of the master.
 
-Three instances take part. ``motors`` and ``battery`` are coupled as in a mission: nothing but the commands, and the motion
-that the power of a rotor depends on, comes from the log. ``motors_at_measured`` gets the measured voltage in place of the
-model's, so that errors of the cell do not reach it.
+There are three instances. ``motors`` and ``battery`` are coupled as in a mission: only the commands, and the motion on
+which the power of a rotor depends, come from the log. ``motors_at_measured`` gets the measured voltage instead of the
+model's, so that errors of the cell do not affect it.
 """
 
 from __future__ import annotations
@@ -23,36 +23,36 @@ from mebots.flight.quality import DRIVEN, Mask, covered
 from mebots.mission import Mission
 
 SETTLE_S = 1.0
-"""The rotors of the model start at rest, those of a log that begins aloft do not: this much after the start, and after a
-gap in the commands, is not compared. Rotors of a Crazyflie take 0.14 s for 63 % of a change."""
+"""The rotors of the model start at rest, unlike those of a log that begins in flight. Therefore this time after the
+start, and after a gap in the commands, is not compared. Rotors of a Crazyflie take 0.14 s for 63 % of a change."""
 RAMP_S = 0.6
-"""The commands of a log that begins aloft rise from 0 over this long: motors at rest under full command would draw so much
-that the cell's protection opens."""
+"""If a log begins in flight, the commands rise from 0 over this time. Motors at rest under full command would draw
+so much current that the cell's protection opens."""
 CHARGE_S = 0.5
-"""The initial charge is the one with which the voltage fits over this long: before the motors are driven, if the log begins
-at rest; else after ``SETTLE_S``."""
+"""The initial charge is fitted to the voltage over this time: before the motors are driven, if the log begins at
+rest; otherwise after ``SETTLE_S``."""
 _SHORTEST_REST_S = 0.1
 _LONGEST_S = 7200.0
-"""No cell flies a multirotor for two hours; a longer log has a clock that jumps, or times in another unit."""
+"""No cell supplies a multirotor for two hours; a longer log has a clock that jumps, or times in another unit."""
 _DIGITS = 12
 
 
 @dataclasses.dataclass(frozen=True)
 class Traces:
-    """What the model computed at ``times`` (seconds since the log's start), and where it may be compared."""
+    """The computed values at ``times`` (seconds since the log's start), and the times at which they can be compared."""
 
     times: Array
     good: Mask
     logged: Mask
-    """``good`` without regard to the model's cell."""
+    """As ``good``, independent of the model's cell."""
     values: dict[str, Array]
     initial_charge: float
     settle_s: float
-    """How long after the start nothing is compared."""
+    """The time after the start that is not compared."""
     notes: list[str]
     capacity_c: float
     cut_off_s: float | None
-    """When the protection of the model's cell opened."""
+    """The time at which the protection of the model's cell opened."""
 
     def __getitem__(self, name: str) -> Array:
         return self.values[name]
@@ -66,7 +66,8 @@ class Traces:
 
 
 def fly(log: FlightLog, airframe: Airframe, folder: pathlib.Path | None, step_s: float, initial_charge: float | None) -> Traces:
-    """Flies the log's commands. ``folder`` keeps the mission, which ``mebots run`` flies again; None keeps nothing."""
+    """Runs the log's commands. ``folder`` gets the mission, which ``mebots run`` can repeat; with None, no files are
+    kept."""
     log.require(COMMANDS, "a replay without voltage and height")
     if folder is not None:
         return _Flight(log, airframe, folder, step_s).fly(initial_charge)
@@ -119,7 +120,8 @@ class _Flight:
         return Traces(times, good, logged, values, charge, self.settle_s, self.notes, float(values["battery.cell.capacity"][0]), cut_off_s)
 
     def _begin(self) -> tuple[float, float]:
-        """How long after the start nothing is compared, and when the time ends in which the charge is fitted."""
+        """Returns the time after the start that is not compared, and the end of the time over which the charge is
+        fitted."""
         driven = np.max([np.interp(self.grid, self.log[name].times, self.log[name].values) for name in COMMANDS], axis=0) > DRIVEN
         if not driven.any():
             self.notes.append(f"no command is above {DRIVEN:g}: the motors never start; check the unit of the commands in the mapping if they did")
@@ -129,13 +131,13 @@ class _Flight:
         return 0.0, min(rest_s, CHARGE_S)
 
     def _logged(self, times: Array) -> Mask:
-        """True at times for which all commands were logged without a gap for ``SETTLE_S``."""
+        """True at times before which all commands were logged without a gap for ``SETTLE_S``."""
         logged = np.logical_and.reduce([covered(self.log[name], times) for name in COMMANDS])
         since = np.maximum.accumulate(np.where(logged, -np.inf, times))
         return (times >= self.start_s + self.settle_s) & (times - since > SETTLE_S)
 
     def _write_inputs(self, file: pathlib.Path) -> None:
-        """One row for each communication point: commands are held as the motors' driver holds them."""
+        """Writes a row per communication point: commands are held as the motors' driver holds them."""
         columns = {"time": np.arange(self.steps + 1) * self.step_s}
         for name in COMMANDS:
             signal = self.log[name]
@@ -183,8 +185,8 @@ class _Flight:
         self.mission.write_text(json.dumps(config, indent=2) + "\n", encoding="utf-8")
 
     def _initial_charge(self) -> float:
-        """The charge with which the model's voltage has the mean of the measured one soon after the start. The cell's
-        past, its polarisation, is not known; the model starts rested."""
+        """Returns the charge with which the model's mean voltage equals the measured one soon after the start. The
+        polarisation of the real cell is unknown; the model starts without any."""
         if not self.has_voltage:
             self.notes.append("the log has no voltage that can be used: the model starts with a full cell")
             return 1.0

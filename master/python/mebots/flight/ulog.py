@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reader of PX4's ULog files, by the package pyulog.
+"""Reader of PX4's ULog files, based on the package pyulog.
 
-PX4's frames are north-east-down and forward-right-down; MEbots' are east-north-up and forward-left-up. The mapping of a
-ULog may add columns, named ``message.field`` as in ``battery_status.current_a``.
+PX4's frames are north-east-down and forward-right-down; those of MEbots are east-north-up and forward-left-up. A mapping
+for a ULog may add columns, named ``message.field`` as in ``battery_status.current_a``.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from mebots.flight.names import Meaning, named
 MAGIC = b"ULog\x01\x12\x35"
 _SIZE_OF_HEADER = 16
 _FIRST_TYPES = {b"B", b"F", b"I", b"M", b"P", b"Q", b"A"}
-"""Types of a message that may come first; pyulog searches without end where none follows."""
+"""Types of a message that may come first; without one of them, pyulog searches without end."""
 
 _ROTORS = (1, 3, 4, 2)
-"""PX4 counts front right, rear left, front left, rear right; MEbots goes round from the front right."""
+"""PX4's order is front right, rear left, front left, rear right; that of MEbots is circular from the front right."""
 
 PX4: dict[str, Meaning] = {
     **{f"actuator_motors.control[{place}]": Meaning(f"motor[{rotor}].command", "1") for place, rotor in enumerate(_ROTORS)},
@@ -53,7 +53,7 @@ PX4: dict[str, Meaning] = {
 
 
 def read_ulog(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> FlightLog:
-    """Reads a log; ``meanings`` add to, and go before, PX4's names. Raises InputError."""
+    """Reads a log. ``meanings`` are added to PX4's names and take precedence. Raises InputError."""
     data = file.read_bytes()
     if not data.startswith(MAGIC) or len(data) < _SIZE_OF_HEADER:
         raise InputError(f"{file}: byte 0: this is not the start of a ULog file; it is cut off, or of another kind", "syntax_error")
@@ -85,11 +85,11 @@ def _columns(parsed: Any) -> Iterator[tuple[str, Array, Array]]:
 
 
 def _attitude(times: Array, q: list[Array]) -> Iterator[tuple[str, Array, Array]]:
-    """From (body forward-right-down to north-east-down) to (forward-left-up to east-north-up): a half turn about the
-    body's x axis first, the exchange of the world's axes last."""
+    """Converts from (body forward-right-down to north-east-down) to (forward-left-up to east-north-up): a half turn
+    about the body's x axis first, the exchange of the world's axes last."""
     w, x, y, z = q
     w, x, y, z = -x, w, z, -y  # q * i
-    half = np.sqrt(0.5)  # (i + j) / sqrt(2) turns north-east-down into east-north-up
+    half = np.sqrt(0.5)  # (i + j) / sqrt(2) rotates north-east-down to east-north-up
     yield "attitude.qw", times, half * (-x - y)
     yield "attitude.qx", times, half * (w + z)
     yield "attitude.qy", times, half * (w - z)

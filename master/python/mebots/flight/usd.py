@@ -9,7 +9,7 @@
     records    uint16 id of the event; time; the values of its variables, without padding
     uint32     CRC-32 of all before it
 
-All numbers are little-endian. A log that lost its end, because the cell was empty say, has no CRC.
+All numbers are little-endian. A truncated log, for example after the cell was empty, has no CRC.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class _Kind:
 
 
 class _Reader:
-    """Reads numbers and names one after the other, and knows where it is."""
+    """Reads numbers and names in order and keeps the position."""
 
     def __init__(self, file: pathlib.Path, data: bytes) -> None:
         self.file, self.data, self.at = file, data, 0
@@ -69,15 +69,15 @@ class _Reader:
 
 
 def read_usd(file: pathlib.Path, meanings: Mapping[str, Meaning] = {}) -> FlightLog:
-    """Reads a log. ``meanings`` add to, and go before, the firmware's names. Raises InputError."""
+    """Reads a log. ``meanings`` are added to the firmware's names and take precedence. Raises InputError."""
     log = _parse(file)
     columns = ((name, times, values) for _, times, kind in _tables(log) for name, values in kind.items())
     return log_of(file, "Crazyflie uSD log", named(columns, dict(meanings) | CRAZYFLIE), log.notes)
 
 
 def read_events(file: pathlib.Path) -> dict[str, dict[str, Array]]:
-    """Returns the columns of each kind of event as they are in the file, by the event's name. ``time`` is in seconds.
-    Raises InputError."""
+    """Returns the unchanged columns of each kind of event, by the event's name. ``time`` is in seconds. Raises
+    InputError."""
     return {event: {"time": times, **columns} for event, times, columns in _tables(_parse(file))}
 
 
@@ -136,7 +136,7 @@ def _field(reader: _Reader) -> tuple[str, str]:
 
 
 def _walk(reader: _Reader, kinds: dict[int, _Kind], end: int, whole: bool) -> int:
-    """Notes where each record begins. Returns where the last complete one ends."""
+    """Records the start of each record. Returns the end of the last complete one."""
     data, at = reader.data, reader.at
     while at + 2 <= end:
         (number,) = struct.unpack_from("<H", data, at)
