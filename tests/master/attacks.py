@@ -4,9 +4,9 @@
 
 Usage: attacks.py MEBOTS ATTACKER.fmu [--compare FILE] [--kinds KIND,...]
 
-Everything that the attacks aim at is set up for the run and belongs to it: files, sockets, memory, a process. Root
-becomes an ordinary user first. With --compare the table in FILE must state the same: exit 1 if it does not, 77 if this system
-refuses a part of the sandbox or an ordinary user cannot read the programs.
+All targets of the attacks are set up for the run: files, sockets, memory, a process. Root becomes an ordinary user first.
+With --compare, exits with 1 if the table in FILE differs, and with 77 if this system refuses a part of the sandbox or an
+ordinary user cannot read the programs.
 """
 import argparse
 import csv
@@ -27,7 +27,7 @@ csv.field_size_limit(1 << 20)
 
 
 class Targets:
-    """What the attacks aim at."""
+    """The targets of the attacks."""
 
     def __init__(self, folder: pathlib.Path):
         self.home = folder / "home"
@@ -64,7 +64,7 @@ class Targets:
 
     def text(self, kind: str) -> str:
         ports = [line.getsockname()[1] if line else 1 for line in self.sockets[2:]]
-        # A file in a private /tmp and a port of a private network look the same from inside.
+        # A file in a private /tmp, and a port of a private network, look the same from inside.
         values = {"home": self.home, "shared_memory": self.shared_memory, "temporary_file": self.temporary_file, "temporary": self.left,
                   "process": self.process.pid, "address": self.address, "key": KEY, "socket": self.path, "abstract": self.abstract,
                   "port": ports[0], "port6": ports[1], "port_udp": ports[0], "free_port": 0, "master": os.getpid(),
@@ -82,7 +82,7 @@ class Targets:
 
 
 def attack(mebots: str, fmu: str, kind: str, folder: pathlib.Path) -> dict[str, tuple[str, str]]:
-    """Runs all attacks in a process of this kind. Returns what each tries and its result, by name."""
+    """Runs all attacks in a process of this kind. Returns their descriptions and results by name."""
     folder.mkdir()
     targets = Targets(folder)
     try:
@@ -102,7 +102,7 @@ def attack(mebots: str, fmu: str, kind: str, folder: pathlib.Path) -> dict[str, 
         with open(folder / "out" / "results.csv", newline="") as file:
             report = list(csv.reader(file))[-1][-1]
         results = {name: (text, result) for name, result, text in (line.split("\t") for line in report.splitlines())}
-        if targets.left.exists():  # the FMU cannot see from inside whether this file is the system's
+        if targets.left.exists():  # from inside, the FMU cannot determine whether this file is the system's
             results["write_temporary"] = (results["write_temporary"][0], "reached")
         return results
     finally:
@@ -110,7 +110,7 @@ def attack(mebots: str, fmu: str, kind: str, folder: pathlib.Path) -> dict[str, 
 
 
 def table_in(page: pathlib.Path) -> dict[tuple[str, str], str]:
-    """The results that a page states, by text of the attack and kind of process."""
+    """Returns the results stated on a page, by text of the attack and kind of process."""
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.read_text().splitlines() if line.startswith("| ")]
     start = next(i for i, row in enumerate(rows) if row[0] == "an FMU tries to")
     return {(row[0], kind): cell for row in rows[start + 1:] for kind, cell in zip(rows[start][1:], row[1:])}

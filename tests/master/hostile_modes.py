@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What each way to misbehave of the FMU in tests/fmus/probe.c comes to, by kind of process: a Markdown table.
+"""Prints a Markdown table: the effect of each fault of the FMU in tests/fmus/probe.c, by kind of process.
 
 Usage: hostile_modes.py MEBOTS PROBE.fmu [--compare FILE]
 
-Every cell is a run of two instances, of which the second one misbehaves at half of its time. With --compare the rows must
-stand in FILE: exit 1 where one does not, 77 on a kernel that cannot keep signals inside (before Linux 6.12) or make a sandbox.
+Every cell is a run of two instances, of which the second one fails half-way. With --compare, all rows must be in FILE:
+exits with 1 if one is not, and with 77 on a kernel that cannot keep signals inside (before Linux 6.12) or cannot make a
+sandbox.
 """
 
 import argparse
@@ -22,9 +23,9 @@ import tempfile
 import time
 
 PROCESSES = ("shared", "own", "sandboxed")
-PATIENCE_S = 60  # of who waits for a run that should end by itself
-SHARED_HANGS_S = 8  # nobody can end a call in the master's own process
-MEMORY_BYTES = 1 << 30  # for runs that take all
+PATIENCE_S = 60  # limit for a run that should end without help
+SHARED_HANGS_S = 8  # a call in the master's own process cannot be ended
+MEMORY_BYTES = 1 << 30  # for runs that use all memory
 SKIPPED = 77
 
 MODES = {
@@ -99,7 +100,8 @@ def config_of(fmu, process):
 
 
 def processes_with(folder):
-    """Those whose environment names the folder, and those of a sandbox, whose command line names the unpacked FMU."""
+    """Returns the processes whose environment names the folder, and sandboxed ones, whose command line names the
+    unpacked FMU."""
     found = []
     for entry in pathlib.Path("/proc").iterdir():
         try:
@@ -112,7 +114,7 @@ def processes_with(folder):
 
 
 def end_all(folder):
-    """Ends what a run left. Returns whether there was something."""
+    """Ends the remaining processes of a run. Returns True if there were any."""
     found = processes_with(folder)
     for number in found:
         try:
@@ -123,7 +125,7 @@ def end_all(folder):
 
 
 class Bystander:
-    """A process of the same user that has nothing to do with the run."""
+    """A process of the same user that is independent of the run."""
 
     def __enter__(self):
         self.process = subprocess.Popen(["sleep", "1000"], start_new_session=True)
@@ -144,7 +146,7 @@ class Outcome:
 
 
 def run(program, fmu, process, mode, limit_memory=False):
-    """In a session of its own, with a caller that may be harmed."""
+    """Runs the program in a new session, with a parent that may be harmed."""
     with tempfile.TemporaryDirectory(prefix="mebots-hostile-") as name, Bystander() as bystander:
         folder = pathlib.Path(name)
         (folder / "two.json").write_text(json.dumps(config_of(fmu, process)))
@@ -167,7 +169,7 @@ def run(program, fmu, process, mode, limit_memory=False):
                 hangs = True
             code = "hangs" if hangs else int((folder / "code").read_text()) if (folder / "code").exists() else None
             caller_lives = hangs or caller.returncode >= 0
-            time.sleep(0.1)  # who is being ended may still be seen
+            time.sleep(0.1)  # a process that is ending may still be listed
             left = end_all(name)
             caller.wait()
         results = folder / "out" / "results.csv"
@@ -179,7 +181,7 @@ def run(program, fmu, process, mode, limit_memory=False):
 
 
 def is_named(text):
-    """The instance, or where it is gone already its FMU."""
+    """True if the text names the instance or, after it is freed, its FMU."""
     return "'b'" in text or "probe.fmu" in text or "] b: " in text
 
 

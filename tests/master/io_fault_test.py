@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs and reports on a disk that fails: each call that writes a file of the results fails in turn, as in the tests of
-SQLite. Each time the exit code and the message must tell of it, no file may be torn under its final name, and the next run
-must give the same bytes. EINTR and short writes must change nothing.
+"""Runs and reports on a disk that fails. Each call that writes a results file fails in turn, as in the tests of SQLite.
+Each time, exit code and message must report it, no file may be incomplete under its final name, and the next run must give
+the same bytes. EINTR and short writes must change nothing.
 
 Usage: io_fault_test.py MEBOTS PROBE_FMU [--all]   the table of all calls; without --all a few of each kind, for ctest
 """
@@ -21,13 +21,13 @@ sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "support"))
 import io_faults
 
 OF_TIME = ("wall_clock", "real_time_factor", "resumed_at")
-"""Keys of summary.json that differ from run to run, and between a run and one that is resumed."""
+"""Keys of summary.json that differ between runs, and between a run and a resumed one."""
 GROWS = ("results.csv", "log.txt")
-"""Files that get their rows and lines under their final names."""
+"""Files that are written under their final names from the start."""
 
 
 def system(probe, stop_s, format, record=("a.*", "b.*")):
-    """A config of two instances in steps of 0.1 s."""
+    """Returns a config of two instances in steps of 0.1 s."""
     instance = {"fmu": probe, "parameters": {"gain": -0.9, "offset": 0.3, "string_in": "text"}}
     return {"step": 0.1, "stop_time": stop_s, "instances": {"a": instance, "b": instance},
             "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"}],
@@ -36,7 +36,8 @@ def system(probe, stop_s, format, record=("a.*", "b.*")):
 
 
 class Run:
-    """A run into one folder, perhaps with checkpoints; after a fault it is resumed from its checkpoint, or run again."""
+    """A run into one folder, with optional checkpoints. After a fault it is resumed from its checkpoint, or
+    repeated."""
 
     def __init__(self, mebots, config, *more):
         self.command = [mebots, "run", str(config), "--quiet", *more]
@@ -51,7 +52,7 @@ class Run:
 
 
 class Report(Run):
-    """The page of a run that is there."""
+    """The page of an existing run."""
 
     def __init__(self, mebots, results):
         self.mebots, self.results = mebots, results
@@ -64,7 +65,7 @@ class Report(Run):
 
 
 def without_times(text):
-    """The summary without what depends on the clock."""
+    """Returns the summary without values that depend on the clock."""
     def cut(value):
         if isinstance(value, dict):
             return {key: cut(one) for key, one in value.items() if key not in OF_TIME}
@@ -73,7 +74,8 @@ def without_times(text):
 
 
 def rows_of(file):
-    """The data sets of an HDF5 file: those of a resumed run are copied from results.csv and lie elsewhere in the file."""
+    """Returns the data sets of an HDF5 file. In a resumed run they are copied from results.csv and have other places
+    in the file."""
     found = {}
 
     def take(name, item):
@@ -86,18 +88,18 @@ def rows_of(file):
 
 
 def content(out):
-    """What must be the same again, by file name."""
+    """Returns the contents that must be equal again, by file name."""
     files = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
     if "summary.json" in files:
         files["summary.json"] = without_times(files["summary.json"])
     if "results.h5" in files:
         files["results.h5"] = rows_of(out / "results.h5")
-    files.pop("log.txt", None)  # of a resumed run it tells of that
+    files.pop("log.txt", None)  # the log of a resumed run contains a notice of it
     return files
 
 
 def torn(out, whole):
-    """The files that are neither whole nor absent."""
+    """Returns the files that are neither complete nor absent."""
     found = []
     for path in out.iterdir() if out.exists() else ():
         name, bytes_ = path.name, path.read_bytes() if path.is_file() else b""
@@ -125,7 +127,7 @@ def torn(out, whole):
 
 
 def problem_of(case, out, fault, done, whole, preload):
-    """What is wrong after a fault, or an empty text."""
+    """Returns the problem after a fault, or an empty text."""
     told = done.stdout + done.stderr
     if fault.removesuffix(io_faults.STICKY) in io_faults.HARMLESS:
         if done.returncode != 0:
@@ -152,7 +154,7 @@ def problem_of(case, out, fault, done, whole, preload):
 
 
 def sweep(name, case, folder, preload, most):
-    """Fails the calls of a case in turn. Prints a row for each kind and fault, and returns the number of problems."""
+    """Makes the calls of a case fail in turn. Prints a row per kind and fault, and returns the number of problems."""
     out = folder / "out"
     done, counts = io_faults.run(preload, case.first(out), out)
     assert done.returncode == 0, done.stderr

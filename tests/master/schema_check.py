@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The shipped JSON schemas and the readers accept and refuse the same files.
+"""The shipped JSON schemas and the readers must accept and reject the same files.
 
 Usage: schema_check.py MEBOTS PROBE.fmu SOURCE_DIR
 
-Every shipped file names its schema and is good for both. Then come configs with one change each, chosen by hand, for
-which both must give the expected verdict; and shipped files of each kind with one change each, made by a rule. Readers
-know more than schemas (that names exist, that tables rise), so of those changes is asked: what the schema refuses the
-reader refuses, and where the reader misses a key, meets an unknown one or one of another type, the schema does so too.
+Every shipped file names its schema and is valid for both. The test then checks configs with one manual change each, for
+which both must give the expected verdict, and shipped files of each kind with one systematic change each. Readers check
+more than schemas (that names exist, that tables rise). Therefore two conditions apply to systematic changes: the reader
+rejects whatever the schema rejects, and if the reader reports a missing key, an unknown key or a wrong type, the schema
+rejects the file too.
 """
 
 import copy
@@ -23,7 +24,7 @@ import jsonschema
 
 ABSENT = object()
 
-# path in the config, new value, whether it is still a good config
+# path in the config, new value, whether the config is still valid
 CASES = [
     ([], [], False),
     (["step"], ABSENT, False),
@@ -225,7 +226,7 @@ CASES = [
     (["changes"], {}, False),
 ]
 
-# A config that extends the good one, written as config_0.json, and whether it is a good one.
+# A config that extends the valid one, written as config_0.json, and whether it is valid.
 VARIANTS = [
     ({"extends": "config_0.json", "changes": {}}, True),
     ({"extends": "config_0.json", "changes": {"stop_time": 3}, "text": "a text", "$schema": "mebots-config.schema.json"}, True),
@@ -253,7 +254,7 @@ def changed(config, path, value):
     return config
 
 
-# kind of file -> where the shipped ones lie, and the one or ones that are changed
+# kind of file -> pattern of the shipped ones, and the one or ones to change
 SHIPPED = {
     "config": (["configs/*.json", "examples/*/mission.json"], None),
     "scenario": (["configs/scenarios/*.json"], "configs/scenarios/motor_loss.json"),
@@ -277,7 +278,7 @@ CHANGES_OF_A_KIND = 150
 
 
 def changes(value, path=()):
-    """Paths into a file, and what to put there."""
+    """Yields paths into a file and their replacements."""
     if path and path[-1] != "$schema":
         yield path, ABSENT
         for other in (None, "x", "", 3, -1, 0, 1e9, [], {}, True):
@@ -293,7 +294,7 @@ def changes(value, path=()):
 
 
 def codes_of(mebots, files):
-    """Codes of the mistakes that the reader finds, for each of the files."""
+    """Returns the codes of the reader's mistakes for each file."""
     result = subprocess.run([mebots, "validate", *files], capture_output=True, text=True)
     if result.returncode not in (0, 2):
         sys.exit(f"FAILED: mebots validate ended with {result.returncode}: {result.stderr}")
@@ -339,7 +340,7 @@ class Check:
         self.cases += len(files)
 
     def written(self, kind, cases):
-        """Files with these contents."""
+        """Returns files with these contents."""
         files = []
         for number, content in enumerate(cases):
             file = self.folder / f"{kind}_{number}.json"

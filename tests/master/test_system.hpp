@@ -20,16 +20,18 @@
 #include <string_view>
 #include <vector>
 
-/// What the master's tests share: configs made on the fly that name the probe FMU (tests/fmus/probe.c).
+/// Shared by the master's tests: configs that use the probe FMU (tests/fmus/probe.c).
 namespace mebots::test {
 
 void write_file(const std::filesystem::path& file, std::string_view text);
 std::string read_file(const std::filesystem::path& file);
 
-/// `text` with the path of the FMU made from tests/fmus/probe.c for every "PROBE", and of coupling.c for "COUPLING".
+/// Returns `text` with every "PROBE" replaced by the path of the FMU made from tests/fmus/probe.c, and "COUPLING" by
+/// that of coupling.c.
 std::string with_probe(std::string text);
 
-/// A test FMU (tests/fmus/NAME.c) packed anew with `text` in place of a part of its description. Gone with this object.
+/// A copy of a test FMU (tests/fmus/NAME.c) with `text` in place of a part of its description. Deleted by the
+/// destructor.
 class ChangedFmu {
  public:
   ChangedFmu(const std::string& name, const std::string& part, const std::string& text);
@@ -39,14 +41,14 @@ class ChangedFmu {
   modeldesc::TemporaryFolder folder_{"mebots-test"};
 };
 
-/// The message of the InputError that `work` throws; fails the test when it throws none.
+/// Returns the message of the InputError that `work` throws; fails the test if it throws none.
 template <typename Work>
 std::string input_error(Work work);
 
 /// Applies INSTANCE.VARIABLE=VALUE, as `--set` does.
 void apply_set(master::SystemDescription& system, const std::string& text);
 
-/// Keeps what FMUs say.
+/// Collects the messages of FMUs.
 class Messages final : public master::MessageSink {
  public:
   void message(const Message& message) override {
@@ -59,7 +61,7 @@ class Messages final : public master::MessageSink {
   std::vector<Severity> severities;
 };
 
-/// A whole run in memory, from the text of a config to results.csv.
+/// A complete run in memory, from the text of a config to results.csv.
 class TestRun {
  public:
   explicit TestRun(const std::string& config);
@@ -69,7 +71,7 @@ class TestRun {
   /// Initialises and steps to the end.
   TestRun& to_end();
   std::string csv();
-  /// The column of a variable, by its name without unit.
+  /// Returns the column of a variable, by its name without unit.
   std::vector<double> column(const std::string& name);
 
   modeldesc::TemporaryFolder folder{"mebots-test"};
@@ -88,7 +90,7 @@ class TestRun {
   std::optional<master::Simulation> simulation_;
 };
 
-/// How the mebots program ended.
+/// The result of the mebots program.
 struct ProgramResult {
   int code = -1;
   std::string out;

@@ -6,8 +6,7 @@
 #include <fstream>
 #include <functional>
 
-/// Writes one CSV per manoeuvre and rotor lag into the folder given. fmu_world/docs/plot_step_responses.py
-/// draws them.
+/// Writes one CSV per manoeuvre and rotor lag into the given folder. fmu_world/docs/plot_step_responses.py plots them.
 namespace {
 
 using mebots::world::FlightMode;

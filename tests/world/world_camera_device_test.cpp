@@ -60,7 +60,8 @@ TEST(CameraDevice, TellsWithWhatItTookThePicture) {
 }
 
 TEST(CameraDevice, ShowsTheViewAtTheBeginningOfTheStep) {
-  // Falling from 1.3 m for half a second would change the picture a lot; asked at the start, it shows the start.
+  // Falling from 1.3 m for half a second would change the picture considerably; a picture requested at the start shows
+  // the start.
   const auto picture_of_start = [] {
     Parameters p = parameters();
     p.start_offset_m = {2.0, 0.0, 1.3};
@@ -92,7 +93,7 @@ TEST(CameraDevice, TakesNoPictureWhileTheCountStays) {
 
 TEST(CameraDevice, APictureStaysReadableUntilTheNextStepEnds) {
   Parameters p = parameters();
-  p.camera_noise = 5.0;  // makes every picture another one
+  p.camera_noise = 5.0;  // makes every picture different
   FlightRig rig(shipped_scene("gate_easy"), p);
   rig.inputs.camera_trigger = 1;
   rig.step();
@@ -115,7 +116,7 @@ TEST(CameraDevice, NoiseOfAPictureDependsOnItsNumberAlone) {
     many.inputs.camera_trigger = i;
     many.step();
   }
-  // On the ground at rest all poses agree to far less than a grey level.
+  // At rest on the ground, all poses agree to much less than a grey level.
   const auto a = copy(one.outputs.camera_frame);
   const auto b = copy(many.outputs.camera_frame);
   int largest = 0;
@@ -130,7 +131,7 @@ TEST(CameraDevice, SeesTheGateInTheEasySceneAheadAtFlightAltitude) {
   rig.inputs.camera_trigger = 1;
   rig.step();
   const auto frame = copy(rig.outputs.camera_frame);
-  // The bright frame, 0.6 m wide at 5 m, lies near the picture's middle; nothing else is as bright.
+  // The bright frame, 0.6 m wide at 5 m, is near the centre of the picture; nothing else is as bright.
   const auto brightest = std::max_element(frame.begin(), frame.end());
   const auto index = static_cast<int>(brightest - frame.begin());
   EXPECT_NEAR(index % 64, 32, 6);

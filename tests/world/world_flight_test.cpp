@@ -34,7 +34,7 @@ TEST(Flight, TakesOffFliesThroughTheGateAndLands) {
   EXPECT_FALSE(rig.outputs.gate_missed);
   EXPECT_FALSE(rig.outputs.gate_turned_back);
   EXPECT_FALSE(rig.outputs.gate_stuck);
-  EXPECT_NEAR(rig.outputs.gate_lateral_error_m, -0.1, 1e-3);  // the gate's middle is 0.1 m to the left
+  EXPECT_NEAR(rig.outputs.gate_lateral_error_m, -0.1, 1e-3);  // the gate's centre is 0.1 m to the left
   EXPECT_LT(rig.outputs.gate_distance_m, -0.3);
   rig.inputs.setpoint_mode = FlightMode::land;
   rig.run(8.0);
@@ -54,7 +54,7 @@ TEST(Flight, ClimbsAndSinksAtBoundedSpeed) {
   double fastest = 0.0;
   rig.run(10.0, [&] { fastest = std::max(fastest, rig.outputs.drone_velocity_m_per_s[2]); });
   EXPECT_NEAR(rig.altitude_m(), 3.0, 0.02);
-  EXPECT_LT(fastest, 0.55);  // 0.5 m/s and what the loop overshoots
+  EXPECT_LT(fastest, 0.55);  // 0.5 m/s plus the overshoot of the loop
   EXPECT_GT(fastest, 0.45);
   rig.inputs.setpoint_mode = FlightMode::land;
   fastest = 0.0;
@@ -71,7 +71,7 @@ TEST(Flight, PathLengthIntegratesTheSpeed) {
   const double before_m = rig.outputs.drone_path_length_m;
   const double x_m = rig.outputs.drone_position_m[0];
   rig.run(4.0);
-  // Straight and level: the path is the distance, but for millimetres of altitude.
+  // Straight and level: the path equals the distance, apart from millimetres of altitude.
   EXPECT_NEAR(rig.outputs.drone_path_length_m - before_m, rig.outputs.drone_position_m[0] - x_m, 1e-4);
 }
 
@@ -111,7 +111,7 @@ TEST(Flight, TakesOffAgainAfterLanding) {
 }
 
 TEST(Flight, ALightTouchOfTheFrameIsSurvivedAndSeen) {
-  // 6 mm too far to the side, at 0.3 m/s: the drone's corner meets the upright's face.
+  // 6 mm too far to the side, at 0.3 m/s: the drone's corner hits the upright's face.
   FlightRig rig(shipped_scene("gate_easy"), starting_at(0.0, 0.2 + 0.160, 0.0));
   rig.take_off_and_fly();
   rig.inputs.setpoint_velocity_x_m_per_s = 0.3;
@@ -119,7 +119,7 @@ TEST(Flight, ALightTouchOfTheFrameIsSurvivedAndSeen) {
   rig.run(0.2);
   EXPECT_FALSE(rig.outputs.drone_crashed);
   EXPECT_THAT(rig.events, Contains(HasSubstr("touched gate 1")));
-  // It still flies: drawn back and to the middle it comes through.
+  // It still flies: moved back and to the centre, it passes through.
   rig.inputs.setpoint_velocity_x_m_per_s = -0.3;
   rig.run(2.0);
   rig.inputs.setpoint_velocity_x_m_per_s = 0.0;

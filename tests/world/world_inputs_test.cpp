@@ -13,7 +13,7 @@ using test::shipped_scene;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-/// The text of the error of one step with inputs that `spoil` has changed.
+/// Returns the error message of one step with inputs changed by `spoil`.
 template <typename Spoil>
 std::string step_error(Spoil spoil) {
   FlightRig rig;
@@ -104,7 +104,7 @@ TEST(WorldAlone, RunsAtStartValuesWithAnyStepUpToATenthOfASecond) {
 }
 
 TEST(WorldAlone, AStepOfADayIsTwoOfHalfADay) {
-  // Parts of a second, so that nanoseconds times their number pass 63 bits; noise tells which time the sensors are at.
+  // Fractions of a second for which nanoseconds times the numerator exceed 63 bits; noise shows the sensors' time.
   constexpr std::int64_t kDay_ns = 100'000'000'000'000;
   Parameters parameters = FlightRig::small_camera();
   parameters.physics_step_s = 1.0;

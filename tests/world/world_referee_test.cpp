@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flights that try to be counted as a passage, in the whole world with its contacts.
+// Flights that try to be counted as a passage, in the complete world with its contacts.
 #include "support/flight_rig.hpp"
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-/// One metre up, so far before the gate of gate_easy and so far left of its middle [m].
+/// One metre up, at this distance in front of the gate of gate_easy and to the left of its centre [m].
 class Referee : public ::testing::Test {
  protected:
   static Parameters start(double before_m, double left_m, double yaw_rad = 0.0) {
@@ -84,7 +84,7 @@ TEST_F(Referee, ThroughAndBackBesideTheFrameIsNotPassed) {
 }
 
 TEST_F(Referee, HangingOnTheFrameIsStuck) {
-  // Squarely against the left upright, and pushing on for twenty seconds.
+  // Straight into the left upright, and continuing to push for twenty seconds.
   FlightRig rig(shipped_scene("gate_easy"), start(0.5, 0.25));
   rig.take_off_and_fly();
   fly(rig, 0.2, 22.0);
@@ -97,7 +97,7 @@ TEST_F(Referee, HangingOnTheFrameIsStuck) {
 }
 
 TEST_F(Referee, LandingInTheOpeningIsStuck) {
-  // Asked to land as soon as its centre is behind the plane: it comes down on the lower beam.
+  // Lands as soon as its centre is behind the plane: it comes down on the lower beam.
   FlightRig rig(shipped_scene("gate_easy"), start(0.15, 0.0));
   rig.take_off_and_fly();
   fly(rig, 0.02, 0.0);
@@ -110,7 +110,7 @@ TEST_F(Referee, LandingInTheOpeningIsStuck) {
 }
 
 TEST_F(Referee, AWreckCountsForNothing) {
-  // The rotors die behind the gate: it crossed, but nothing that follows is a passage with a landing.
+  // The rotors stop behind the gate: it crossed, but does not complete a passage with a landing.
   FlightRig rig(shipped_scene("gate_easy"), start(0.5, 0.0));
   rig.take_off_and_fly();
   fly(rig, 0.3, 4.0);
@@ -120,7 +120,7 @@ TEST_F(Referee, AWreckCountsForNothing) {
   EXPECT_TRUE(rig.outputs.drone_crashed);
   EXPECT_FALSE(rig.outputs.drone_landed);
 
-  // It tips over at speed shortly before the gate, and what is left of it sails on past the plane.
+  // It tips over at speed shortly before the gate, and its body continues past the plane.
   FlightRig tipping(shipped_scene("gate_easy"), start(4.0, 0.0));
   tipping.take_off_and_fly();
   fly(tipping, 2.5, 0.0);

@@ -13,7 +13,7 @@ namespace {
 using test::FlightRig;
 using test::shipped_scene;
 
-/// Everything that a run leaves behind, pointers left out.
+/// Compares all results of a run, except pointers.
 testing::AssertionResult same(const FlightRig& a, const FlightRig& b) {
   if (const auto result = mebots::test::same_state(a.world, b.world); !result) return result;
   const bool is_same =
@@ -31,11 +31,11 @@ Parameters noisy() {
   Parameters p = FlightRig::small_camera();
   p.range_noise_m = 0.01;
   p.camera_noise = 3.0;
-  p.start_offset_m = {3.0, 0.355, 0.0};  // 5 mm outside of the clear opening: it will rub along the gate
+  p.start_offset_m = {3.0, 0.355, 0.0};  // 5 mm outside of the clear opening: it will touch the gate
   return p;
 }
 
-/// Take-off, rub along the gate, landing, with pictures: set-points at the time of the step to come.
+/// Take-off, contact with the gate, landing, with pictures: set-points for the time of the next step.
 void script(FlightRig& rig) {
   const double t = rig.time_s();
   rig.inputs.setpoint_mode = t < 5.0 ? FlightMode::take_off : t < 14.0 ? FlightMode::fly : FlightMode::land;
@@ -57,7 +57,7 @@ constexpr int kSteps = 10'000;  // 20 s
 
 TEST(WorldState, ARestoredRunGoesOnWithTheSameBitsAlsoDuringContact) {
   FlightRig straight(shipped_scene("gate_easy"), noisy());
-  // In climb, before the gate, in touch with it, after it, while landing, landed.
+  // During the climb, before the gate, in contact with it, after it, during the landing, landed.
   std::vector<std::unique_ptr<FlightRig>> restored;
   for (const int cut : {700, 4000, 5300, 5800, 7600, 9800}) {
     fly_about(straight, cut - static_cast<int>(straight.time_ns / 2'000'000));
@@ -74,7 +74,7 @@ TEST(WorldState, ARestoredRunGoesOnWithTheSameBitsAlsoDuringContact) {
     fly_about(other, kSteps - cut);
   }
   fly_about(straight, kSteps - static_cast<int>(straight.time_ns / 2'000'000));
-  EXPECT_TRUE(straight.outputs.gate_touched);  // otherwise this test has not seen contact
+  EXPECT_TRUE(straight.outputs.gate_touched);  // otherwise the test has no contact
   EXPECT_TRUE(straight.outputs.drone_landed);
   for (const auto& other : restored) EXPECT_TRUE(same(straight, *other));
 }
@@ -106,7 +106,7 @@ TEST(WorldState, InstancesInThreadsGiveTheSameBitsAsAlone) {
 }
 
 TEST(WorldState, OneStepAndTwoHalvesGiveTheSameBits) {
-  // Same inner steps, inputs held: nothing may depend on where communication steps end.
+  // Equal inner steps and constant inputs: the result must not depend on the communication steps.
   FlightRig whole(shipped_scene("gate_easy"), noisy());
   FlightRig halves(shipped_scene("gate_easy"), noisy());
   for (auto* rig : {&whole, &halves}) {
@@ -123,7 +123,7 @@ TEST(WorldState, OneStepAndTwoHalvesGiveTheSameBits) {
 }
 
 TEST(WorldState, AFinerInnerStepConvergesWithFirstOrder) {
-  // Two seconds of climb and turn under fixed, slightly uneven thrust and wind, no stabiliser in the loop.
+  // Two seconds of climb and turn under constant, slightly uneven thrust and wind, without a stabiliser.
   const auto end_of = [](double inner_step_s) {
     Parameters p = FlightRig::small_camera();
     p.physics_step_s = inner_step_s;
@@ -138,7 +138,7 @@ TEST(WorldState, AFinerInnerStepConvergesWithFirstOrder) {
   const Eigen::Vector3d fine = end_of(1.25e-4);
   const double at_2ms = (end_of(2e-3) - fine).norm();
   const double at_1ms = (end_of(1e-3) - fine).norm();
-  // Errors against the finest: (2 - 1/8) / (1 - 1/8) = 2.14 for first order.
+  // Errors relative to the finest: (2 - 1/8) / (1 - 1/8) = 2.14 for first order.
   EXPECT_NEAR(at_2ms / at_1ms, 15.0 / 7.0, 0.1);
   EXPECT_LT(at_1ms, 0.02);
 }

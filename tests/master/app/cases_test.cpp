@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots test`: an FMU alone, its inputs and expected outputs in CSV files.
+// `mebots test`: runs an FMU alone with inputs and expected outputs in CSV files.
 #include "cases/run_case.hpp"
 #include "test_system.hpp"
 
@@ -14,7 +14,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// A folder with an FMU, cases, and the files that they name.
+/// A folder with an FMU, cases and their CSV files.
 class CaseFolder {
  public:
   CaseFolder() { std::filesystem::copy(PROBE_FMU, path() / "thing.fmu"); }
@@ -22,7 +22,7 @@ class CaseFolder {
   std::filesystem::path path() const { return folder_.path(); }
   void write(const std::string& name, const std::string& text) const { test::write_file(path() / name, text); }
 
-  /// The result of one case; `keys` are those beside `expected`.
+  /// Returns the result of one case; `keys` are additional to `expected`.
   cases::CaseResult run(const std::string& expected, const std::string& keys = "", bool isolate = false) const {
     write("out.csv", expected);
     write("cases.json", fmt::format(R"({{"cases": {{"one": {{"expected": "out.csv"{}}}}}}})", keys));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program as a user meets it: arguments, exit codes, what stands on which stream and in which file.
+// The program from a user's view: arguments, exit codes, and the content of streams and files.
 #include "base/sha256.hpp"
 #include "test_system.hpp"
 
@@ -287,7 +287,7 @@ TEST_F(Program, MistakesOnTheCommandLineAreNamedWithTheWayOut) {
   write_file(folder.path() / "deep.json", std::string(1'000'000, '['));
   expect({"new-fmu", "deep.json"}, "this is nested more than 100 levels deep");
   expect({"new-fmu", "."}, "it is a folder");
-  const std::string long_name(300, 'x');  // std::filesystem throws for what no file can be called
+  const std::string long_name(300, 'x');  // std::filesystem throws for a name that no file can have
   expect({"check", long_name + ".fmu"}, "there is no such file");
   expect({"info", long_name + ".fmu"}, "there is no such file");
   expect({"report", long_name}, "there is no such folder");

@@ -15,7 +15,7 @@ namespace {
 using test::TestRun;
 using testing::HasSubstr;
 
-/// t_k in nanoseconds, from thirds of a nanosecond: a way of its own for steps of n / 3 nanoseconds.
+/// Returns t_k in nanoseconds from thirds of a nanosecond: an independent computation for steps of n / 3 nanoseconds.
 std::int64_t rounded_thirds(std::int64_t thirds) {
   const auto whole = thirds >= 0 ? thirds / 3 : -((-thirds + 2) / 3);
   return whole + (thirds - 3 * whole == 2 ? 1 : 0);
@@ -46,7 +46,7 @@ TEST(TimeGrid, PointsOfARatioAreExactAndNeverDrift) {
 }
 
 TEST(TimeGrid, InternalTimeRoundsTiesToEven) {
-  // 25 / 2 ns: every other point lies half-way between two nanoseconds.
+  // 25 / 2 ns: every other point is half-way between two nanoseconds.
   const TimeGrid grid(0, {1, 80'000'000});
   EXPECT_EQ(grid.time_ns(1), 12);
   EXPECT_EQ(grid.time_ns(2), 25);
@@ -88,7 +88,7 @@ TEST(TimeGrid, AnInternalTimeNamesOnePoint) {
 }
 
 TEST(TimeGrid, TheExtremesOfTimeDoNotOverflow) {
-  // The largest denominator, a start that has the other one, and the ends of the axis.
+  // The largest denominators of step and start, and the ends of the time axis.
   const std::int64_t end_ns = 9'199'999'999'999'999'999;
   const TimeGrid grid(-end_ns, {999'999'937, 999'999'999});
   const auto last = grid.point_at(0);
@@ -107,13 +107,13 @@ TEST(TimeGrid, ATimeBetweenThePointsIsTakenAsItIs) {
   EXPECT_EQ(grid.length_s(100'000'000, 333'333'333), 1.0 / 3 - 0.1);
 }
 
-/// One probe, which shows the end t + h and the length h of its last step as it got them.
+/// A probe that outputs the end t + h and the length h of its last step as received.
 std::string probe_system(const std::string& times, const std::string& instance = "", const std::string& more = "") {
   return fmt::format(R"({{{}, "instances": {{"a": {{"fmu": "PROBE"{}}}}}, "connections": []{}}})", times, instance,
                      more);
 }
 
-/// What an FMU received: in every step of p / q the nearest doubles of t_k and of the step.
+/// Checks what an FMU received: in every step of p / q the nearest doubles of t_k and of the step.
 void expect_exact_steps(TestRun& run, std::int64_t p, std::int64_t q, std::size_t points) {
   const auto times = run.column("time");
   const auto ends = run.column("a.last_end");
@@ -154,7 +154,7 @@ TEST(RatioSteps, InstancesStepOnMultiples) {
 }
 
 TEST(RatioSteps, ConditionsAndScenariosCountWholeSteps) {
-  // Two steps of 1/60 s are 33333333 or 33333334 ns of internal time; both are two steps.
+  // Two steps of 1/60 s are 33333333 or 33333334 ns of internal time; both count as two steps.
   for (int first = 1; first <= 6; ++first) {
     TestRun run(probe_system(
         R"("step": "1/60", "stop_time": 1)", "",
@@ -174,7 +174,7 @@ TEST(RatioSteps, ARunGoesOnFromASavedStateWithTheSameBits) {
   straight.to_end();
   TestRun second(text);
   second.initialize();
-  const auto kept = second.simulation().save_state();  // so that the FMUs hear that they may be set back
+  const auto kept = second.simulation().save_state();  // so that the FMUs are told that they may be set back
   for (int i = 0; i < 23; ++i) second.simulation().step();
   const auto bytes = second.simulation().serialize(second.simulation().save_state());
   for (int i = 0; i < 9; ++i) second.simulation().step();

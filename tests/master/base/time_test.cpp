@@ -103,7 +103,7 @@ bool is_nearest(WideInteger numerator, std::int64_t denominator, double x) {
     return difference < 0 ? -difference : difference;
   };
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const int s = 54 - std::ilogb(x);  // both neighbours are whole at this scale
+  const int s = 54 - std::ilogb(x);  // both neighbours are whole numbers at this scale
   return distance(x, s) <= distance(std::nextafter(x, kInfinity), s) &&
          distance(x, s) <= distance(std::nextafter(x, -kInfinity), s);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happens to a value between an output and an input, and to steps that do not simply succeed.
+// The transfer of values from outputs to inputs, and steps that do not simply succeed.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -57,7 +57,8 @@ TEST(Units, MilliampereHoursBecomeCoulombs) {
 }
 
 TEST(Sums, AnInputGetsTheSumOfItsConnectionsAtEachPoint) {
-  // 3.6 km/h are 1 m/s. `now` is the time: b has 1 + 2 t + 10 at the start of each step, and gives it at the end.
+  // 3.6 km/h are 1 m/s. `now` is the time: b receives 1 + 2 t + 10 at the start of each step, and outputs it at the
+  // end.
   const auto column = [](const std::string& type, const std::string& order) {
     const std::string parts[] = {R"({"from": "a.speed_kmh", "to": "b.speed_in", "sum": true})",
                                  R"({"from": "a.now", "to": "b.speed_in", "sum": true, "factor": 2})",
@@ -98,8 +99,8 @@ TEST(Maps, ValuesThatAreNamedBecomeOthers) {
         .size();
   };
   EXPECT_EQ(mapped("7", R"({"7": "high", "-3": "low"})"), 3U);
-  EXPECT_EQ(mapped("5", R"({"7": "low"})"), 3U);        // 5 passes: it is an item
-  EXPECT_THROW(mapped("6", R"({"7": "low"})"), Error);  // 6 is none
+  EXPECT_EQ(mapped("5", R"({"7": "low"})"), 3U);        // 5 is unchanged: it is an item
+  EXPECT_THROW(mapped("6", R"({"7": "low"})"), Error);  // 6 is not an item
   EXPECT_THAT(refused(R"({"from": "a.count", "to": "b.level_in", "map": {"7": "middle"}})"),
               AllOf(HasSubstr("/connections/0/map/7"), HasSubstr("'middle' is not an item")));
   EXPECT_THAT(refused(R"({"from": "a.count", "to": "b.level_in", "map": {"07": 5, "7": 5}})"),
@@ -138,7 +139,7 @@ TEST(Units, ConversionCanBeSwitchedOff) {
 }
 
 TEST(Transformation, FactorAndOffsetComeAfterTheConversionOfUnits) {
-  // As SSP 1.0 has it: target = factor * (source in the target's unit) + offset.
+  // As in SSP 1.0: target = factor * (source in the target's unit) + offset.
   EXPECT_DOUBLE_EQ(
       at_start(pair(R"("celsius": 10)", R"({"from": "a.celsius", "to": "b.kelvin_in", "factor": 2, "offset": -5})"),
                "b.kelvin_out"),
@@ -200,7 +201,7 @@ TEST(Types, NarrowerTypesDoNotTakeWiderOnes) {
               HasSubstr("the types differ: Real and Integer"));
 }
 
-/// A loop through both instances: x = G(x) with G quadratic in a, and b passing on what it gets.
+/// A loop through both instances: x = G(x) with G quadratic in a; b outputs its input.
 std::string loop(const std::string& parameters) {
   return fmt::format(
       R"({{"step": 0.1, "stop_time": 0.1, "instances": {{"a": {{"fmu": "COUPLING", "parameters": {{{}}}}}, "b": {{"fmu": "COUPLING", "parameters": {{"b": 1}}}}}},
@@ -214,7 +215,7 @@ TEST(InitialLoops, ALinearLoopThatSweepingDrivesApartIsSolved) {
 }
 
 TEST(InitialLoops, AQuadraticLoopIsSolved) {
-  // x = 1.9 - x^2: sweeping from 0 hops for ever, as the slope at both roots is steeper than 1.
+  // x = 1.9 - x^2: sweeping from 0 does not converge, because the slope at both roots is steeper than 1.
   const double x = at_start(loop(R"("a": 1.9, "c": -1)"), "b.loop_out");
   EXPECT_NEAR(x + x * x, 1.9, 1e-11);
 }
@@ -236,7 +237,7 @@ TEST(GaussSeidel, LaterInstancesSeeWhatEarlierOnesJustPutOut) {
         R"({{"step": 0.5, "stop_time": 1.5, {} "instances": {{"a": {{"fmu": "PROBE"}}, "b": {{"fmu": "PROBE"}}}},
         "connections": [{{"from": "a.steps", "to": "b.integer_in"}}]}})",
         algorithm));
-    return run.to_end().column("b.integer_out");  // the steps of a that b saw, plus one
+    return run.to_end().column("b.integer_out");  // the steps of a as received by b, plus one
   };
   EXPECT_THAT(chain(""), ElementsAre(1, 1, 2, 3));
   EXPECT_THAT(chain(R"("algorithm": "jacobi",)"), ElementsAre(1, 1, 2, 3));
@@ -274,8 +275,8 @@ TEST(GaussSeidel, TheOrderNamesEveryInstanceOnce) {
 }
 
 TEST(InputDerivatives, AnFmuThatTakesThemGetsThoseOfItsSource) {
-  // The area under t^2, taken by the value and the slope at each step's start: t^2 h + t h^2 falls short of the
-  // integral by h^3/3 a step. With held values it would be 0.285.
+  // The area under t^2, computed from value and slope at the start of each step: t^2 h + t h^2 is less than the
+  // integral by h^3/3 per step. With held values it would be 0.285.
   TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", "", R"("step": 0.1, "stop_time": 1)"));
   run.to_end();
   EXPECT_NEAR(run.column("b.ramp_area").back(), 1.0 / 3 - 10 * 0.001 / 3, 1e-15 * 10);
@@ -285,7 +286,7 @@ TEST(InputDerivatives, OnesThatAreNoNumbersLeaveTheInputHeldWithOneNotice) {
   TestRun run(pair(R"("behaviour": "nan_slope")", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", "",
                    R"("step": 0.1, "stop_time": 1)"));
   run.to_end();
-  EXPECT_NEAR(run.column("b.ramp_area").back(), 0.285, 1e-15 * 10);  // of t^2 held at each step's start
+  EXPECT_NEAR(run.column("b.ramp_area").back(), 0.285, 1e-15 * 10);  // of t^2 held from the start of each step
   EXPECT_EQ(
       std::ranges::count_if(run.messages.lines,
                             [](const std::string& line) {
@@ -294,8 +295,8 @@ TEST(InputDerivatives, OnesThatAreNoNumbersLeaveTheInputHeldWithOneNotice) {
       1);
 }
 
-/// Two masses with a spring between them, one in each instance, which are exact inside: the largest error of both over
-/// 5 s. By the modes, x = (cos(sqrt(10) t) +- cos(sqrt(30) t)) / 2.
+/// Two masses with a spring between them, one in each instance, integrated exactly inside. Returns the largest error of
+/// both over 5 s. By the modes, x = (cos(sqrt(10) t) +- cos(sqrt(30) t)) / 2.
 double error_of_two_masses(const test::ChangedFmu& fmu, const std::string& algorithm, int steps_per_second) {
   TestRun run(fmt::format(
       R"({{"step": {}, "stop_time": 5, "algorithm": "{}", "instances": {{"a": {{"fmu": "{}", "parameters": {{"mass_x": 1}}}}, "b": {{"fmu": "{}"}}}},
@@ -329,7 +330,7 @@ TEST(CouplingOrder, DerivativesMakeJacobiAndGaussSeidelSecondOrder) {
 }
 
 TEST(InputDerivatives, AnInputWithTwoKnownEndsGoesOnALine) {
-  // b steps after a, so it knows t^2 at both ends of its step: the trapezoidal rule, h^2/6 above 1/3.
+  // b steps after a, so it has t^2 at both ends of its step: the trapezoidal rule, h^2/6 above 1/3.
   TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", R"(, "algorithm": "gauss-seidel")",
                    R"("step": 0.1, "stop_time": 1)"));
   run.to_end();
@@ -344,7 +345,7 @@ TEST(InputDerivatives, TheyAreScaledAsTheValueIs) {
 }
 
 TEST(InputDerivatives, AnOverriddenVariableHasTheDerivativesOfItsOverride) {
-  // t^2 with slope 2 t, from 0.5 s on: what the override makes of it.
+  // t^2 with slope 2 t, changed by the override from 0.5 s on.
   const auto area = [](const std::string& variable, const std::string& action) {
     TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})",
                      fmt::format(R"(, "scenario": [{{"variable": "{}", "from": 0.5, {}}}])", variable, action),

@@ -104,7 +104,7 @@ TEST(SetupExperiment, KeysSurviveTheWayThroughAnSsp) {
   EXPECT_EQ(summary.instances.front().tolerance, 0.25);
 }
 
-/// `b` takes the Boolean and the text of `a`.
+/// `b` receives the Boolean and the text of `a`.
 std::string pair_config(const std::string& process) {
   return fmt::format(R"({{"step": 0.5, "stop_time": 1,
     "instances": {{"a": {{"fmu": "{0}", "process": "{1}"}}, "b": {{"fmu": "{0}"}}, "p": {{"fmu": "PROBE"}}}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Model exchange of FMI 3.0: tests/fmus/springs.cpp, masses on springs whose number is a structural parameter.
+// Model exchange of FMI 3.0: tests/fmus/springs.cpp, masses on springs. Their number is a structural parameter.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ TEST(Fmi3ModelExchange, IntegratesArraysOfTheConfiguredSize) {
 }
 
 TEST(Fmi3ModelExchange, EvaluatesConnectionsOfArraysAtEveryStepOfTheSolver) {
-  // b is driven at its own frequency by x = cos t of a: y = t sin(t) / 2, for each element.
+  // x = cos t of a drives b at its own frequency: y = t sin(t) / 2 for each element.
   const auto a = springs("a", R"("count": 2, "x[1]": 1, "x[2]": -2)");
   const auto b = springs("b", R"("count": 2, "x[1]": 0, "x[2]": 0)");
   TestRun run(springs_system(a + ", " + b, R"({"from": "a.x", "to": "b.force", "convert_units": false})"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Co-simulation of FMI 3.0: tests/fmus/bank, integrators whose number is a structural parameter.
+// Co-simulation of FMI 3.0: tests/fmus/bank, integrators. Their number is a structural parameter.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@ using test::TestRun;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Systems of banks: `parameters` of bank "a"; "b" takes its outputs.
+/// Systems of banks: `parameters` are those of bank "a", whose outputs are connected to "b".
 std::string banks(const std::string& parameters, const std::string& connections = "", const std::string& more = "") {
   return fmt::format(R"({{"step": 0.5, "stop_time": 1, "instances": {{
     "a": {{"fmu": "{0}", "parameters": {{{1}}}{3}}}, "b": {{"fmu": "{0}", "parameters": {{"lines": 3}}{3}}}}},

@@ -31,7 +31,7 @@ std::size_t below(Random& random, std::size_t limit) {
   return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random);
 }
 
-/// An FMU with random dependencies. Some outputs have none declared, so they depend on every input.
+/// An FMU with random dependencies. Some outputs declare none, so they depend on every input.
 struct RandomFmu {
   explicit RandomFmu(Random& random) {
     std::string variables;
@@ -98,7 +98,7 @@ struct RandomSystem {
     return static_cast<std::size_t>(variable.variable - system.instances[variable.instance].model->variables.data());
   }
 
-  /// All edges among connected variables, those into `without` left out.
+  /// Returns all edges among connected variables, except those into `without`.
   Edges edges(const std::set<std::pair<std::size_t, std::size_t>>& without = {}) const {
     Edges edges;
     for (const auto& connection : system.connections) {
@@ -122,7 +122,7 @@ struct RandomSystem {
   ResolvedSystem system;
 };
 
-/// The inputs at edges that close a loop, in the order of a recursive depth-first search.
+/// Returns the inputs at edges that close a loop, in the order of a recursive depth-first search.
 std::vector<std::pair<std::size_t, std::size_t>> torn_by_recursion(const Edges& edges) {
   std::map<std::pair<std::size_t, std::size_t>, int> colours;
   std::vector<std::pair<std::size_t, std::size_t>> torn;

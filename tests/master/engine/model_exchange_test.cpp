@@ -36,7 +36,8 @@ std::string exchange_refused(const std::string& config) {
   return test::input_error([&] { TestRun run(config); });
 }
 
-/// Two masses bound by a spring of stiffness 3, both with the stiffness 1: a takes the pull of b, b the place of a.
+/// Two masses connected by a spring of stiffness 3, both with a spring of stiffness 1: a receives the force of b, b the
+/// position of a.
 const std::string kPair = mass("a", R"("x": 1)") + ", " + mass("b", R"("grip": 3)");
 const std::string kPairConnections = R"({"from": "b.pull", "to": "a.force"}, {"from": "a.x", "to": "b.other_x"})";
 
@@ -47,7 +48,7 @@ TEST(ModelExchange, IntegratesOneInstanceExactly) {
 }
 
 TEST(ModelExchange, EvaluatesConnectionsAtEveryStepOfTheSolver) {
-  // The sum swings with sqrt(1), the difference with sqrt(1 + 2 * 3): exact whatever the communication step.
+  // The sum oscillates with sqrt(1), the difference with sqrt(1 + 2 * 3): exact for any communication step.
   for (const auto* times : {R"("step": 0.1, "stop_time": 2)", R"("step": 2, "stop_time": 2)"}) {
     TestRun run(system_of(kPair, kPairConnections, "", times));
     EXPECT_EQ(run.system.continuous_systems.size(), 1U);
@@ -69,7 +70,7 @@ TEST(ModelExchange, HasTheSameBitsInAnyAlgorithmOrderAndThread) {
 }
 
 TEST(ModelExchange, HandlesStateAndTimeEventsAndCountsThem) {
-  // Turns at x = 0.5 on its way to 1: at asin(0.5) = pi / 6, and is back at 0 at pi / 3. A kick at 1.5 adds 2.
+  // Turns at x = 0.5, at asin(0.5) = pi / 6, and is back at 0 at pi / 3. A kick at 1.5 adds 2.
   const auto config = system_of(mass("a", R"("v": 1, "wall": 0.5, "kick": 2, "kick_time": 1.55)"));
   TestRun run(config);
   const auto x = run.to_end().column("a.x");
@@ -98,7 +99,7 @@ TEST(ModelExchange, PassesDiscreteValuesOnWithinOneEvent) {
 }
 
 TEST(ModelExchange, FollowsTheSlopesOfInputsFromFiles) {
-  // x'' = t from rest, without a spring: x = t^3 / 6, although the force is known at points only.
+  // x'' = t from rest, without a spring: x = t^3 / 6, although the force is known at communication points only.
   modeldesc::TemporaryFolder folder{"mebots-test"};
   test::write_file(folder.path() / "force.csv", "time,a.force\n0,0\n2,2\n");
   const auto inputs = fmt::format(R"(, "inputs": {{"file": "{}"}})", (folder.path() / "force.csv").string());
@@ -173,7 +174,7 @@ TEST(ModelExchange, TakesTolerancesAndLimitsOfTheSolver) {
   EXPECT_THROW(limited.to_end(), Error);
 }
 
-/// Runs to the end; at the points named by `stops`, through the bytes of a saved state into a new run.
+/// Runs to the end. At the points in `stops`, saves the state as bytes and continues in a new run.
 std::string csv_with_stops(const std::string& config, const std::vector<std::int64_t>& stops,
                            std::vector<std::string>* messages = nullptr) {
   auto run = std::make_unique<TestRun>(config);

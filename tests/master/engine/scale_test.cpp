@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many instances of one FMU: at the same time, and one after the other. scripts/scale.sh does the same in full length.
+// Many instances of an FMU, at the same time and one after the other. scripts/scale.sh runs the full version.
 #include "slave/fmi/fmi2_slave.hpp"
 #include "support/sanitizer.hpp"
 #include "test_system.hpp"
@@ -42,13 +42,13 @@ Holdings holdings() {
   return now;
 }
 
-/// For scripts/scale.sh, which shows them.
+/// Prints figures for scripts/scale.sh.
 void report(const char* what, int count, const Holdings& before, const Holdings& after) {
   fmt::print("{} {}: files {} -> {}, mappings {} -> {}, heap {} -> {} bytes\n", count, what, before.files, after.files,
              before.mappings, after.mappings, before.heap_bytes, after.heap_bytes);
 }
 
-/// The FMU that comes and goes: the cheapest, or the one that scripts/scale.sh names.
+/// The FMU that is loaded repeatedly: the cheapest, or the one set by scripts/scale.sh.
 std::filesystem::path cycled_fmu() {
   const char* asked = std::getenv("MEBOTS_CYCLED_FMU");  // NOLINT(concurrency-mt-unsafe): before any thread
   return asked == nullptr ? PASSTHROUGH_FMU : asked;
@@ -72,12 +72,12 @@ TEST(Scale, AThousandInstancesOfOneFmuRunAsARing) {
       fmt::format(R"({{"step": 1, "stop_time": {}, "record": ["i{}.y"], "instances": {{{}}}, "connections": [{}]}})",
                   kCount + 10, kCount - 1, instances, connections));
   const auto last = run.to_end().column(fmt::format("i{}.y", kCount - 1));
-  // The first one's input needs one step per instance to come out at the last.
+  // The first input takes one step per instance to reach the last output.
   EXPECT_EQ(last[kCount - 1], 0);
   EXPECT_EQ(last[kCount], 1);
 }
 
-/// A ring of so many: config and connections.
+/// Returns the config of a ring with `count` instances.
 std::string ring(int count) {
   std::string instances;
   std::string connections;
@@ -89,7 +89,7 @@ std::string ring(int count) {
                      instances, connections);
 }
 
-/// Of the programs that were started and have ended [s].
+/// Returns the processor time of ended child processes [s].
 double childrens_processor_s() {
   rusage usage{};
   getrusage(RUSAGE_CHILDREN, &usage);
@@ -107,7 +107,7 @@ TEST(Scale, AWholeRunTakesTimeInProportionToItsInstancesAndConnections) {
   constexpr int kFew = 2500;
   constexpr int kTimes = 8;
   const double few = std::max({seconds_of(kFew), seconds_of(kFew), seconds_of(kFew)});
-  // Measured: 7 times as much; 43 times where every connection searches all instances.
+  // Measured: 7 times as long; 43 times if every connection searched all instances.
   EXPECT_LT(seconds_of(kTimes * kFew), 2.5 * kTimes * few);
 }
 
@@ -143,8 +143,8 @@ TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
     return slave;
   };
   const auto cycle = [&] { start("cycle")->terminate(); };
-  const auto stays = start("stays");                // and with it what the instances of an FMU share
-  for (int i = 0; i < cycles() / 10; ++i) cycle();  // what is made once, late, is not growth
+  const auto stays = start("stays");                // keeps the data that the FMU's instances share
+  for (int i = 0; i < cycles() / 10; ++i) cycle();  // late one-time allocations do not count as growth
   const auto before = holdings();
   for (int i = 0; i < cycles(); ++i) cycle();
   const auto after = holdings();
@@ -166,7 +166,7 @@ TEST(Scale, ArchivesThatAreOpenedAndClosedLeaveNothingBehind) {
   EXPECT_EQ(after.files, before.files);
   EXPECT_LE(after.mappings, before.mappings + 2) << "the heap may grow by itself";
   constexpr std::size_t kLargest =
-      100;  // bytes an opening; the loader keeps a little for each library that it ever had
+      100;  // bytes per opening: the loader keeps a little for each library that it has ever loaded
   EXPECT_LE(after.heap_bytes, before.heap_bytes + kLargest * static_cast<std::size_t>(count));
 }
 

@@ -31,7 +31,7 @@ TEST(ThreadPolicy, ShortStepsAreNeverTriedInParallel) {
   }
 }
 
-/// How many of 10000 windows are stepped in parallel when a window takes these times [s].
+/// Returns how many of 10000 windows are stepped in parallel if a window takes these times [s].
 int parallel_windows(double serial_s, double parallel_s) {
   ThreadPolicy policy;
   int parallel = 0;
@@ -60,7 +60,7 @@ TEST(ThreadPolicy, FollowsWhenTheCostsChange) {
 }
 
 TEST(ThreadPolicy, CheapStepsAfterDearOnesAreNotTakenForAGain) {
-  // A mission: now and then a network computes, and only then threads help.
+  // A mission in which a network computes from time to time; only then threads are useful.
   ThreadPolicy policy;
   double serial_s = 0;
   double taken_s = 0;
@@ -76,7 +76,7 @@ TEST(ThreadPolicy, CheapStepsAfterDearOnesAreNotTakenForAGain) {
   EXPECT_LT(taken_s, 1.003 * serial_s) << "1.0095 when only the last serial run counted";
 }
 
-/// A ring of four whose steps are long enough to be tried in parallel: 60 steps are three windows and more.
+/// A ring of four with steps long enough to be tried in parallel: 60 steps are at least three windows.
 std::string ring(const std::string& threads) {
   const auto instance = [](const char* name, const char* more) {
     return fmt::format(R"("{}": {{"fmu": "{}", "parameters": {{"sum": 0.1, "work": 30000}}{}}})", name, PASSTHROUGH_FMU,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an FMU hands to the functions that it was given is never trusted.
+// Arguments that an FMU passes to callbacks are not trusted.
 #include "fmi/call/callbacks.hpp"
 #include "message/message_text.hpp"
 #include "test_system.hpp"
@@ -76,7 +76,7 @@ std::string format_numbers(const char* text, std::index_sequence<number...> /*al
 TEST(FormatText, HasNoMoreConversionsThanAreSensible) {
   std::string many;
   for (int i = 0; i < 1000; ++i) many += "%d ";
-  // More arguments than are taken: the address sanitizer sees one that is missing.
+  // More conversions than arguments: the address sanitizer would detect the access to a missing one.
   const auto text = format_numbers(many.c_str(), std::make_index_sequence<101>());
   EXPECT_THAT(text, AllOf(StartsWith("0 1 2 "), HasSubstr(" 98 99 %d %d "), Not(HasSubstr("100"))));
 }
@@ -98,9 +98,9 @@ TEST(ReadText, ATextThatEndsWithItsPageIsReadAndOneThatGoesOnIsNot) {
 TEST(PlainText, BytesThatAreNotUtf8AreReplacedOneByOne) {
   EXPECT_EQ(valid_utf8("caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80"), "caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80");
   EXPECT_EQ(valid_utf8("caf\xe9!"), "caf\xef\xbf\xbd!");
-  EXPECT_EQ(valid_utf8("\xc0\xaf"), "\xef\xbf\xbd\xef\xbf\xbd");                  // too long a form
+  EXPECT_EQ(valid_utf8("\xc0\xaf"), "\xef\xbf\xbd\xef\xbf\xbd");                  // an overlong form
   EXPECT_EQ(valid_utf8("\xed\xa0\x80"), "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd");  // a surrogate
-  EXPECT_EQ(valid_utf8("\xe2\x82"), "\xef\xbf\xbd\xef\xbf\xbd");                  // cut off
+  EXPECT_EQ(valid_utf8("\xe2\x82"), "\xef\xbf\xbd\xef\xbf\xbd");                  // truncated
   EXPECT_EQ(valid_utf8("\xf4\x90\x80\x80").size(), 12U);                          // above U+10FFFF
 }
 

@@ -66,7 +66,7 @@ TEST(CleanFmus, AStaticObjectWithMemoryOfItsOwnIsSeenWhenTheLibraryIsLoaded) {
 TEST(CleanFmus, RandomNumbersStartAsInAFreshProcess) {
   renew_c_library();
   const int first = std::rand();
-  constexpr int kFirstOfAll = 1804289383;  // the GNU C library's, without srand()
+  constexpr int kFirstOfAll = 1804289383;  // the first number of the GNU C library without srand()
   EXPECT_EQ(first, kFirstOfAll);
   std::srand(7);
   std::rand();

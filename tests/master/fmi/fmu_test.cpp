@@ -15,7 +15,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// The probe with its description changed, and its library replaced by `library` when one is given.
+/// The probe with a changed description, and its library replaced by `library` if given.
 class ChangedProbe {
  public:
   explicit ChangedProbe(const std::function<void(std::string&)>& change,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Libraries and symbols of FMUs stay separate: each FMU (tests/fmus/tenant) computes with the gain that it brings.
+// Libraries and symbols of FMUs stay separate: each FMU (tests/fmus/tenant) uses its own gain.
 #include "fmi/library_state.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
 #include "slave/isolation/child_process.hpp"
@@ -145,7 +145,7 @@ TEST_F(Separation, TheFmuWithMoreInstancesKeepsTheProcess) {
 }
 
 TEST_F(Separation, ALaterRunOfTheProcessGetsItsOwnUniqueVariables) {
-  // The loader never unloads a library that has some; each instance counts itself in one.
+  // The loader never unloads a library with unique symbols; each instance counts itself in one.
   for (int i = 0; i < 3; ++i) {
     TestRun run(config_of({"unique_2"}));
     EXPECT_EQ(run.to_end().column("i0.y").back(), 1) << i;
@@ -170,8 +170,7 @@ TEST(FmuHost, LoadsTheCLibraryAloneAndExportsNothingElse) {
   EXPECT_THAT(host.needed, Not(IsEmpty()));
   EXPECT_TRUE(std::ranges::all_of(host.needed, master::is_c_library))
       << fmt::format("{}", fmt::join(host.needed, ", "));
-  // The linker moves variables of the C library into a program; the host also takes the place of its _exit() and
-  // exec().
+  // The linker copies variables of the C library into a program; the host also replaces _exit() and exec().
   std::vector<std::string> of_c_library;
   for (const auto& library : modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip)) {
     if (!master::is_c_library(library.soname)) continue;

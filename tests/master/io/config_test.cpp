@@ -17,7 +17,7 @@ using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
 
-/// Reads a config from text; "PROBE" stands for the probe FMU.
+/// Reads a config from text; replaces "PROBE" by the path of the probe FMU.
 SystemDescription read(const std::string& text) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   const auto file = folder.path() / "mission.json";
@@ -29,7 +29,7 @@ std::string reading_error(const std::string& text) {
   return test::input_error([&] { read(text); });
 }
 
-/// A good config with one more line at its top.
+/// Returns a valid config with one more line at its root.
 std::string config_with(const std::string& line, const std::string& instance = R"("a": {"fmu": "PROBE"})",
                         const std::string& step = R"("step": 0.1, "stop_time": 2)") {
   return fmt::format(R"({{{} {}, "instances": {{{}}}, "connections": []}})", line, step, instance);
@@ -45,7 +45,7 @@ TEST(Config, TheSmallestConfigIsRead) {
   EXPECT_EQ(system.name, "mission");
 }
 
-/// A variant beside the smallest config, which is base.json.
+/// Reads a variant of the smallest config, base.json.
 SystemDescription read_variant(const std::string& text, const GivenTimes& times = {}) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   test::write_file(folder.path() / "base.json", test::with_probe(config_with(R"("text": "the base",)")));
@@ -107,7 +107,7 @@ TEST(Config, ReadingTakesTimeByTheNumberOfInstancesNotByItsSquare) {
     EXPECT_EQ(read_config(folder.path() / "many.json").instances.size(), static_cast<std::size_t>(count));
     return static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   };
-  // Ten times as many: ten times as long, were it not for caches; by the square it would be a hundred times.
+  // Ten times as many: linear time would be ten times as long, apart from caches; quadratic time a hundred times.
   EXPECT_LT(seconds(100'000), 40 * seconds(10'000));
 }
 
@@ -130,7 +130,7 @@ TEST(Config, ManyUnknownNamesAreRefusedWithoutLookingForTheNearestOfEach) {
     EXPECT_THAT(text, HasSubstr(fmt::format("and {} more", count - 20)));
     return taken_s;
   };
-  // Ten times as many: ten times as long, were it not for caches; each name beside each would be a hundred times.
+  // Ten times as many: linear time would be ten times as long, apart from caches; comparing all pairs a hundred times.
   EXPECT_LT(seconds(20'000), 40 * seconds(2'000));
 }
 
@@ -154,7 +154,7 @@ TEST(Config, FmusThatDoNotExistAreRefusedAsFastAsOthersAreRead) {
       const auto text = test::input_error([&] { read_config(file); });
       EXPECT_THAT(text, AllOf(HasSubstr("there is no FMU "), HasSubstr(fmt::format("and {} more", kCount - 20))));
     });
-    // Measured: 2 to 6 times as long. To look through all folders for every instance would be 100 times.
+    // Measured: 2 to 6 times as long. Searching all folders for every instance would take 100 times.
     EXPECT_LT(missing_s, 30 * good_s) << missing;
   }
 }

@@ -21,7 +21,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// MEBOTS_FMU_PATH as long as this object lives.
+/// Sets MEBOTS_FMU_PATH during this object's lifetime.
 class SearchPath {
  public:
   explicit SearchPath(const std::string& path) { setenv("MEBOTS_FMU_PATH", path.c_str(), 1); }
@@ -31,7 +31,7 @@ class SearchPath {
 };
 
 struct FindFmu : testing::Test {
-  /// An archive, as far as looking goes.
+  /// Writes a file that passes for an archive in a search.
   std::filesystem::path file(const std::filesystem::path& name, const std::string& text = "x") {
     const auto path = std::filesystem::canonical(folder.path()) / name;
     std::filesystem::create_directories(path.parent_path());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SSP 1.0 as a second door: what others write runs here, and what we write says the same as the config.
+// SSP 1.0 as another format: files of other tools run, and written files are equivalent to the config.
 #include "io/ssp/ssp.hpp"
 #include "io/config/load_system.hpp"
 #include "resolve/resolve.hpp"
@@ -29,7 +29,7 @@ constexpr const char* kTail = R"(</ssd:System>
 
 class Ssp : public testing::Test {
  protected:
-  /// Packs an SSP: an SSD around `system`, the test FMUs, and more files.
+  /// Packs an SSP: an SSD that contains `system`, the test FMUs, and further files.
   std::filesystem::path ssp(const std::string& system, const std::map<std::string, std::string>& files = {},
                             const std::string& tail = kTail) {
     test::write_file(folder.path() / "SystemStructure.ssd", kHead + system + tail);
@@ -204,7 +204,7 @@ TEST_F(Ssp, AnUnpackedOneRunsByItsFolderAndByItsFile) {
   EXPECT_THAT(test::input_error([&] { load_system(folder.path() / "none"); }), HasSubstr("SystemStructure.ssd"));
 }
 
-// Rules of the standard, by their sections in SSP 2.0 (SSP 1.0 says the same where nothing else is written).
+// Rules of the standard, by their sections in SSP 2.0 (those of SSP 1.0 are the same unless stated).
 
 /// A component `name` with one connector.
 std::string part(const std::string& name, const std::string& connector = "", const std::string& more = "") {
@@ -217,7 +217,7 @@ std::string connector(const std::string& name, const std::string& kind, const st
                      unit.empty() ? "" : fmt::format(" unit=\"{}\"", unit));
 }
 
-/// An inline binding with these <ssv:Parameter>s, and what follows the values.
+/// Returns an inline binding with these <ssv:Parameter>s, and `more` after the values.
 std::string binding(const std::string& parameters, const std::string& more = "", const std::string& attributes = "") {
   return fmt::format(
       R"(<ssd:ParameterBindings><ssd:ParameterBinding {}><ssd:ParameterValues><ssv:ParameterSet version="1.0" name="p">
@@ -284,7 +284,7 @@ TEST_F(Ssp, TwoOutputsOrTwoInputsCannotBeConnected) {  // 5.4.2.1
   EXPECT_THAT(error("bare_out", "real_out"),
               AllOf(HasSubstr("line 7"), HasSubstr("\"a.bare_out\" (output)"), HasSubstr("both give a value")));
   EXPECT_THAT(error("bare_in", "real_in"), HasSubstr("both take a value"));
-  // A system's own output takes values inside it, so two of them take as well.
+  // A system's own output receives values inside it, so two of them are both targets.
   EXPECT_THAT(
       error_of(
           "<ssd:Connectors>" + connector("y", "output") + "</ssd:Connectors>" + two() +
@@ -293,7 +293,7 @@ TEST_F(Ssp, TwoOutputsOrTwoInputsCannotBeConnected) {  // 5.4.2.1
 }
 
 TEST_F(Ssp, UnitsAreConvertedAtEachConnectorOnTheWay) {  // 4.5.1.1, 4.5.2.1
-  // 36 km/h are 10 m/s at the system's connector; 1 m/s more; 1100 cm/s at a variable whose FMU names no unit.
+  // 36 km/h are 10 m/s at the system's connector; plus 1 m/s; 1100 cm/s at a variable whose FMU defines no unit.
   const auto system =
       "<ssd:Elements>" + part("a", "", binding(real("speed_kmh", "36"))) + R"(<ssd:System name="in"><ssd:Connectors>)" +
       connector("x", "input", "m/s") + "</ssd:Connectors><ssd:Elements>" +
@@ -327,8 +327,8 @@ TEST_F(Ssp, ValuesAreConvertedFromTheUnitOfTheirFile) {  // 6.2.1, 7.1.1
   EXPECT_NEAR(given(real("speed_in", "36", "km/h"))["speed_in"].get<double>(), 10, 1e-12);
   EXPECT_NEAR(given(real("kelvin_in", "20", "C"))["kelvin_in"].get<double>(), 293.15, 1e-12);
   EXPECT_EQ(given(real("bare_in", "36", "km/h"))["bare_in"], 36.0);   // the variable has no unit
-  EXPECT_EQ(given(real("furlong", "2", "furlong"))["furlong"], 2.0);  // one name, defined nowhere
-  // The transformation comes after the conversion, or instead of it.
+  EXPECT_EQ(given(real("furlong", "2", "furlong"))["furlong"], 2.0);  // the same name, defined nowhere
+  // The transformation is applied after the conversion, or instead of it.
   const auto entry = [](const std::string& attribute) {
     return mapping(R"(<ssm:MappingEntry source="v" target="speed_in")" + attribute +
                    R"(><ssc:LinearTransformation factor="2" offset="1"/></ssm:MappingEntry>)");
@@ -339,7 +339,7 @@ TEST_F(Ssp, ValuesAreConvertedFromTheUnitOfTheirFile) {  // 6.2.1, 7.1.1
     return error_of("<ssd:Elements>" + part("a", "", binding(parameters)) + "</ssd:Elements>");
   };
   EXPECT_THAT(mistaken(real("speed_in", "1", "C")), AllOf(HasSubstr("line 6"), HasSubstr("differ in dimension")));
-  // Units that no file defines: usual names are understood, others leave the number as it is. Both give a notice.
+  // Units that no file defines: usual names are known; for others the number is unchanged. Both give a notice.
   EXPECT_DOUBLE_EQ(given(real("speed_in", "36", "[km/h]"))["speed_in"].get<double>(), 10);
   EXPECT_EQ(given(real("speed_in", "36", "bananas"))["speed_in"], 36.0);
   EXPECT_THAT(load("<ssd:Elements>" + part("a", "", binding(real("speed_in", "36", "bananas"))) + "</ssd:Elements>")
@@ -378,13 +378,12 @@ TEST_F(Ssp, MapsChangeTheValuesThatTheyName) {  // 4.5.2.2 to 4.5.2.4
   const auto& parameters = loaded.config["instances"]["a"]["parameters"];
   EXPECT_EQ(parameters["flag"], false);
   EXPECT_EQ(parameters["count"], -8);
-  EXPECT_EQ(parameters["steps"], 3);  // not named: kept
+  EXPECT_EQ(parameters["steps"], 3);  // not named: unchanged
   EXPECT_EQ(parameters["level"], "high");
 }
 
 TEST_F(Ssp, ConnectionsMapDiscreteValuesInARun) {
-  // Through a system's connector: 2 becomes 4, then 5. A source value that the FMU never has
-  // is no mistake (4.5.2.3).
+  // Through a system's connector: 2 becomes 4, then 5. A source value that the FMU never has is not an error (4.5.2.3).
   const std::string system =
       "<ssd:Elements>" +
       part(
@@ -405,7 +404,7 @@ TEST_F(Ssp, ConnectionsMapDiscreteValuesInARun) {
   ssp(system);
   auto result = run({"run", "test.ssp", "--out", "r"});
   ASSERT_EQ(result.code, 0) << result.err;
-  // There and back through our own writer, too.
+  // Also after a round trip through our own writer.
   EXPECT_EQ(run({"convert", "test.ssp", "copy.json"}).code, 0);
   EXPECT_EQ(run({"convert", "copy.json", "copy.ssp"}).code, 0);
   EXPECT_EQ(run({"run", "copy.ssp", "--out", "c"}).code, 0);
@@ -556,7 +555,7 @@ TEST_F(Ssp, WhatIsWrittenHasItsValuesInFilesWithUnits) {
 
 class Osp : public Ssp {
  protected:
-  /// A system of two coupling FMUs around `connections`, in a folder of its own.
+  /// Writes a system of two coupling FMUs with `connections` into its own folder.
   std::filesystem::path osp(const std::string& connections, const std::string& more = "<EndTime>0.4</EndTime>") {
     const auto system = folder.path() / "truck";
     std::filesystem::create_directories(system);
@@ -664,7 +663,7 @@ TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
   EXPECT_EQ(loaded.system.connections.at(0).factor, 2);
   EXPECT_EQ(loaded.system.connections.at(0).offset, -1);
   ASSERT_EQ(run({"run", "truck", "--out", "r"}).code, 0);
-  // Each row: what `b` gives is what it took at the same point, and that is the function of what `a` gives there.
+  // In each row, the output of `b` is its input at the same point, which is the function of the outputs of `a`.
   std::istringstream lines(test::read_file(folder.path() / "r/results.csv"));
   std::string line;
   std::getline(lines, line);
@@ -678,7 +677,7 @@ TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
       std::getline(fields, line, ',');
       row[name.substr(0, name.find(" ["))] = std::stod(line);
     }
-    if (row["time"] > 0.2) continue;  // `b` steps twice as long as `a`: later rows hold older inputs
+    if (row["time"] > 0.2) continue;  // `b` takes steps twice as long as `a`: later rows contain older inputs
     EXPECT_EQ(row["b.bare_out"], row["a.mass_x"] + row["a.count"] + row["a.now"]);
     EXPECT_EQ(row["b.speed_out"], row["a.mass_x"] + row["a.now"]);
     EXPECT_EQ(row["b.angle_out"], row["a.now"] + row["a.mass_x"]);
@@ -743,7 +742,7 @@ TEST_F(Ssp, AnEmptyElementNameMeansTheSystemItself) {
   EXPECT_EQ(loaded.config["instances"]["a"]["parameters"]["bare_in"], 4.0);
 }
 
-/// A value of a connector of the root system, with what hangs on it.
+/// A value of a connector of the root system, with the variable connected to it.
 std::string with_value(const std::string& value, const std::string& transformation) {
   return fmt::format(
       R"(<ssd:Connectors><ssd:Connector name="u" kind="input"/></ssd:Connectors>
@@ -793,7 +792,7 @@ TEST_F(Ssp, ThereAndBackGivesTheSameResults) {
   EXPECT_GT(first.size(), 500u);
   EXPECT_EQ(first, test::read_file(folder.path() / "two/results.csv"));
   EXPECT_EQ(first, test::read_file(folder.path() / "three/results.csv"));
-  // Written twice, the same bytes.
+  // Writing twice gives equal bytes.
   EXPECT_EQ(run({"convert", "third.json", "fourth.ssp"}).code, 0);
   EXPECT_EQ(run({"convert", "fourth.ssp", "fifth.json"}).code, 0);
   const auto json = [&](const std::string& name) {

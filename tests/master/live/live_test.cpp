@@ -44,7 +44,7 @@ class LiveClients : public testing::Test {
   int port() const { return std::stoi(server_->address().substr(std::string("http://127.0.0.1:").size())); }
   std::string path() const { return server_->address().substr(server_->address().find('/', 8)); }
 
-  /// Connects, and sends the beginning of a request.
+  /// Connects and sends the start of a request.
   int connect_slowly(const std::string& beginning) {
     const int line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address{};
@@ -56,7 +56,7 @@ class LiveClients : public testing::Test {
     lines_.push_back(line);
     return line;
   }
-  /// Returns how long the server takes to close the connection while the client sends `part` again and again.
+  /// Returns how long the server takes to close the connection while the client repeatedly sends `part`.
   static double seconds_until_closed(int line, const std::string& part) {
     const auto start = Clock::now();
     while (seconds_since(start) < 20) {

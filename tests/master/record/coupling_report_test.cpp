@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run says about its own coupling: how far inputs were from their sources, and the energy that bonds made.
+// The coupling report of a run: deviations of inputs from their sources, and the energy created in bonds.
 #include "record/coupling.hpp"
 #include "run/run.hpp"
 #include "test_system.hpp"
@@ -19,7 +19,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// Two masses (fmus/oscillator.c): b, at the end of the spring between them, takes a's velocity and gives its pull.
+/// Two masses (fmus/oscillator.c): b, at the end of the spring between them, receives a's velocity and outputs its
+/// force.
 std::string two_masses(double step_s, const std::string& algorithm, const std::string& coupling, bool derivatives) {
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   const auto fmu = derivatives ? std::filesystem::path(OSCILLATOR_FMU) : held.path();
@@ -33,7 +34,7 @@ std::string two_masses(double step_s, const std::string& algorithm, const std::s
 
 constexpr const char* kBond = R"({"bonds": {"spring": {"effort": "a.force", "flow": "b.other_velocity"}}})";
 
-/// The summary of a whole run.
+/// Returns the summary of a complete run.
 nlohmann::ordered_json summary_of(const std::string& config) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   test::write_file(folder.path() / "test.json", test::with_probe(config));
@@ -51,14 +52,15 @@ std::vector<std::string> warnings_of(const nlohmann::ordered_json& summary) {
 }
 
 TEST(BondEnergy, IsWhatBothHalvesTogetherGained) {
-  // a changes by the work of its force, b by that of its pull, and nothing else: what both gain, the coupling made.
+  // a gains energy only by the work of its force, b only by that of its pull: the sum of both is the energy created by
+  // the coupling.
   constexpr double kEnergyAtStart = 5 + 5;  // 10/2 x^2 of a and 10/2 (x - y)^2 of b, in J
   for (const bool derivatives : {false, true}) {
     const double step_s = derivatives ? 0.001 : 0.01;
-    // Between points outputs are parabolas through the last three: in each second of the run wrong by h^3 / 24 times
-    // the third derivative of the one and the value of the other. Here that is 10 N times w^3 with w^2 = 30 / s^2, and
-    // 5 m/s: 340 h^3 at worst, for 5 s 1700 h^3; about half, as they are not in phase. Found: 360 to 1300 h^3, of third
-    // order.
+    // Between points, outputs are parabolas through the last three points. In each second, their error is h^3 / 24
+    // times the third derivative of one output times the value of the other. Here that is 10 N times w^3 with w^2 = 30
+    // / s^2, and 5 m/s: at most 340 h^3, in 5 s 1700 h^3; about half of it, because they are not in phase. Measured:
+    // 360 to 1300 h^3, of third order.
     const double unknown_j = 1000 * step_s * step_s * step_s;
     for (const char* algorithm : {"jacobi", "gauss-seidel"}) {
       const auto summary = summary_of(two_masses(step_s, algorithm, kBond, derivatives));
@@ -99,7 +101,7 @@ TEST(BondEnergy, ABondIsAnEffortOneWayAndAFlowTheOther) {
   EXPECT_THAT(refused("a.force", "b.other_velocity", R"(, "limit": 0)"), HasSubstr("limit"));
 }
 
-/// t^2 goes from a to b, with derivatives or held.
+/// Transfers t^2 from a to b, with derivatives or held.
 std::string ramp(const std::string& coupling, bool derivatives, const std::string& algorithm = "jacobi") {
   static const test::ChangedFmu held("coupling", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="2")", "");
   const auto fmu = derivatives ? std::filesystem::path(COUPLING_FMU) : held.path();
@@ -129,7 +131,7 @@ TEST(InputDeviation, AnInputThatKnowsItsSourcesDerivativesIsFarOnlyInTheFirstSte
 
 TEST(InputDeviation, OnALineBetweenTwoKnownEndsThereIsNone) {
   EXPECT_NEAR(deviation(ramp("{}", true, "gauss-seidel"))["largest"].get<double>(), 0, 1e-14);
-  // Held at the later end it is wrong at the start.
+  // Held at the later end, it is wrong at the start.
   const auto input = deviation(ramp("{}", false, "gauss-seidel"));
   EXPECT_NEAR(input["largest"].get<double>(), 2 * (1 - 0.81), 1e-12);
   EXPECT_EQ(input["largest_at"], 0.9);

@@ -110,7 +110,7 @@ TEST(Hdf5, GoesBackToASavedState) {
             dataset<double>(one, "/a/real_out", H5T_NATIVE_DOUBLE));
 }
 
-/// Limits the size of each file that this process writes, as a full disk would. Writes beyond it fail with EFBIG.
+/// Limits the size of files written by this process, as a full disk would. Writes beyond it fail with EFBIG.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -130,7 +130,7 @@ class FileSizeLimit {
   void (*handler_)(int);
 };
 
-/// One column of `count` numbers that do not compress well.
+/// Writes a column of `count` numbers that compress badly.
 void write_rows(const std::filesystem::path& file, std::size_t count) {
   Hdf5Sink sink({{"a.value", "m", modeldesc::Type::real}}, file);
   RowBlock block;

@@ -16,7 +16,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// a feeds b; b's integral shows what b saw. `scenario` is the content of the list.
+/// a feeds b; b's integral shows b's input. `scenario` is the content of the list.
 std::string system_with(const std::string& scenario, const std::string& more = "") {
   return R"({"step": 0.1, "stop_time": 1, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"real_in": 2, "integer_in": 4}}, "b": {"fmu": "PROBE")" +
@@ -39,7 +39,7 @@ TEST(Scenario, AnOutputIsSetBetweenTwoTimesAsAllOthersSeeIt) {
   TestRun run(system_with(R"({"variable": "a.real_out", "set": 7, "from": 0.3, "until": 0.6})"));
   run.to_end();
   EXPECT_THAT(run.column("a.real_out"), ElementsAre(2, 2, 2, 7, 7, 7, 2, 2, 2, 2, 2));
-  // Set at the start of the step, so seen one point later.
+  // Set at the start of the step, so visible one point later.
   EXPECT_THAT(run.column("b.real_in"), ElementsAre(2, 2, 2, 2, 7, 7, 7, 2, 2, 2, 2));
 }
 
@@ -79,7 +79,7 @@ TEST(Scenario, ARampGoesFromTheValueFoundToItsGoalAndStaysThere) {
 }
 
 TEST(Scenario, AConditionStartsItOnceForItsDuration) {
-  // Holds from 0.3 s on; known at 0.4 s after 0.1 s; an output shows it at the next point.
+  // The condition holds from 0.3 s on and has held for 0.1 s at 0.4 s; an output shows the override at the next point.
   TestRun run(system_with(R"({"variable": "a.real_out", "set": 7,
       "when": {"variable": "a.steps", "above": 2, "for": 0.1}, "duration": 0.3})"));
   run.to_end();
@@ -121,7 +121,7 @@ TEST(Scenario, NoiseIsNormalAndTheSameEveryTime) {
     if (i > 0) neighbours += off * (values[i - 1] - 2);
     beyond_two += std::abs(off) > 1 ? 1 : 0;
   }
-  // 20001 values: four standard errors of each figure.
+  // 20001 values: four standard errors of each statistic.
   EXPECT_NEAR(mean, 2, 4 * 0.5 / std::sqrt(count));
   EXPECT_NEAR(square / count, 0.25, 4 * 0.25 * std::sqrt(2 / count));
   EXPECT_NEAR(neighbours / square, 0, 4 / std::sqrt(count));
@@ -177,7 +177,7 @@ TEST(Scenario, ItsStateIsSavedWithTheRun) {
   }
   TestRun second(text);
   second.initialize();
-  const auto kept = second.simulation().save_state();  // so that the FMUs hear that they may be set back
+  const auto kept = second.simulation().save_state();  // so that the FMUs are told that they may be set back
   for (int i = 0; i < 9; ++i) second.simulation().step();
   second.simulation().restore_state(second.simulation().deserialize(bytes));
   while (second.simulation().step()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inputs that come from the columns of a CSV file: what an FMU gets at which time, and files that do not fit.
+// Inputs from columns of a CSV file: the values that an FMU receives and when, and files that do not fit.
 #include "io/config/load_system.hpp"
 #include "model/signal.hpp"
 #include "run/run.hpp"
@@ -40,7 +40,7 @@ class Files {
   modeldesc::TemporaryFolder folder_{"mebots-test"};
 };
 
-/// A system of one probe, whose integral and real_in show its inputs. `inputs`: more members of the section.
+/// A system of one probe, whose integral and real_in show its inputs. `inputs` contains further members of the section.
 std::string probe_with(const Files& files, const std::string& inputs, const std::string& more = "",
                        const std::string& fmu = "PROBE") {
   return fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{"a": {{"fmu": "{}"}}}}, "connections": [],
@@ -61,7 +61,7 @@ std::vector<double> real_in(const std::string& csv, const std::string& more = ""
   return TestRun(probe_with(files, kToReal, more)).to_end().column("a.real_in");
 }
 
-/// Code and message of the InputError with which a system is refused.
+/// Returns code and message of the InputError with which a system is rejected.
 std::pair<ErrorCode, std::string> refusal(const std::string& config) {
   try {
     TestRun run(config);
@@ -76,7 +76,8 @@ std::pair<ErrorCode, std::string> refusal_of_file(const std::string& csv, const 
   return refusal(probe_with(files, inputs));
 }
 
-// A step holds its inputs, so what is read at a point is what the step before it got; at 0 s that of initialisation.
+// A step holds its inputs, so the value at a point is the one that the previous step received; at 0 s that of
+// initialisation.
 
 TEST(InputSignals, ARealIsInterpolatedAtTheStartOfEachStep) {
   const Files files("time,u\n0,0\n1,10\n");
@@ -366,7 +367,7 @@ TEST(InputSignals, AnIsolatedInstanceGetsTheSame) {
 TEST(InputSignals, ARunFromASavedStateGoesOnToTheSameBits) {
   const Files files("time,u\n0,0\n0.33,3\n0.33,-1\n0.71,4\n1,9\n");
   auto text = test::with_probe(probe_with(files, kToReal));
-  const std::string probe = "probe.fmu";  // changes timers, so its runs cannot begin at a saved state
+  const std::string probe = "probe.fmu";  // it changes timers, so its runs cannot start from a saved state
   text.replace(text.find(probe), probe.size(), "steady.fmu");
   const auto config = files.put("c.json", text);
   const auto columns = [](MasterRun& run) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run that is killed at any moment goes on from its last checkpoint to the bits of an undisturbed one.
+// A run that is killed at any moment resumes from its last checkpoint, with the same bits as an undisturbed run.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// Each step of a sleeps: the run takes about half a second, so that kills find it at work.
+// Each step of a sleeps: the run takes about half a second, so that kills interrupt it.
 constexpr const char* kSavedSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "fault": "nap", "fault_time": 0}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},
@@ -58,8 +58,8 @@ class Checkpoints : public testing::Test {
   }
   ProgramResult run(const std::vector<std::string>& arguments) const { return run_program(arguments, folder.path()); }
 
-  /// Kills the run and its resumed successors again and again, each after another time, until one comes to its end.
-  /// Returns how often one was killed.
+  /// Repeatedly kills the run and its resumed successors, each after a different time, until one reaches its end.
+  /// Returns the number of kills.
   int run_with_kills(const std::vector<std::string>& begin, unsigned seed) const {
     std::mt19937 random(seed);
     std::uniform_int_distribution<int> delay_us(1'000, 150'000);
@@ -143,7 +143,7 @@ TEST_F(Checkpoints, WhatWasWrittenAfterTheLastCheckpointIsCutOff) {
   }
   kill(child, SIGKILL);
   wait(child);
-  // Rows and half a row that came after the checkpoint, and a checkpoint that was never finished.
+  // Complete and incomplete rows after the checkpoint, and an unfinished checkpoint.
   write_file(folder.path() / "killed/results.csv", result("killed", "results.csv") + "7,7,7\n0.123,4");
   write_file(folder.path() / "killed/log.txt", result("killed", "log.txt") + "[ half");
   write_file(folder.path() / "killed/checkpoint.bin.new", "half a checkp");

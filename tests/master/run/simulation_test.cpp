@@ -40,7 +40,7 @@ TEST(Simulation, RowsStandAtTheStartAndAtEveryCommunicationPoint) {
 }
 
 TEST(Simulation, OutputsTravelInOneStepAsJacobiSays) {
-  // a counts its steps; b adds the count it held during each step, h at a time: what a put out at t_k.
+  // a counts its steps; in each step b adds the count that it received, a's output at t_k.
   TestRun run(R"({"step": 0.5, "stop_time": 2, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"real_in": 1}},
       "b": {"fmu": "PROBE"}, "c": {"fmu": "PROBE"}},
@@ -69,7 +69,7 @@ TEST(Simulation, AnInitialLoopThatConvergesIsSolved) {
     "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"}]})");
   run.initialize();
   EXPECT_NEAR(run.column("a.real_out").front(), 4.0 / 3,
-              4e-12);  // settled to 1e-12 relative per sweep, gain 0.25 a round
+              4e-12);  // converged to 1e-12 relative per sweep, gain 0.25 per round
   EXPECT_NEAR(run.column("b.real_out").front(), 2.0 / 3, 4e-12);
 }
 
@@ -130,7 +130,7 @@ TEST(Simulation, AnInstanceWithALongerStepShowsItsOutputsWhenTheOthersArrive) {
 }
 
 TEST(Simulation, ABufferIsReadBeforeItsOwnerStepsOn) {
-  // At t_k a's buffer holds 16 times the number of its steps; b sums it in the step that follows.
+  // At t_k a's buffer contains 16 times the number of its steps; b adds it in the following step.
   for (const char* instances :
        {R"("a": {"fmu": "PROBE"}, "b": {"fmu": "PROBE"})", R"("b": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})"}) {
     TestRun run(fmt::format(
@@ -153,7 +153,7 @@ TEST(Simulation, MessagesOfWantedCategoriesArrive) {
   EXPECT_TRUE(silent.messages.lines.empty());
 }
 
-/// The text of what goes wrong when the probe misbehaves in the step to 0.5 s.
+/// Returns the error if the probe fails in the step to 0.5 s.
 std::string failure(TestRun& run) {
   try {
     run.to_end();
@@ -176,7 +176,7 @@ TEST(Faults, AnErrorNamesInstanceTimeFunctionAndTheFmusWords) {
   TestRun run(with_fault("error"));
   EXPECT_THAT(failure(run), AllOf(HasSubstr("instance 'a' at 0.4 s"), HasSubstr("fmi2DoStep answered fmi2Error"),
                                   HasSubstr("real_in made it fail (0)")));       // #r0# became the variable's name
-  EXPECT_THAT(run.column("time"), testing::ElementsAre(0, 0.1, 0.2, 0.3, 0.4));  // all that came before is kept
+  EXPECT_THAT(run.column("time"), testing::ElementsAre(0, 0.1, 0.2, 0.3, 0.4));  // all earlier rows are kept
 }
 
 TEST(Faults, AFatalErrorIsNotFollowedByAnotherCall) {
@@ -234,7 +234,7 @@ TEST(StopWhen, AConditionMayHaveToHoldForATime) {
 }
 
 TEST(StopWhen, ABreakStartsTheTimeAnew) {
-  // The sum over the buffer climbs to 16 * 255 and falls to 0 every 256 steps: above 4000 for 0.4 s at a time.
+  // The sum over the buffer rises to 16 * 255 and falls to 0 every 256 steps: above 4000 for 0.4 s at a time.
   const auto stopping = [](const std::string& duration) {
     TestRun run(R"({"step": 0.1, "stop_time": 60, "instances": {"a": {"fmu": "PROBE"}, "b": {"fmu": "PROBE"}},
       "connections": [{"from": "a.buffer", "to": "b.taken"}], "record": ["b.taken_sum"],

@@ -10,7 +10,7 @@ namespace {
 using test::TestRun;
 using testing::ElementsAre;
 
-// Multirate, a buffer, a stop condition that counts time and an outcome that remembers: all have state.
+// Multirate, a buffer, a stop condition with a duration and an outcome with `ever`: all have state.
 constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},
@@ -30,7 +30,7 @@ TEST(State, ARunRestoredFromTheMiddleGivesTheSameBytes) {
 
   TestRun run(kSystem);
   run.initialize();
-  step_to(run, 151);  // b stands in the middle of its step
+  step_to(run, 151);  // b is in the middle of its step
   const auto state = run.simulation().save_state();
   step_to(run, 180);
   EXPECT_FALSE(run.simulation().ended());
@@ -63,7 +63,7 @@ TEST(State, AStateTravelsAsBytes) {
 }
 
 TEST(State, AnFmuHearsThatItMayBeSetBackOnlyWhereThatCanHappen) {
-  // noSetFMUStatePriorToCurrentPoint: libcosim's quarter truck stands still when it is false.
+  // noSetFMUStatePriorToCurrentPoint: libcosim's quarter truck does not advance if it is false.
   const auto set_backs = [](const std::string& more, bool keep) {
     TestRun run(fmt::format(
         R"({{"step": 0.1, "stop_time": 0.4, "instances": {{"a": {{"fmu": "PROBE"{}}}}}, "connections": [], "record": ["a.set_backs"]}})",
@@ -85,7 +85,7 @@ TEST(State, AnFmuHearsThatItMayBeSetBackOnlyWhereThatCanHappen) {
 }
 
 TEST(State, AStateOfBeforeAStepThatWasTakenWithoutOneIsRefused) {
-  // The FMU heard that it is not set back any more, and may have dropped what it would need.
+  // The FMU was informed that it will not be set back, and may have dropped the data for it.
   TestRun run(kSystem);
   run.initialize();
   const auto bytes = run.simulation().serialize(run.simulation().save_state());

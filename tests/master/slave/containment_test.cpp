@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an FMU does to the process that it shares with the master and the other FMUs: told, with its name, and kept from
-// them where it can be.
+// Changes that an FMU makes to the process shared with the master and other FMUs: they are reported with the FMU's
+// name, and reverted if possible.
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/process/process_state.hpp"
 #include "support/sanitizer.hpp"
@@ -109,7 +109,7 @@ TEST_F(Containment, AFaultWhenAnInstanceIsFreedFailsAndKeepsTheResults) {
         {"free_crash", "instance 'b' at 1000 ms: its FMU ended the process by SIGSEGV"},
         {"destructor", "the library of the FMU probe.fmu ended the process by SIGSEGV"}}) {
     const bool exits = std::string_view(fault).ends_with("exit");
-    if (kSanitizerTakesCrashesAndMemory && !exits) continue;  // it handles these signals itself
+    if (kSanitizerTakesCrashesAndMemory && !exits) continue;  // the sanitizer handles these signals itself
     const auto ended = run(fault);
     EXPECT_TRUE(exits ? ended.code == 1 : ended.code > 1) << fault << ": " << ended.code;
     EXPECT_THAT(ended.err, HasSubstr(message)) << fault;
@@ -164,7 +164,7 @@ TEST(EnvironmentVariables, AreRestoredEvenIfTheWholeTableWasReplaced) {
 }
 
 TEST_F(Containment, EveryInstanceIsWatched) {
-  // Of one FMU: b is the second one.
+  // With a single FMU: b is the second instance.
   const auto ended = run_program({"run", "two.json", "--set", "b.fault=meddle"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.err,
@@ -179,7 +179,7 @@ TEST_F(Containment, AFileThatAnFmuOpensInItsStepsAndClosesAtTheEndIsItsOwn) {
 }
 
 TEST_F(Containment, WhatAStepChangesInTheProcessIsToldAndPutBack) {
-  // Step 4 is one that is watched, so the instance is known; after step 5 comes step 8, where all are looked after.
+  // Step 4 is a watched one, so the instance is known; after step 5 the next check, of all instances, is at step 8.
   for (const auto& [time, who] :
        {std::pair("0.4", "b: warning: the FMU probe.fmu changed the process for all, in fmi2DoStep"),
         {"0.5", "the FMU probe.fmu changed the process for all, in steps from 0.4 s to 0.8 s"}}) {
@@ -192,7 +192,7 @@ TEST_F(Containment, WhatAStepChangesInTheProcessIsToldAndPutBack) {
 }
 
 TEST_F(Containment, OfManyInstancesTheFmuIsKnownWhereTheInstanceIsNot) {
-  constexpr int kCount = 60;  // more than are watched one by one
+  constexpr int kCount = 60;  // more than are watched individually
   std::string instances;
   for (int i = 0; i < kCount; ++i) instances += fmt::format(R"({}"i{}": {{"fmu": "PROBE"}})", i == 0 ? "" : ", ", i);
   write_file(
@@ -216,7 +216,7 @@ TEST_F(Containment, CodeInWhichAThreadRunsStaysInMemory) {
       "instances": {{"a": {{"fmu": "PROBE", "parameters": {{"fault": "{}", "fault_time": 0.5}}}}}}}})",
                        fault);
   };
-  // Beside those that other tests of this process left: after fmi2Fatal code stays, too.
+  // In addition to those that other tests left in this process: after fmi2Fatal, code stays loaded too.
   const auto mapped = [] {
     std::istringstream maps(read_file("/proc/self/maps"));
     int count = 0;

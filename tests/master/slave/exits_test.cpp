@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU in the master's process can change the thread that calls it, and can end or double a run. Each way is reported
-// with the instance's name, and a failed run has an exit code other than 0.
+// An FMU in the master's process can change the calling thread, end the run, or duplicate it by a fork. Each case is
+// reported with the instance's name, and a failed run has an exit code other than 0.
 #include "fmi/call/exit_guard.hpp"
 #include "fmi/call/forked_copies.hpp"
 #include "fmi/process/process_state.hpp"
@@ -33,7 +33,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// Changes a thread and returns what ProcessState reports of it; calls `still` afterwards, on the same thread.
+/// Changes a thread and returns the report of ProcessState; then calls `still` on the same thread.
 template <typename Change, typename Still>
 std::vector<std::string> reported(Change change, Still still) {
   std::vector<std::string> texts;
@@ -299,7 +299,7 @@ TEST_F(Exits, WhatIsChangedOfTheThreadAndTimersIsReportedWithTheInstance) {
 }
 
 TEST_F(Exits, BlockedSignalsAreUnblockedWithinSixtyFourSteps) {
-  // In step 140 of 300: the next looks at b, and at all that the process has, come after step 256.
+  // The fault is in step 140 of 300; the next check of b, and of the whole process, is after step 256.
   const auto ended = run_program(
       {"run", "two.json", "--set", "b.fault=block", "--set", "b.fault_time=14", "--stop-time", "30"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
@@ -396,7 +396,7 @@ TEST(PendingInAProcessOfItsOwn, OthersContinueWithoutAnInstanceThatIsLostWhileIt
   EXPECT_TRUE(summary["lost_instances"].contains("a"));
 }
 
-/// A mission of a program around: what ends it ends the program, with a code other than 0.
+/// A mission in an embedding program: if the mission is ended, the program ends with a code other than 0.
 class ExitsOfPrograms : public testing::Test {
  protected:
   void fly(const std::string& fault) const {

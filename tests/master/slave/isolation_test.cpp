@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FMUs in processes of their own: the same bits as in the master's, and nothing that they do takes it down.
+// FMUs in separate processes: they compute the same bits as in the master's process, and cannot crash it.
 #include "fmi/unpack_folder.hpp"
 #include "slave/isolation/guard.hpp"
 #include "support/sanitizer.hpp"
@@ -25,7 +25,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-// Buffers, texts, two steps, all types along connections.
+// A system with buffers, texts, two steps, and connections of all types.
 constexpr const char* kIsolatedSystem = R"({"step": 0.01, "stop_time": 1, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3, "string_in": "a, b"}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.02}},
@@ -34,7 +34,7 @@ constexpr const char* kIsolatedSystem = R"({"step": 0.01, "stop_time": 1, "insta
                   {"from": "a.string_out", "to": "b.string_in"}, {"from": "a.boolean_out", "to": "b.boolean_in"}],
   "record": {"texts": true}})";
 
-/// By Landlock, Linux 6.12.
+/// By Landlock, since Linux 6.12.
 bool kernel_keeps_signals_inside() {
   constexpr long kCreateRuleset = 444;
   constexpr int kAskVersion = 1;
@@ -55,14 +55,14 @@ class Isolation : public testing::Test {
   }
   std::string result(const std::string& file) const { return read_file(folder.path() / "results" / "two" / file); }
   nlohmann::json summary() const { return nlohmann::json::parse(result("summary.json")); }
-  /// The config with more keys for instance b.
+  /// Returns the config with further keys for instance b.
   void give_b(const std::string& keys) {
     std::string text = kIsolatedSystem;
     text.insert(text.find(R"("step": 0.02)"), keys + ", ");
     write_file(folder.path() / "two.json", with_probe(text));
   }
-  /// Processes whose environment or command line names this test's folder: those that it started. A sandbox has an
-  /// environment of its own, but its command line names the unpacked FMU.
+  /// Returns the processes whose environment or command line names this test's folder: those started by it. A sandboxed
+  /// process has its own environment, but its command line names the unpacked FMU.
   std::vector<pid_t> processes_left() const {
     std::vector<pid_t> found;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
@@ -75,7 +75,7 @@ class Isolation : public testing::Test {
     }
     return found;
   }
-  /// Returns true if all of them end within ten seconds: on a busy machine the end of a killed process takes its time.
+  /// True if all of them end within ten seconds: on a busy machine, a killed process takes some time to end.
   bool all_end() const {
     for (int i = 0; i < 500 && !processes_left().empty(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -89,7 +89,7 @@ class Isolation : public testing::Test {
   modeldesc::TemporaryFolder folder{"mebots-test"};
 };
 
-/// The exit code of `mebots run two.json --isolate` below a limit of open files, and its error.
+/// Returns exit code and error of `mebots run two.json --isolate` under a limit of open files.
 ProgramResult run_below(const std::string& limit, const std::filesystem::path& folder) {
   const auto command = fmt::format("cd '{0}' && {{ ulimit {1} && '{2}' run two.json --isolate --quiet; }} 2>'{0}/err'",
                                    folder.string(), limit, MEBOTS_PROGRAM);
@@ -119,7 +119,7 @@ TEST_F(Isolation, OwnProcessesGiveTheSameBits) {
   const auto isolated = run({"--isolate"});
   EXPECT_EQ(isolated.code, 0) << isolated.err;
   EXPECT_TRUE(result("results.csv") == csv);
-  const auto lines = [](const std::string& text) {  // each instance's own are in order
+  const auto lines = [](const std::string& text) {  // messages of each instance are in order
     std::istringstream stream(text);
     std::map<std::string, std::string> by_instance;
     for (std::string line; std::getline(stream, line);) by_instance[line.substr(14, 1)] += line + "\n";
@@ -240,7 +240,7 @@ TEST_F(Isolation, AnFmuThatClosesAllFilesOrKillsItsParentHarmsNobody) {
   }
 }
 
-/// Somebody else's process of the same user, while this lives.
+/// Another process of the same user, during this object's lifetime.
 class Bystander {
  public:
   Bystander() {
@@ -286,7 +286,7 @@ TEST(Guard, WithoutTheKernelsHelpAProcessSignalsItselfAlone) {
   if (tried == 0) {
     master::isolation::forbid_harm(master::isolation::Signals::to_itself);
     const auto refused = [](long answer) { return answer == -1 && errno == EPERM; };
-    const long high = static_cast<long>(other) | (1L << 32);  // the kernel looks at the low half only
+    const long high = static_cast<long>(other) | (1L << 32);  // the kernel uses the low half only
     bool held = refused(kill(other, SIGKILL)) && refused(syscall(SYS_kill, high, SIGKILL)) &&
                 refused(kill(-1, SIGKILL)) && refused(kill(0, SIGKILL)) &&
                 refused(syscall(SYS_tkill, other, SIGKILL)) && refused(syscall(SYS_tgkill, other, other, SIGKILL)) &&
@@ -300,7 +300,7 @@ TEST(Guard, WithoutTheKernelsHelpAProcessSignalsItselfAlone) {
   EXPECT_TRUE(bystander.lives());
 }
 
-/// What an FMU writes into the memory that it shares with the master is not believed.
+/// Data that an FMU writes into the memory shared with the master are not trusted.
 class Forgery : public Isolation, public testing::WithParamInterface<Fault> {};
 
 TEST_P(Forgery, EndsTheRunWithItsCulprit) {
@@ -466,7 +466,7 @@ TEST_F(Isolation, AKilledMasterLeavesNoProcessAndTheNextOneCleansUp) {
     _exit(98);
   }
   constexpr std::size_t kAll = 4;  // the program, the keeper, the FMU's process, and the daemon
-  int stable = 0;                  // looks: who is in between is there for a moment
+  int stable = 0;                  // consecutive equal counts: a process that is ending is still listed for a moment
   for (int i = 0; i < 3000 && stable < 10; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     stable = processes_left().size() == kAll ? stable + 1 : 0;
@@ -476,7 +476,7 @@ TEST_F(Isolation, AKilledMasterLeavesNoProcessAndTheNextOneCleansUp) {
   waitpid(child, nullptr, 0);
   EXPECT_TRUE(all_end());
   EXPECT_FALSE(std::filesystem::is_empty(temporary));
-  // A process that ends loses its environment before its files, and with these its share of the locks.
+  // A process that ends loses its environment before its files, and its locks only with the files.
   for (const auto& entry : std::filesystem::directory_iterator(temporary)) {
     const int owner = open((entry.path() / "owner").c_str(), O_RDWR | O_CLOEXEC);
     if (owner < 0) continue;

@@ -25,7 +25,7 @@ Laws decay(double rate) {
           }};
 }
 
-/// A ball that falls from a height and bounces with a restitution.
+/// A ball that falls from a height and bounces with a coefficient of restitution.
 Laws bouncing_ball(double restitution, double rest_below) {
   return {.states = 2,
           .values = 2,
@@ -92,7 +92,7 @@ TEST(ContinuousSystem, KeepsOrderAndStepOverCommunicationPoints) {
 }
 
 TEST(ContinuousSystem, EvaluatesConnectionsInsideTheRightHandSide) {
-  // Two decays that follow each other: x' = -(x - y), y' = -(y - x); the sum stays, the difference decays with 2.
+  // Two coupled decays: x' = -(x - y), y' = -(y - x); the sum is constant, the difference decays with rate 2.
   PlainModel a("a", decay(1), {1, 0});
   PlainModel b("b", decay(1), {0, 0});
   const std::vector<Wire> wires = {{.from = {0, 0}, .to = {1, 1}, .dependencies = std::vector<ValueReference>{}},
@@ -143,7 +143,7 @@ TEST(ContinuousSystem, FindsTheTimesOfImpactsExactly) {
   PlainModel ball("ball", bouncing_ball(0.7, 0.1), {1, 0});
   ContinuousSystem system(parts_of({&ball}, {}, 1e-10), {});
   system.initialize(0);
-  // Falls for sqrt(2 h / g), then flies for 2 e^n v / g after the impact n.
+  // Falls for sqrt(2 h / g), then flies for 2 e^n v / g after the n-th impact.
   const double first_s = std::sqrt(2 / 9.81);
   const double speed = 9.81 * first_s;
   system.advance(first_s + 0.7 * speed / 9.81);  // the top of the first flight

@@ -17,10 +17,10 @@ using testing::pose;
 constexpr int kSize = 96;
 constexpr double kFocal_px = 50.0;
 
-/// How often each pixel is covered.
+/// Counts how often each pixel is covered.
 class Counter {
  public:
-  /// `corners_C` counter-clockwise as the camera sees them.
+  /// `corners_C` must be counter-clockwise as seen by the camera.
   void add(const std::vector<Vector3d>& corners_C) {
     std::array<Outline::Edge, kMaxOutlineCorners> edges;
     const Outline outline({kFocal_px, kSize, kSize}, corners_C, edges);
@@ -44,7 +44,7 @@ class Counter {
   std::vector<int> counts_ = std::vector<int>(static_cast<std::size_t>(kSize) * kSize, 0);
 };
 
-/// The point at depth 1 that appears at a place of the picture.
+/// Returns the point at depth 1 that appears at a pixel.
 Vector3d behind_pixel(double x_px, double y_px, double depth = 1.0) {
   return depth * Vector3d(1.0, (0.5 * kSize - x_px) / kFocal_px, (0.5 * kSize - y_px) / kFocal_px);
 }
@@ -70,7 +70,8 @@ TEST(CameraCoverage, TrianglesOfAMeshCoverEachPixelExactlyOnce) {
   std::uniform_real_distribution<double> jitter(-2.8, 2.8);
   std::uniform_real_distribution<double> depth(0.5, 3.0);
   for (int round = 0; round < 50; ++round) {
-    // A grid of places around and over the picture, each at a depth of its own and moved too little to fold it.
+    // A grid of points around and across the picture, each at a different depth, and displaced too little to fold the
+    // grid.
     std::array<std::array<Vector3d, 11>, 11> mesh;
     for (int j = 0; j < 11; ++j) {
       for (int i = 0; i < 11; ++i) {
@@ -95,8 +96,8 @@ TEST(CameraCoverage, TrianglesOfAMeshCoverEachPixelExactlyOnce) {
 }
 
 TEST(CameraCoverage, TrianglesThroughTheCamerasPlaneLeaveNoHole) {
-  // The ground below, from far behind the camera to far before it, cut into random strips and triangles: all
-  // pixels below the horizon are covered once, none above.
+  // The ground from far behind the camera to far in front of it, cut into random strips and triangles. All pixels below
+  // the horizon must be covered once, none above.
   std::mt19937 random(5);
   std::uniform_real_distribution<double> anywhere(-3.0, 3.0);
   for (int round = 0; round < 50; ++round) {
@@ -124,14 +125,14 @@ TEST(CameraCoverage, TrianglesThroughTheCamerasPlaneLeaveNoHole) {
 }
 
 TEST(CameraCoverage, RowsOfAStripAreThoseTakenOneByOne) {
-  // In a strip the edges go on from row to row; one by one each row begins with a quotient.
+  // A strip's edges continue from row to row; a single face computes a quotient for each row.
   std::mt19937 random(13);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
   std::uniform_real_distribution<double> exponent(-1.0, 14.0);
   using Spans = std::vector<std::array<int, 3>>;
   std::size_t compared = 0;
   for (int round = 0; round < 20000; ++round) {
-    const double reach_px = std::exp2(exponent(random));  // from less than a pixel to far beyond the picture
+    const double reach_px = std::exp2(exponent(random));  // from less than a pixel to far outside of the picture
     const double x_px = 0.5 * kSize * (1.0 + place(random));
     const double y_px = 0.5 * kSize * (1.0 + place(random));
     std::vector<Vector3d> corners;
@@ -162,7 +163,7 @@ Geometry one_face(const Face& face) {
   return geometry;
 }
 
-/// Cuts triangles at random points until there are `count`.
+/// Splits triangles at random points until there are `count`.
 std::vector<Face> cut_up(const Face& quad, int count, std::mt19937& random) {
   std::uniform_real_distribution<double> share(0.1, 1.0);
   std::vector<Face> pieces(2, quad);
@@ -190,7 +191,7 @@ TEST(CameraCoverage, AFaceCutIntoRandomTrianglesLooksTheSameToTheByte) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
   for (int round = 0; round < 30; ++round) {
-    // A wall that may reach behind the camera, seen from anywhere before it.
+    // A wall that may extend behind the camera, seen from any place in front of it.
     Face wall;
     wall.normal_W = -Vector3d::UnitX();
     wall.offset_m = -1.0;
@@ -234,14 +235,14 @@ TEST(CameraCoverage, AGateCoversThePixelsOfItsFourBeams) {
   Renderer of_gates(with_gates, {}, 0.0);
   Renderer of_beams(with_beams, {}, 0.0);
   for (const Pose& from : testing::awkward_poses()) {
-    // Not zero: beams drawn one by one may leave a crack of 1/4096 pixel where they meet, and edges that go on
-    // beyond a joint are rounded at other corners.
+    // Not zero: single beams may leave a crack of 1/4096 pixel at their joint, and edges that continue across a joint
+    // are rounded at other corners.
     EXPECT_LE(testing::differing_pixels(testing::picture(of_gates, from), testing::picture(of_beams, from)), 3);
   }
 }
 
 TEST(CameraCoverage, NoCornerOfAGateLiesInTheMiddleOfAnotherFacesEdge) {
-  // Such a corner is rounded off the edge and lets the background through now and then.
+  // Such a corner is rounded off the edge, and the background is sometimes visible.
   scene::Scene scene = testing::room();
   scene.boxes.clear();
   const Geometry geometry = make_geometry(scene);

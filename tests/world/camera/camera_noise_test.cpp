@@ -53,7 +53,7 @@ double correlation(const std::vector<float>& a, const std::vector<float>& b, dou
   return sum / (static_cast<double>(a.size()) * variance);
 }
 
-// Bounds below are five standard errors for n = 10^6 samples of a normal distribution: mean 1/sqrt(n), variance
+// The bounds below are five standard errors for n = 10^6 samples of a normal distribution: mean 1/sqrt(n), variance
 // sqrt(2/n), skewness sqrt(6/n), kurtosis sqrt(24/n), correlation 1/sqrt(n).
 constexpr int kNoisySize = 1000;
 constexpr double kFive = 5.0 / kNoisySize;
@@ -64,7 +64,7 @@ TEST(CameraNoise, IsGaussianWithTheStatedDeviation) {
   EXPECT_NEAR(m.mean / 2.0, 0.0, kFive);
   EXPECT_NEAR(m.variance / 4.0, 1.0, kFive * std::sqrt(2.0));
   EXPECT_NEAR(m.skewness, 0.0, kFive * std::sqrt(6.0));
-  // The table has no tails beyond 3.7 standard deviations, which takes 0.01 from the kurtosis of 3.
+  // The table has no tails beyond 3.7 standard deviations, which reduces the kurtosis of 3 by 0.01.
   EXPECT_NEAR(m.kurtosis, 2.99, 0.01 + kFive * std::sqrt(24.0));
 }
 

@@ -71,7 +71,7 @@ TEST(Camera, ScalesTextureByLightAndSaturates) {
   scene.lighting.ambient = 2.0;
   Renderer renderer(scene, {}, 0.0);
   const Picture seen = testing::picture(renderer, pose({0.0, 0.0, 1.0}));
-  EXPECT_EQ(seen.at(150, 170), 255);  // lower left square is light
+  EXPECT_EQ(seen.at(150, 170), 255);  // the lower left square is light
   EXPECT_EQ(seen.at(170, 170), 100);
   EXPECT_EQ(seen.at(170, 150), 255);
 }
@@ -134,7 +134,7 @@ TEST(Camera, RenderingNeedsNoHeap) {
 }
 
 TEST(Camera, OddSizesAreRenderedToo) {
-  // A picture of another size with the same focal length shows the same things around the middle.
+  // A picture of another size with the same focal length shows the same central part.
   const Intrinsics large{320, 320, 1.51844};
   const double f = large.focal_length_px();
   const Intrinsics small{258, 34, 2.0 * std::atan(0.5 * 258 / f)};
@@ -149,7 +149,7 @@ TEST(Camera, OddSizesAreRenderedToo) {
         wrong += std::abs(a.at(column + 31, row + 143) - b.at(column, row)) > 1 ? 1 : 0;
       }
     }
-    EXPECT_LE(wrong, 2);  // the focal lengths differ in their last bits, which can decide a pixel on an edge
+    EXPECT_LE(wrong, 2);  // the focal lengths differ in their last bits, which can change a pixel on an edge
   }
 }
 

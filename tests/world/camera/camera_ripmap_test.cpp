@@ -63,7 +63,7 @@ TEST(CameraTexture, PatternsStayBetweenDarkAndLightAndUseBoth) {
     }
     EXPECT_GE(least, 40);
     EXPECT_LE(most, 200);
-    // Value noise rarely comes near its limits.
+    // Value noise rarely reaches its limits.
     EXPECT_LE(least, kind == Kind::noise ? 75 : 40);
     EXPECT_GE(most, kind == Kind::noise ? 165 : 200);
   }
@@ -89,7 +89,7 @@ TEST(CameraTexture, StripesChangeEachWidthAlongTheFirstAxis) {
   }
 }
 
-/// Ground with squares of 5 cm, seen from 1 m above it on the way north-east.
+/// Returns the ground with squares of 5 cm, seen from a height of 1 m after moving north-east by `way_m`.
 testing::Picture ground_from(Renderer& renderer, double way_m, double yaw_rad) {
   return testing::picture(renderer, testing::pose({way_m, 0.6 * way_m, 1.0}, yaw_rad));
 }
@@ -105,21 +105,21 @@ TEST(CameraTexture, FarGroundFadesToItsMeanInsteadOfShimmering) {
     double change = 0.0;
     double difference = 0.0;
     int pixels = 0;
-    for (int row = 162; row < 170; ++row) {  // 17 m and more away, where a pixel sees over 0.1 m x 2 m
+    for (int row = 162; row < 170; ++row) {  // 17 m and more away, where a pixel covers over 0.1 m x 2 m
       for (int column = 0; column < 320; ++column, ++pixels) {
         change += std::abs(first.at(column, row) - later.at(column, row));
         difference += std::abs(first.at(column, row) - 120.0);
       }
     }
-    // One sample a pixel would differ from the mean by 80 and, from one picture to the next, by 40 or so.
+    // A single sample per pixel would differ from the mean by 80, and between pictures by about 40.
     EXPECT_LT(difference / pixels, 4.0) << "yaw " << yaw_rad;
     EXPECT_LT(change / pixels, 4.0) << "yaw " << yaw_rad;
   }
 }
 
 TEST(CameraTexture, GroundAcrossTheViewIsNotSmearedAlongTheView) {
-  // Stripes along the view are 50 cm wide. 8 m away a pixel sees 5 cm x 38 cm: averaging over the long side in
-  // both directions would take most of their contrast.
+  // Stripes along the view are 50 cm wide. At 8 m a pixel covers 5 cm x 38 cm: averaging over the longer side in both
+  // directions would remove most of their contrast.
   scene::Scene scene = testing::dark_scene();
   scene.ground.half_size_m = 100.0;
   scene.ground.texture = testing::patterned(Kind::checker, 200.0, 40.0, 0.5);

@@ -27,7 +27,7 @@ inline scene::Texture patterned(scene::Texture::Kind kind, double light, double 
   return texture;
 }
 
-/// Black ground and background, white light from everywhere.
+/// Black ground and background, with white light from all directions.
 inline scene::Scene dark_scene() {
   scene::Scene scene;
   scene.ground.texture = uniform(0.0);
@@ -37,7 +37,8 @@ inline scene::Scene dark_scene() {
   return scene;
 }
 
-/// A room with three walls, a pillar across a corner of the view, two gates; everything in a grey of its own.
+/// A room with three walls, a pillar across a corner of the view, and two gates; each object has a different grey
+/// level.
 inline scene::Scene room() {
   scene::Scene scene;
   scene.ground.texture = uniform(90.0);
@@ -67,7 +68,7 @@ inline scene::Scene room() {
   return scene;
 }
 
-/// The room with a pattern on everything.
+/// The room with a pattern on every surface.
 inline scene::Scene patterned_room() {
   using Kind = scene::Texture::Kind;
   scene::Scene scene = room();
@@ -87,11 +88,11 @@ inline Pose pose(const Eigen::Vector3d& p_WC_m, double yaw_rad = 0.0, double pit
                       .toRotationMatrix()};
 }
 
-/// Places where things go wrong first: in a gate's opening, on the ground, against a wall, above, upside down.
+/// Poses that reveal errors early: in a gate's opening, on the ground, against a wall, above, upside down.
 inline std::vector<Pose> awkward_poses() {
   return {
       pose({0.0, 0.0, 1.0}),
-      pose({4.0, 0.2, 1.03}, 0.2),              // in the middle of the first gate
+      pose({4.0, 0.2, 1.03}, 0.2),              // in the centre of the first gate
       pose({3.99, 0.39, 1.2}, 1.2, 0.3, 0.4),   // in its corner
       pose({4.02, 0.2, 0.831}, 0.25, -0.2),     // a millimetre above its lower edge
       pose({0.0, 0.0, 0.0265}, 0.1),            // standing on the ground
@@ -99,8 +100,8 @@ inline std::vector<Pose> awkward_poses() {
       pose({7.895, 0.3, 1.5}, 0.6, 0.05),       // 5 mm before the east wall
       pose({2.0, 0.0, 2.5}, 0.4, 1.5),          // looking down
       pose({2.0, 0.0, 1.2}, 2.8, -0.4, 3.0),    // upside down
-      pose({4.5, 0.0, 1.1}, 3.3, 0.0, -0.5),    // back through the first gate
-      pose({2.0, 1.6, 1.4}, 0.4),               // level with the shelf
+      pose({4.5, 0.0, 1.1}, 3.3, 0.0, -0.5),    // looking back through the first gate
+      pose({2.0, 1.6, 1.4}, 0.4),               // at the height of the shelf
   };
 }
 
@@ -124,7 +125,7 @@ inline int differing_pixels(const Picture& a, const Picture& b) {
   return count;
 }
 
-/// Column and row at which a point of the world appears; the point must be before the camera.
+/// Returns column and row of a point of the world in the picture; the point must be in front of the camera.
 inline Eigen::Vector2d projected(const Eigen::Vector3d& p_W_m, const Pose& from, const Intrinsics& intrinsics) {
   const Eigen::Vector3d p_C = from.R_WC.transpose() * (p_W_m - from.p_WC_m);
   const double f = 0.5 * intrinsics.width / std::tan(0.5 * intrinsics.horizontal_field_of_view_rad);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lens and sensor, each effect on its own against what its formula says.
+// Lens and sensor: each effect alone, compared with its formula.
 #include "camera/sensor.hpp"
 #include "camera_scenes.hpp"
 #include "mebots/error.hpp"
@@ -42,7 +42,7 @@ double mean_of(const Picture& picture) {
          static_cast<double>(picture.pixels.size());
 }
 
-/// A wall that fills the view, of one grey.
+/// A wall of one grey level that fills the view.
 scene::Scene grey_wall(double grey) {
   scene::Scene scene = testing::dark_scene();
   scene.boxes = {{"wall", {3.0, 0.0, 1.0}, {0.1, 40.0, 40.0}, 0.0, testing::uniform(grey)}};
@@ -57,7 +57,7 @@ scene::Scene strip(double left_m = 0.0) {
   return scene;
 }
 
-/// Middle of what is white in a row, in pixels.
+/// Returns the centre of the white pixels in a row.
 double centre_of(const Picture& picture, int row) {
   double sum = 0.0;
   double weight = 0.0;
@@ -97,7 +97,7 @@ TEST(CameraLens, BendsRaysAsBrownsFormulaSays) {
       Sensor sensor(strip(left_m), {}, {k1, k2, 0.0}, {});
       const Picture seen = taken(sensor, still(pose(kEye)));
       const double f = Intrinsics{}.focal_length_px();
-      // The strip's nearer side, seen level with the camera.
+      // The strip's nearer side, seen at the height of the camera.
       const double r = left_m / 2.875;
       const double bent = r * (1.0 + k1 * r * r + k2 * r * r * r * r);
       EXPECT_NEAR(centre_of(seen, 160), 160.0 - f * bent, 0.6) << k1 << " " << left_m;
@@ -155,8 +155,8 @@ TEST(CameraSensor, MotionBlurIsAsWideAsTheTurnWhileItIsExposed) {
   const auto [narrow, same_light] = white(instant);
   const double way_px = Intrinsics{}.focal_length_px() * std::tan(rate * settings.exposure_s);
   EXPECT_NEAR(wide - narrow, way_px, 1.5);
-  EXPECT_NEAR(light, same_light, 200.0);  // a sharp edge is a pixel in or out
-  // One sample is taken in the middle of the exposure.
+  EXPECT_NEAR(light, same_light, 200.0);  // a pixel at a sharp edge is inside or outside
+  // One sample is taken at the middle of the exposure.
   EXPECT_NEAR(centre_of(seen, 160), centre_of(instant, 160), 0.5);
 }
 
@@ -198,7 +198,7 @@ TEST(CameraSensor, ShotNoiseHasTheVarianceOfCountedElectrons) {
       for (const std::uint8_t pixel : seen.pixels) square += (pixel - grey) * (pixel - grey);
       const double variance = square / static_cast<double>(seen.pixels.size());
       // n = grey / gain x well / 255 electrons, each of 255 gain / well grey levels: variance grey x gain x 255 / well.
-      // Rounding adds 1/12; of 102,400 pixels the variance is known to 0.5 % (one standard deviation).
+      // Rounding adds 1/12. With 102,400 pixels the variance is accurate to 0.5 % (one standard deviation).
       const double expected = 1.5 * 1.5 + grey * gain * 255.0 / 7400.0 + 1.0 / 12.0;
       EXPECT_NEAR(variance, expected, 0.02 * expected) << grey << " " << gain;
     }
@@ -266,7 +266,7 @@ TEST(CameraSensor, RefusesWhatMakesNoSensor) {
   refuses([](SensorSettings& s) { s.blur_samples = 0; });
   refuses([](SensorSettings& s) { s.full_well = -1.0; });
   refuses([](SensorSettings& s) { s.noise_std = INFINITY; });
-  refuses([](SensorSettings& s) { s.automatic = true; });  // without a longest exposure
+  refuses([](SensorSettings& s) { s.automatic = true; });  // the longest exposure is missing
 }
 
 }  // namespace

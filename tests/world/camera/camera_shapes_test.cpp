@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pitched boxes, cylinders, meshes, picture textures and movers as the camera sees them.
+// Pitched boxes, cylinders, meshes, picture textures and moving bodies as seen by the camera.
 #include "camera/tile.hpp"
 #include "camera_scenes.hpp"
 #include "math/rotation.hpp"
@@ -22,12 +22,12 @@ scene::Box block(const Vector3d& p_W_m, const Vector3d& size_m) {
 TEST(CameraShapes, APitchedBoxCoversWhatItsCornersProjectTo) {
   scene::Scene scene = testing::dark_scene();
   scene::Box plate = block({3.0, 0.0, 1.0}, {0.6, 0.8, 0.02});
-  plate.pitch_rad = -1.0;  // its upper side looks towards the camera
+  plate.pitch_rad = -1.0;  // its upper side faces the camera
   scene.boxes = {plate};
   Renderer renderer(scene, {}, 0.0);
   const Pose from = pose({0.0, 0.0, 1.0});
   const Picture seen = testing::picture(renderer, from);
-  // Points of its upper face: inside bright, beyond the edges dark.
+  // Points of its upper face: bright inside, dark outside of the edges.
   const Eigen::Quaterniond turned = rotation_of({0.0, -1.0, 0.0});
   for (const double a : {-0.93, -0.4, 0.0, 0.7, 0.93}) {
     for (const double b : {-0.95, 0.1, 0.95}) {
@@ -53,8 +53,8 @@ TEST(CameraShapes, ACylinderIsAsWideAsItsDiameter) {
   const Picture seen = testing::picture(renderer, pose({0.0, 0.0, 1.0}));
   int columns = 0;
   for (int column = 0; column < 320; ++column) columns += seen.at(column, 160) == 200 ? 1 : 0;
-  // Rays that graze a circle of radius r at distance d: r / sqrt(d^2 - r^2) to each side. 32 sides are at most half a
-  // per cent narrower; a pixel's centre is in or out.
+  // Rays that graze a circle of radius r at distance d: r / sqrt(d^2 - r^2) on each side. 32 sides are at most half a
+  // per cent narrower; the centre of a pixel is inside or outside.
   const double wide_px = 2.0 * Intrinsics{}.focal_length_px() * 0.5 / std::sqrt(16.0 - 0.25);
   EXPECT_LE(columns, wide_px + 1.0);
   EXPECT_GE(columns, 0.995 * wide_px - 1.0);
@@ -76,7 +76,7 @@ TEST(CameraShapes, AMeshLooksAsTheBoxOfItsShapeFromEverywhere) {
   Renderer meshes(of_mesh, {}, 0.0);
   for (double turn = 0.0; turn < 6.2; turn += 0.7) {
     const Pose from = pose({2.0 - 1.2 * std::cos(turn), 0.3 - 1.2 * std::sin(turn), 1.2}, turn, 0.1);
-    // The two halves of a side share an edge to the bit; what differs is rounding at a silhouette.
+    // The two halves of a side share an edge exactly; only rounding at the silhouette differs.
     EXPECT_LE(testing::differing_pixels(testing::picture(boxes, from), testing::picture(meshes, from)), 3) << turn;
   }
 }
@@ -115,7 +115,7 @@ TEST(CameraShapes, APictureStandsUprightAndFitsTheSideThatIsAsWide) {
 }
 
 TEST(CameraShapes, TextureCoordinatesOfAMeshPutThePictureWhereTheySay) {
-  // A triangle that shows the picture's lower left half, turned by a quarter.
+  // A triangle with the picture's lower left half, rotated by a quarter turn.
   scene::Mesh mesh;
   scene::Texture texture;
   texture.kind = scene::Texture::Kind::picture;

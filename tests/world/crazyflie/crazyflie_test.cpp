@@ -49,7 +49,7 @@ TEST(CrazyfliePid, AnAngleGoesTheShortWay) {
 }
 
 TEST(CrazyflieMotors, TurnTheDroneTheWayThatIsAskedFor) {
-  // A roll to the right side (positive) needs the left rotors, 3 and 4; nose down (positive) the rear ones, 2 and 3.
+  // A positive roll (to the right) requires the left rotors, 3 and 4; nose down (positive) the rear ones, 2 and 3.
   const auto torque_of = [](const crazyflie::Demand& demand) {
     const auto drone = shipped_scene("empty").drone;
     RotorValues thrust = crazyflie::distributed(demand);
@@ -74,7 +74,7 @@ TEST(CrazyflieMotors, AMotorBeyondFullLowersAllFour) {
   EXPECT_THAT(crazyflie::capped({0.5, -0.1, 0.5, 0.5}), ElementsAre(0.5, 0.0, 0.5, 0.5));
 }
 
-/// Thrust of a rotor at its motor's voltage, by the cubic that the firmware has for its propellers.
+/// Thrust of a rotor at its motor's voltage, by the firmware's cubic for its propellers.
 double thrust_n(const crazyflie::ThrustOverVoltage& rotor, double v) {
   return rotor.constant_n + rotor.linear_n_per_v * v + rotor.square_n_per_v2 * v * v + rotor.cubic_n_per_v3 * v * v * v;
 }
@@ -103,7 +103,7 @@ TEST(CrazyflieMotors, PropellersOfThe21PlusNeedMoreVoltageForAThrust) {
 TEST(CrazyflieLowPass, LetsThroughWhatIsSlowAndHalvesThePowerAtItsCutoff) {
   LowPass filter(80.0, 1000.0);
   const Vector3d constant{1.0, -2.0, 3.0};
-  EXPECT_LT((filter(constant) - constant).norm(), 1e-12);  // begins settled
+  EXPECT_LT((filter(constant) - constant).norm(), 1e-12);  // starts in the steady state
   LowPass other(80.0, 1000.0);
   double most = 0.0;
   for (int i = 0; i < 2000; ++i) {
@@ -111,10 +111,11 @@ TEST(CrazyflieLowPass, LetsThroughWhatIsSlowAndHalvesThePowerAtItsCutoff) {
     const Vector3d y = other(Vector3d(x, 0.0, 0.0));
     if (i > 1000) most = std::max(most, std::abs(y.x()));
   }
-  EXPECT_NEAR(most, std::numbers::sqrt2 / 2.0, 0.01);  // samples of 12.5 a period miss the peak by at most 1 %
+  EXPECT_NEAR(most, std::numbers::sqrt2 / 2.0, 0.01);  // with 12.5 samples per period, the peak is missed by at most 1
+                                                       // %
 }
 
-/// Sensors of a drone that flies level at v (body axes), h above the ground, without noise.
+/// The readings of a drone that flies level at v (body axes) at the height h, without noise.
 void fly_level(Kalman& filter, const scene::FlowData& flow, const Vector3d& v, double h_m, double seconds) {
   const Vector3d force{0.0, 0.0, kGravity_m_per_s2};
   const int count = static_cast<int>(std::lround(100.0 * seconds));
@@ -136,7 +137,7 @@ TEST(CrazyflieKalman, FindsVelocityAndHeightFromFlowAndDistance) {
   fly_level(filter, flow, {0.5, -0.2, 0.0}, 1.0, 30.0);
   EXPECT_LT((filter.velocity_W_m_per_s() - Vector3d(0.5, -0.2, 0.0)).norm(), 0.01);
   EXPECT_NEAR(filter.position_m().z(), 1.0, 1e-3);
-  // Where it is level, nothing tells: it has added up its velocity, of which it took a while to learn.
+  // No sensor measures the position: it is the integral of the velocity, which the filter learned only after a while.
   EXPECT_NEAR(filter.position_m().x(), 2.0 + 0.5 * 30.0, 1.0);
   EXPECT_LT(filter.deviation(3), 0.2);
   EXPECT_GT(filter.deviation(0), 1.0);
@@ -150,7 +151,7 @@ TEST(CrazyflieKalman, RightsAnAttitudeThatItHadWrong) {
   Kalman filter(flow, start);
   fly_level(filter, flow, Vector3d::Zero(), 1.0, 10.0);
   const Vector3d up_B = filter.attitude().conjugate() * Vector3d::UnitZ();
-  EXPECT_LT(up_B.head<2>().norm(), 0.005);  // a tenth of what it was
+  EXPECT_LT(up_B.head<2>().norm(), 0.005);  // a tenth of its previous value
 }
 
 TEST(CrazyflieKalman, FollowsTheGyroscopeThroughAWholeTurn) {
@@ -164,7 +165,7 @@ TEST(CrazyflieKalman, FollowsTheGyroscopeThroughAWholeTurn) {
   EXPECT_NEAR(filter.attitude().angularDistance(Eigen::Quaterniond::Identity()), 0.0, 1e-6);
 }
 
-/// As a Crazyflie flies: its own controller on its own estimate, with the noise of its IMU.
+/// The configuration of a Crazyflie: its own controller on its own estimate, with the noise of its IMU.
 Parameters own() {
   Parameters p = FlightRig::small_camera();
   p.stabiliser_controller = FlightController::crazyflie;
@@ -190,7 +191,8 @@ void expect_a_landing(FlightRig& rig) {
 }
 
 TEST(CrazyflieEstimate, AFlightAcrossTimeZeroIsThatOfAnyOtherTime) {
-  // 100 ms are a whole number of every sensor's and the controller's periods; without noise nothing else knows time.
+  // 100 ms are a whole number of periods of every sensor and of the controller; without noise nothing else depends on
+  // time.
   constexpr std::int64_t kMillisecond = 1'000'000;
   Parameters p = own();
   p.range_model = RangeModel::ray;
@@ -216,7 +218,7 @@ TEST(CrazyflieEstimate, AFlightAcrossTimeZeroIsThatOfAnyOtherTime) {
 
 TEST(CrazyflieController, TakesOffFliesThroughTheGateAndLands) {
   Parameters p = knowing();
-  p.start_offset_m = {0.0, 0.25, 0.0};  // the gate's middle
+  p.start_offset_m = {0.0, 0.25, 0.0};  // the centre of the gate
   FlightRig rig(shipped_scene("gate_easy"), p);
   rig.take_off_and_fly();
   EXPECT_NEAR(rig.altitude_m(), 1.0, 0.1);  // its integrals take long to settle

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Effects that are off unless a parameter asks for them: spinning rotors, ground effect, gusts, the link, inertial
+// Effects that are disabled unless a parameter enables them: spinning rotors, ground effect, gusts, the link, inertial
 // sensors.
 #include "mebots/error.hpp"
 #include "support/flight_rig.hpp"
@@ -23,7 +23,7 @@ TEST(SpinTorque, DoesNoWorkAndIsMinusRateCrossMomentum) {
   const Vector3d rate{0.7, -1.1, 2.0};
   const Vector3d torque = spin_torque(7e-8, speed, {}, rate);
   EXPECT_NEAR(torque.dot(rate), 0.0, 1e-20);
-  // 1 and 3 turn counter-clockwise seen from above: along +z.
+  // Rotors 1 and 3 turn counter-clockwise seen from above: along +z.
   const Vector3d momentum{0.0, 0.0, 7e-8 * (2000 - 1900 + 2100 - 1700)};
   EXPECT_TRUE(torque.isApprox(-rate.cross(momentum), 1e-12));
 }
@@ -50,7 +50,7 @@ TEST(GroundEffect, LiftsADroneOverTheGroundAndNotAboveIt) {
     const double weight_n = rig.outputs.drone_mass_kg * kGravity_m_per_s2;
     rig.inputs.rotor_thrust_n.fill(0.25 * weight_n);
     rig.world.step(0, 1'000'000);
-    const double height_m = 0.0145 + altitude_m + 0.0145;  // of the rotors: the body's upper side
+    const double height_m = 0.0145 + altitude_m + 0.0145;  // the height of the rotors: the top of the body
     const double expected = (ground_effect(height_m, p.rotors_radius_m) - 1.0) * kGravity_m_per_s2 * 1e-3;
     EXPECT_NEAR(rig.outputs.drone_velocity_m_per_s[2], expected, 1e-9) << altitude_m;
   }
@@ -69,7 +69,7 @@ TEST(Dryden, HasItsIntensityAndItsLength) {
     }
     return sum / static_cast<double>(kCount - lag);
   };
-  // tau = L / V = 0.5 s: 4000 s hold some thousands of independent gusts, so that a variance is known to 2 or 3 %.
+  // tau = L / V = 0.5 s: 4000 s contain some thousands of independent gusts, so a variance is accurate to 2 or 3 %.
   const double tau_s = 0.5;
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(correlation(axis, 0), 2.25, 0.2) << axis;
   for (const int lag : {10, 25, 50, 100}) {
@@ -91,7 +91,8 @@ TEST(Dryden, IsTheSameWhateverTheSteps) {
 }
 
 TEST(Dryden, BlowsBeforeTimeZeroAsAfter) {
-  // Periods of 10 ms, one of which begins at 0. Within one the gust is held, to the next it goes on with tau = 5 s.
+  // Periods of 10 ms, one of which starts at 0. The gust is constant within a period and changes between periods with
+  // tau = 5 s.
   Dryden gusts({1.0, 5.0, 1.0, 3});
   Vector3d last = gusts.at(-10'000'000'000);
   double sum = 0.0;
@@ -133,7 +134,7 @@ TEST(Dryden, NamesSpeedAndLengthThatNoFilterCanHave) {
   EXPECT_THAT([] { Dryden({1.0, 1e15, 0.01, 3}); }, named);
   EXPECT_THAT([] { Dryden({1.0, 0.001, 1e300, 3}); }, named);
   EXPECT_THAT([] { Dryden({1.0, 0.001, 1e10, 3}); }, named);
-  // At the limits there are gusts yet, and who wants none may say what he likes.
+  // At the limits there are still gusts. Without gusts, the values are not checked.
   for (const auto& [length_m, speed_m_per_s] : {std::pair{5e11, 1.0}, std::pair{0.001, 5e8}}) {
     Dryden gusts({1.0, length_m, speed_m_per_s, 3});
     gusts.at(0);
@@ -155,7 +156,7 @@ TEST(Link, ASetpointArrivesAfterItsLatencyAndInOrder) {
 }
 
 TEST(Link, LatencyShiftsAFlightInTime) {
-  // The same take-off, a tenth of a second later, to the bit.
+  // The same take-off a tenth of a second later has the same bits.
   Parameters late = FlightRig::small_camera();
   late.setpoint_latency_s = 0.1;
   FlightRig delayed(shipped_scene("empty"), late);
@@ -207,7 +208,7 @@ TEST(Imu, HasTheNoiseAndTheBiasThatWereAskedFor) {
     acceleration += error.squaredNorm() / 3.0;
     rate += imu.rate_rad_per_s().squaredNorm() / 3.0;
   }
-  // 60,000 samples know a standard deviation to 0.3 %.
+  // With 60,000 samples, a standard deviation is accurate to 0.3 %.
   EXPECT_NEAR(std::sqrt(acceleration / kCount), 0.3, 0.005);
   EXPECT_NEAR(std::sqrt(rate / kCount), 0.02, 4e-4);
   const Vector3d bias = biased.rate_rad_per_s();

@@ -26,7 +26,7 @@ GateFrame gate_at(double x_m, const Eigen::Matrix3d& R_WG = Eigen::Matrix3d::Ide
   return frame;
 }
 
-/// A drone that is moved by hand, its places told in the frame of the first gate.
+/// A drone moved by the test; positions are in the frame of the first gate.
 class Puppet {
  public:
   explicit Puppet(const std::vector<GateFrame>& gates, const Eigen::Quaterniond& q_WB = Eigen::Quaterniond::Identity())
@@ -35,7 +35,7 @@ class Puppet {
     at.p_WB_m = world({-1.0, 0.0, 0.0});
   }
 
-  /// In millimetres along a straight line; returns the events on the way.
+  /// Moves in steps of a millimetre along a straight line; returns the events on the way.
   std::vector<Kind> fly(const Eigen::Vector3d& to_G_m) {
     std::vector<Kind> kinds;
     const Eigen::Vector3d from_W_m = at.p_WB_m;
@@ -67,7 +67,7 @@ struct Pose {
   double gate_yaw_rad, gate_pitch_rad, drone_yaw_rad, drone_pitch_rad;
 };
 
-/// Every way of flying, for gates and drones turned in many ways.
+/// Flights through gates and with drones in many orientations.
 class AnyPose : public ::testing::TestWithParam<Pose> {
  protected:
   static Eigen::Matrix3d turned(double yaw_rad, double pitch_rad) {
@@ -117,7 +117,7 @@ TEST_P(AnyPose, ThroughAndBackRoundTheFrameIsTurnedBack) {
 }
 
 TEST_P(AnyPose, ThroughAndOnlyAHandBackIsTurnedBack) {
-  // The frame turns a drone round: its centre was behind the plane by a centimetre, no more.
+  // The frame turned the drone back when its centre was a centimetre behind the plane.
   Puppet drone = puppet();
   drone.fly({0.01, 0.0, 0.0});
   EXPECT_TRUE(drone.judge.crossed());
@@ -190,7 +190,7 @@ TEST_P(AnyPose, WhoNeverComesThereHasNoLateralError) {
 TEST_P(AnyPose, PassedBeginsWhenTheLastCornerIsBehindTheFrame) {
   Puppet drone = puppet();
   const Eigen::Matrix3d R_BG = drone.at.rotation().transpose() * gate();
-  // The corner that is farthest back, looked for among all eight.
+  // Finds the rearmost of all eight corners.
   double reach_m = 0.0;
   for (int i = 0; i < 8; ++i) {
     const Eigen::Vector3d corner_B{(i & 1 ? 0.5 : -0.5) * kBody_m.x(), (i & 2 ? 0.5 : -0.5) * kBody_m.y(),
@@ -276,7 +276,8 @@ TEST(GateJudge, LandingOnTheFrameOrInThePlaneIsStuckAndBehindItIsNot) {
 
 TEST(GateJudge, GatesCountInTheirOrder) {
   GateJudge judge({gate_at(2.0), gate_at(4.0)}, kBody_m);
-  EXPECT_FALSE(judge.move(state_at(3.9, 0.0, 1.0), state_at(4.1, 0.0, 1.0)));  // the second one first: nobody looks
+  EXPECT_FALSE(judge.move(state_at(3.9, 0.0, 1.0), state_at(4.1, 0.0, 1.0)));  // the second gate first: it is not being
+                                                                               // judged yet
   EXPECT_TRUE(judge.move(state_at(1.9, 0.0, 1.0), state_at(2.1, 0.0, 1.0)));
   EXPECT_FALSE(judge.crossed());
   EXPECT_FALSE(judge.passed()) << "behind the first of two";
@@ -287,7 +288,7 @@ TEST(GateJudge, GatesCountInTheirOrder) {
 }
 
 TEST(GateJudge, ACourseMayLeadRoundAGateButNotBackThroughIt) {
-  // The second gate is flown the other way, beside the first.
+  // The second gate is next to the first and is flown in the opposite direction.
   const Eigen::Matrix3d back = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   GateFrame second = gate_at(1.0, back);
   second.p_WG_m.y() = 2.0;
@@ -317,7 +318,7 @@ TEST(GateJudge, ASceneWithoutGatesIsNeverPassed) {
 }
 
 TEST(GateJudge, ARestoredOneGoesOnAsIfNothingHadHappened) {
-  // Saved in the middle of a long contact, in the plane, after being turned back once.
+  // Saved during a long contact, in the plane, after one reversal.
   const auto second_half = [](GateJudge& judge) {
     const auto stuck = judge.touch(0, 12 * kSecond_ns);
     const auto turned_back = judge.move(state_at(2.01, 0.05, 1.0), state_at(1.9, 0.05, 1.0));

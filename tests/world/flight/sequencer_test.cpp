@@ -29,7 +29,7 @@ TEST(Sequencer, ClimbsAndThenFlies) {
   sequencer.update(FlightMode::take_off, 1.0, at_rest(), kDt_s);
   EXPECT_EQ(sequencer.phase(), FlightPhase::climbing);
   EXPECT_TRUE(sequencer.motors_on());
-  sequencer.update(FlightMode::take_off, 1.0, aloft(1.0, 0.4), kDt_s);  // too fast to have arrived
+  sequencer.update(FlightMode::take_off, 1.0, aloft(1.0, 0.4), kDt_s);  // too fast to count as arrived
   EXPECT_EQ(sequencer.phase(), FlightPhase::climbing);
   sequencer.update(FlightMode::take_off, 1.0, aloft(0.96, 0.05), kDt_s);
   EXPECT_EQ(sequencer.phase(), FlightPhase::flying);
@@ -42,7 +42,7 @@ TEST(Sequencer, CutsTheMotorsAtTheFirstTouchAndHasLandedOnceAtRest) {
   EXPECT_TRUE(sequencer.motors_on());
   sequencer.update(FlightMode::land, 1.0, {true, false, 0.0145, -0.3, 0.3}, kDt_s);
   EXPECT_FALSE(sequencer.motors_on());
-  sequencer.update(FlightMode::land, 1.0, aloft(0.016, 0.1), kDt_s);  // a small bounce does not start them again
+  sequencer.update(FlightMode::land, 1.0, aloft(0.016, 0.1), kDt_s);  // a small bounce does not restart the motors
   EXPECT_FALSE(sequencer.motors_on());
   EXPECT_EQ(sequencer.phase(), FlightPhase::descending);
   for (int i = 0; i < 250; ++i) sequencer.update(FlightMode::land, 1.0, at_rest(), kDt_s);

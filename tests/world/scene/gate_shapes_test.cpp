@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gates of all shapes: what their frames hold, what counts as through, and that both agree.
+// Gates of all shapes: the volume of their frames, the area that counts as the opening, and the agreement of both.
 #include "dynamics/rigid_world.hpp"
 #include "flight/gate_judge.hpp"
 #include "scene/scene.hpp"
@@ -39,7 +39,7 @@ bool crosses(const scene::Gate& gate, double y_m, double z_m) {
   return event && event->kind == GateEvent::Kind::crossed;
 }
 
-/// A small drone in the gate's plane, turned as the gate.
+/// A small drone in the gate's plane, aligned with it.
 bool frame_is_at(const scene::Gate& gate, double y_m, double z_m) {
   scene::Scene scene = test::shipped_scene("empty");
   scene.gates = {gate};
@@ -47,7 +47,7 @@ bool frame_is_at(const scene::Gate& gate, double y_m, double z_m) {
   RigidWorld bodies(scene);
   RigidState state;
   state.q_WB = scene::attitude_of(gate);
-  // At the frame's front face: triangles have no inside.
+  // At the frame's front face, because triangles have no interior.
   state.p_WB_m = gate.p_W_m + state.q_WB * Vector3d(-0.5 * gate.thickness_m, y_m, z_m);
   for (const Touch& touch : bodies.touches_at(state)) {
     if (touch.what == Touch::What::gate) return true;
@@ -73,7 +73,7 @@ TEST_P(GateShape, WhatCountsAsThroughIsFreeOfTheFrameAndWhatIsBesideIsNot) {
     }
   }
   const GateFrame frame(gate);
-  // Areas by counting: each point stands for 0.031 x 0.037 m2.
+  // Measures areas by counting: each point represents 0.031 x 0.037 m2.
   const double cell_m2 = 0.031 * 0.037;
   const double sides = gate.side_count();
   const auto polygon_m2 = [&](double across_m) { return 0.25 * sides * across_m * across_m * std::tan(M_PI / sides); };
@@ -104,7 +104,7 @@ TEST(GateShapes, AHexagonStandsOnASide) {
 }
 
 TEST(GateShapes, ARingIsClosed) {
-  // Each edge of a closed surface is walked once in each direction.
+  // In a closed surface, each edge occurs once in each direction.
   const scene::Mesh mesh = scene::ring(7, 0.6, 0.8, 0.05, {});
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const auto& triangle : mesh.triangles) {
@@ -114,7 +114,7 @@ TEST(GateShapes, ARingIsClosed) {
     EXPECT_EQ(std::count(edges.begin(), edges.end(), std::pair(a, b)), 1);
     EXPECT_EQ(std::count(edges.begin(), edges.end(), std::pair(b, a)), 1);
   }
-  // Volume by the divergence theorem is positive when normals point outwards.
+  // By the divergence theorem, the volume is positive if normals point outwards.
   double volume_m3 = 0.0;
   for (const auto& [corners, material, tiles] : mesh.triangles) {
     volume_m3 += mesh.points_m[corners[0]].dot(mesh.points_m[corners[1]].cross(mesh.points_m[corners[2]])) / 6.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the drone touches and measures: pitched boxes, cylinders, meshes, what moves.
+// Objects that the drone touches and measures: pitched boxes, cylinders, meshes, moving bodies.
 #include "dynamics/rigid_world.hpp"
 #include "math/rotation.hpp"
 #include "mebots/error.hpp"
@@ -37,7 +37,7 @@ bool touches(const scene::Scene& scene, const RigidState& state, std::int64_t ti
   return std::any_of(found.begin(), found.end(), [](const Touch& t) { return t.what == Touch::What::obstacle; });
 }
 
-/// Lets a drone go from rest and gives where it is after some seconds.
+/// Releases a drone at rest and returns its state after some seconds.
 RigidState let_fall(const scene::Scene& scene, RigidState state, double seconds) {
   RigidWorld bodies(scene);
   bodies.set_mass(kDroneMass_kg, inertia_for(scene.drone, kDroneMass_kg));
@@ -57,7 +57,7 @@ scene::Box slope(double pitch_rad) {
 TEST(PitchedBox, IsTouchedWhereItsTurnedSurfaceIs) {
   scene::Scene scene = shipped_scene("empty");
   scene.boxes = {slope(0.3)};
-  // Nose down by 0.3 rad as the slope is: the drone's underside is parallel to it.
+  // Nose down by 0.3 rad like the slope: the drone's underside is parallel to it.
   const Vector3d up_along = rotation_of({0.0, 0.3, 0.0}) * Vector3d::UnitZ();
   const auto over = [&](double height_m) {
     return at(scene.boxes[0].p_W_m + (0.05 + 0.0145 + height_m) * up_along, 0.0, 0.3);
@@ -73,7 +73,7 @@ TEST(PitchedBox, ADroneSlidesDownASlopeSteeperThanFriction) {
   const Vector3d up_along = rotation_of({0.0, 0.5, 0.0}) * Vector3d::UnitZ();
   const RigidState start = at(scene.boxes[0].p_W_m + 0.065 * up_along, 0.0, 0.5);
   const RigidState end = let_fall(scene, start, 0.4);
-  // a = g (sin - mu cos) along the slope, which falls towards +x. Soft contact and the settling take some of it.
+  // a = g (sin - mu cos) along the slope, which descends towards +x. Soft contact and settling reduce it slightly.
   const double expected = kGravity_m_per_s2 * (std::sin(0.5) - 0.2 * std::cos(0.5)) * 0.4;
   EXPECT_NEAR(end.v_WB_m_per_s.x(), expected * std::cos(0.5), 0.15 * expected);
   EXPECT_LT(end.p_WB_m.z(), start.p_WB_m.z());
@@ -104,7 +104,7 @@ TEST(Cylinder, CarriesADroneThatLandsOnIt) {
   table.height_m = 0.8;
   scene.cylinders = {table};
   const RigidState end = let_fall(scene, at({0.1, 0.1, 0.83}), 1.0);
-  EXPECT_NEAR(end.p_WB_m.z(), 0.8145, 1e-4);  // soft contact sinks in by some micrometres
+  EXPECT_NEAR(end.p_WB_m.z(), 0.8145, 1e-4);  // penetration of the soft contact, some micrometres
   EXPECT_LT(end.v_WB_m_per_s.norm(), 1e-3);
 }
 
@@ -121,7 +121,7 @@ TEST(MeshObstacle, IsTouchedWhereABoxOfItsShapeIs) {
   for (double x = -1.2; x <= 1.2; x += 0.11) {
     for (double z = 1.55; z <= 2.45; z += 0.0137) {
       const RigidState state = at({x, 0.07, z}, 0.4);
-      // A drone that has gone right through a side is inside of the box and between triangles.
+      // A drone that has passed through a side is inside of the box, between triangles.
       const Vector3d inside = rotation_of({0.0, 0.3, 0.0}).conjugate() * (state.p_WB_m - thing.p_W_m);
       if (inside.cwiseAbs().x() < 1.0 && inside.cwiseAbs().z() < 0.05) continue;
       EXPECT_EQ(touches(meshes, state), touches(boxes, state)) << x << " " << z;
@@ -169,7 +169,7 @@ TEST(Path, GoesAtEvenSpeedAndBeginsAgain) {
   EXPECT_EQ(path.at(500'000'000).offset_W_m, Vector3d(0.25, 0.0, 0.125));
   EXPECT_EQ(path.at(500'000'000).velocity_W_m_per_s, Vector3d(0.5, 0.0, 0.25));
   EXPECT_EQ(path.at(3'000'000'000).velocity_W_m_per_s, Vector3d(-0.5, 0.0, -0.25));
-  // The millionth round is as exact as the first.
+  // The millionth cycle is as exact as the first.
   EXPECT_EQ(path.at(4'000'000'000LL * 1'000'000 + 500'000'000).offset_W_m, path.at(500'000'000).offset_W_m);
   path.repeat = false;
   EXPECT_EQ(path.at(9'000'000'000).velocity_W_m_per_s, kNothing);
@@ -210,7 +210,7 @@ TEST(MovingObstacle, PushesWithItsOwnSpeedAndIsNotHeldUp) {
     }
   }
   EXPECT_NEAR(closing, 1.0, 1e-9);
-  // It was hit without a bounce. Found a millimetre deep at most, it was pushed out by soft_erp x depth / dt on top.
+  // It was hit without a bounce. At a depth of a millimetre at most, it was also pushed out by soft_erp x depth / dt.
   EXPECT_GE(state.v_WB_m_per_s.x(), 0.99);
   EXPECT_LE(state.v_WB_m_per_s.x(), 1.0 + scene.contact.soft_erp);
 }

@@ -23,7 +23,7 @@ json parsed(const fs::path& file) {
   return json::parse(stream);
 }
 
-/// Copies of the shipped files, to be damaged one by one.
+/// Copies of the shipped files, each to be damaged in turn.
 class SceneFile : public testing::Test {
  protected:
   SceneFile()

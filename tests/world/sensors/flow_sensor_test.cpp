@@ -24,7 +24,7 @@ struct Sum {
   int seen = 0;
 };
 
-/// What the sensor counts in a while at a steady motion.
+/// Returns the sensor's counts over a time with constant motion.
 Sum counted(FlowSensor& sensor, const RigidState& state, double distance_m, int milliseconds) {
   Sum sum;
   std::int64_t last = sensor.sample().number;
@@ -69,7 +69,7 @@ TEST(FlowSensor, SeesItsOwnTurningAndAHeading) {
   FlowSensor other(shipped_flow(0.0), 1, 0);
   RigidState west;
   west.q_WB = Eigen::AngleAxisd(1.5707963267948966, Eigen::Vector3d::UnitZ());
-  west.v_WB_m_per_s = {0.0, 0.4, 0.0};  // forward, as it sees it
+  west.v_WB_m_per_s = {0.0, 0.4, 0.0};  // forward in the sensor's frame
   EXPECT_NEAR(counted(other, west, 1.0, 1'000).x, 48.83 * 0.4 / 0.1, 1.0);
 }
 
@@ -96,7 +96,7 @@ TEST(FlowSensor, HasTheNoiseOfItsData) {
     sensor.update(i * 10 * kMillisecond, still, 1.0, 1e-2);
     squares += std::pow(sensor.sample().counts[0], 2);
   }
-  // 2 counts, and what rounding adds: 4000 samples know it to 1.1 %; remainders that are carried on add a little.
+  // 2 counts, plus rounding: with 4000 samples it is accurate to 1.1 %; carried remainders add a little.
   EXPECT_NEAR(std::sqrt(squares / kCount), 2.0, 0.12);
 }
 

@@ -29,7 +29,7 @@ TEST(RangeSensor, SeesTheGatesBeamsBelow) {
   const auto scene = test::shipped_scene("gate_easy");
   const RangeSensor sensor(scene, {}, 1);
   const auto& gate = scene.gates[0].p_W_m;
-  // In the opening the lower beam's top is at 0.83 m; above the frame its top is at 1.33 m.
+  // In the opening, the top of the lower beam is at 0.83 m; above the frame, its top is at 1.33 m.
   EXPECT_NEAR(sensor.distance_m(at(gate.x(), gate.y(), 1.0)), 1.0 - 0.83, 1e-12);
   EXPECT_NEAR(sensor.distance_m(at(gate.x(), gate.y(), 1.5)), 1.5 - 1.33, 1e-12);
   EXPECT_NEAR(sensor.distance_m(at(gate.x() - 0.016, gate.y(), 1.0)), 1.0, 1e-12);
@@ -90,7 +90,7 @@ RigidState tilted(double height_m, double roll_rad) {
   return at(0.0, 0.0, height_m, roll_rad);
 }
 
-/// Mean and standard deviation of a cone's readings.
+/// Returns mean and standard deviation of a cone's readings.
 std::pair<double, double> readings(const RigidState& state) {
   RangeSensor sensor(test::shipped_scene("empty"), {.model = RangeModel::cone}, 7);
   constexpr int kCount = 4000;
@@ -106,10 +106,10 @@ std::pair<double, double> readings(const RigidState& state) {
 }
 
 TEST(RangeCone, ATiltWithinTheFieldOfViewChangesLittle) {
-  // 0.2 rad is within the half angle of 0.2356: the nearest point is below. Between the cone's rays it is missed by
-  // 1 - cos(half of a ray's distance), 0.3 %.
+  // 0.2 rad is within the half angle of 0.2356: the nearest point is below. The distance between the cone's rays adds 1
+  // - cos(half of it), 0.3 %.
   EXPECT_NEAR(readings(tilted(1.0, 0.2)).first, 1.0, 0.004);
-  // Beyond it the nearest ray is the cone's edge.
+  // Beyond it, the nearest ray is at the cone's edge.
   EXPECT_NEAR(readings(tilted(1.0, 0.5)).first, 1.0 / std::cos(0.5 - 0.2356), 0.002);
 }
 

@@ -65,13 +65,13 @@ TEST(ThrustCurve, CommandAndThrustInvertEachOther) {
 }
 
 TEST(ThrustCurve, GivesTheBenchRows) {
-  // 41.7 g of the whole drone at 75 % duty.
+  // The whole drone weighs 41.7 g and hovers at 75 % duty.
   const auto drone = test::shipped_drone("crazyflie_bench");
   EXPECT_NEAR(ThrustCurve(drone.thrust_curve).thrust_for(0.75), 0.0417 * 9.80665 / 4.0, 1e-6);  // rounded in the file
 }
 
 TEST(Gains, PutAllThreePolesWhereTheyShallBe) {
-  // T s^3 + (1 + k_a) s^2 + k_r s + k_r k_angle must vanish threefold at s = -p.
+  // T s^3 + (1 + k_a) s^2 + k_r s + k_r k_angle must have a triple root at s = -p.
   const double p = 12.0;
   const double lag_s = 0.1;
   const auto k = Gains::rotation(p, lag_s);

@@ -9,8 +9,8 @@
 #include <tuple>
 #include <vector>
 
-/// Step responses of the closed loop: world, stabiliser and four lagging rotors, one communication step
-/// apart. Bounds are the design's (fmu_world/docs/stabiliser.md), wide enough for every lag and step tested.
+/// Step responses of the closed loop: world, stabiliser and four lagging rotors, one communication step apart. The
+/// bounds are those of the design (fmu_world/docs/stabiliser.md), wide enough for every tested lag and step.
 namespace mebots::world {
 namespace {
 
@@ -26,8 +26,8 @@ class StepResponse : public testing::TestWithParam<std::tuple<double, std::int64
   }
   std::int64_t h_ns() const { return std::get<1>(GetParam()); }
 
-  /// Runs and returns the times of first reaching 90 % and of staying within 5 %, and the overshoot, of
-  /// what `value` does on its way from `from` to `to`.
+  /// Runs, and returns the times at which `value` first reaches 90 % and stays within 5 % of the way from `from` to
+  /// `to`, and its overshoot.
   struct Response {
     double rise_s = 0.0;
     double settle_s = 0.0;
@@ -100,14 +100,14 @@ TEST_P(StepResponse, WindIsHeldAgainst) {
   EXPECT_LT(fastest, 0.5);
   EXPECT_LT(rig_.outputs.drone_speed_m_per_s, 0.01);
   EXPECT_NEAR(rig_.altitude_m(), 1.0, 0.01);
-  // It leans into the wind: drag over weight.
+  // It leans into the wind: the angle is drag over weight.
   const double lean = std::atan(0.0147 * 2.0 / (0.04 * 9.80665));
   EXPECT_NEAR(rig_.outputs.drone_roll_rad, lean, 0.002);
 }
 
 TEST_P(StepResponse, ABusThatSagsMoreAndMoreIsMadeUpFor) {
-  // 0.2 % of thrust less every second, some twenty times faster than a cell runs down. The integrators follow such
-  // a ramp with the steady error g rate / sag / (k_i k_altitude) = 0.0021 g / 2.4.
+  // The thrust decreases by 0.2 % per second, some twenty times faster than a cell discharges. For such a ramp, the
+  // integrators have the steady error g rate / sag / (k_i k_altitude) = 0.0021 g / 2.4.
   const double steady_m = 0.002 / 0.93 * kGravity_m_per_s2 / 2.4;
   double lowest_m = 1.0;
   for (int i = 0; i < 1000; ++i) {
@@ -146,7 +146,7 @@ TEST(Stabiliser, TurnsWhileItFliesWithoutSlidingOutwards) {
                         std::cos(out.drone_yaw_rad) * out.drone_velocity_m_per_s[1];
     slip = std::max(slip, std::abs(left));
   });
-  // The lean lags the turning heading by about 0.25 s x 0.3 rad/s.
+  // The lean lags behind the turning heading by about 0.25 s x 0.3 rad/s.
   EXPECT_LT(slip, 0.05);
   EXPECT_NEAR(rig.outputs.drone_forward_velocity_m_per_s, 0.5, 0.02);
 }
@@ -191,7 +191,7 @@ TEST(Stabiliser, ComesBackFromATiltOf45Degrees) {
   EXPECT_LT(state.v_WB_m_per_s.norm(), 0.02);
 }
 
-/// Greatest command of a drone that shall climb 1 m, at each millisecond of the first 1.2 s.
+/// Returns the greatest command of a drone that climbs to 1 m, at each millisecond of the first 1.2 s.
 std::vector<double> commands_of_a_start(const scene::Drone& drone, double height_m) {
   Stabiliser stabiliser(drone);
   stabiliser.set_mass(0.04, drone.inertia_kg_m2);

@@ -17,15 +17,16 @@ inline scene::Drone shipped_drone(const std::string& name) {
   return scene::load_drone(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/drones/" + name + ".json");
 }
 
-/// With the drone whose motors start without a limit, so that transients are those of the control loops.
+/// Returns a shipped scene with the drone whose motors start without a limit, so that transients are those of the
+/// control loops.
 inline scene::Scene shipped_scene(const std::string& name) {
   auto scene = scene::load_scene(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/scenes/" + name + ".json");
   scene.drone = shipped_drone("crazyflie_bench");
   return scene;
 }
 
-/// Four rotors that follow their commands with a first-order lag (solved exactly over a step), on a bus
-/// whose sag scales the thrust. Their true curve is the one that the stabiliser believes in, times `sag`.
+/// Four rotors that follow their commands with a first-order lag (solved exactly over a step), on a bus whose sag
+/// scales the thrust. Their true curve is the stabiliser's curve times `sag`.
 struct Rotors {
   explicit Rotors(const scene::Drone& drone)
       : curve(drone.thrust_curve), torque_per_thrust_m(drone.torque_per_thrust_m) {}
@@ -42,7 +43,7 @@ struct Rotors {
   std::array<double, 4> thrust_n{};
 };
 
-/// World and rotors coupled as a Jacobi master does: both step from t_k with what the other put out at t_k.
+/// Couples world and rotors as a Jacobi master does: both step from t_k with the outputs of the other at t_k.
 class FlightRig {
  public:
   explicit FlightRig(scene::Scene scene = shipped_scene("empty"), Parameters parameters = small_camera(),
@@ -56,7 +57,7 @@ class FlightRig {
 
   static Parameters small_camera() {
     Parameters parameters;
-    parameters.camera_width = 16;  // these flights look at no pictures
+    parameters.camera_width = 16;  // these flights do not use pictures
     parameters.camera_height = 16;
     parameters.range_noise_m = 0.0;
     return parameters;
@@ -85,7 +86,7 @@ class FlightRig {
         seconds, [] {}, h_ns);
   }
 
-  /// Up to the altitude, at rest, in mode fly.
+  /// Climbs to the altitude and hovers in mode fly.
   void take_off_and_fly(double altitude_m = 1.0, std::int64_t h_ns = 2'000'000) {
     inputs.setpoint_mode = FlightMode::take_off;
     inputs.setpoint_altitude_m = altitude_m;

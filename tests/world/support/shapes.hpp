@@ -10,7 +10,7 @@
 
 namespace mebots::world::test {
 
-/// A box of triangles round the origin.
+/// Returns a box of triangles around the origin.
 inline std::shared_ptr<const scene::Mesh> box_mesh(const Eigen::Vector3d& size_m, const scene::Texture& texture) {
   scene::Mesh mesh;
   mesh.materials = {texture};
@@ -27,7 +27,7 @@ inline std::shared_ptr<const scene::Mesh> box_mesh(const Eigen::Vector3d& size_m
   return std::make_shared<const scene::Mesh>(std::move(mesh));
 }
 
-/// There and back along an offset in four seconds, again and again.
+/// Moves along an offset and back in four seconds, repeatedly.
 inline scene::Path shuttle(const Eigen::Vector3d& offset_m) {
   scene::Path path;
   path.repeat = true;
