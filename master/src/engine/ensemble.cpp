@@ -524,11 +524,11 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
 
 /// FMI demands UTF-8. Gives one notice per instance: its connected inputs get the bytes, the results do not.
 void Ensemble::check_texts(Member& member, std::int64_t time_ns) {
-  if (member.told_of_texts) return;
+  if (member.reported_texts) return;
   const auto& bank = member.outputs.strings;
   const auto bad = std::ranges::find_if_not(bank.values, is_utf8);
   if (bad == bank.values.end()) return;
-  member.told_of_texts = true;
+  member.reported_texts = true;
   const auto text = fmt::format(
       "the text of '{}' at {} s is not UTF-8, which FMI demands; the results have \"{}\" "
       "(U+FFFD for each wrong byte), and connected inputs get the FMU's bytes",

@@ -219,7 +219,7 @@ class Ensemble {
     std::vector<ItemCheck> item_checks;
     std::vector<RangeCheck> range_checks;
     std::vector<std::size_t> outer_sizes;  // of the lists of inputs, without inner connections
-    bool told_of_texts = false;            // a text that is not UTF-8 has had its notice
+    bool reported_texts = false;           // a text that is not UTF-8 has had its notice
   };
 
   void lay_out();

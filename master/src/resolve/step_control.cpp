@@ -109,7 +109,7 @@ void find_measured(ResolvedSystem& system) {
 std::vector<std::string> without_rollback(const ResolvedSystem& system) {
   std::vector<std::string> names;
   for (const auto& instance : system.instances) {
-    const bool restores = instance.implementation().can_get_and_set_fmu_state && !instance.isolation.go_on_without;
+    const bool restores = instance.implementation().can_get_and_set_fmu_state && !instance.isolation.continue_without;
     if (!restores) names.push_back(instance_text(instance));
   }
   return names;
