@@ -67,8 +67,9 @@ class Frames(StudyCase):
             self.swept(self.folder / "out").to_pandas("flights")
 
     def test_a_package_that_is_missing_is_named(self):
+        result = self.swept(self.folder / "out")
         with unittest.mock.patch.dict(sys.modules, {"polars": None}), self.assertRaisesRegex(mebots.InputError, "pip install polars"):
-            self.swept(self.folder / "out").to_polars()
+            result.to_polars()
 
     def test_a_failed_sweep_leaves_no_temporary_folder(self):
         place = self.folder / "temporary"
