@@ -22,6 +22,7 @@ from mebots.errors import Error, InputError
 from mebots.mission import Mission
 from mebots.notebook import show
 from mebots.results import Results, read
+from mebots.system import System
 
 if TYPE_CHECKING:
     from mebots.exploration.command import sweep
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from mebots.flight.new_cell import new_cell
     from mebots.flight.replay import replay
 
-__all__ = ["Error", "InputError", "Mission", "Results", "identify", "new_cell", "read", "replay", "show", "sweep", "__version__"]
+__all__ = ["Error", "InputError", "Mission", "Results", "System", "identify", "new_cell", "read", "replay", "show", "sweep", "__version__"]
 
 _FLIGHT = ("identify", "new_cell", "replay")
 
