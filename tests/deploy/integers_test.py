@@ -2,21 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Networks of whole numbers keep their outputs bit by bit: those of onnxruntime, which computes them exactly in float."""
 
-import pathlib
 import sys
-import tempfile
 import unittest
 
 import numpy as np
 import onnxruntime
-from networks import DeployCase, Maker
+from networks import DeployCase, Maker, objects
 from onnx import helper
 
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
 from mebots.deploy.deploying import check_and_measure, lower
-
-OBJECTS = tempfile.TemporaryDirectory()
 
 
 class IntegerMaker(Maker):
@@ -87,7 +83,7 @@ class WholeNumbers(DeployCase):
             library.mkdir(exist_ok=True)
             for name, content in deployed.sources.files.items():
                 (library / name).write_bytes(content)
-            check_and_measure(library, self.folder, deployed, Options(), pathlib.Path(OBJECTS.name), with_cost=False)
+            check_and_measure(library, self.folder, deployed, Options(), objects(), with_cost=False)
 
     def test_every_width_of_the_product_is_exact(self):
         random = np.random.default_rng(3)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Small ONNX networks with random weights, which tests write."""
 
+import hashlib
+import os
 import pathlib
 import tempfile
 import unittest
@@ -8,6 +10,8 @@ import unittest
 import numpy as np
 import onnx
 from onnx import TensorProto, helper, numpy_helper
+
+from mebots.deploy import chip
 
 
 class Maker:
@@ -65,6 +69,17 @@ class Maker:
         onnx.save(self.model(), str(path))
         np.save(path.with_name("data.npy"), self.random.random((8, *self.shape)).astype(np.float32) * 2 - 0.7)
         return path, path.with_name("data.npy")
+
+
+def objects():
+    """Returns a folder for the objects of the present kernels, which all tests of a build share."""
+    content = hashlib.sha256(pathlib.Path(chip.__file__).read_bytes())
+    for folder in ("kernels", "runtime"):
+        for file in sorted((chip.data_folder() / "fmu_soc/firmware" / folder).iterdir()):
+            content.update(file.read_bytes())
+    place = pathlib.Path(os.environ.get("MEBOTS_BUILD", tempfile.gettempdir())) / "tests/deploy/objects" / content.hexdigest()[:16]
+    place.mkdir(parents=True, exist_ok=True)
+    return place
 
 
 class DeployCase(unittest.TestCase):

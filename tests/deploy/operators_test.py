@@ -3,12 +3,10 @@
 """Each operator with random shapes: numpy, C on this machine, and C on the chip with one and eight cores give the same
 bytes, which are near the floats of onnxruntime."""
 
-import pathlib
 import sys
-import tempfile
 
 import numpy as np
-from networks import DeployCase, Maker
+from networks import DeployCase, Maker, objects
 
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
@@ -17,9 +15,6 @@ from mebots.deploy.deploying import check_and_measure, lower
 
 def pair(random, low, high):
     return [int(one) for one in random.integers(low, high + 1, 2)]
-
-
-OBJECTS = tempfile.TemporaryDirectory()
 
 
 class OperatorCase(DeployCase):
@@ -31,7 +26,7 @@ class OperatorCase(DeployCase):
         library.mkdir(exist_ok=True)
         for name, content in deployed.sources.files.items():
             (library / name).write_bytes(content)
-        check_and_measure(library, self.folder, deployed, Options(), pathlib.Path(OBJECTS.name), with_cost=False)
+        check_and_measure(library, self.folder, deployed, Options(), objects(), with_cost=False)
         self.near_to_float(deployed, steps)
         return deployed
 

@@ -115,6 +115,17 @@ class Models(RefusalCase):
         model.graph.output.append(helper.make_tensor_value_info("y", TensorProto.FLOAT, [None] * 4))
         self.refuse(model, "ConstantOfShape0", str(1 << 46))
 
+    def test_attributes_that_do_not_fit(self):
+        maker = Maker(1, (1, 8, 8))
+        maker.output(maker.node("ConvTranspose", "x", maker.weights(1, 2, 3, 3), strides=[1 << 31, 3], kernel_shape=[3, 3]))
+        self.refuse(maker.model(), "ConvTranspose0")
+        maker = Maker(1, (1, 8, 8))
+        maker.output(maker.node("Gather", "x", maker.constant(np.array([1 << 31, 3], dtype=np.int64)), axis=2))
+        self.refuse(maker.model(), "Gather0")
+        maker = Maker(1, (1, 8, 8))
+        maker.output(maker.node("Conv", "x", maker.weights(2, 1, 3, 3), kernel_shape=[2, 3]))
+        self.refuse(maker.model(), "Conv0")
+
     def test_operators_and_attributes_that_are_not_supported(self):
         self.refuse_node("LpNormalization", ["x"], "not supported", "Supported are", axis=1)
         self.refuse_node("MaxPool", ["x"], "ceil_mode", kernel_shape=[3, 3], strides=[2, 2], ceil_mode=1)

@@ -29,17 +29,26 @@ class FloatModel:
         proto.graph.output.extend(onnx.helper.make_empty_tensor_value_info(name) for name in self.names)
         options = runtime.SessionOptions()
         options.intra_op_num_threads = 1
-        options.log_severity_level = 3
+        options.log_severity_level = 4  # its errors are exceptions, too
+        runtime.set_default_logger_severity(4)
+        self._path = model.path
         options.graph_optimization_level = runtime.GraphOptimizationLevel.ORT_DISABLE_ALL
         try:
             self._session = runtime.InferenceSession(proto.SerializeToString(), options, providers=["CPUExecutionProvider"])
         except Exception as error:  # onnxruntime's own classes
-            raise InputError(f"{model.path}: onnxruntime cannot run it: {' '.join(str(error).split())[:300]}", "invalid_model") from error
+            raise InputError(f"{model.path}: onnxruntime cannot run it: {_one_line(error)}", "invalid_model") from error
 
     def run(self, values: np.ndarray) -> dict[str, np.ndarray]:
         """``values`` have ONNX's shape, with the batch."""
-        results = self._session.run(self.names, {self._input: values.astype(np.float32)})
+        try:
+            results = self._session.run(self.names, {self._input: values.astype(np.float32)})
+        except Exception as error:  # onnxruntime's own classes
+            raise InputError(f"{self._path}: onnxruntime cannot run it: {_one_line(error)}", "invalid_model") from error
         return dict(zip(self.names, results, strict=True))
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())[:300]
 
 
 class Ranges:

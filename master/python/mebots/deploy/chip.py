@@ -142,7 +142,7 @@ class Build:
         out = self._objects / f"{kind}_{source.name}.o"
         if not out.exists():
             standard = ["-std=c11"] if source.suffix == ".c" else []
-            new = self._scratch / out.name
+            new = self._objects / f"{out.name}.{os.getpid()}"  # other processes may compile it, too
             run_program([*words, *standard, f"-I{self._firmware}", f"-I{self._objects}", "-c", source, "-o", new], f"compiling {source.name}")
             os.replace(new, out)
         return out
@@ -165,7 +165,9 @@ class Build:
     def _make_header(self) -> None:
         header = self._objects / "board.h"
         if not header.exists():
-            run_program([program("mebots-boardgen"), self._board.path, "--c", header], "mebots-boardgen")
+            new = self._objects / f"board.h.{os.getpid()}"
+            run_program([program("mebots-boardgen"), self._board.path, "--c", new], "mebots-boardgen")
+            os.replace(new, header)
 
     def _link(self, gcc: str, own: Sequence[pathlib.Path], shared: Sequence[pathlib.Path], name: str) -> pathlib.Path:
         script = self._scratch / "link.ld"

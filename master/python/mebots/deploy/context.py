@@ -114,7 +114,11 @@ class Importer:
         for name in node.output[1:]:
             if name and any(name in other.input for other in self.model.nodes):
                 raise self.refuse(f"its second output {name} is used", "Only the first output can be")
-        self._operators[node.op_type](self)
+        try:
+            self._operators[node.op_type](self)
+        except (ArithmeticError, AttributeError, LookupError, MemoryError, TypeError, ValueError) as error:
+            # Attributes and constants of a broken model may have any values.
+            raise self.refuse(f"its attributes and inputs do not fit each other: {error}", "Export the model again") from error
 
     def _output(self, name: str) -> Tensor:
         if name in self._tensors:

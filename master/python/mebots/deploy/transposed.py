@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from mebots.deploy import moving
-from mebots.deploy.context import Importer
+from mebots.deploy.context import MOST_ELEMENTS, Importer
 from mebots.deploy.graph import Node, Tensor
 from mebots.deploy.model_file import label
 
@@ -55,6 +55,8 @@ def _spread(owner: Importer, source: Tensor, strides: tuple[int, int]) -> Tensor
     if strides == (1, 1):
         return source
     rows, columns = ((size - 1) * step + 1 for size, step in zip((source.rows, source.columns), strides, strict=True))
+    if source.channels * rows * columns > MOST_ELEMENTS:
+        raise owner.refuse(f"its strides {list(strides)} spread the input to {rows} x {columns} places", "Use smaller strides")
     spread = Tensor(f"{source.name} spread for {label(owner.node)}", (source.channels, rows, columns))
     memory, out = np.empty(source.size, dtype=np.uint8), np.empty(spread.size, dtype=np.uint8)
     view = memory.reshape(source.stored())
