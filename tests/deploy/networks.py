@@ -71,10 +71,11 @@ class Maker:
         return path, path.with_name("data.npy")
 
 
-def objects():
-    """Returns a folder for the objects of the present kernels, which all tests of a build share."""
+def objects(board="ai_deck"):
+    """Returns a folder for the objects of the present kernels for a board, which all tests of a build share."""
     content = hashlib.sha256(pathlib.Path(chip.__file__).read_bytes())
-    for folder in ("kernels", "runtime"):
+    content.update(board.encode())
+    for folder in ("kernels", "runtime", "gap8/runtime"):
         for file in sorted((chip.data_folder() / "fmu_soc/firmware" / folder).iterdir()):
             content.update(file.read_bytes())
     place = pathlib.Path(os.environ.get("MEBOTS_BUILD", tempfile.gettempdir())) / "tests/deploy/objects" / content.hexdigest()[:16]

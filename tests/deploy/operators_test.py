@@ -18,15 +18,15 @@ def pair(random, low, high):
 
 
 class OperatorCase(DeployCase):
-    def check(self, maker, steps=2.5):
+    def check(self, maker, steps=2.5, board="ai_deck"):
         """Deploys the network, and compares all its outputs; floats may differ by ``steps`` steps of the output's scale."""
         model, data = maker.save(self.folder)
-        deployed = lower(model, data, Options())
+        deployed = lower(model, data, Options(board=board))
         library = self.folder / "library"
         library.mkdir(exist_ok=True)
         for name, content in deployed.sources.files.items():
             (library / name).write_bytes(content)
-        check_and_measure(library, self.folder, deployed, Options(), objects(), with_cost=False)
+        check_and_measure(library, self.folder, deployed, Options(), objects(board), with_cost=False)
         self.near_to_float(deployed, steps)
         return deployed
 
@@ -133,6 +133,12 @@ class Others(OperatorCase):
         maker.output(maker.node("Clip", other, maker.constant(np.float32(0)), maker.constant(np.float32(0.5))))
         maker.output(maker.node("Mul", other, maker.constant(maker.random.random((6, 1, 1)).astype(np.float32))))
         self.check(maker)
+
+    def test_board_with_gap8s_own_devices(self):
+        maker = Maker(14, (6, 12, 12))
+        conv = maker.node("Relu", maker.conv("x", 6, 8, (3, 3), pads=[1, 1, 1, 1]))
+        maker.output(maker.node("Add", conv, maker.conv(conv, 8, 8, (3, 3), 8, pads=[1, 1, 1, 1])))
+        self.check(maker, steps=4, board="gap8")
 
     def test_pools(self):
         maker = Maker(8, (6, 11, 13))

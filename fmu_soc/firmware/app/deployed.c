@@ -52,7 +52,7 @@ static void fetch(const job_t* j, buffers_t* buffers, int stripe, uint32_t copie
   }
 }
 
-static uint32_t store(buffers_t* buffers, int stripe) {
+static uint32_t store_rows(buffers_t* buffers, int stripe) {
   return dma_copy_out(&picture[stripe * CORES * NETWORK_COLUMNS], buffers->rows[stripe & 1],
                       (uint32_t)(rows_of(stripe) * NETWORK_COLUMNS));
 }
@@ -93,7 +93,7 @@ static void reduce(void* argument) {
     cluster_barrier();
     if (core == 0) {
       if (stripe > 0) {
-        stored = store(buffers, stripe - 1);
+        stored = store_rows(buffers, stripe - 1);
       }
       if (stripe + 1 < STRIPES) {
         fetch(j, buffers, stripe + 1, copies);
@@ -106,7 +106,7 @@ static void reduce(void* argument) {
   cluster_barrier();
   if (core == 0) {
     dma_wait(stored);
-    dma_wait(store(buffers, STRIPES - 1));
+    dma_wait(store_rows(buffers, STRIPES - 1));
   }
 }
 

@@ -134,8 +134,8 @@ typedef struct {
   uint8_t* out;
 } tensors_t;
 
-static void load(const layer_network_t* n, const layer_t* layer, const tensors_t* t, copies_t* copies,
-                 const cursor_t* at) {
+static void load_step(const layer_network_t* n, const layer_t* layer, const tensors_t* t, copies_t* copies,
+                      const cursor_t* at) {
   const layer_block_t* block = block_of(n, layer, at->block);
   if (at->needs_data && block->bytes > 0) {
     make_place(copies);
@@ -149,8 +149,8 @@ static void load(const layer_network_t* n, const layer_t* layer, const tensors_t
   }
 }
 
-static void store(const layer_network_t* n, const layer_t* layer, const tensors_t* t, copies_t* copies,
-                  const cursor_t* at) {
+static void store_step(const layer_network_t* n, const layer_t* layer, const tensors_t* t, copies_t* copies,
+                       const cursor_t* at) {
   const layer_block_t* block = block_of(n, layer, at->block);
   const uint32_t places = (uint32_t)(rows_of(layer, at->tile) * layer->out_columns);
   const uint32_t channels = (uint32_t)(block->channels * layer->element);
@@ -216,7 +216,7 @@ static void run_tiles(const layer_network_t* n, const layer_t* layer, const tens
     fill_sides(n, layer, share);
   }
   if (share.core == 0) {
-    load(n, layer, t, &copies, &now);
+    load_step(n, layer, t, &copies, &now);
   }
   const int32_t steps = layer->block_count * layer->tiles;
   for (int32_t i = 0; i < steps; ++i) {
@@ -228,10 +228,10 @@ static void run_tiles(const layer_network_t* n, const layer_t* layer, const tens
     machine_barrier();
     if (share.core == 0) {
       if (i > 0) {
-        store(n, layer, t, &copies, &last);
+        store_step(n, layer, t, &copies, &last);
       }
       if (i + 1 < steps) {
-        load(n, layer, t, &copies, &next);
+        load_step(n, layer, t, &copies, &next);
       }
     }
     compute(n, layer, &now, share);
@@ -240,7 +240,7 @@ static void run_tiles(const layer_network_t* n, const layer_t* layer, const tens
   }
   machine_barrier();
   if (share.core == 0) {
-    store(n, layer, t, &copies, &last);
+    store_step(n, layer, t, &copies, &last);
     wait_for_all(&copies);
   }
 }

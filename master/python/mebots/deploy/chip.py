@@ -24,6 +24,7 @@ _MARK = b"mebots-request:\0"
 CLOCK_HZ = 87_000_000
 """The cluster's highest clock at 1.0 V."""
 _TIME_LIMIT_S = 600
+_GAP8_RUNTIME = ("chip.c", "soc_events.c", "uart.c", "vectors.S", "dma.c")
 _RUNTIME = ("cluster.c", "cluster_start.S", "crt0.S", "console.c", "exit.c", "memory.c", "sleep.c", "trap.c")
 PILOTS = {
     "sight": ("app/policy.c", "app/sight_deployed.c", "app/sight_main.c", "app/traverser.c", "drivers/camera.c", "drivers/timer.c"),
@@ -93,6 +94,8 @@ class Board:
     l1: int
     l2: int
     cores: int
+    is_gap8: bool  # with GAP8's own devices
+    flies: bool  # with a flight link
 
 
 def board(name: str) -> Board:
@@ -108,7 +111,16 @@ def board(name: str) -> Board:
     sizes = {one["name"]: one["size"] for one in content.get("memories", [])}
     if "l1" not in sizes or "l2" not in sizes:
         raise InputError(f"board {path}: has no memories l1 and l2, which a network on the cluster needs", "invalid_board")
-    return Board(path, content["name"], sizes["l1"], sizes["l2"], int(content.get("cluster_cores", 8)))
+    devices = content.get("devices", [])
+    return Board(
+        path,
+        content["name"],
+        sizes["l1"],
+        sizes["l2"],
+        int(content.get("cluster_cores", 8)),
+        any(one.get("kind") == "gap8_event_unit" for one in devices),
+        any(one.get("name") == "flight" for one in devices),
+    )
 
 
 class Build:
@@ -143,24 +155,34 @@ class Build:
         if not out.exists():
             standard = ["-std=c11"] if source.suffix == ".c" else []
             new = self._objects / f"{out.name}.{os.getpid()}"  # other processes may compile it, too
-            run_program([*words, *standard, f"-I{self._firmware}", f"-I{self._objects}", "-c", source, "-o", new], f"compiling {source.name}")
+            run_program([*words, *standard, *self._folders(), "-c", source, "-o", new], f"compiling {source.name}")
             os.replace(new, out)
         return out
 
     def chip(self) -> pathlib.Path:
         """Builds the program that checks and measures."""
         gcc = compiler()
-        if "gap8_event_unit" in self._board.path.read_text():
-            raise InputError(f"board {self._board.name} has GAP8's own event unit, for which networks cannot be measured yet. Use ai_deck", "not_offered")
         self._make_header()
-        return self._link(gcc, self._own(), [*(self._firmware / "runtime" / one for one in _RUNTIME), *self._shared()], "check.elf")
+        return self._link(gcc, self._own(), [*self._runtime(), *self._shared()], "check.elf")
 
     def pilot(self, name: str) -> pathlib.Path:
         """Builds a flight's program with the network in place of its own."""
         gcc = compiler()
         self._make_header()
-        shared = [*(self._firmware / "runtime" / one for one in _RUNTIME), *self._shared(), *(self._firmware / one for one in PILOTS[name])]
+        shared = [*self._runtime(), *self._shared(), *(self._overlaid(one) for one in PILOTS[name])]
         return self._link(gcc, [self._firmware / "app/deployed.c", *self._own()[1:]], shared, f"{name}.elf")
+
+    def _runtime(self) -> list[pathlib.Path]:
+        more = _GAP8_RUNTIME if self._board.is_gap8 else ()
+        return [self._overlaid(f"runtime/{one}") for one in (*_RUNTIME, *more)]
+
+    def _overlaid(self, name: str) -> pathlib.Path:
+        """On a board with GAP8's own devices, files of gap8/ replace those of the same names."""
+        instead = self._firmware / "gap8" / name
+        return instead if self._board.is_gap8 and instead.exists() else self._firmware / name
+
+    def _folders(self) -> list[str]:
+        return [f"-I{self._firmware / 'gap8'}"] * self._board.is_gap8 + [f"-I{self._firmware}", f"-I{self._objects}"]
 
     def _make_header(self) -> None:
         header = self._objects / "board.h"
@@ -178,8 +200,7 @@ class Build:
         for source in own:
             out = self._scratch / f"{source.name}.o"
             standard = ["-std=c11"] if source.suffix == ".c" else []
-            folders = [f"-I{one}" for one in (self._firmware, self._objects, self._library)]
-            run_program([gcc, *_CHIP_OPTIONS, *maps, *standard, *folders, "-c", source, "-o", out], f"compiling {source.name}")
+            run_program([gcc, *_CHIP_OPTIONS, *maps, *standard, *self._folders(), f"-I{self._library}", "-c", source, "-o", out], f"compiling {source.name}")
             objects.append(out)
         library = run_program([gcc, "-march=rv32im", "-mabi=ilp32", "-print-libgcc-file-name"], "the compiler").strip()
         elf = self._scratch / name

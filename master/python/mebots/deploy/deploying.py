@@ -156,6 +156,8 @@ def _build_pilot(folder: pathlib.Path, deployed: Deployed) -> dict[str, str]:
         return {"none": "a flight needs outputs with scales, which a network of whole numbers does not have"}
     if deployed.network.input.channels != 1 or deployed.network.input.rows < 2 or values not in names:
         return {"none": f"a flight needs one grey picture, and one output (yaw) or four (yaw, rise, size, visible); this network has {values}"}
+    if not deployed.board.flies:
+        return {"none": f"board {deployed.board.name} has no flight link; ai_deck has one"}
     name = names[values]
     try:
         elf = chip.Build(folder, folder.parent, deployed.board).pilot(name)
