@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# What configuring and building each part costs: seconds by the clock and of processor time, without a compiler cache,
-# in a folder that is removed at the end. The core alone first; each other row is the core with that part.
-# Usage: bench/build_parts.sh [PART...]    of core chip world python pages tests all
+# Measures the cost of configuring and building each part: wall and processor seconds without a compiler cache, in a temporary folder. The
+# first row is the core alone; each other row is the core with that part. Usage: bench/build_parts.sh [PART...]    of core chip world python
+# pages tests all
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export CCACHE_DISABLE=1
@@ -15,7 +15,7 @@ declare -A options=(
 parts=("$@")
 ((${#parts[@]})) || parts=(core chip world python pages tests all)
 
-measured() {  # seconds by the clock and of processor time that a command takes; what it prints goes to $folder/log
+measured() {  # wall and processor seconds of a command; its output goes to $folder/log
   local TIMEFORMAT='%R %U %S'
   { time "$@" > "$folder/log" 2>&1; } 2>&1 | awk '{ printf "%7.1f s %7.1f s", $1, $2 + $3 }' \
     || { tail -20 "$folder/log" >&2; exit 1; }

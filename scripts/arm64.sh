@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds MEbots for 64-bit ARM with Debian's cross compiler, flies a mission with it under qemu-user and compares what came out with
-# the flight of a build for this machine: the bits must be the same (docs/concepts/determinism.md#64-bit-arm). The chip is interpreted
-# there: its translation to host code is for x86-64.
-# Needs crossbuild-essential-arm64, qemu-user-static and mmdebstrap, and scripts/setup.sh once before.
+# Builds MEbots for 64-bit ARM with Debian's cross compiler, runs a mission with it under qemu-user and compares the results with those of a
+# build for this machine: the bits must be equal (docs/concepts/determinism.md#64-bit-arm). The chip is interpreted there, because its
+# translation to host code is for x86-64. Needs crossbuild-essential-arm64, qemu-user-static and mmdebstrap, and scripts/setup.sh once
+# before.
 #
 #   scripts/arm64.sh [BUILD_FOLDER [ARGUMENT...]]    the build for this machine (build/release); arguments of `mebots run`
 set -euo pipefail
@@ -25,7 +25,7 @@ cmake --preset release -B build/arm64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.c
   -DMEBOTS_SOC_TRANSLATE=OFF -DMEBOTS_EXAMPLES=OFF -DMEBOTS_PYTHON=OFF -DMEBOTS_PAGES=OFF
 cmake --build build/arm64
 
-# A product and a sum in one operation have other bits than on x86-64. What computes must not have it.
+# A fused multiply-add has other bits than on x86-64. Computing code must not contain one.
 for binary in $(find build/arm64/fmu_binaries -name "*.so") "$sysroot/usr/lib/aarch64-linux-gnu/libccd.so.2.0"; do
   fused=$(aarch64-linux-gnu-objdump --disassemble --demangle --no-show-raw-insn "$binary" |
     awk '/^[0-9a-f]+ </ { name = $0 } $2 ~ /^(fn?m(add|sub)|fml[as])$/ { print name }' | sort -u)

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Lays Debian's libraries for 64-bit ARM into build/arm64-sysroot, for scripts/arm64.sh. ODE, libccd, libpng and musl's functions are built
-# again from Debian's sources: its own builds fuse a product and a sum into one operation with one rounding, as compilers for ARM do
-# unless told otherwise. So their last bits are not those of x86-64. ARKODE stays: it is C99, for which compilers do not fuse.
+# Puts Debian's libraries for 64-bit ARM into build/arm64-sysroot, for scripts/arm64.sh. Rebuilds ODE, libccd, libpng and musl's functions
+# from Debian's sources: Debian's own builds fuse a product and a sum into one operation with one rounding, as compilers for ARM do by
+# default. So their last bits differ from those of x86-64. ARKODE is not rebuilt: it is C99, for which compilers do not fuse.
 set -Eeuo pipefail
 cd "$(dirname "$0")/.."
 sysroot=$PWD/build/arm64-sysroot
@@ -10,7 +10,7 @@ mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
 target=aarch64-linux-gnu
 libraries=$sysroot/usr/lib/$target
 
-# The libraries of scripts/setup.sh for that processor, but for those of tests and of the translation.
+# The libraries of scripts/setup.sh for that processor, except those for tests and translation.
 packages=$(sed -n '/^packages=(/,/^)/p' scripts/setup.sh | sed 's/#.*//' | grep -oE '\b[a-z0-9.+-]+-dev\b' |
   grep -vE '^(libxbyak|libgtest|libgmock|libbenchmark|libclang-rt-[0-9]+|python3|pybind11)-dev$' | paste -sd,)
 wanted=$packages$'\n'$(sha256sum <scripts/arm64_sysroot.sh)
@@ -19,7 +19,7 @@ if [[ $(cat "$sysroot/.made_of" 2>/dev/null) == "$wanted" ]]; then exit; fi
 rm -rf "$sysroot"
 mmdebstrap --quiet --variant=extract --architectures=arm64 "--include=libc6-dev,libstdc++-12-dev,$packages" bookworm "$sysroot" "$mirror"
 
-# Debian's sources and patches, by an apt of our own: the machine's need not know them.
+# Debian's sources and patches, fetched with a separate configuration of apt.
 place=$PWD/build/arm64-sources
 rm -rf "$place"
 mkdir -p "$place/lists/partial" "$place/cache/archives/partial"
@@ -33,7 +33,7 @@ sources update
 
 plain="-O2 -fPIC -ffp-contract=off"
 build() {
-  # Where it fuses by name, musl asks the compiler first whether that is quick.
+  # Where musl calls fma() by name, it first queries whether the compiler has a fast one.
   (cd "$place"/musl-*/ && ./configure "--target=$target" "CROSS_COMPILE=$target-" \
     "CFLAGS=$plain -U__FP_FAST_FMA -U__FP_FAST_FMAF" && make -j"$(nproc)" lib/libc.a)
   cmake -S "$place"/libccd-*/ -B "$place/libccd" -G Ninja -DCMAKE_BUILD_TYPE=None "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" \

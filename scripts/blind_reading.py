@@ -4,9 +4,9 @@
 
 Usage: scripts/blind_reading.py [--seed N] [--commit COMMIT] [--texts]
 
-Prints 40 comments, 20 messages, 10 help texts and the names of 5 pages. The same seed and commit draw the same texts. A reader lists
-every sentence that was not clear at the first reading. With --texts the pages are printed, too. The headings have the number of sentences:
-texts of at least three words between full stops; a cell of a table counts as a text.
+Prints 40 comments, 20 messages, 10 help texts and the names of 5 pages. Equal seed and commit give equal texts. A reader lists
+every sentence that was not clear at the first reading. With --texts the pages are printed too. The headings contain the number of
+sentences: texts of at least three words between full stops; a cell of a table counts as a text.
 """
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ import prose_lint
 COUNTS = {"comments": 40, "messages": 20, "help texts": 10, "pages": 5}
 MESSAGES = {"error", "warning", "log", "output", "text"}
 HELP = {"help", "variable", "schema"}
-# Lists of changes and generated reports are no pages to read in one go.
+# Lists of changes and generated reports are not pages to read at once.
 NOT_PAGES = {"CHANGELOG.md", "examples/paper/REPORT.md", "docs/blind-reading.md"}
 
 
@@ -34,7 +34,7 @@ class Draw(NamedTuple):
 
 
 def comments(commit: str | None) -> Iterator[Draw]:
-    """Comments of whole lines; lines that follow each other are one comment."""
+    """Yields comments of whole lines; consecutive lines are one comment."""
     for path in list_messages.names(commit, ["."]):
         if pathlib.Path(path).suffix not in prose_lint.SOURCES:
             continue

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The chip's instruction set beside suites that others wrote, from checkouts in one folder: riscv-tests, riscv-arch-test with Spike's
-# answers, Embench-IoT and CoreMark with Spike's count of instructions. Prints a page (docs/conformance.md). Exit 1 at anything
-# unexplained, 2 when something is missing. Takes about two minutes of two cores.
+# Tests the chip's instruction set with suites by others, from checkouts in one folder: riscv-tests, riscv-arch-test with Spike's results,
+# Embench-IoT and CoreMark with Spike's count of instructions. Prints a page (docs/conformance.md). Exit code 1 for anything unexplained, 2
+# if something is missing. Takes about two minutes on two cores.
 #
 #   scripts/setup.sh bench                      Spike, once
 #   git clone --recursive https://github.com/riscv-software-src/riscv-tests FOLDER/riscv-tests

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is needed, builds MEbots and flies the easy gate mission; its page and pictures end in results/gate_easy.
+# Installs what is needed, builds MEbots and runs the easy gate mission; its page and pictures are in results/gate_easy.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

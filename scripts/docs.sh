@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the site into build/docs/html: Sphinx over docs/ and the READMEs, Doxygen for C++, and a notebook that flies. A warning or a
-# link that leads nowhere ends it with exit code 1. What only the site needs it installs itself: Debian's doxygen, and Sphinx into
-# a virtual environment of its own.
+# Builds the site into build/docs/html: Sphinx over docs/ and the READMEs, Doxygen for C++, and a notebook that runs a mission. A warning or
+# a broken link ends it with exit code 1. It installs what only the site needs: Debian's doxygen, and Sphinx into a separate virtual
+# environment.
 #
-#   scripts/docs.sh [BUILD]    BUILD: a build with the programs and FMUs that the pages tell of; default build/release, built if need be
+#   scripts/docs.sh [BUILD]    BUILD: a build with the programs and FMUs that the pages describe; default build/release, built if necessary
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -31,9 +31,9 @@ fi
 
 mkdir -p build/docs
 doxygen docs/site/Doxyfile
-sed -i '/<derivedcompoundref/d' build/docs/doxygen/xml/*.xml  # breathe asks for labels that it does not make; bases are shown
+sed -i '/<derivedcompoundref/d' build/docs/doxygen/xml/*.xml  # breathe refers to labels that it does not create; bases are shown
 
-# The notebook finds the programs and the Python package of the same build.
+# The notebook uses the programs and the Python package of the same build.
 export MEBOTS_DOCS_BUILD=$PWD/$build MEBOTS_DOCS_XML=$PWD/build/docs/doxygen/xml
 export PATH=$MEBOTS_DOCS_BUILD/bin:$PATH PYTHONPATH=$MEBOTS_DOCS_BUILD/python
 "$environment/bin/python" -m sphinx -b html -E -n -W --keep-going -j 2 -q -c docs/site -d build/docs/doctrees . build/docs/html

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How figures look, for all programs that draw some: one palette, thin axes, units in square brackets.
+"""The style of figures for all programs that draw some: one palette, thin axes, units in square brackets.
 
-The palette is Okabe and Ito's, as on the page of a run (web/src/theme.ts): people with any kind of colour vision tell
-its colours apart. What went well is blue and what did not vermilion, which are never drawn over each other.
+The palette is Okabe and Ito's, as on the page of a run (web/src/theme.ts): people with any kind of colour vision can
+distinguish its colours. Success is blue and failure vermilion; they are never drawn over each other.
 """
 
 import matplotlib
@@ -15,7 +15,7 @@ BLUE, VERMILION, GREEN, PINK, OCHRE, SKY, VIOLET, GREY = PALETTE
 GOOD, MIDDLING, BAD = BLUE, SKY, VERMILION
 FAINT = "#999999"
 INK = "#22272e"
-SEQUENCE = "cividis"  # of numbers that rise: even in lightness
+SEQUENCE = "cividis"  # for numbers that rise: uniform lightness
 
 plt.rcParams.update({
     "font.size": 10, "axes.titlesize": 10, "axes.spines.top": False, "axes.spines.right": False, "axes.linewidth": 0.8,
@@ -26,7 +26,7 @@ plt.rcParams.update({
 
 
 def label_line(axes, text, colour, at=-1, line=None, offset=(5, 0), **more):
-    """A curve's name beside it, in its colour, in place of a legend; `at`: which of its points."""
+    """Writes a curve's name next to it in its colour, in place of a legend; `at` is the index of the point."""
     line = line or axes.lines[-1]
     x, y = line.get_xdata()[at], line.get_ydata()[at]
     axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", color=colour, va="center", fontsize=9,
@@ -34,6 +34,6 @@ def label_line(axes, text, colour, at=-1, line=None, offset=(5, 0), **more):
 
 
 def save(figure, file):
-    """The same figure gives the same bytes."""
+    """Saves a figure; equal figures give equal bytes."""
     figure.savefig(file, metadata={"Software": None} if str(file).endswith(".png") else {"Date": None})
     plt.close(figure)

@@ -29,12 +29,12 @@ if [[ -f tests/fuzz/$name.dict ]]; then dictionary=(-dict="tests/fuzz/$name.dict
 longest=2048
 case $name in
   elf) longest=16384 ;;       # a program with sections is larger
-  checkpoint) longest=4096 ;; # so is what a run has to keep
+  checkpoint) longest=4096 ;; # the state of a run is larger
   gdb) longest=512 ;;         # packets are short
 esac
-# libFuzzer would cut off what is longer, and hardly anything that is cut off is JSON or XML; ctest replays it whole.
+# libFuzzer would truncate longer inputs, and truncated JSON or XML is rarely useful; ctest replays them complete.
 find "$build/kept/$name" -type f -size +"$longest"c -delete
-# What a reader unpacks goes to memory, not to a disk.
+# Readers unpack into memory instead of a disk.
 if [[ -d /dev/shm ]]; then export TMPDIR=/dev/shm; fi
 export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=1:malloc_context_size=1
 result=0

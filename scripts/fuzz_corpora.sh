@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The inputs that a fuzz target is replayed with are one archive, tests/fuzz/corpus/NAME.tar.xz.
-#   scripts/fuzz_corpora.sh list NAME              what is in it
+# Manages the inputs with which a fuzz target is replayed. They are one archive, tests/fuzz/corpus/NAME.tar.xz.
+#   scripts/fuzz_corpora.sh list NAME              lists its content
 #   scripts/fuzz_corpora.sh unpack NAME FOLDER
-#   scripts/fuzz_corpora.sh add NAME FILE...       more inputs, by their file names
-# The archive's bytes follow from the inputs alone: order, times and owners are fixed.
+#   scripts/fuzz_corpora.sh add NAME FILE...       adds inputs, by their file names
+# Equal inputs give equal bytes of the archive: order, times and owners are fixed.
 set -euo pipefail
 usage="usage: scripts/fuzz_corpora.sh list|unpack|add NAME [FOLDER|FILE...]"
 command=${1:?$usage} name=${2:?$usage}

@@ -5,11 +5,11 @@
     gap8_jtag.py flash MEBOTS_SOC FLASHER [--bytes N]    N pseudo-random bytes from the second sector on, at most 262144;
                                                          tests/conformance/gap8/read_flash.S, which is loaded into the
                                                          same chip, reads them back
-    gap8_jtag.py dump MEBOTS_SOC DUMPER IMAGE            the flash holds IMAGE: its first two sectors come out
+    gap8_jtag.py dump MEBOTS_SOC DUMPER IMAGE            the flash contains IMAGE: its first two sectors are dumped
     gap8_jtag.py fuse MEBOTS_SOC FUSER                   bits of two fuses are programmed, and all 1024 read
 
-Memory is read and written by mebots-soc's gdb server; what the words of the bridges mean is told in gap_flasher.c,
-gap_dumper.c and tcl/fuser.tcl of gap_sdk. `flash` needs riscv64-unknown-elf-gcc.
+Memory is read and written by mebots-soc's gdb server. gap_flasher.c, gap_dumper.c and tcl/fuser.tcl of gap_sdk define the words
+of the bridges. `flash` needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import pathlib
@@ -26,7 +26,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 BOARD = ROOT / "configs/boards/gap8.json"
 READER = ROOT / "tests/conformance/gap8/read_flash.S"
 READER_BUFFER = 0x1C020000
-BRIDGE_POINTER = 0x1C000090  # where flasher and dumper keep the address of their bridge
+BRIDGE_POINTER = 0x1C000090  # where flasher and dumper store the address of their bridge
 FUSER_POINTER = 0x1C000190
 FUSES = 128  # bytes
 HOST_READY, GAP_READY, BUFFER, RUN, ADDRESS, SIZE = 0, 4, 8, 16, 20, 24
@@ -37,10 +37,10 @@ LONGEST_WAIT_S = 120
 
 
 class Chip:
-    """A program in mebots-soc, stopped but for run()."""
+    """A program in mebots-soc, stopped except during run()."""
 
     def __init__(self, soc, program, *options):
-        self.said = tempfile.TemporaryFile("a+")  # a pipe that nobody reads would stop the program when it is full
+        self.said = tempfile.TemporaryFile("a+")  # a full pipe without a reader would stop the program
         self.process = subprocess.Popen(
             [soc, "run", program, "--board", BOARD, "--gdb", "0", *options], text=True, stdout=subprocess.DEVNULL,
             stderr=self.said)
@@ -123,7 +123,7 @@ class Chip:
             slice_s = min(2 * slice_s, SLICES_S[1])
 
     def load(self, program):
-        """As a host does it: bytes of the segments, and the pc at the entry."""
+        """Loads the program as a host does: bytes of the segments, and the pc at the entry."""
         data = program.read_bytes()
         entry, headers = struct.unpack_from("<II", data, 24)
         size, count = struct.unpack_from("<HH", data, 42)
@@ -134,21 +134,21 @@ class Chip:
         self.ask(f"P20={struct.pack('<I', entry).hex()}")
 
     def end(self):
-        """As gdb's kill does; the run ends by itself."""
+        """Ends the run as gdb's kill does."""
         self.send("k")
         self.socket.close()
         self.process.wait(LONGEST_WAIT_S)
 
 
 def bridge_at(chip, pointer, ready):
-    """Address of the program's bridge, once its word at `ready` is 1."""
+    """Returns the address of the program's bridge, after its word at `ready` is 1."""
     chip.run_until("the bridge", lambda: chip.word(pointer) not in (0, 0xDEADBEEF)
                    and chip.word(chip.word(pointer) + ready) == 1)
     return chip.word(pointer)
 
 
 def sector_bridge(chip):
-    """The bridge of flasher and dumper, whose readiness is taken back."""
+    """The bridge of flasher and dumper, whose ready flag is reset."""
     bridge = bridge_at(chip, BRIDGE_POINTER, GAP_READY)
     chip.put(bridge + GAP_READY, 0)
     chip.put(bridge + RUN, 1)
@@ -191,7 +191,7 @@ def dump(chip, place, count):
 
 
 class Fuser:
-    """gap_fuser's bridge."""
+    """The bridge of gap_fuser."""
 
     TO_CHIP, TO_HOST, COMMAND, BIT, COUNT, STATUS, BITS = 8, 12, 16, 20, 24, 28, 36
     READ, PROGRAM = 0, 1
@@ -202,7 +202,7 @@ class Fuser:
         self.bridge = bridge_at(chip, FUSER_POINTER, self.TO_HOST)
 
     def ask(self, command, bit, count):
-        """The program's status: 0 is good."""
+        """Returns the program's status: 0 is success."""
         for offset, value in ((self.BIT, bit), (self.COUNT, count), (self.COMMAND, command), (self.TO_HOST, 0),
                               (self.TO_CHIP, 1)):
             self.chip.put(self.bridge + offset, value)
@@ -257,7 +257,8 @@ def run_dump(arguments):
 
 
 def run_fuse(arguments):
-    """What boots a GAPuino from its HyperFlash, by fuser.tcl: 0x10 in the first fuse, 1 in the one at bit 296."""
+    """Programs what boots a GAPuino from its HyperFlash, according to fuser.tcl: 0x10 in the first fuse, 1 in the
+    one at bit 296."""
     with Chip(arguments.soc, arguments.program) as chip:
         fuser = Fuser(chip)
         wanted = bytearray(FUSES)

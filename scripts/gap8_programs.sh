@@ -22,10 +22,10 @@ python=${PYTHON:-.venv/bin/python}
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
-# The exit code: 0 unless a program that is there falls short.
+# The exit code: 0 unless an available program misses its milestone.
 failed=0
 row() { printf '%-34s %-12s %s\n' "$1" "$2" "$3"; }
-# NAME ELF WHAT-IT-MUST-PRINT [OPTIONS...]: it runs for so many instructions, or until it ends.
+# NAME ELF REQUIRED-OUTPUT [OPTIONS...]: runs the given number of instructions, or until the program ends.
 milestone() {
   local name=$1 elf=$2 wanted=$3
   shift 3
@@ -65,7 +65,7 @@ else
   row PULPDroNet_GAPuino "not there" "$image, $pictures"
 fi
 bins=$folder/gap_sdk/utils/openocd_tools/gap_bins
-# COMMAND NAME [MORE]: the program NAME with its host at JTAG.
+# COMMAND NAME [MORE]: runs the program NAME with its host at JTAG.
 with_host() {
   local command=$1 name=$2
   shift 2

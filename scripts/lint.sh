@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs clang-tidy with the rules of .clang-tidy over all C++ sources, tests and benchmarks included, of a folder that a
-# preset with unity builds configured and built. Most of clang-tidy's time goes into library headers, so sources that
-# share them are looked at in one go. clang-tidy comes from PyPI: Debian's visits library headers, which takes four times
-# as long. The build folder is GCC's; clang-tidy does not know all of GCC's warnings.
-# Usage: scripts/lint.sh [BUILD_DIR]
+# Runs clang-tidy with the rules of .clang-tidy over all C++ sources, tests and benchmarks included, of a folder that was configured and
+# built by a preset with unity builds. Most of clang-tidy's time is spent in library headers, so sources that share them are checked
+# together. clang-tidy comes from PyPI: Debian's also checks library headers, which takes four times as long. The build folder is GCC's;
+# clang-tidy does not support all of GCC's warnings. Usage: scripts/lint.sh [BUILD_DIR]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=${1:-build/ci}
@@ -12,7 +11,7 @@ log=$build/lint.log
 count=$(grep -cE '"file": .*/Unity/.*_cxx.cxx' "$build/compile_commands.json") \
   || { echo "$build has no unity sources: configure it with cmake --preset ci" >&2; exit 1; }
 
-lint() {  # the folders, as a pattern; further options
+lint() {  # arguments: pattern of the folders; further options
   local folders=$1
   shift
   .venv/bin/python .venv/bin/run-clang-tidy.py -clang-tidy-binary .venv/bin/clang-tidy -p "$build" -quiet \
@@ -20,8 +19,7 @@ lint() {  # the folders, as a pattern; further options
     "/$(basename "$build")/$folders/.*/Unity/.*cxx$" >> "$log" 2>&1
 }
 
-# Tests start other programs, try what must throw, repeat their random numbers, count in whole pixels and ticks, and need
-# not be fast.
+# Tests start other programs, check that code throws, repeat their random numbers, count in whole pixels and ticks, and need not be fast.
 in_tests=-bugprone-command-processor,-bugprone-empty-catch,-bugprone-implicit-widening-of-multiplication-result
 in_tests+=,-bugprone-derived-method-shadowing-base-method,-bugprone-reserved-identifier,-bugprone-integer-division
 in_tests+=,-bugprone-unchecked-string-to-number-conversion,-bugprone-random-generator-seed,-bugprone-float-loop-counter

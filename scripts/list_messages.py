@@ -23,7 +23,7 @@ import prose_lint
 # Folders whose texts reach a user. Tests, benchmarks and examples print for their developers.
 PRODUCT = re.compile(r"^(?:master|modeldesc|fmu_\w+|web/src|configs/schemas)/")
 SUFFIXES = {".cpp", ".hpp", ".c", ".h", ".py", ".ts"}
-# Comments and characters are matched so that quotes in them start no literal.
+# Comments and characters are matched so that quotes in them do not start a literal.
 CPP = re.compile(
     r"(?P<skip>//[^\n]*|/\*.*?\*/|(?<!\w)'(?:[^'\\\n]|\\.)+')"
     r'|R"(?P<fence>\w*)\((?P<raw>.*?)\)(?P=fence)"'
@@ -78,7 +78,7 @@ def kind_of(path: str, before: str) -> str:
 
 
 def literals(path: str, source: str) -> Iterator[Text]:
-    """The texts of a source file. Adjacent literals are joined."""
+    """Yields the texts of a source file. Adjacent literals are joined."""
     joined, start, end = "", 0, -1
     pattern = SCRIPT if path.endswith((".py", ".ts")) else CPP
     for found in [*pattern.finditer(source), None]:
@@ -96,7 +96,7 @@ def literals(path: str, source: str) -> Iterator[Text]:
 
 
 def described(path: str, source: str) -> Iterator[Text]:
-    """The descriptions in a JSON file: of an FMU's variables, or of a schema's keys."""
+    """Yields the descriptions in a JSON file: of an FMU's variables, or of a schema's keys."""
     kind = "schema" if "schemas/" in path else "variable"
     for found in re.finditer(r'"(?:description|title)":\s*("(?:[^"\\]|\\.)*")', source):
         yield Text(kind, path, source.count("\n", 0, found.start()) + 1, json.loads(found[1]))

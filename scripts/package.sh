@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes the Debian package in build/deb and tries it in a clean Debian 12 (scripts/try_package.sh).
-# Needs scripts/setup.sh once before, root and debootstrap. The package names MEBOTS_MAINTAINER='NAME <ADDRESS>' as its maintainer.
+# Builds the Debian package in build/deb and tests it in a clean Debian 12 (scripts/try_package.sh). Needs scripts/setup.sh once before,
+# root and debootstrap. MEBOTS_MAINTAINER='NAME <ADDRESS>' sets the package's maintainer.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

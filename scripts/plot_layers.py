@@ -5,7 +5,7 @@
     plot_layers.py OUT.png [--part master] [ROOT...]
 
 Draws a panel for each checkout ROOT, or for this one. A row is a layer of tests/structure/layers.json, the lowest one at
-the bottom. Arrows between folders of one cycle are vermilion, all others grey; the width grows with the number of includes.
+the bottom. Arrows between folders of a cycle are vermilion, all others grey; their width grows with the number of includes.
 """
 import argparse
 import json
@@ -21,7 +21,7 @@ import structure  # noqa: E402
 
 
 def short(folder, part):
-    """Returns the folder in which a reader looks: `engine` for master/src/engine/algorithm."""
+    """Returns the folder that a reader would open: `engine` for master/src/engine/algorithm."""
     steps = folder.relative_to(part).parts
     return "/".join(steps[1:2] if steps[0] == "src" and len(steps) > 1 else steps[:1]) or "."
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws a mission from its results folder: mission.png, and pictures.png from what the camera saw.
+"""Draws a mission from its results folder: mission.png, and pictures.png from the camera's pictures.
 
 Usage: plot_mission.py RESULTS_DIR [--scene SCENE.json] [--build BUILD_FOLDER]
 """
@@ -24,7 +24,7 @@ SCENES = ROOT / "fmu_world" / "params" / "scenes"
 
 
 def read_run(folder, build):
-    """What the package of a build reads of a run."""
+    """Reads a run with the package of a build."""
     sys.path.insert(0, str(build / "python"))
     try:
         import mebots
@@ -37,7 +37,7 @@ def read_run(folder, build):
 
 
 def draw_gates(axes, scene):
-    """Top view: each gate as its two posts and the opening between them."""
+    """Draws the top view: each gate as its two posts and the opening between them."""
     for gate in scene.get("gates", []):
         x, y = gate["position"][:2]
         yaw = gate.get("yaw", 0.0)
@@ -49,8 +49,8 @@ def draw_gates(axes, scene):
 
 
 def mean_power(time, energy, window=1.0):
-    """Mean power over the last `window` seconds, from the energy since the start. Chip and camera switch many times
-    between two rows, which samples of their power would miss; the energy counts everything."""
+    """Returns the mean power over the last `window` seconds, from the energy since the start. Chip and camera switch
+    many times between two rows, which samples of their power would miss; the energy includes everything."""
     first = np.searchsorted(time, time - window)
     first[0] = 0
     span = time - time[first]
@@ -58,7 +58,7 @@ def mean_power(time, energy, window=1.0):
 
 
 def find_scene(summary, path):
-    """The scene that the run flew in, by its own summary."""
+    """Returns the scene of the run, according to its summary."""
     world = summary.get("parameters", {}).get("world", {})
     file = path or world.get("scene.file") or SCENES / f"{world.get('scene.name', 'gate_easy')}.json"
     try:

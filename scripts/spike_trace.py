@@ -4,9 +4,9 @@
 
 Usage: spike_trace.py PROGRAM.elf [--tool build/release/bin/mebots-soc] [--spike spike] [--keep FOLDER]
 
-Runs the program in both, cuts Spike's boot code and everything after the store to tohost, and leaves out what only
-Spike has: the value of mstatus after mret, the registers mstatush and tcontrol, reads of counters that run in cycles.
-Prints how many lines were compared and the first one that differs; exit code 1 when there is one.
+Runs the program in both, removes Spike's boot code and everything after the store to tohost, and leaves out what only
+Spike logs: the value of mstatus after mret, the registers mstatush and tcontrol, reads of counters that count cycles.
+Prints the number of compared lines and the first one that differs; then the exit code is 1.
 """
 
 import argparse
@@ -26,7 +26,7 @@ def symbols(program):
 
 
 def lines(path, tohost, first_pc=None):
-    """Lines of a log from the instruction at `first_pc` up to the store to tohost."""
+    """Yields the lines of a log from the instruction at `first_pc` up to the store to tohost."""
     started = first_pc is None
     with path.open() as file:
         for line in file:
@@ -67,7 +67,7 @@ def main():
                         "--log-commits", f"--log={theirs}", arguments.program], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         count = 0
         tohost = table.get("tohost")
-        # At our limit Spike, which has none that works with traps, is further on.
+        # Spike has no limit that works with traps, so its log may be longer.
         expected = itertools.islice(lines(theirs, tohost, entry), arguments.max_instructions)
         for a, b in itertools.zip_longest(lines(ours, tohost), expected):
             if a != b:

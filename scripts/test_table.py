@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests by area, from what ctest wrote. Usage: scripts/test_table.py BUILD_FOLDER JUNIT_FILE
+"""Prints tests by area, from ctest's results. Usage: scripts/test_table.py BUILD_FOLDER JUNIT_FILE
 
-An area is a folder below tests/. `skipped` are tests that said themselves that they cannot run; `not run` those that ctest could not
-start, or that are disabled. Each of either kind is named below the table, as are those that failed.
+An area is a folder below tests/. `skipped` are tests that reported that they cannot run; `not run` are those that ctest could not
+start, or that are disabled. Both are listed below the table, as are failed ones.
 """
 
 import collections
@@ -14,12 +14,12 @@ import sys
 import xml.etree.ElementTree
 
 
-# ctest's words; it writes "notrun" with a message of its own for a test that skipped.
+# ctest's words; for a test that skipped, it writes "notrun" with a message.
 KINDS = ("passed", "failed", "skipped", "not run")
 
 
 def kind_of(case):
-    """Of a testcase element."""
+    """Returns the kind of a testcase element."""
     status = case.get("status")
     if status == "notrun":
         skip = case.find("skipped")
@@ -28,7 +28,7 @@ def kind_of(case):
 
 
 def areas(build):
-    """Area by name of test, as the folders of the build tell."""
+    """Returns the area of each test by name, from the folders of the build."""
     shown = subprocess.run(["ctest", "--test-dir", build, "--show-only=json-v1"], check=True, capture_output=True, text=True)
     found = {}
     for test in json.loads(shown.stdout)["tests"]:

@@ -4,8 +4,8 @@
 
     .venv/bin/python scripts/update_golden.py build/release/fmus
 
-Row k of _in.csv holds the inputs that are set at its time and held to the next row's; row k of _out.csv holds the
-outputs at that time. Parameters have their start values. Look at the difference before you commit it.
+Row k of _in.csv contains the inputs that are set at its time and held until the next row; row k of _out.csv contains the
+outputs at that time. Parameters have their start values. Check the difference before you commit it.
 """
 import csv
 import math
@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def battery(k):
-    """A flight of 40 g that ends in the opening of the protection; a source helps for a minute."""
+    """A flight of 40 g that ends when the protection opens; a source supplies power for a minute."""
     return {
         "motors.power": 9.5 + math.sin(0.3 * k) if k > 2 else 0.0,
         "soc.power": 0.06 if k % 4 else 0.12,
@@ -68,7 +68,7 @@ def write(path, header, rows):
 
 
 def run(archive, inputs_at, step, count):
-    """Names and rows of the inputs and of the Real and Boolean outputs at count + 1 communication points."""
+    """Returns names and rows of the inputs and of the Real and Boolean outputs at count + 1 communication points."""
     description = fmpy.read_model_description(archive)
     folder = fmpy.extract(archive)
     references = {v.name: v.valueReference for v in description.modelVariables}

@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes the wheel in build/wheels with all of Debian's libraries that it needs inside and their licences beside them, installs
-# it into a fresh environment and flies there. Needs scripts/setup.sh once before; takes scikit-build-core, pybind11,
-# auditwheel and NumPy from PyPI.
+# Builds the wheel in build/wheels with all of Debian's libraries that it needs and their licences, installs it into a new environment and
+# runs a mission there. Needs scripts/setup.sh once before; takes scikit-build-core, pybind11, auditwheel and NumPy from PyPI.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 rm -rf build/wheels build/wheel-tools build/wheel-trial
@@ -13,7 +12,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK=1
 "$tools/pip" wheel --quiet --no-deps -w build/wheels/linked .
 PATH=$tools:$PATH auditwheel repair -w build/wheels/repaired build/wheels/linked/mebots-*.whl
 
-# A library that was taken in is Debian's lib/<name>.so.<version>, by the name <name>-<hash>.so.<version>.
+# An included library is Debian's lib/<name>.so.<version>, renamed to <name>-<hash>.so.<version>.
 "$tools/wheel" unpack --dest build/wheels/unpacked build/wheels/repaired/mebots-*.whl >/dev/null
 tree=$(echo build/wheels/unpacked/mebots-*)
 for library in "$tree"/mebots.libs/*.so*; do

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What does one communication point cost? Every point changes the loads, so the integrator has to begin anew.
-// Compares ARKODE's ERKStep with CVODE on the cell's equations, and times the whole model's step.
+// Measures the cost of a communication point. Every point changes the loads, so the integrator must restart. Compares
+// ARKODE's ERKStep with CVODE on the cell's equations, and times the step of the complete model.
 #include "model.hpp"
 
 #include <arkode/arkode_erkstep.h>
@@ -88,8 +88,8 @@ class Vectors {
   N_Vector tolerances = nullptr;
 };
 
-/// A restart and a step, again and again.
-/// \param step takes where to write the time reached; true when the integrator got there
+/// Repeats a restart and a step.
+/// \param step stores the reached time in its argument; returns true if the integrator got there
 void time_steps(benchmark::State& state, Problem& problem, const Vectors& vectors, auto step) {
   for ([[maybe_unused]] auto _ : state) {
     vectors.next(problem);
@@ -159,7 +159,7 @@ void whole_model_step(benchmark::State& state) {
   for ([[maybe_unused]] auto _ : state) {
     const bool even = (now / kStepNs) % 2 == 0;
     inputs.load_power_w = {even ? 2.1 : 1.9, even ? 0.05 : 0.06, 0.003, 0.96, 0};
-    // As much as the loads take, so that the run never ends in an empty cell.
+    // Equals the loads, so that the cell is never empty.
     inputs.source_power_w = outputs.cell_state_of_charge < 0.5 ? 8 : 0;
     model.step(inputs, now, kStepNs, outputs);
     now += kStepNs;

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Missions a second of a study whose missions cost nothing: what orders, journal, answers and tables take.
+"""Missions per second of a study whose missions cost nothing: the cost of orders, journal, answers and tables.
 
 Usage: many.py FMU MISSIONS DESIGNS [OUT]     with the package mebots in PYTHONPATH; the FMU's real input 'motors.power' or
-'real_in' is drawn. Prints missions, processor time, missions a second, peak memory and disk of the study's process.
+'real_in' is drawn. Prints missions, processor time, missions per second, and peak memory and disk space of the study's process.
 
-An executor answers at once, in the calling thread, with lines of 330 bytes. It knows the protocol of this version and that of
-the versions before batches and before columns, so that two versions can be timed in turn.
+An executor answers immediately in the calling thread, with lines of 330 bytes. It supports the protocol of this version and
+of the versions before batches and before columns, so that two versions can be compared.
 """
 
 import concurrent.futures
@@ -25,7 +25,7 @@ PADDING = "x" * 40
 
 
 def line(mission, build, number):
-    """A line of the journal."""
+    """Returns a line of the journal."""
     body = (f'{{"mission":"{mission}","flown_by":"{build}","outcome":"far","error":"","code":"","simulated_time":1.0,'
             f'"values":{{"integral":{number!r},"out":2.5,"padding":"{PADDING}"}}').encode()
     return b'%b,"crc32":"%08x"}\n' % (body, zlib.crc32(body))
@@ -37,7 +37,7 @@ def record(order):
 
 
 class Instant(concurrent.futures.Executor):
-    """Answers at once."""
+    """Answers immediately."""
 
     def submit(self, function, order):
         del function

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Missions a second of one FMU: mebots sweep with one and two jobs, a shell loop of mebots run, FMPy with dask.bag.
+"""Missions per second of one FMU: mebots sweep with one and two jobs, a shell loop of mebots run, FMPy with dask.bag.
 
 Usage: run.py BUILD_DIR [MISSIONS]
 
-Each flies the battery's FMU through the same draws of its load, turn about; the least of three rounds counts. Processor time is
-that of all processes together: what a busy machine does not change.
+Each runs the battery's FMU with the same draws of its load, in turns; the fastest of three rounds counts. Processor time is the
+sum of all processes, which does not depend on other work on the machine.
 """
 
 import json
@@ -32,7 +32,7 @@ if __name__ == '__main__':
 
 
 def timed(command, environment):
-    """Wall and processor time of a command with all that it starts [s]."""
+    """Returns wall and processor time of a command with all its descendants [s]."""
     before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     if done.returncode != 0:
@@ -48,7 +48,7 @@ def main():
     count = int(sys.argv[2]) if len(sys.argv) > 2 else 100
     mebots, fmu = str(build / "bin" / "mebots"), str(build / "fmus" / "fmu_battery.fmu")
     environment = dict(os.environ, MEBOTS_PYTHON=sys.executable)
-    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # as installed packages are
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # as in installed packages
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "mission.json").write_text(json.dumps({

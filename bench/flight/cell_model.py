@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cell of fmu_battery and the power of a hovering drone, for many flights at once."""
+"""The cell of fmu_battery and the power of a hovering drone, vectorised over flights."""
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,12 +9,12 @@ import numpy as np
 from flight_data import GRAVITY, STEP_S
 
 PARAMS = Path(__file__).resolve().parents[2]
-RUNNING_OUT_V2 = 1e-3  # least discriminant: beyond the power that a cell can give, it gives its most
+RUNNING_OUT_V2 = 1e-3  # least discriminant: beyond the maximum power, a cell delivers its maximum
 GRID = np.linspace(0, 1, 4001)
 
 
 class Rotors:
-    """Settled power of the four rotors of a file with `motor`."""
+    """Steady power of the four rotors of a file with `motor`."""
 
     def __init__(self, name="crazyflie_legacy"):
         data = json.loads((PARAMS / f"fmu_motors/params/rotors/{name}.json").read_text())
@@ -32,7 +32,7 @@ class Rotors:
         return 4 * self._power(np.minimum(needed, supply_v), speed, supply_v)
 
     def driven(self, duty, supply_v):
-        """Duty cycles of four rotors in the first axis."""
+        """Returns duty cycles of four rotors in the first axis."""
         effective = duty * supply_v
         square = self.ohm * self.drag / self.emf
         speed = 2 * effective / (self.emf + np.sqrt(self.emf**2 + 4 * square * effective))
@@ -48,7 +48,7 @@ def _curve(data):
 
 @dataclass
 class Cell:
-    """Curves over GRID; resistance scales all resistances."""
+    """Curves over GRID; `resistance` scales all resistances."""
     open_circuit: np.ndarray
     series: np.ndarray
     pairs: list                # of (resistance, time constant)
@@ -71,8 +71,9 @@ def at(curve, charge):
 
 
 def discharge(cell, rest_v, factor, power, steps, rest_w):
-    """Mean voltage in each of `steps` intervals, one row a flight. The state of charge follows from the voltage at rest.
-    `factor` scales all resistances of a flight; power(k, voltage) is that of all loads in interval k."""
+    """Returns the mean voltage in each of `steps` intervals, one row per flight. The state of charge follows from
+    the voltage at rest. `factor` scales all resistances of a flight; power(k, voltage) is the power of all loads
+    in interval k."""
     rest_a = rest_w / rest_v
     charge = np.interp(rest_v + rest_a * factor * at(cell.series, np.full_like(rest_v, 0.9)), cell.open_circuit, GRID)
     pairs = [np.zeros_like(rest_v) for _ in cell.pairs]
@@ -128,12 +129,12 @@ class Set:
         return AVIONICS_W + (CRACIUN_DECKS_W if self.duty is None else 0)
 
     def errors(self, cell, factor):
-        """Model minus measured voltage; nan beyond a flight's end."""
+        """Returns model minus measured voltage; nan after a flight's end."""
         factor = np.broadcast_to(factor, self.rest_v.shape)
         return discharge(cell, self.rest_v, factor, self.loads_w, self.steps, self.rest_w) - self.voltage_v
 
     def best_factor(self, cell, first_s=None):
-        """Factor of each flight's resistances with the least squares over its first seconds, or over all of it."""
+        """Returns the least-squares factor of each flight's resistances, over its first seconds or the whole flight."""
         last = self.steps if first_s is None else round(first_s / STEP_S)
         tries = np.geomspace(0.3, 3.0, 60)
         sums = np.array([np.nansum(self.errors(cell, t)[:, :last]**2, axis=1) for t in tries])

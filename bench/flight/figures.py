@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws docs/img/flight_unseen.png and flight_errors.png from flights that no file was fitted on, and
+"""Draws docs/img/flight_unseen.png and flight_errors.png from flights that were not used for any fit, and
 flight_endurance.png from hover flights of the model.
 
     .venv/bin/python bench/flight/figures.py FOLDER [--jobs N]
 
-FOLDER as in flight_data.py. The hover flights, 80 of them, take two minutes of processor time.
+FOLDER is described in flight_data.py. The 80 hover flights take two minutes of processor time.
 """
 import argparse
 import json
@@ -41,7 +41,7 @@ def quantity(kind, name, key):
 
 
 def voltage(axis, flights):
-    """The flight of median error among the long ones, with the interval of the cell's resistances."""
+    """Draws the flight with the median error among the long ones, with the interval of the cell's resistances."""
     long = [f for f in flights if len(f.voltage_v) * data.STEP_S > LEAST_SHOWN_S]
     off = rms(Set(long, Rotors()).errors(Cell.load("bitcraze_250_flights"), 1.0))
     flight = long[int(np.argsort(off)[len(off) // 2])]
@@ -62,7 +62,7 @@ def voltage(axis, flights):
 
 
 def thrust(axis, folder):
-    """Draws the thrust by the measured rotor speeds, and that by weight and measured acceleration."""
+    """Draws the thrust by the measured rotor speeds, and the thrust by weight and measured acceleration."""
     flight = data.flight(folder, THRUST_FLIGHT)
     pulls = [np.mean((flight.speed_rad_per_s[:, s]**2).sum(axis=0) * flight.upright[s]) for s in flight.blocks()]
     times = [flight.time_s[s].mean() for s in flight.blocks()]
@@ -77,7 +77,7 @@ def thrust(axis, folder):
 
 
 def voltage_errors(axis, title, flights):
-    """Share of flights below an error, for both cells blind and after the first seconds."""
+    """Draws the share of flights below an error, for both cells: without a fit, and after the first seconds."""
     flown = Set(flights, Rotors())
     curves = [(name, colour, "-", rms(flown.errors(Cell.load(name), 1.0)), "blind") for name, colour in CELLS]
     curves.append((CHARGED, style.PALETTE[3], "-", rms(flown.errors(Cell.load(CHARGED), 1.0)), "blind"))
@@ -108,7 +108,7 @@ def thrust_errors(axis, folder):
 
 
 def endurance(axis, jobs):
-    """Hover time over payload, with the interval of 19 draws, and what others state."""
+    """Draws hover time over payload, with the interval of 19 draws, and published values."""
     with tempfile.TemporaryDirectory() as scratch:
         values = hover_table.flown(Path(scratch) / "values", jobs, [HOVERING_CELL])
         draws = hover_table.flown(Path(scratch) / "draws", jobs, [HOVERING_CELL], **hover_table.DRAWS)

@@ -1,16 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fits the resistances of a 250 mAh cell on half of Craciun's flights.
+"""Fits the resistances of a 250 mAh cell to half of Craciun's flights.
 
     .venv/bin/python bench/flight/fit_cell.py FOLDER [--full VOLTS]
 
-FOLDER as in flight_data.py. Flights whose SHA-256 is even are fitted, the others never. The flights have no current: the
-power is that of crazyflie_legacy at the weight of the drone (cell_model.py). Open-circuit voltage and the shape of all
-curves over charge are Chen and Rincon-Mora's, and the capacity is the nominal one: flights that use less than half of
-the charge do not separate it from slow changes of the resistance. `--full` raises the open-circuit voltage in proportion to
-the charge, so that the full cell has this one. Fitted are the series resistance, resistance and time
-constant of one pair, and a factor of all resistances for each flight, since the cells are not named. With a second pair
-the fit gives it 0 Ohm.
+FOLDER is described in flight_data.py. Flights whose SHA-256 is even are fitted, the others never. The flights have no
+current: the power is that of crazyflie_legacy at the weight of the drone (cell_model.py). Open-circuit voltage and the shape
+of all curves over charge are Chen and Rincon-Mora's, and the capacity is the nominal one: flights that use less than half of
+the charge cannot separate it from slow changes of the resistance. `--full` raises the open-circuit voltage in proportion to
+the charge, so that the full cell has this voltage. The fitted values are the series resistance, resistance and time constant
+of one pair, and a factor of all resistances per flight, because the cells are not named. A second pair gets 0 Ohm in the fit.
 """
 import argparse
 from dataclasses import replace
@@ -21,14 +20,14 @@ from scipy.optimize import least_squares
 import flight_data as data
 from cell_model import GRID, Cell, Rotors, Set, rms
 
-EMPTY_V = 3.7   # at rest: below, the fit would rest on the curve's end
-TRUST_V = 0.05  # errors beyond count linearly
+EMPTY_V = 3.7   # at rest: at lower voltages the fit would depend on the end of the curve
+TRUST_V = 0.05  # larger errors count linearly
 SHAPE = "bitcraze_250"
-COMMON = 3      # values that all flights share: series resistance, resistance and time constant of the pair
+COMMON = 3      # values shared by all flights: series resistance, resistance and time constant of the pair
 
 
 def scaled(base, series, pairs):
-    """Curves of the published shape, with these values at full charge and as many pairs as are given."""
+    """Returns curves of the published shape, with these values at full charge and the given pairs."""
     return replace(base, series=base.series / base.series[-1] * series,
                    pairs=[(ohm / ohm[-1] * value, tau / tau[-1] * time) for (ohm, tau), (value, time) in zip(base.pairs, pairs)])
 
@@ -54,7 +53,8 @@ def main():
         return (flown.errors(cell_of(x[:COMMON]), np.exp(x[COMMON:])) * weight)[known]
 
     def slopes(x):
-        """Numerical derivatives; a flight's factor moves only its own errors, so that one run serves all of them."""
+        """Returns numerical derivatives. A flight's factor affects only its own errors, so that one run serves all
+        of them."""
         ground, step = errors(x), 1e-4
         matrix = np.zeros((ground.size, x.size))
         for i in range(COMMON):

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Fits thrust, motor and inertia of the Crazyflie's older propellers on public flights and stands.
+"""Fits thrust, motor and inertia of the Crazyflie's older propellers to public flights and stands.
 
     .venv/bin/python bench/flight/fit_rotor.py FOLDER
 
-FOLDER as in flight_data.py. Only its CALIBRATION_* files are read. The law is that of fmu_motors/src/electric_motor.hpp:
-i = (v - K w) / R >= 0, J dw/dt = K i - c w^2, P = v i + g v^2 (1 - d)^2, with c = torque_per_thrust k.
+FOLDER is described in flight_data.py. Only its CALIBRATION_* files are read. The equations are those of
+fmu_motors/src/electric_motor.hpp: i = (v - K w) / R >= 0, J dw/dt = K i - c w^2, P = v i + g v^2 (1 - d)^2, with
+c = torque_per_thrust k.
 """
 import argparse
 
@@ -16,14 +17,15 @@ import flight_data as data
 
 TORQUE_PER_THRUST = 0.007350863  # m, utiasDSL/drone-models, cf2x_L250
 TORQUE_DOUBT = 0.15
-LEAST_THRUST_G = 24              # of four rotors: below the lightest drone, k falls and the load cells' drift shows
-LEAST_DUTY = 0.35                # below, the ripple of the current reaches zero, which the law leaves out
-LOG_DELAY_S = 0.004              # of the logged speed after the command, from cross correlation on jana04
+LEAST_THRUST_G = 24              # of four rotors: below the weight of the lightest drone, k decreases and the load
+                                 # cells drift noticeably
+LEAST_DUTY = 0.35                # below, the ripple of the current reaches zero, which the equations neglect
+LOG_DELAY_S = 0.004              # from command to logged speed, by cross correlation on jana04
 ENDS_S = 1.0
 
 
 def flight_coefficient(flight):
-    """k of each second: m (g + dv/dt) = k sum w^2 cos(tilt)."""
+    """Returns k of each second: m (g + dv/dt) = k sum w^2 cos(tilt)."""
     found = []
     for s in flight.blocks():
         rise = (flight.climb_m_per_s[s][-1] - flight.climb_m_per_s[s][0]) / np.ptp(flight.time_s[s])
@@ -38,7 +40,7 @@ def stand_coefficient(stand):
 
 
 def motor_at(stand, drag, law):
-    """Effective voltage and power at the measured speed."""
+    """Returns effective voltage and power at the measured speed."""
     emf, resistance, ripple = law
     current = drag * stand.speed_rad_per_s**2 / emf
     voltage = emf * stand.speed_rad_per_s + resistance * current
@@ -46,7 +48,7 @@ def motor_at(stand, drag, law):
 
 
 def steady_points(flight):
-    """Mean duty cycle, voltage and speed of each rotor in each second, as points of a stand without thrust."""
+    """Returns mean duty cycle, voltage and speed of each rotor in each second, as points of a stand without thrust."""
     rows = [(flight.duty[i, s].mean(), flight.voltage_v[s].mean(), flight.speed_rad_per_s[i, s].mean())
             for s in flight.blocks() for i in range(4)]
     duty, voltage, speed = np.array(rows).T
@@ -55,7 +57,7 @@ def steady_points(flight):
 
 
 def fit_motor(powered, spun, drag):
-    """K, R and g: least squares of relative errors, each source with the same weight."""
+    """Returns K, R and g: least squares of relative errors, each source with the same weight."""
     def errors(logs):
         law, parts = np.exp(logs), []
         for source in (powered, *spun):
@@ -68,7 +70,8 @@ def fit_motor(powered, spun, drag):
 
 
 def simulated_speed(flight, drag, law, inertia):
-    """Speeds by the law, from the first measured one on; small explicit steps suffice for 80 ms of lag."""
+    """Returns speeds by the equations, from the first measured one on; small explicit steps suffice for a lag of 80
+    ms."""
     emf, resistance, _ = law
     speed, course = flight.speed_rad_per_s[:, 0].copy(), np.empty_like(flight.speed_rad_per_s)
     steps = np.diff(flight.time_s, append=flight.time_s[-1])
@@ -81,7 +84,8 @@ def simulated_speed(flight, drag, law, inertia):
 
 
 def fit_inertia(flights, drag, law):
-    """J with the least variance of the speed's error; each rotor's mean error is left to differences between motors."""
+    """Returns J with the least variance of the speed error; the mean error of each rotor is attributed to
+    differences between motors."""
     def variance(logarithm):
         found = []
         for flight in flights:

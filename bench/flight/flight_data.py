@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Public flights and motor stands of the Crazyflie: where each file lies, what it may be used for, and its reader.
+"""Public flights and motor stands of the Crazyflie: the place of each file, its permitted use, and its reader.
 
-A folder holds checkouts named as their repositories: crazyflie-data-collection (IMRCLab), Crazyflie-2.0-battery-data
-(RaresCraciun), nanobench-iros2026 (syediu). Most have no licence, so that no file of theirs is in this repository. Needs the
+A folder contains checkouts named like their repositories: crazyflie-data-collection (IMRCLab), Crazyflie-2.0-battery-data
+(RaresCraciun), nanobench-iros2026 (syediu). Most have no licence, so none of their files is in this repository. Needs the
 package mebots in PYTHONPATH.
 """
 import csv
@@ -23,7 +23,7 @@ IMRC = "crazyflie-data-collection"
 FLIGHTS = f"{IMRC}/brushed_flights/data"
 STANDS = f"{IMRC}/system-id/data"
 
-# The only files that anything is fitted on.
+# The only files used for fits.
 CALIBRATION_FLIGHTS = ("jana04", "jana05", "jana06")
 CALIBRATION_STANDS = ("cf21_eckart1/data.csv", "cf21_bitcraze2021/cf21_stock2.csv")
 
@@ -41,7 +41,7 @@ def digest(path):
 
 
 def distinct(paths):
-    """The first of each group of files with equal content, by name."""
+    """Returns the first of each group of files with equal content, by name."""
     found = {}
     for path in sorted(paths):
         found.setdefault(digest(path), path)
@@ -49,14 +49,15 @@ def distinct(paths):
 
 
 def read_usd(path):
-    """Columns of the event fixedFrequency of a log of Bitcraze's uSD deck; `time` in seconds from its first row."""
+    """Returns the columns of the event fixedFrequency in a log of Bitcraze's uSD deck; `time` is in seconds from its
+    first row."""
     columns = read_events(Path(path))["fixedFrequency"]
     return columns | {"time": columns["time"] - columns["time"][0]}
 
 
 @dataclass
 class Flight:
-    """Rotor side of a flight. Arrays over time; those of rotors have four rows."""
+    """The rotors' data of a flight. Arrays over time; those of rotors have four rows."""
     name: str
     mass_kg: float
     time_s: np.ndarray
@@ -67,14 +68,14 @@ class Flight:
     climb_m_per_s: np.ndarray
 
     def blocks(self, length_s=1.0):
-        """Slices of about `length_s` in which every rotor turns."""
+        """Returns slices of about `length_s` in which every rotor turns."""
         edges = np.searchsorted(self.time_s, np.arange(self.time_s[0], self.time_s[-1], length_s))
         whole = [slice(a, b) for a, b in zip(edges, edges[1:])]
         return [s for s in whole if (self.speed_rad_per_s[:, s] > 500).all()]
 
 
 def flight_of(log, name, mass_kg, duty="pwm.m{}_pwm"):
-    """Columns of a log as a flight. Without a state, tilt and climb count as zero."""
+    """Returns the columns of a log as a flight. Without a state, tilt and climb are zero."""
     length = len(log["time"])
     has_state = "stateEstimate.qx" in log
     upright = 1 - 2 * (log["stateEstimate.qx"]**2 + log["stateEstimate.qy"]**2) if has_state else np.ones(length)
@@ -84,7 +85,7 @@ def flight_of(log, name, mass_kg, duty="pwm.m{}_pwm"):
 
 
 def flight(folder, name):
-    """A flight named jana* or rl*. The logs of rl* have no state."""
+    """Returns a flight named jana* or rl*. The logs of rl* have no state."""
     if name.startswith("rl"):
         return flight_of(read_usd(Path(folder) / STANDS / "cf21_imrc2025" / name), name, RL_MASS_KG, "motor.m{}")
     return flight_of(read_usd(Path(folder) / FLIGHTS / name), name, JANA_MASS_KG)
@@ -92,20 +93,20 @@ def flight(folder, name):
 
 @dataclass
 class Stand:
-    """Settled points of a motor stand, one of four equal rotors."""
+    """Steady points of a motor stand, as one of four equal rotors."""
     duty: np.ndarray
     voltage_v: np.ndarray
     speed_rad_per_s: np.ndarray
     square_speed: np.ndarray   # mean of the four squares
     thrust_n: np.ndarray
-    current_a: np.ndarray      # of the supply, that at rest taken off; nan where no meter was
+    current_a: np.ndarray      # of the supply, without that at rest; nan if not measured
 
     def where(self, mask):
         return Stand(*(getattr(self, name)[mask] for name in self.__dataclass_fields__))
 
     @property
     def grams(self):
-        """Thrust of the four rotors."""
+        """Returns the thrust of the four rotors."""
         return 4e3 * self.thrust_n / GRAVITY
 
     @property
@@ -122,8 +123,8 @@ def _rows(path):
 
 
 def stand(folder, name):
-    """Points of a stand: means over the second half of each stretch of one PWM, or the rows where each is settled already.
-    The current at rest belongs to the electronics and counts as a constant power."""
+    """Returns the points of a stand: means over the second half of each interval of constant PWM, or the rows if
+    they are already steady. The current at rest belongs to the electronics and counts as a constant power."""
     log = _rows(Path(folder) / STANDS / name)
     pwm = log["pwm"]
     weight = log["weight" if "weight" in log else "weight[g]"]
@@ -143,19 +144,19 @@ def stand(folder, name):
 
 @dataclass
 class Discharge:
-    """Voltage of a cell over a flight in equal intervals, from the start of the motors on."""
+    """The voltage of a cell during a flight in equal intervals, from the start of the motors."""
     name: str
-    fitted: bool              # whether the cell may be fitted on it
+    fitted: bool              # the cell may be fitted to it
     rest_v: float             # before the motors start
     voltage_v: np.ndarray     # means over intervals of STEP_S
-    duty: np.ndarray | None   # of the four rotors, or None where they are not logged
-    start_s: float            # on a clock that all flights of a set share, or their number
-    end_rest_v: float         # after the motors stop; nan where the log ends in the air
+    duty: np.ndarray | None   # of the four rotors; None if not logged
+    start_s: float            # on a clock common to all flights of a set, or their number
+    end_rest_v: float         # after the motors stop; nan if the log ends in flight
 
 
 STEP_S = 0.5
 LEAST_DURATION_S = 15.0
-DROP_V = 0.15  # of the voltage: the motors run
+DROP_V = 0.15  # drop of the voltage by which running motors are recognised
 
 
 def _means(values, rows):
@@ -164,7 +165,7 @@ def _means(values, rows):
 
 
 def craciun(folder):
-    """Flights with voltage alone, 100 rows a second. Those whose SHA-256 is even may be used to fit."""
+    """Returns flights with voltage only, 100 rows per second. Those whose SHA-256 is even may be used for fits."""
     found = []
     for path in distinct((Path(folder) / CRACIUN).glob("*.csv")):
         voltage = np.genfromtxt(path, delimiter=",", skip_header=1)[:, 3]
@@ -179,7 +180,7 @@ def craciun(folder):
 
 
 def nanobench(folder):
-    """Flights with duty cycles, 100 rows a second, in order of time. None may be used to fit."""
+    """Returns flights with duty cycles, 100 rows per second, in order of time. None may be used for fits."""
     found = []
     for path in distinct((Path(folder) / NANOBENCH).glob("*.csv")):
         with open(path, newline="") as file:
@@ -187,7 +188,7 @@ def nanobench(folder):
         column = lambda name: np.array([float(row[name] or "nan") for row in rows])
         voltage = column("pwr_pm_vbat")
         duty = np.clip(np.nan_to_num(np.array([column(f"motor_motor_m{i}") for i in range(1, 5)]) / 65535), 0, 1)
-        on = np.flatnonzero(duty.mean(axis=0) > 0.2)  # some logs interpolate past 0 and 1
+        on = np.flatnonzero(duty.mean(axis=0) > 0.2)  # some logs overshoot 0 and 1 by interpolation
         if on.size < 100 * LEAST_DURATION_S or on[0] < 50:
             continue
         flown = slice(on[0], on[-1])

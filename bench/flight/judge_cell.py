@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Predicts the voltage of flights that no cell was fitted on, and prints the distribution of the errors.
+"""Predicts the voltage of flights that were not used to fit a cell, and prints the distribution of the errors.
 
     .venv/bin/python bench/flight/judge_cell.py FOLDER
 
-FOLDER as in flight_data.py. Sets: Craciun's flights with an odd SHA-256, and NanoBench's, where the power follows from
+FOLDER is described in flight_data.py. Sets: Craciun's flights with an odd SHA-256, and NanoBench's, whose power follows from
 the logged duty cycles. `blind` uses the cell file and the voltage at rest before the flight. `own start` fits one factor
-of all resistances on the first 20 s and is judged on the rest. `flight before` takes the factor of a whole earlier
-flight: in NanoBench one of the same cell, which started less than 5 minutes before and ended within 0.1 V below the
-rest voltage of this one; in Craciun's, where no cell is named, the one with the number before.
+of all resistances to the first 20 s and is judged on the rest. `flight before` takes the factor of a whole earlier
+flight. In NanoBench it is one of the same cell, which started less than 5 minutes before and ended within 0.1 V below the
+rest voltage of this one. In Craciun's set, where no cell is named, it is the flight with the previous number.
 """
 import argparse
 
@@ -25,13 +25,13 @@ SAG_AT_S = 5.0
 
 
 def spread(values):
-    """Median, mean, 90th percentile and largest, in mV."""
+    """Returns median, mean, 90th percentile and largest, in mV."""
     mv = 1e3 * np.asarray(values)
     return f"{np.median(mv):.0f}, {mv.mean():.0f}, {np.percentile(mv, 90):.0f}, {mv.max():.0f}"
 
 
 def before(flights, judged):
-    """For each judged flight the earlier one that gives its factor, or None."""
+    """Returns for each judged flight the earlier one that provides its factor, or None."""
     found = []
     for flight in judged:
         earlier = [f for f in flights if f.start_s < flight.start_s]
@@ -45,7 +45,7 @@ def before(flights, judged):
 
 
 def sag_and_slope(voltage, rest):
-    """Fall from rest to 5 s after the start, and slope from 10 s to the end [V/s]."""
+    """Returns the drop from rest to 5 s after the start, and the slope from 10 s to the end [V/s]."""
     sag = rest - voltage[:, round(SAG_AT_S / data.STEP_S)]
     slopes = []
     for row in voltage:

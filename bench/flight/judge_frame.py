@@ -4,9 +4,9 @@
 
     .venv/bin/python bench/flight/judge_frame.py FOLDER
 
-FOLDER as in flight_data.py. In flight an accelerometer shows no gravity. Across the rotors' axis it shows drag alone:
-a = -d v / m, with v along the same body axis and a constant error of the sensor, means over 0.1 s. Climb: the thrust that
-weight and acceleration need, over the squares of the rotor speeds, falls by d v.
+FOLDER is described in flight_data.py. In flight an accelerometer does not measure gravity. Perpendicular to the rotors' axis
+it measures drag only: a = -d v / m, with v along the same body axis and a constant error of the sensor, means over 0.1 s.
+Climb: the thrust required by weight and acceleration, divided by the squares of the rotor speeds, decreases by d v.
 """
 import argparse
 import json
@@ -23,7 +23,7 @@ ENDS = 5
 
 
 def body_velocity(log):
-    """Estimated velocity along the body's x and y axes."""
+    """Returns the estimated velocity along the body's x and y axes."""
     x, y, z, w = (log[f"stateEstimate.q{c}"] for c in "xyzw")
     velocity = np.array([log[f"stateEstimate.v{c}"] for c in "xyz"])
     forward = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)])
@@ -37,7 +37,7 @@ def means(values):
 
 
 def horizontal_drag(folder, name):
-    """Drag [N s/m] and standard deviation of the velocity [m/s], for x and y."""
+    """Returns drag [N s/m] and standard deviation of the velocity [m/s], for x and y."""
     log = data.read_usd(Path(folder) / data.FLIGHTS / name)
     velocity = means(body_velocity(log))
     acceleration = means(data.GRAVITY * np.array([log["acc.x"], log["acc.y"]]))
@@ -46,8 +46,8 @@ def horizontal_drag(folder, name):
 
 
 def climb_drag(folder):
-    """Drag along the vertical [N s/m], its standard error, and the number of slices. The first rotor's sensor fails in these
-    flights, so that rotors 2 to 4 count for all."""
+    """Returns the drag along the vertical [N s/m], its standard error, and the number of slices. The first rotor's
+    sensor fails in these flights, so rotors 2 to 4 represent all."""
     rise, share = [], []
     for name in data.CLIMBING_FLIGHTS:
         f = data.flight(folder, name)

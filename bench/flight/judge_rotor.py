@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Predicts flights and a stand that no rotor file was fitted on, and prints every error.
+"""Predicts flights and a stand that were not used to fit a rotor file, and prints every error.
 
     .venv/bin/python bench/flight/judge_rotor.py build/release/fmus/fmu_motors.fmu FOLDER
 
-FOLDER as in flight_data.py. Thrust: k times the measured speeds, against the weight and the measured acceleration, in
+FOLDER is described in flight_data.py. Thrust: k times the measured speeds, compared with weight and measured acceleration in
 each second. `one flight`: with k from the first flight of the same drone, judged on the others. Speed: fmu_motors with
-the logged duty cycles and voltage as inputs; `one flight`: with a factor for each rotor from the first flight. Power: fmu_motors settled at the stand's voltage and at its thrust, or its
-speed, against voltage times current; up and down are the two directions of the stand's sweep. The last table has the power of
-that stand over that of the stand which the rotor was fitted on, without a model.
+the logged duty cycles and voltage as inputs; `one flight`: with a factor per rotor from the first flight. Power: the steady
+state of fmu_motors at the stand's voltage and at its thrust or speed, compared with voltage times current; up and down are
+the two directions of the stand's sweep. The last table shows, without a model, the power of that stand divided by that of the
+stand to which the rotor was fitted.
 """
 import argparse
 
@@ -24,13 +25,13 @@ GRAMS = ((15, 20), (20, 25), (25, 30), (30, 35), (35, 40), (40, 45))
 
 
 def spread(errors):
-    """Mean, standard deviation, 5th and 95th percentile, in percent."""
+    """Returns mean, standard deviation, 5th and 95th percentile, in percent."""
     e = 100 * np.asarray(errors)
     return f"{e.mean():+.1f} (sd {e.std():.1f}, 5 to 95 %: {np.percentile(e, 5):+.1f} to {np.percentile(e, 95):+.1f})"
 
 
 def thrust_errors(flights, k):
-    """Relative error of the thrust in each second of each flight."""
+    """Returns the relative error of the thrust in each second of each flight."""
     return [k / flight_coefficient(f) - 1 for f in flights]
 
 
@@ -68,7 +69,7 @@ def speed_table(sets, models):
 
 
 def stand_errors(stand, model):
-    """Errors of thrust at speed, speed at duty, power at thrust and power at speed, at each point."""
+    """Returns errors of thrust at speed, speed at duty, power at thrust and power at speed, at each point."""
     points = zip(stand.duty, stand.voltage_v, stand.speed_rad_per_s, stand.square_speed, stand.thrust_n, stand.power_w)
     return np.array([(model.thrust_coefficient * square / thrust - 1, model.speed_at(duty, volt) / speed - 1,
                       model.power_at_thrust(thrust, volt) / power - 1, model.power_at_speed(speed, volt) / power - 1)
@@ -91,7 +92,8 @@ def stand_table(stand, models):
 
 
 def stands_table(judged, fitted):
-    """Power of one stand over that of another at the same thrust. Directions of both sweeps are averaged."""
+    """Returns the power of one stand divided by that of another at the same thrust. Directions of both sweeps are
+    averaged."""
     print("| power of stock-prop / stock2 - 1 | up and down averaged | up | down |\n|---|---|---|---|")
     rising = np.arange(len(judged.duty)) < np.argmax(judged.duty)
     order = np.argsort(fitted.grams)

@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies the set-points of NanoBench's flights with the Crazyflie's controller of fmu_world, and compares the tracking errors
+"""Runs the set-points of NanoBench's flights with the Crazyflie controller of fmu_world, and compares the tracking errors
 with those of the logged flights and with their spread over repetitions.
 
     PYTHONPATH=BUILD/python .venv/bin/python bench/flight/judge_tracking.py FOLDER
 
-FOLDER as in flight_data.py. The logged drone flew by positions: the firmware's position loop, with the gain and the limit
-of src/modules/src/controller/position_controller_pid.c, turns them into the velocities that fmu_world follows. Altitudes go
-to fmu_world as they are. Nothing is fitted: airframe, cell and mass are those with which docs/replay.md replays these
-flights, and the charge at the start is the one that the voltage at rest belongs to.
+FOLDER is described in flight_data.py. The logged drone followed positions: the firmware's position loop, with the gain and
+limit of src/modules/src/controller/position_controller_pid.c, converts them to the velocities that fmu_world follows.
+Altitudes are passed to fmu_world unchanged. Nothing is fitted: airframe, cell and mass are those with which docs/replay.md
+replays these flights, and the charge at the start is the one of the voltage at rest.
 
-The propellers of these flights are those of a 2.1+: at full thrust the logs have 3.06 V on a motor, and the firmware's fit has
+The propellers of these flights are those of a 2.1+: at full thrust the logs have 3.06 V at a motor, and the firmware's fit has
 3.08 V for them, 2.97 V for the older ones.
 
-A tracking error is the distance between the drone and its set-point at the same time. It counts from 3 s after the set-point
-leaves the place of the take-off, until the trajectory ends.
+A tracking error is the distance between the drone and its set-point at the same time. It is evaluated from 3 s after the
+set-point leaves the take-off position until the trajectory ends.
 """
 import argparse
 import csv
@@ -37,15 +37,15 @@ POSITION_GAIN = 2.0       # 1/s, PID_POS_X_KP
 FASTEST_M_PER_S = 1.1     # PID_POS_VEL_X_MAX and 10 % of overhead
 PERIOD_S = 0.01           # of the position loop, and of the logs
 OFF, FLY = 0, 2           # setpoint.mode
-LEFT_M = 0.05             # from the place of the take-off: the trajectory has begun
+LEFT_M = 0.05             # from the take-off position: the trajectory has started
 SETTLED_S = 3.0
 FIGURES = ("level, rms", "level, greatest", "vertical, rms", "vertical, greatest")
-GAP_M = 0.3               # Vicon and the drone's own estimate differ by more only where the log has a gap
+GAP_M = 0.3               # only in a gap of the log do Vicon and the drone's own estimate differ by more
 
 
 @dataclass
 class Tracking:
-    """A logged flight at equal steps of PERIOD_S; arrays have a row for x, y, z."""
+    """A logged flight in equal steps of PERIOD_S; arrays have a row for x, y, z."""
     name: str
     trajectory: str           # kind and parameters, equal for repetitions
     rest_v: float
@@ -55,13 +55,13 @@ class Tracking:
     judged: slice
 
     def errors(self, position_m):
-        """Level and vertical error over the judged part."""
+        """Returns horizontal and vertical error over the judged part."""
         off = position_m[:, self.judged] - self.setpoint_m[:, self.judged]
         return np.hypot(off[0], off[1]), off[2]
 
 
 def trajectory_of(metadata):
-    """Kind and parameters of a trajectory; how often it is flown through does not count."""
+    """Returns kind and parameters of a trajectory, without the number of repetitions."""
     params = re.search(r"^params:\n((?: .*\n|- .*\n)*)", metadata, re.M)[1]
     values = re.findall(r"^  (\w+): (\S+)", params, re.M)
     kind = re.search(r"^trajectory_type: (\S+)", metadata, re.M)[1]
@@ -72,7 +72,7 @@ def trajectory_of(metadata):
 
 
 def read(path):
-    """A flight, or the reason why it is left out."""
+    """Returns a flight, or the reason why it is left out."""
     with open(path, newline="") as file:
         names = next(csv.reader(file))
     log = dict(zip(names, np.genfromtxt(path, delimiter=",", skip_header=1).T))
@@ -98,7 +98,7 @@ def read(path):
 
 
 def charge_at(rest_v):
-    """State of charge of the airframe's cell with this open-circuit voltage."""
+    """Returns the state of charge of the airframe's cell with this open-circuit voltage."""
     cell = json.loads(AIRFRAME.read_text())["cell"]
     curve = json.loads((ROOT / f"fmu_battery/params/cells/{cell}.json").read_text())["open_circuit_voltage"]
     grid = np.linspace(0, 1, 4001)
@@ -107,7 +107,7 @@ def charge_at(rest_v):
 
 
 def mission_file(folder):
-    """The hover mission with this airframe, with the Crazyflie's controller, without its ends."""
+    """Writes the hover mission with this airframe and the Crazyflie's controller, without its stop conditions."""
     airframe = json.loads(AIRFRAME.read_text())
     cell = json.loads((ROOT / f"fmu_battery/params/cells/{airframe['cell']}.json").read_text())
     config = json.loads((ROOT / "configs/hover.json").read_text())
@@ -125,7 +125,7 @@ def mission_file(folder):
 
 
 def fly(file, flight):
-    """Positions of our drone along the set-points of a flight."""
+    """Returns positions of the simulated drone along the set-points of a flight."""
     start = {f"world.start.offset.{axis}": float(value) for axis, value in zip("xy", flight.position_m[:, 0])}
     found = np.full_like(flight.position_m, np.nan)
     settings = {"battery.cell.initial_state_of_charge": charge_at(flight.rest_v)} | start
@@ -145,7 +145,7 @@ def fly(file, flight):
 
 
 def figures(flight, position_m):
-    """The errors that FIGURES names [m]."""
+    """Returns the errors listed in FIGURES [m]."""
     level, vertical = flight.errors(position_m)
     return np.array([np.sqrt(np.mean(level**2)), level.max(), np.sqrt(np.mean(vertical**2)), np.abs(vertical).max()])
 

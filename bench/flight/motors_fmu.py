@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""fmu_motors with one rotor file, driven by duty cycles and a voltage from outside."""
+"""fmu_motors with one rotor file, driven by given duty cycles and voltage."""
 import json
 import tempfile
 from functools import lru_cache
@@ -13,7 +13,7 @@ COMMAND = [f"rotor[{i}].command" for i in range(1, 5)]
 SPEED = [f"rotor[{i}].speed" for i in range(1, 5)]
 DUTIES = np.linspace(0, 1, 41)
 SETTLED_S = 6.0
-SETTLING_STEP_S = 0.5  # the model's closed form needs no small steps
+SETTLING_STEP_S = 0.5  # the model has a closed form and needs no small steps
 
 
 class Motors:
@@ -37,8 +37,8 @@ class Motors:
         return slave
 
     def fly(self, flight):
-        """Speeds of the four rotors and their power at each row of a flight, from its duty cycles and voltages. The flight
-        begins in the air: its first row is held until the rotors are settled."""
+        """Returns the speeds of the four rotors and their power at each row of a flight, from its duty cycles and
+        voltages. The flight starts in the air: its first row is held until the rotors are steady."""
         slave = self._begin()
         inputs = [self.at[n] for n in [*COMMAND, "bus.voltage"]]
         outputs = [self.at[n] for n in [*SPEED, "power"]]
@@ -58,7 +58,7 @@ class Motors:
 
     @lru_cache(maxsize=None)
     def settled(self, voltage_v):
-        """Speed and power of one rotor at DUTIES."""
+        """Returns speed and power of one rotor at DUTIES."""
         slave, now, rows = self._begin(), 0.0, []
         for duty in DUTIES:
             slave.setReal([self.at[n] for n in [*COMMAND, "bus.voltage"]], [duty] * 4 + [voltage_v])

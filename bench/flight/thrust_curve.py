@@ -4,7 +4,7 @@
 
     MEBOTS_FMU_PATH=BUILD/fmus PYTHONPATH=BUILD/python .venv/bin/python bench/flight/thrust_curve.py
 
-Each point is settled: the motors run on a cell of half charge, at the voltage that it sags to.
+Each point is steady: the motors run on a half-charged cell, at its voltage under that load.
 """
 import json
 import pathlib
@@ -16,7 +16,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 COMMANDS = (0, 0.0625, 0.125, 0.1875, 0.25, 0.3125, 0.375, 0.4325, 0.5, 0.5625, 0.625, 0.6875, 0.75, 0.8125, 0.875, 0.9375, 1)
 ROTOR, CELL, CHARGE = "crazyflie_legacy", "bitcraze_250_flights", 0.5
 SETTLED_S = 60
-NEVER_EMPTY_C = 1e9  # so that the charge stays
+NEVER_EMPTY_C = 1e9  # so that the charge is constant
 
 
 def mission(folder):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the scripts of this folder run: GVSoC, programs of a build folder and the cross compiler, and the files that programs
-leave. GVSoC is what the variable MEBOTS_GVSOC names, else `gvsoc` on the PATH."""
+"""Runs GVSoC, programs of a build folder and the cross compiler for the scripts of this folder, and reads the files
+that programs write. GVSoC is the program in the variable MEBOTS_GVSOC, else `gvsoc` on PATH."""
 
 import os
 import pathlib
@@ -15,7 +15,7 @@ LONGEST_S = 600
 
 
 def program(name, mend):
-    """Its path; without it, an end with what to do."""
+    """Returns the program's path. If it is missing, exits and prints what to do."""
     path = shutil.which(name)
     if not path:
         raise SystemExit(f"{name} is missing: {mend}")
@@ -36,9 +36,9 @@ def compiler():
 
 
 def processor_time(command, folder):
-    """(what the command printed, its exit code, its processor time [s])."""
+    """Returns (output, exit code, processor time [s]) of a command."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    # GVSoC's program starts others: a session of their own lets all of them be ended.
+    # GVSoC's program starts others: in a session of their own, all of them can be ended.
     with subprocess.Popen([str(part) for part in command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True, errors="replace", start_new_session=True) as running:
         try:
@@ -55,18 +55,18 @@ def processor_time(command, folder):
 
 
 def run(program, folder):
-    """Runs an ELF on GVSoC's open PULP chip (target pulp-open), in a folder of its own."""
+    """Runs an ELF on GVSoC's open PULP chip (target pulp-open), in a separate folder."""
     return processor_time([peer(), "--target=pulp-open", f"--work-dir={folder}", "--binary", pathlib.Path(program).absolute(),
                            "image", "flash", "run"], folder)
 
 
 def instructions_of(done):
-    """Of a run of mebots-soc, as it prints them: of all cores."""
+    """Returns the instructions of all cores in a run of mebots-soc, from its output."""
     return sum(map(int, re.findall(r"^instructions .*", done[0], re.MULTILINE)[-1].split()[1:]))
 
 
 def left_by(simulator, done, folder):
-    """The bytes of the file "result" that a program left, which ended well; the next one finds none."""
+    """Returns the bytes of the file "result" written by a successful program, and deletes the file."""
     text, code, _ = done
     file = folder / "result"
     if code != 0:

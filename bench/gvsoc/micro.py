@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The micro programs of tests/soc/rtl on a core of the cluster, here and in GVSoC: cycles of a turn, where they differ.
+"""The micro programs of tests/soc/rtl on a core of the cluster, in mebots-soc and in GVSoC: cycles per iteration, where they
+differ.
 
 Usage: micro.py BUILD
 
-A turn's cycles are those of 64 turns less those of 32, so that what comes only once drops out: filling instruction caches,
-and what surrounds the turns. That ours are the RTL's, a test says (soc_rtl_test). GVSoC is found as gvsoc.py says.
+The cycles of an iteration are the difference between 64 and 32 iterations, which removes one-time costs: filling instruction
+caches, and the code around the loop. A test (soc_rtl_test) compares the cycles of mebots-soc with the RTL's. gvsoc.py
+describes how GVSoC is found.
 """
 import csv
 import pathlib
@@ -31,7 +33,7 @@ def compiled(turns, folder):
 
 
 def noted(simulator, done, folder):
-    """Cycles of each micro program, in their order."""
+    """Returns the cycles of each micro program, in order."""
     count, *words = gvsoc.words_left_by(simulator, done, folder)
     return words[1::16][:count]
 

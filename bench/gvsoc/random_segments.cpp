@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-random-segments SEED COUNT: random Xpulp programs as assembly text for random_xpulp.S, whose macros it uses.
+// mebots-random-segments SEED COUNT: writes random Xpulp programs as assembly text for random_xpulp.S, whose macros it
+// uses.
 //
-// Each segment starts with random registers, ends with a record of all, and goes on from the memory that the one before
-// left. Four kinds of instructions are known to have another result in GVSoC with some operands. They stand alone,
-// watched: operands and result go into the log, and the result is overwritten, so that nothing behind it can differ.
+// Each segment starts with random registers, ends with a record of all registers, and continues with the memory of the
+// previous one. Four kinds of instructions are known to have other results in GVSoC for some operands. They are
+// isolated and watched: operands and result are logged, and the result is overwritten, so that later instructions
+// cannot differ.
 #include "xpulp/random_xpulp.hpp"
 
 #include "isa/encoding.hpp"
@@ -24,7 +26,7 @@ using namespace mebots::soc;
 using namespace mebots::soc::test;
 
 constexpr std::uint32_t kMiddleOfData = 0x1C060000;  // random_xpulp.S
-constexpr std::size_t kPieceWords = 24;              // of a segment, in front of a watched instruction and at its end
+constexpr std::size_t kPieceWords = 24;              // of a segment, before a watched instruction and at its end
 constexpr unsigned kWatchedOfSegment = 2;
 
 bool loads_with_step(std::uint32_t word) {
@@ -50,7 +52,7 @@ bool is_watched(std::uint32_t word) {
   return traits.kind == OpKind::multiply_halves && traits.reads_rd && traits.rounds;
 }
 
-/// GVSoC's open PULP chip does not know the forms of pv.pack that GAP8 has beside, nor a bit set that the RTL ignores.
+/// GVSoC's open PULP chip does not support the additional forms of pv.pack in GAP8, nor a set bit that the RTL ignores.
 bool is_unknown(std::uint32_t word) {
   const auto name = decode(word).encoding->name;
   const bool with_ignored_bit = (word >> 25 & 1U) != 0 && (name == "pv.pack" || name.starts_with("pv.abs."));
@@ -97,7 +99,7 @@ class Author {
     return word;
   }
 
-  /// Seldom would a load or store have its own pointer by chance.
+  /// Loads and stores of their own pointer would rarely occur by chance.
   std::uint32_t any_watched() {
     switch (random_.below(4)) {
       case 0: {

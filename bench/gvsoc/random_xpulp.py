@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Random Xpulp programs on mebots-soc and on GVSoC (target pulp-open): registers after each segment, and all memory.
+"""Runs random Xpulp programs on mebots-soc and on GVSoC (target pulp-open), and compares registers after each segment, and all
+memory.
 
 Usage: random_xpulp.py BUILD [--programs N] [--first SEED] [--segments N] [--alone]
 
-BUILD is a build folder with tests. GVSoC is found as gvsoc.py says. --alone compares the translated with the interpreted
-run instead. Beside encodings that GVSoC does not know, four kinds of instructions are known to differ, with some operands
-(known()); any other difference is printed, and ends with 1. Needs riscv64-unknown-elf-gcc.
+BUILD is a build folder with tests. gvsoc.py describes how GVSoC is found. --alone compares the translated with the interpreted
+run instead. Apart from encodings that GVSoC does not support, four kinds of instructions are known to differ for some operands
+(known()). Any other difference is printed, and the exit code is 1. Needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import collections
@@ -21,7 +22,7 @@ import gvsoc
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HERE = pathlib.Path(__file__).parent
 WATCHED = 0x80000000
-# Instructions around the random ones, about: of a program, of a segment with its two watched ones.
+# Approximate numbers of instructions around the random ones: per program, per segment with its two watched ones.
 AROUND_PROGRAM, AROUND_SEGMENT = 393_300, 89
 DATA_BYTES = 0x40000
 MOST_SEGMENTS = 230
@@ -71,7 +72,8 @@ def rounded_sum_overflows(word, rs1, rs2, rd):
 
 
 def records(log):
-    """Of the log's words: ("segment", number, registers), ("watched", word, rs1, rs2, rd before, rd after), ("trap", pc)."""
+    """Yields the words of a log as ("segment", number, registers), ("watched", word, rs1, rs2, rd before, rd after),
+    ("trap", pc)."""
     words = struct.unpack(f"<{len(log) // 4}I", log)
     at = 0
     while at < len(words):
@@ -97,7 +99,7 @@ def build(author, seed, segments, folder):
 
 
 def ours(soc, program, folder, *options):
-    """Records, memory, and how many instructions it executed."""
+    """Returns records, memory, and the number of executed instructions."""
     done = gvsoc.processor_time([soc, "run", program, "--board", ROOT / "configs/boards/pulp_open.json", "--host-files", folder,
                                  *options], folder)
     return result("mebots-soc", done, folder), gvsoc.instructions_of(done)
@@ -109,7 +111,7 @@ def result(simulator, done, folder):
 
 
 def compare(one, other, seen):
-    """The first difference outside the known classes, as text; None when there is none. Counts what it saw."""
+    """Returns the first difference outside of the known classes as text, or None. Counts the cases in `seen`."""
     for mine, its in zip(one[0], other[0]):
         if mine[0] == "watched" and its[0] == "watched" and mine[:5] == its[:5]:
             kind = known(*mine[1:5])
@@ -134,7 +136,7 @@ def compare(one, other, seen):
 
 
 def number(least, most):
-    """The type of an option."""
+    """Returns the type of an option."""
     def read(text):
         if not text.isdecimal() or not least <= int(text) <= most:
             raise argparse.ArgumentTypeError(f"{text}: want a number from {least} to {most}")

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Programs on mebots-soc and on GVSoC (target pulp-open), the same ELF on both: a table in Markdown.
+"""Runs programs on mebots-soc and on GVSoC (target pulp-open), the same ELF on both: a table in Markdown.
 
 Usage: side_by_side.py BUILD [--hello ELF] [--coremark CHECKOUT] [--repeats N]
 
-BUILD is a build folder; GVSoC is found as bench/gvsoc/gvsoc.py says. Programs of bench/soc and CoreMark run on one core of
-the cluster, with code in L2 behind the instruction cache and data in L1, hello on the fabric controller of board
-pulp_open. Processor time is that of the whole process, the least of the repeats, which take turns. Instructions are those
-that mebots-soc executed, of all cores. It ends with 1 when results differ. Needs riscv64-unknown-elf-gcc and picolibc.
+BUILD is a build folder; bench/gvsoc/gvsoc.py describes how GVSoC is found. Programs of bench/soc and CoreMark run on one core
+of the cluster, with code in L2 behind the instruction cache and data in L1; hello runs on the fabric controller of board
+pulp_open. Processor time is that of the whole process, the least of the alternating repeats. Instructions are those executed by
+all cores of mebots-soc. The exit code is 1 if results differ. Needs riscv64-unknown-elf-gcc and picolibc.
 """
 import argparse
 import pathlib
@@ -38,7 +38,7 @@ def compiled(name, sources, options, folder):
 
 
 def programs(options, folder):
-    """Name, ELF, board and reader of the outcome of each."""
+    """Returns name, ELF, board and reader of the result of each program."""
     if options.hello:
         yield "pulp-open's hello", options.hello.resolve(), "pulp_open", greeted
     for name, turns in TURNS.items():
@@ -50,7 +50,7 @@ def programs(options, folder):
 
 
 class Outcome(typing.NamedTuple):
-    said: object  # what the program computed or printed
+    said: object  # computed or printed result of the program
     cycles: int | None
     seconds: float
 
@@ -71,7 +71,7 @@ def computed(simulator, done, folder):
 
 
 def measure(soc, program, board, read, repeats, folder):
-    """The outcome of each simulator, with the least processor time; and the instructions."""
+    """Returns the result of each simulator with the least processor time, and the number of instructions."""
     command = [soc, "run", program, "--board", ROOT / f"configs/boards/{board}.json", "--host-files", folder]
     ours, its = [], []
     for _ in range(repeats):

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the cost of one communication step in mebots, OMSimulator, FMPy and libcosim, in one run.
+"""Compares the cost of one communication step in mebots, OMSimulator, FMPy and libcosim.
 
 Usage: compare.py MEBOTS PASSTHROUGH.fmu [--repeats N] [--processor-time] [--json FILE]
 
 Scenes: one FMU, a chain of four, a ring of sixteen; without recording and with every output of every step as CSV.
-A tool's cost is the slope between a short and a long run, so that starting up counts for nobody. Repeats are
-interleaved: all tools take turns, so that a busy machine disturbs all alike. Microseconds per communication step by the wall clock, or with --processor-time what all threads together
-computed, which a busy machine falsifies less.
+A tool's cost is the slope between a short and a long run, so that the time for starting does not count. The tools alternate,
+so that other work on the machine affects all of them. The result is in microseconds of wall time per communication step or,
+with --processor-time, of processor time of all threads, on which other work has less influence.
 
-OMSimulator is looked for in $OMSIMULATOR and on PATH (its PyPI package fetches the program from its own server);
-FMPy and libcosimpy come from PyPI: scripts/setup.sh bench. A tool that is missing is said to be.
+OMSimulator is searched in $OMSIMULATOR and on PATH (its PyPI package fetches the program from its own server);
+FMPy and libcosimpy come from PyPI: scripts/setup.sh bench. Missing tools are listed.
 """
 
 import argparse
@@ -35,7 +35,7 @@ SCENES = {
 
 
 def processor_time():
-    """Of this process and its children, all threads together."""
+    """Returns the processor time of this process and its children, all threads together."""
     return sum(usage.ru_utime + usage.ru_stime
                for usage in (resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)))
 
@@ -51,7 +51,7 @@ def timed(work):
 
 class Mebots:
     name = "mebots"
-    steps = 2_000_000  # of one FMU in the long run; fewer when there are more
+    steps = 2_000_000  # for a single FMU in the long run; fewer for more FMUs
 
     def __init__(self, program, fmu):
         self.program, self.fmu = program, fmu
@@ -99,7 +99,7 @@ class OMSimulator:
 
 
 class Fmpy:
-    """simulate_fmu for one FMU; for several the loop that a user writes over FMPy's slaves."""
+    """simulate_fmu for one FMU; for several, a user's loop over FMPy's slaves."""
 
     name = "FMPy"
     steps = 20_000
@@ -155,7 +155,7 @@ class Fmpy:
 
 
 class Libcosim:
-    """Threads as libcosim sets them by default: its C interface has no other setting."""
+    """libcosim with its default threads, because its C interface has no other setting."""
 
     name = "libcosim"
     steps = 200_000
@@ -202,7 +202,7 @@ def available(arguments):
 
 
 def measure(tool, scene, csv):
-    """Microseconds per communication step."""
+    """Returns microseconds per communication step."""
     count = SCENES[scene][0]
     many = max(tool.steps // count, 1000)
     few = many // 10

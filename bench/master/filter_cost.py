@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the filter of system calls and Landlock cost a step of an FMU in a process of its own. The same run with and without them, in
-turns, by a preloaded library that leaves them out. Usage: filter_cost.py MEBOTS PASSTHROUGH.fmu [--pairs 20] [--steps 50000] [--core 0]
+"""The cost of the system call filter and of Landlock for a step of an FMU in a separate process. Alternates runs with and without
+them; a preloaded library leaves them out. Usage: filter_cost.py MEBOTS PASSTHROUGH.fmu [--pairs 20] [--steps 50000] [--core 0]
 
-Processor time of mebots and all its processes on one core, so that nobody spins beside the other. Medians and quartiles; a pair's
-ratio is of two runs that follow each other, so that what else the machine does counts in both. Before, a run of each kind tells by
-/proc/PID/status whether the FMU's process has the filter, or has it not. (Of Landlock the kernel tells nothing there.)
+Measures processor time of mebots and all its processes on one core, so that no process spins in parallel. Prints medians and
+quartiles. The ratio of a pair compares two consecutive runs, so that other work on the machine affects both. First, a run of
+each kind checks in /proc/PID/status whether the FMU's process has the filter. (The kernel does not show Landlock there.)
 """
 
 import argparse
@@ -18,7 +18,7 @@ import sys
 import tempfile
 import time
 
-# In front of both runs, so that it costs both the same.
+# Preloaded in both runs, so that it costs both the same.
 LIBRARY = """
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -67,7 +67,7 @@ def microseconds_a_step(steps, *what):
 
 
 def status(pid):
-    """What the kernel tells of a process; nothing of one that is gone."""
+    """Returns the kernel's status of a process; empty if it has ended."""
     try:
         return dict(line.split(":", 1) for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines())
     except (FileNotFoundError, ProcessLookupError):
@@ -75,7 +75,7 @@ def status(pid):
 
 
 def below(pid):
-    """The processes that it started, and those that they started."""
+    """Returns the descendants of a process."""
     for file in pathlib.Path(f"/proc/{pid}/task").glob("*/children"):
         try:
             children = file.read_text().split()
@@ -87,8 +87,8 @@ def below(pid):
 
 
 def check_the_filter(*what):
-    """Refuses a run whose FMU's process has a filter where it must not, or none where it must: beyond those of this process, which a
-    container may have given it."""
+    """Exits if an FMU's process has a filter where it must not, or lacks one where it must. Ignores filters of this
+    process, which a container may have added."""
     def filters(of):
         return int(of.get("Seccomp_filters", 0))
     own = status("self")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What processes of their own cost: opening an instance, and a communication step of it, in the master's process, in one of its own
-and in a sandbox. Usage: isolation.py MEBOTS PASSTHROUGH.fmu [--sizes 1,50,500] [--repeats 3]
+"""The cost of separate processes: opening an instance, and a communication step of it, in the master's process, in a separate
+process and in a sandbox. Usage: isolation.py MEBOTS PASSTHROUGH.fmu [--sizes 1,50,500] [--repeats 3]
 
-Processor time of mebots and all its processes, so that other work on the machine counts little; wall time beside it. A step is the
-difference between a long run and a short one, divided by steps and instances. An opening is the short run without that of one
+Measures processor time of mebots and all its processes, on which other work has little influence, and wall time. A step is the
+difference between a long run and a short one, divided by steps and instances. An opening is the short run minus that of one
 instance in the master's process, divided by instances. The least of the repeats counts.
 """
 
@@ -17,11 +17,11 @@ import time
 
 KINDS = ("shared", "own", "sandboxed")
 SHORT = 2
-CALLS = 20_000  # steps times instances of the long run, about
+CALLS = 20_000  # approximate steps times instances of the long run
 
 
 def run(program, config, folder):
-    """Processor and wall seconds."""
+    """Returns processor and wall seconds."""
     def used():
         usage = resource.getrusage(resource.RUSAGE_CHILDREN)
         return usage.ru_utime + usage.ru_stime

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the master costs beyond the FMU calls. The same FMU stepped by a bare loop over its C functions and by
-// Simulation, turn about, in one process; and what every single call costs. Usage: bench_master_overhead
+// Measures the master's cost in addition to the FMU calls. Steps the same FMU by a bare loop over its C functions and
+// by Simulation, alternating, in one process; also measures the cost of every single call. Usage: bench_master_overhead
 // PASSTHROUGH.fmu [REPEATS]
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/fmu.hpp"
@@ -33,9 +33,9 @@ struct Shape {
 };
 
 constexpr std::int64_t kStepNs = 100'000'000;
-constexpr std::int64_t kInstanceSteps = 4'000'000;  // per measurement: long against the clock's grain
+constexpr std::int64_t kInstanceSteps = 4'000'000;  // per measurement: long compared with the clock's resolution
 
-/// This thread's own processor time: what else the machine does counts only as far as it empties the caches.
+/// Returns this thread's own processor time: other work affects it only by emptying the caches.
 double cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -70,7 +70,7 @@ SystemDescription system_of(const Shape& shape, const std::filesystem::path& fmu
   return system;
 }
 
-/// ns per instance and step of the bare calls that the master must make: set u, step, get y.
+/// Returns ns per instance and step for the calls that the master must make: set u, step, get y.
 double bare(const Shape& shape, Fmu& fmu, std::int64_t steps) {
   const auto& f = fmu.functions<Fmi2Functions>();
   fmi2CallbackFunctions callbacks{};
@@ -111,8 +111,8 @@ double by_master(const Shape& shape, const std::filesystem::path& fmu, FmuLibrar
   return time * 1e9 / static_cast<double>(steps * shape.instances);
 }
 
-/// ns per call of fmi2GetReal. The bare one; with the watch over the floating-point environment around it, and by the
-/// master, which also keeps the instance for callbacks and looks at the answer.
+/// ns per call of fmi2GetReal: the bare call; with the check of the floating-point environment; and by the master,
+/// which also sets the instance for callbacks and checks the result.
 struct CallCosts {
   double bare, watched, by_master;
 };

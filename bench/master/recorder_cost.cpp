@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What recording costs the simulation per communication point: ten Real variables whose 17 digits change at every row.
+// The cost of recording per communication point: ten Real variables whose 17 digits change in every row.
 //
 //     recorder_cost FILE.fmu    (the probe of tests/fmus: build/ci/test_fmus/probe.fmu)
 #include "io/config/load_system.hpp"
@@ -59,15 +59,15 @@ class Ring {
   std::optional<Simulation> simulation_;
 };
 
-/// Steps alone.
+/// Steps only.
 void steps(benchmark::State& state) {
   Ring ring;
-  const Recorder watched(ring.system(), ring.simulation().ensemble());  // the same values are read
+  const Recorder watched(ring.system(), ring.simulation().ensemble());  // reads the same values
   ring.simulation().initialize();
   for ([[maybe_unused]] auto _ : state) ring.simulation().step();
 }
 
-/// Steps with results.csv of every one. Less `steps`, this is what recording costs.
+/// Steps with results.csv of every step. The difference to `steps` is the cost of recording.
 void steps_with_csv(benchmark::State& state) {
   Ring ring;
   OutputFile file(ring.folder() / "results.csv");
@@ -79,7 +79,7 @@ void steps_with_csv(benchmark::State& state) {
   recorder.flush();
 }
 
-/// The recorder's share on the simulation's thread: one row of ten values.
+/// The recorder's work on the simulation's thread: one row of ten values.
 void rows(benchmark::State& state) {
   Ring ring;
   OutputFile file("/dev/null");

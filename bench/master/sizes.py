@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures how the time and memory of a run grow with the size of each thing that a config can hold.
+"""Measures how time and memory of a run grow with the size of each part of a config.
 
 Usage: sizes.py MEBOTS [OTHER_MEBOTS...] [--sizes N,N,...] [--only NAME,...] [--limit SECONDS]
 
-Each run takes two steps. The programs take turns at each size. Prints processor seconds and the peak of resident
-memory, and below each column the growth from the size before: 4 times the size may take 5 times as long. A program
-that needs more than the limit is not run at larger sizes of that thing.
+Each run takes two steps. The programs alternate at each size. Prints processor seconds and the peak of resident
+memory, and below each column the growth from the previous size: 4 times the size may take 5 times as long. If a program
+needs more than the limit, it is not run at larger sizes of that part.
 """
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def names(count: int, kind: str = "y") -> list[str]:
     return [f"i0.{kind}[{i}]" for i in range(count)]
 
 
-# Each takes the size and a function that builds an FMU of a width, and returns a config.
+# Each function takes the size and a function that builds an FMU of a width. It returns a config.
 SCENES = {
     "instances in a ring": lambda n, wide: base(wide(1), n) | {
         "connections": [{"from": f"i{k}.y[0]", "to": f"i{(k + 1) % n}.u[0]"} for k in range(n)]},
@@ -102,7 +102,7 @@ SCENES = {
 
 
 def measured(program: str, config: pathlib.Path, limit: float) -> tuple[float, float, int]:
-    """Processor seconds, peak memory [MB] and exit code of one run."""
+    """Returns processor seconds, peak memory [MB] and exit code of one run."""
     out = config.parent / "out"
     command = ["/usr/bin/env", "timeout", str(limit), program, "run", str(config), "--out", str(out), "--quiet"]
     with open(config.parent / "log", "w") as log:

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Are runs with threads ever slower than without? The same systems with `threads` 1 and "auto", turn about.
+"""Tests whether runs with threads are ever slower than without. Alternates the same systems with `threads` 1 and "auto".
 
 Usage: threads.py MEBOTS PASSTHROUGH.fmu [CONFIG...] [--repeats N]
 
-Systems: rings of four and sixteen of the cheapest FMU, a ring of four whose steps take about 60 us, and every CONFIG
-named (configs/gate_easy.json, say). Wall seconds of stepping, from summary.json; results.csv must be the same bytes.
+Systems: rings of four and sixteen of the cheapest FMU, a ring of four whose steps take about 60 us, and every given CONFIG
+(configs/gate_easy.json, for example). Prints wall seconds of stepping from summary.json; results.csv must have the same bytes.
 """
 
 import argparse
@@ -25,7 +25,7 @@ def ring(fmu, count, work, steps):
 
 
 def run(mebots, config, threads, folder):
-    """Seconds of stepping, and the hash of the results."""
+    """Returns seconds of stepping, and the hash of the results."""
     file = folder / "config.json"
     file.write_text(json.dumps(config | {"threads": threads}))
     out = folder / "out"
@@ -35,7 +35,7 @@ def run(mebots, config, threads, folder):
 
 
 def absolute(config, file):
-    """The same config anywhere."""
+    """Returns the config with absolute paths."""
     for instance in config["instances"].values():
         path = (file.parent / instance["fmu"]).resolve()
         if path.is_file():  # not a name

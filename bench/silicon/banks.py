@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Cycles of cores that want the same banks of L1 at the same time, on board gap8, beside those of the RTL's arbitration:
-a table in Markdown of how far a core is off, in the mean, and the last one, with orders that rotate and with the tree's.
+"""Cycles of cores that access the same banks of L1 at the same time, on board gap8, compared with the RTL's arbitration: a
+table in Markdown with the mean deviation of a core and that of the last core, for rotating orders and for the tree's order.
 
 Usage: banks.py BUILD [--each] [--quanta 32,64,128]
 
-The rule of the RTL is pulp-platform/cluster_interconnect's (ArbitrationTree.sv, FanInPrimitive_Req.sv): each bank counts
-its grants modulo the cores, and a binary tree of the cores takes at each node the side that a bit of the count names, if
-that asks, from the least bit at the leaves to the highest at the root. So that core has the bank whose number XOR the
-count is the least. --each prints the cycles of every core. --quanta prints instead how far cores with the tree's order
-are off in quanta of so many cycles, in the mean over runs that begin at six places of a quantum. The fabric controller
-is awake here, which cuts quanta at 256. Needs riscv64-unknown-elf-gcc.
+The rule of the RTL is that of pulp-platform/cluster_interconnect (ArbitrationTree.sv, FanInPrimitive_Req.sv): each bank counts
+its grants modulo the number of cores. A binary tree over the cores selects at each node the side given by a bit of the count,
+if that side requests, from the least bit at the leaves to the highest at the root. Thus the bank goes to the core for which
+number XOR count is least. --each prints the cycles of every core. --quanta prints instead the deviation of cores with the tree's
+order in quanta of these lengths, as the mean over runs that start at six places of a quantum. The fabric controller is awake
+here, which limits quanta to 256. Needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import json
@@ -29,29 +29,30 @@ import gvsoc  # noqa: E402
 BANKS = 16
 MOST_CORES = 8
 LOADS = (16, 64, 256, 1024, 4096)
-DELAYS = (0, 13, 27, 38, 51, 77)  # cycles in front of each run
+DELAYS = (0, 13, 27, 38, 51, 77)  # cycles before each run
 
 
 def any_bank(seed):
-    """Loads of any bank, with other work between them, and each core five words further than the one before."""
+    """Returns loads of any bank with other work between them; each core accesses five words further than the
+    previous one."""
     pick = random.Random(seed)
     body = [pick.randrange(BANKS) for _ in range(16)] + [None] * 16
     pick.shuffle(body)
     return body, 5
 
 
-# Of one turn of the loop: the word of each load, or None where an instruction loads nothing; how many words further the
-# same load of the next core is.
+# For one iteration of the loop: the word of each load, or None for an instruction that loads nothing, and the offset in
+# words of the same load in the next core.
 FORMS = {
     "one_bank": ([0] * 16, 0),                   # in every cycle
-    "straight": ([0] * 256, 0),                  # likewise, without a loop's end: blocks of 64 instructions
-    "every_second": ([0, None] * 8, 0),          # cores of even and odd numbers can share it without waiting
+    "straight": ([0] * 256, 0),                  # the same, without the end of a loop: blocks of 64 instructions
+    "every_second": ([0, None] * 8, 0),          # cores with even and odd numbers can share it without waiting
     "any_bank": any_bank(1),
 }
 
 
 def expected(form, cores, loads):
-    """Cycles of each core by the RTL's rule, all of which begin in the same one."""
+    """Returns the cycles of each core by the RTL's rule, if all start in the same cycle."""
     body, step = FORMS[form]
     program = body * turns_of(form, loads)
     at = [0] * cores
@@ -79,7 +80,7 @@ def expected(form, cores, loads):
 
 
 def turns_of(form, loads):
-    """How often the loop turns; None when it would be no whole number."""
+    """Returns the number of iterations; None if it is not whole."""
     in_body = sum(word is not None for word in FORMS[form][0])
     return loads // in_body if loads % in_body == 0 else None
 
@@ -98,7 +99,7 @@ def source(cases, delay):
         lines += ["    .balign 16", f"{form}: lw s6, 4(a0)", "    lw s7, 8(a0)", "    csrr t1, mhartid",
                   "    andi t1, t1, 31", "    slli t2, t1, 2", "    add s7, s7, t2", f"    li t3, {4 * step}",
                   "    mul t3, t1, t3", "    li s5, kL1", "    add s5, s5, t3", "    li s8, 2", "    mv s9, s6",
-                  # The first of two runs brings the code into the instruction cache.
+                  # The first of two runs loads the code into the instruction cache.
                   "6:  mv s6, s9", "    li t0, kEventUnit", "    p.elw t0, 0x21c, t0", *["    addi t5, t5, 1"] * delay,
                   "    csrr s3, 0xB00",
                   f"    lp.setup 0, s6, {len(body)}"]
@@ -123,7 +124,7 @@ def source(cases, delay):
 
 
 def measured(soc, folder, cases, **arbitration):
-    """Cycles of each core in each case, with what the cluster's memory shall say of its arbitration."""
+    """Returns the cycles of each core in each case, with these options of the cluster's arbitration."""
     board = json.loads((ROOT / "configs/boards/gap8.json").read_text())
     for memory in board["memories"]:
         if memory.get("place") == "cluster":
@@ -142,7 +143,7 @@ def assembled(folder, cases, delay=0):
 
 
 def deviation(here, rtl):
-    """(mean over the cores of how far one is off, how far the last one is off)."""
+    """Returns (mean deviation of a core, deviation of the last core)."""
     return sum(abs(ours / its - 1) for ours, its in zip(here, rtl)) / len(rtl), max(here) / max(rtl) - 1
 
 
@@ -153,7 +154,7 @@ def print_quanta(soc, folder, cases, quanta):
         assembled(folder, cases, delay)
         for quantum in quanta:
             found = dict(zip(cases, measured(soc, folder, cases, arbitration_tree=True, quantum=quantum)))
-            around = found[cases[0]][0] - rtl[cases[0]][0]  # of a core alone
+            around = found[cases[0]][0] - rtl[cases[0]][0]  # of a single core
             for case, cycles in found.items():
                 off.setdefault((quantum, case), []).append(deviation([each - around for each in cycles], rtl[case]))
     several = [case for case in cases if case[1] > 1]
@@ -193,7 +194,7 @@ def main():
         assembled(folder, cases)
         found = [measured(soc, folder, cases, arbitration_tree=tree) for tree in (False, True)]
     cells = {}
-    around = 0  # cycles that a core alone takes beside the loop
+    around = 0  # cycles of a single core in addition to the loop
     for (form, cores, loads), *both in zip(cases, *found):
         rtl = expected(form, cores, loads)
         if cores == 1:

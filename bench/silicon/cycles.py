@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Cycles of 18 kernels of our own, written after GreenWaves' CNN benchmark, on board gap8 beside those that are published
-of the benchmark on a GAPuino (cycles.json): a table in Markdown. Seven are fits, eight validations, three not comparable.
+"""Cycles of 18 kernels, written after GreenWaves' CNN benchmark, on board gap8, compared with the published ones of the
+benchmark on a GAPuino (cycles.json): a table in Markdown. Seven are fits, eight validations, three not comparable.
 
 Usage: cycles.py BUILD [--check] [--gvsoc]
 
-BUILD is a build folder. It ends with 1 when forms of one kernel have other results, with --check also when a fit is off
-by more than 5 %, or a validation by more than 15 %. --gvsoc runs the same ELF on GVSoC, too, as bench/gvsoc/gvsoc.py finds
-it, whose results must be the same. Needs riscv64-unknown-elf-gcc.
+BUILD is a build folder. The exit code is 1 if forms of a kernel have different results; with --check also if a fit deviates
+by more than 5 %, or a validation by more than 15 %. --gvsoc also runs the same ELF on GVSoC (see bench/gvsoc/gvsoc.py), whose
+results must be equal. Needs riscv64-unknown-elf-gcc.
 """
 import argparse
 import json
@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT / "bench/gvsoc"))
 import gvsoc  # noqa: E402
 
 MOST_OFF = {"fit": 0.05, "validation": 0.15}
-# Its filter lies elsewhere, as in the benchmark: it is another layer.
+# Its filter is in another place, as in the benchmark: it is another layer.
 OTHER_FILTER = ("linear, vector", 8)
 
 
@@ -36,7 +36,7 @@ def compiled(runs, folder):
 
 
 def rows_of(simulator, done, folder, rows):
-    """Cycles and sum of the output of each row, of a program that ran; and its processor time."""
+    """Returns cycles and output sum of each row of a finished program, and its processor time."""
     words = gvsoc.words_left_by(simulator, done, folder)
     if len(words) != 2 * rows:
         raise SystemExit(f"{simulator}: {len(words)} words measured, two for each of {rows} rows in cycles.json are wanted")
@@ -44,7 +44,7 @@ def rows_of(simulator, done, folder, rows):
 
 
 def measured(soc, data, with_gvsoc):
-    """Rows and processor time of each simulator."""
+    """Returns rows and processor time of each simulator."""
     with tempfile.TemporaryDirectory() as name:
         out = pathlib.Path(name)
         program = compiled(data["runs"], out)

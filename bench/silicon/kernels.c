@@ -11,7 +11,7 @@ static int8_t narrow(int32_t sum) {
   return (int8_t)(value > 127 ? 127 : value < -128 ? -128 : value);
 }
 
-// The share of `count` rows that begins here for a core.
+// Returns the first of `count` rows for a core.
 static unsigned first_of(unsigned count, const job_t* job, unsigned core) {
   return count * core / job->cores;
 }
@@ -65,7 +65,7 @@ void convolution_scalar(const job_t* shared, unsigned core) {
   }
 }
 
-// Down a column: four words and four bytes stay in registers, one of each is new.
+// Along a column: four words and four bytes stay in registers, one of each is new.
 void convolution_vector(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
   const unsigned begin = first_of(kOut, &job, core);
@@ -84,7 +84,7 @@ void convolution_vector(const job_t* shared, unsigned core) {
     uint32_t last = (uint8_t)q[0] | (uint32_t)(uint8_t)q[kWidth] << 8 | (uint32_t)(uint8_t)q[2 * kWidth] << 16 |
                     (uint32_t)(uint8_t)q[3 * kWidth] << 24;
     q += 4 * kWidth;
-    // Four at a time, so that no word moves from register to register.
+    // Unrolled four times, so that no word moves between registers.
 #pragma GCC unroll 4
     for (unsigned y = begin; y < end; ++y) {
       const uint32_t r4 = xpulp_lw_post(p, kWidth);
@@ -221,7 +221,7 @@ static unsigned bit_of(const int8_t* bits, unsigned at) {
   return (uint8_t)bits[at / 8] >> at % 8 & 1;
 }
 
-// How many of a window's bits are the filter's.
+// Returns how many of a window's bits equal the filter's.
 void xnor_plain(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
   const unsigned end = first_of(kOut, &job, core + 1);
@@ -238,13 +238,13 @@ void xnor_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// Six bits from an address of bits on.
+// Returns six bits from a bit address on.
 static uint32_t six_bits(const int8_t* bits, unsigned at) {
   const xpulp_half half = *(const xpulp_half*)(bits + at / 8);
   return (uint32_t)half >> at % 8 & 63;
 }
 
-// Down two columns at once: five rows of six bits in a word, of which one row is new.
+// Along two columns at once: five rows of six bits in a word, of which one row is new.
 void xnor_scalar(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
   const unsigned end = first_of(kOut / 2, &job, core + 1);

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kernels of GreenWaves' CNN benchmark of GAP8 (gap_sdk, benchmarks/gap8/cnn), new, written from what its README and
-// its code say of them. A 5 x 5 convolution has 100 x 100 pixels of a byte (docs/chip/silicon.md tells why not
-// 112 x 112), another one so many of a bit. The 2 x 2 pools have 112 x 112 pixels, the linear layer is 1024 to 16. Each
-// is there in some of these forms of one result: plain RV32IMC, with Xpulp's scalar instructions, with its vectors of
-// bytes. Of these kernels only powers are taken, and what is published stands for the cycles.
+// Kernels of GreenWaves' CNN benchmark of GAP8 (gap_sdk, benchmarks/gap8/cnn), rewritten from the description in its
+// README and code. A 5 x 5 convolution has 100 x 100 pixels of a byte (docs/chip/silicon.md explains why not 112 x
+// 112), another one the same number of bits. The 2 x 2 pools have 112 x 112 pixels, the linear layer is 1024 to 16.
+// Each kernel has some of these forms with the same result: plain RV32IMC, with Xpulp's scalar instructions, with its
+// vectors of bytes. These kernels are used for power only; for cycles, the published values apply.
 #pragma once
 
 #include <stdint.h>
 
-enum { kWidth = 100, kOut = kWidth - 4 };       // of convolutions: width and height
-enum { kPixels = 112, kPooled = kPixels / 2 };  // of pools, likewise
+enum { kWidth = 100, kOut = kWidth - 4 };       // width and height of convolutions
+enum { kPixels = 112, kPooled = kPixels / 2 };  // width and height of pools
 enum { kInputs = 1024, kOutputs = 16, kTaps = 25 };
 
 typedef struct {
@@ -20,7 +20,7 @@ typedef struct {
   unsigned cores;
 } job_t;
 
-// What core `core` of `job->cores` does of the whole.
+// Does the share of core `core` of `job->cores`.
 typedef void (*kernel_t)(const job_t* job, unsigned core);
 
 void convolution_plain(const job_t* job, unsigned core);

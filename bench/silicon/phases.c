@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the oscilloscope of GreenWaves' benchmark saw, one phase after the other: a line "begin NAME" in front of each
-// and "end" behind it. The fabric controller sleeps in all of them.
+// The phases measured with an oscilloscope in GreenWaves' benchmark, one after the other: a line "begin NAME" before
+// each and "end" after it. The fabric controller sleeps in all of them.
 #include "kernels.h"
 
 #include "drivers/timer.h"
@@ -42,7 +42,7 @@ static void run(void* argument) {
   }
 }
 
-// Sum of all results, so that forms of one kernel can be held against each other.
+// Sum of all results, so that the forms of a kernel can be compared.
 static uint32_t checksum;
 static void add_up(void* argument) {
   (void)argument;
@@ -63,7 +63,7 @@ static void measure(const char* name, kernel_t kernel, const int8_t* its_weights
   work.kernel = kernel;
   cluster_fork(wipe, 1, 0);
   cluster_wait();
-  work.repeats = 1;  // so that the instruction cache holds what it can
+  work.repeats = 1;  // fills the instruction cache
   cluster_fork(run, cores, 0);
   cluster_wait();
   work.repeats = repeats;

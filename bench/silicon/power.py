@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What the chip's energy figures say beside what was published of GAP8 (points.json): a table in Markdown.
+"""Compares the chip's energy model with published values of GAP8 (points.json): a table in Markdown.
 
 Usage: power.py BUILD [--dronet FOLDER] [--calibrate]
 
-BUILD is a build folder. --dronet runs PULP-Dronet v1, of which FOLDER has checkouts as scripts/gap8_programs.sh wants
-them. --calibrate writes fmu_soc/params/gap8_silicon.json again from gap8.json and the points whose use is calibration;
-build again behind it.
+BUILD is a build folder. --dronet runs PULP-Dronet v1 from the checkouts in FOLDER, which scripts/gap8_programs.sh lists.
+--calibrate rewrites fmu_soc/params/gap8_silicon.json from gap8.json and the points whose use is calibration; build again
+afterwards.
 """
 import argparse
 import json
@@ -20,7 +20,7 @@ HERE = pathlib.Path(__file__).parent
 MODELS = ("gap8", "gap8_silicon")
 TOP = (1.2, 250, 175)
 CAMERA_W = 1.75e-3 * 2.8  # configs/boards/gap8.json, camera
-# A longer run of the same program, so that what it does once falls out of the difference.
+# A longer run of the same program, so that one-time costs cancel out.
 FEW, MANY = 2, 6
 
 
@@ -50,7 +50,7 @@ def joules(phase):
 
 
 class Model:
-    """The chip with one set of energies; phases by name and point, as they are asked for."""
+    """The chip with one set of energies. Measures phases by name and point when they are first used."""
 
     def __init__(self, build, name):
         self.build, self.name, self.at = build, name, {}
@@ -71,12 +71,12 @@ class Model:
         return phase["leakage"] / phase["seconds"]
 
     def gain(self, over, name, cycles):
-        """Energy of `over` over that of a phase, which take so many cycles."""
+        """Returns the energy of `over` divided by that of a phase, for their numbers of cycles."""
         return self.power_w(over) * cycles[0] / (self.power_w(name) * cycles[1])
 
 
 def of_dronet(build, model, folder):
-    """Energy of a picture and mean power of the board, at 100 MHz."""
+    """Returns energy per picture and mean power of the board at 100 MHz."""
     dronet = folder / "pulp-dronet/pulp-dronet-v1"
     frames = sorted((folder / "Himax_Dataset/test_2").glob("frame_2[2-9].pgm"))
     found = []
@@ -99,7 +99,7 @@ def of_dronet(build, model, folder):
 
 
 def figure(model, point, rail_v, dronet):
-    """What the model says, in the point's unit; None where it says nothing."""
+    """Returns the model's value in the point's unit; None if it has none."""
     kind = point.get("figure")
     extra_w = CAMERA_W if "camera" in point.get("plus", ()) else 0
     if kind in ("power", "leakage"):
@@ -117,8 +117,9 @@ def figure(model, point, rail_v, dronet):
 
 
 def extremes(model, points, rail_v, dronet):
-    """The least and the most that silicon took beside what the model says, over currents and energies that fixed nothing
-    in this model and whose own program ran; the leaking chip apart. They are few, so this is no confidence interval."""
+    """Returns the least and the greatest ratio of silicon to model, over currents and energies that were not used
+    for calibration and whose own program ran, without the leaking chip. They are few, so this is not a confidence
+    interval."""
     fixed = {"gap8": (), "gap8_silicon": ("calibration",)}[model.name]
     ratios = {}
     for point in points:
@@ -146,7 +147,8 @@ def scaled(table, factor, source):
 
 
 def calibrate(model, points, rail_v):
-    """Four factors on gap8.json's figures, from four currents; each of them stands in the sources of what it changed."""
+    """Computes four factors on the values of gap8.json from four currents. Each is mentioned in the sources of the
+    values that it changed."""
     chip = json.loads((ROOT / "fmu_soc/params/gap8.json").read_text())
     wanted_w = {point["name"]: point["value"] * 1e-3 * rail_v for point in points if point["use"] == "calibration"}
     reset_w, fabric_w, idle_w, eight_w = wanted_w.values()
@@ -157,7 +159,7 @@ def calibrate(model, points, rail_v):
 
     leakage = reset_w / watts("fc_asleep 0 1", "leakage")
     fabric = (fabric_w - reset_w) / watts("fc_asleep 0 1", "fc_background")
-    # Of the cluster's leakage, that of its cores and banks goes with the fabric controller's; its own stays.
+    # The leakage of the cluster's cores and banks scales with that of the fabric controller; its own does not.
     own_w = chip["energy"]["cluster_leakage"]["values"]["25"]["1.2"]["any"]
     others_w = watts("cluster_idle 0 1", "leakage") - watts("fc_asleep 0 1", "leakage") - own_w
     clocked_w = watts("cluster_idle 0 1", "cluster_background", "dma", "cluster_cores")
@@ -175,7 +177,7 @@ def calibrate(model, points, rail_v):
            core: "with eight cores in a scalar convolution"}
     energy = {key: value for key, value in chip["energy"].items()}
     path = ROOT / "fmu_soc/params/gap8_silicon.json"
-    checks = json.loads(path.read_text())["checks"]  # to be looked at again once this is built
+    checks = json.loads(path.read_text())["checks"]  # to be checked again after the next build
     for key, factor in rules.items():
         energy[key] = scaled(energy[key], factor, say.format(factor, why[factor], energy[key]["source"]))
     text = json.dumps({"name": "gap8_silicon",

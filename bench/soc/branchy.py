@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a C program of a given size of code: branchy functions that are called in turn, so that all of it is hot.
+"""Writes a C program with a given code size: branchy functions that are called in turn, so that all code is hot.
 
-Every function has conditions on bits of what it is given, a short loop, loads and stores, as code of a real program has;
-no two are alike. The same size makes the same program.
+Every function has conditions on bits of its argument, a short loop, loads and stores, like the code of a real program; no two
+functions are equal. Equal sizes give equal programs.
 """
 
 import random
 
-FUNCTION_BYTES = 193  # of one function and its call, compiled with -O1 for rv32imc; found by compiling
+FUNCTION_BYTES = 193  # of one function and its call, compiled with -O1 for rv32imc; measured
 
 
 def expression(chance):
@@ -33,12 +33,13 @@ def function(number, chance):
 
 
 def source(code_bytes):
-    """C source of `unsigned turn(unsigned)`, which calls functions of about `code_bytes` of code, each once."""
+    """Returns C source of `unsigned turn(unsigned)`, which calls functions with about `code_bytes` of code, each
+    once."""
     chance = random.Random(20)
     count = max(1, round(code_bytes / FUNCTION_BYTES))
     functions = "\n".join(function(number, chance) for number in range(count))
     calls = [f"  x = f{number}(x, {chance.randrange(1, 1 << 12)});" for number in range(count)]
-    # A compiler takes long for one function with thousands of calls.
+    # Compiling one function with thousands of calls takes too long.
     groups = [calls[first:first + 50] for first in range(0, count, 50)]
     parts = "\n".join(f"static __attribute__((noinline)) unsigned part{i}(unsigned x) {{\n" + "\n".join(group) +
                       "\n  return x;\n}" for i, group in enumerate(groups))

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Speed of mebots-soc over the size of the code, beside QEMU and Spike on the same programs.
+"""Speed of mebots-soc over the code size, compared with QEMU and Spike on the same programs.
 
     scripts/setup.sh bench
     bench/soc/code_size.py [--build build/release] [--repeats 3] [--sizes 1,4,16,64,256,512] [--plot FILE.png]
 
-A program of each size [KiB] is generated (branchy.py): branchy functions that are called in turn, so that all of the code
-is hot. mebots-soc runs it bare (configs/boards/ri5cy.json) and behind GAP8's instruction cache of 4 KiB
-(configs/boards/gap8_bare.json, up to 448 KiB: its L2 has 512). Each simulator runs a short and a long version; the rate is
+Generates a program of each size [KiB] (branchy.py): branchy functions that are called in turn, so that all code is hot.
+mebots-soc runs it bare (configs/boards/ri5cy.json) and behind GAP8's instruction cache of 4 KiB
+(configs/boards/gap8_bare.json, up to 448 KiB, because its L2 has 512). Each simulator runs a short and a long version; the rate is
 
     (instructions of the long run - of the short run) / (processor time of the long run - of the short run)
 
-and the short one is long enough that hot code is translated in it. Median of the repeats, all simulators in turns. Exit code 1
-when a program's checksum is not the same everywhere.
+and the short one is long enough that hot code is translated in it. Prints the median of the repeats, simulators alternating. Exit
+code 1 if a program's checksums differ.
 """
 
 import argparse
@@ -25,7 +25,7 @@ import tempfile
 import branchy
 from run import GCC, HERE, ROOT, run, simulators
 
-INSTRUCTIONS_PER_KIB = 243  # of one turn, about
+INSTRUCTIONS_PER_KIB = 243  # of one turn, approximately
 SHORT_TURNS = 100           # hot code is translated after 64
 CACHED = "mebots behind 4 KiB"
 LARGEST_CACHED_KIB = 448
@@ -33,7 +33,7 @@ CACHED_BASE = 0x1C000000
 
 
 def build_programs(size, instructions, folder):
-    """(long, kind of program) -> ELF file, where the kind is "bare", "qemu" or "cached"."""
+    """Returns (long, kind of program) -> ELF file; the kind is "bare", "qemu" or "cached"."""
     source = folder / f"branchy-{size}.c"
     code = folder / f"branchy-{size}.o"
     source.write_text(branchy.source(size * 1024))
@@ -56,7 +56,7 @@ def build_programs(size, instructions, folder):
 
 
 def contenders(build):
-    """Name -> command in front of the program, and its kind of program."""
+    """Returns name -> command that precedes the program, and its kind of program."""
     found = {name: (command, "qemu" if for_qemu else "bare") for name, (command, for_qemu) in simulators(build).items()
              if name != "mebots interpreter"}
     soc, _ = found.pop("mebots translated")
@@ -70,7 +70,7 @@ def instructions_of(text):
 
 
 def measure(size, sims, instructions, repeats, folder):
-    """Simulator -> rates [million instructions per second]; whether all checksums agree."""
+    """Returns simulator -> rates [million instructions per second], and whether all checksums are equal."""
     files = build_programs(size, instructions, folder)
     rates = {sim: [] for sim, (_, kind) in sims.items() if (False, kind) in files}
     counts, checksums, good = {}, {}, True
@@ -90,7 +90,7 @@ def measure(size, sims, instructions, repeats, folder):
 
 
 def spread(heights, least):
-    """The heights, lifted where one is closer to the one below it than `least`; their order stays."""
+    """Returns the heights in the same order, raised where one is closer to the one below it than `least`."""
     lifted, below = {}, float("-inf")
     for i in sorted(range(len(heights)), key=heights.__getitem__):
         below = lifted[i] = max(heights[i], below + least)
@@ -109,7 +109,7 @@ def plot(sizes, rates, path):
              ylabel="million instructions per second")
     axes.minorticks_off()
     axes.set_title("Branchy functions called in turn, processor time", loc="left")
-    figure.canvas.draw()  # so that points have places
+    figure.canvas.draw()  # computes the places of points
     ends = [axes.transData.transform((line.get_xdata()[-1], line.get_ydata()[-1]))[1] * 72 / figure.dpi
             for line in axes.lines]
     for line, end, height in zip(axes.lines, ends, spread(ends, 11)):

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Speed of mebots-soc on Embench-IoT and CoreMark beside QEMU -icount.
+"""Speed of mebots-soc on Embench-IoT and CoreMark, compared with QEMU -icount.
 
     git clone https://github.com/embench/embench-iot; git clone https://github.com/eembc/coremark
     bench/soc/embench.py --embench embench-iot --coremark coremark [--build build/release] [--repeats 3] [--only crc32,ud]
 
 Every program is compiled with Debian's cross compiler (-O2) and runs behind GAP8's instruction cache of 4 KiB
-(configs/boards/gap8_bare.json). The rate is that of run.py: the long run less the short one, processor time, median of the
-repeats, the simulators in turns. Every program checks its own result. Exit code 1 when one is wrong, or when the ratios miss
-what is aimed at: a geometric mean of 2, none below 0.4.
+(configs/boards/gap8_bare.json). The rate is computed as in run.py: difference of a long and a short run, processor time, median of
+the repeats, simulators alternating. Every program checks its own result. Exit code 1 if one is wrong, or if the ratios miss their
+targets: a geometric mean of 2, none below 0.4.
 """
 
 import argparse
@@ -24,13 +24,13 @@ from run import GCC, HERE, ROOT, run, simulators
 BASE = 0x1C000000
 LEAST_MEAN = 2.0
 LEAST = 0.4
-# Of the short and the long run, about; a scale is chosen for that.
+# Approximate instructions of the short and the long run, for which a scale is chosen.
 SHORT_INSTRUCTIONS, LONG_INSTRUCTIONS = 30e6, 300e6
 BOARD_SUPPORT = "void initialise_board(void) {}\nvoid start_trigger(void) {}\nvoid stop_trigger(void) {}\n"
 
 
 def compile_command(sources, options, place, path):
-    # The C library has one for this architecture by name, and no other one that fits.
+    # The C library must be named for this architecture; no default fits.
     flags = [flag for flag in GCC if flag not in ("-nostdlib", "-ffreestanding")]
     return (flags + ["-march=rv32imc", "--specs=picolibc.specs", "-nostartfiles", "-w"] + place + options +
             ["-T", HERE / "programs/link.ld", HERE / "programs/start.S", *sources, "-lm", "-o", path])
@@ -42,7 +42,7 @@ def compile_program(sources, options, for_qemu, path):
 
 
 def embench_programs(checkout, support):
-    """Name -> sources and options, given the scale of its length."""
+    """Returns name -> sources and options, given the scale of its length."""
     common = [checkout / "support" / name for name in ("main.c", "beebsc.c", "board.c")]
     options = [f"-I{support}", f"-I{checkout / 'support'}", "-DWARMUP_HEAT=1", "-DHAVE_CONFIG_H"]
     (support / "config.h").write_text("")
@@ -63,7 +63,7 @@ def instructions_of(text):
 
 
 def scales(name, program, soc, folder):
-    """Scale of the short and of the long run."""
+    """Returns the scale of the short and of the long run."""
     path = folder / f"{name}-once.elf"
     compile_program(*program(1), False, path)
     once = instructions_of(run(soc + [path])[0])
@@ -71,7 +71,7 @@ def scales(name, program, soc, folder):
 
 
 def measure(name, program, sims, repeats, folder):
-    """Simulator -> rate [million instructions per second]; whether all results are right."""
+    """Returns simulator -> rate [million instructions per second], and whether all results are correct."""
     files = {}
     for is_long, scale in scales(name, program, sims["mebots"][0], folder).items():
         sources, options = program(scale)

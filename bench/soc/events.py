@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What costs mebots-soc time beside instructions: starting, watching a run, code that changes.
+"""Costs of mebots-soc in addition to instructions: starting, observing a run, code that changes.
 
     scripts/setup.sh bench
     bench/soc/events.py [--build build/release] [--repeats 5]
@@ -9,9 +9,9 @@
 |---|---|
 | start | a run of exactly a million instructions of programs/mixed.c, from the start of the process to its end |
 | profile, power trace | a long run with `--profile`, `--power-trace`, over the same run without; mixed code and the cluster |
-| patch | a run with 200,000 stores into code (programs/patches.c) less one with 100,000, here and on Spike |
+| patch | a run with 200,000 stores into code (programs/patches.c) minus one with 100,000, here and on Spike |
 
-Processor time; medians of pairs that are run in turns. Exit code 1 when a program's checksum is not the same everywhere.
+Processor time; medians of alternating pairs. Exit code 1 if a program's checksums differ.
 """
 
 import argparse
@@ -56,7 +56,7 @@ def build_patches(turns, folder):
 
 
 def measure_patches(sims, folder, repeats):
-    """Microseconds of a patch by simulator; whether the checksums agree."""
+    """Returns microseconds per patch by simulator, and whether the checksums are equal."""
     files = [build_patches(turns, folder) for turns in (PATCHES, 2 * PATCHES)]
     micros, codes, good = {sim: [] for sim in sims}, {}, True
     for _ in range(repeats):

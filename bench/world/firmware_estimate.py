@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""fmu_world's estimate beside that of the Crazyflie's own firmware, from the same samples of the same sensors.
+"""Compares fmu_world's estimate with that of the Crazyflie's own firmware, from the same samples of the same sensors.
 
     git clone https://github.com/bitcraze/crazyflie-firmware /tmp/firmware
     git -C /tmp/firmware checkout 2a18fc299d7b48cf094d26c38a79f33dec64b5d7
     .venv/bin/python bench/world/firmware_estimate.py build/release/fmus/fmu_world.fmu /tmp/firmware
 
-A Crazyflie takes off, flies two legs and turns in between on its own estimate, with noise in all sensors. Each millisecond the firmware's
-Kalman filter (kalman_core.c, mm_flow.c, mm_tof.c, compiled as they are) gets what the FMU's sensors tell. The table has the largest and
-the root mean square difference of both, and of each from the truth.
+A Crazyflie takes off, flies two legs and turns between them on its own estimate, with noise in all sensors. Each millisecond the
+firmware's Kalman filter (kalman_core.c, mm_flow.c, mm_tof.c, unmodified) gets the readings of the FMU's sensors. The table has the
+largest and the root mean square difference between both, and between each and the truth.
 """
 import argparse
 import ctypes
@@ -31,7 +31,7 @@ ROWS = {"level position [m]": [0, 1], "height [m]": [2], "velocity [m/s]": [3, 4
 
 
 def wish(t):
-    """Mode, forward velocity, yaw rate."""
+    """Returns mode, forward velocity, yaw rate."""
     if t < 5.0:
         return 1, 0.0, 0.0
     return 2, 0.6 if 6.0 < t < 14.0 or 22.0 < t < 30.0 else 0.0, 0.5 if 16.0 < t < 20.0 else 0.0
@@ -59,7 +59,7 @@ class World:
         return self.slave.getReal([self.at[n] for n in names])
 
     def step(self, k):
-        """Sets, steps, and moves the rotors on; the mode of the step."""
+        """Sets inputs, steps, and advances the rotors. Returns the mode of the step."""
         mode, forward, yaw_rate = wish(k * STEP)
         command = np.array(self.real([f"rotor[{i}].command" for i in (1, 2, 3, 4)]))
         self.slave.setReal([self.at[f"rotor[{i}].{what}"] for what in ("thrust", "torque") for i in (1, 2, 3, 4)],
@@ -88,7 +88,8 @@ def main():
             read = world.real(SENSORS)
             counts = world.slave.getInteger([world.at["flow.motion.x"], world.at["flow.motion.y"]])
             seen = world.slave.getBoolean([world.at["flow.seen"]])[0]
-            distance = read[6] if (ms % 25 == 0 or ms == 1) and read[6] < 4.0 else -1.0  # the first is of the start
+            distance = read[6] if (ms % 25 == 0 or ms == 1) and read[6] < 4.0 else -1.0  # the first reading is that of
+                                                                                         # the start
             out = nine()
             own.step(ctypes.c_uint(ms), three(*read[:3]), three(*read[3:6]), (ctypes.c_double * 2)(*counts),
                      ctypes.c_bool(bool(seen) and ms % 10 == 0), ctypes.c_double(distance), ctypes.c_bool(True), out)

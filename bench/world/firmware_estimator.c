@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// What the firmware calls when one of its assertions fails.
+// Called by the firmware if one of its assertions fails.
 void assertFail(char* what, char* file, int line) {
   fprintf(stderr, "%s:%d: %s\n", file, line, what);
   abort();
@@ -44,8 +44,8 @@ void begin(const double start[4]) {
   kalmanCoreInit(&core, &params, 0);
 }
 
-// force [m/s2], rate [rad/s]; counts of the flow sensor and whether they are new and seen; distance [m], negative where
-// none is new. state: position, velocity, roll, pitch, yaw.
+// force [m/s2], rate [rad/s]; counts of the flow sensor with flags for new and valid; distance [m], negative if not
+// new. state: position, velocity, roll, pitch, yaw.
 void step(unsigned ms, const double force[3], const double rate[3], const double counts[2], bool flow, double distance,
           bool flying, double state[9]) {
   Axis3f g;

@@ -5,8 +5,8 @@ docs/img/hover_cells.png from it.
 
     PYTHONPATH=BUILD/python .venv/bin/python bench/world/hover_table.py [--jobs N]
 
-Each cell of the table has one flight with the values of the data files, and 19 with parameters drawn from their intervals,
-as `mebots run configs/hover.json --uncertainty calibration` flies them.
+Each cell of the table is one run with the values of the data files, and 19 with parameters drawn from their intervals, as in
+`mebots run configs/hover.json --uncertainty calibration`.
 """
 import argparse
 import collections
@@ -50,7 +50,8 @@ def flown(folder, jobs, cells=CELLS, **sections):
 
 
 def shown(value, draws):
-    """The least and greatest of the draws; how many of them did not take off or sank before the cell was empty."""
+    """Returns the least and greatest of the draws, and how many of them did not take off or descended before the
+    cell was empty."""
     seconds = [time for time, _ in draws]
     early = sum(outcome != "battery_empty" for _, outcome in draws)
     (time, outcome), = value

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The velocity loop of fmu_world's Crazyflie controller beside a flight of a real Crazyflie that somebody published.
+"""Compares the velocity loop of fmu_world's Crazyflie controller with a published flight of a real Crazyflie.
 
     git clone https://github.com/MarkAkbashev/crazyflie-dataset /tmp/dataset
     git -C /tmp/dataset checkout 5a16f969dc18214ba977fff4ffe492d33f94f73c
     .venv/bin/python bench/world/measured_velocity.py build/release/fmus/fmu_world.fmu /tmp/dataset/drone?/flight1/posCtl1.csv
 
-The log has, ten times a second, where the position controller is told to be and the velocity that it asks for. That one is the
-firmware's gain, 2 1/s, times what is missing (PID_POS_X_KP; I and D are 0), so that the drone's own place follows. It held its heading.
-The asked velocities go into fmu_world, whose place and speed forwards are then compared with the flown ones.
+Ten times per second, the log contains the position controller's set-point and its requested velocity. That velocity is the
+firmware's gain, 2 1/s, times the position error (PID_POS_X_KP; I and D are 0), from which the drone's position follows. The drone
+kept its heading. The requested velocities are inputs of fmu_world, whose position and forward speed are then compared with the
+flight.
 """
 import argparse
 import json
@@ -26,8 +27,8 @@ LONGEST_DELAY = 1.0
 
 
 def measured(path, least_height):
-    """Times from 0 on, asked velocities and places of the first flight: from its height to its descent from there, or to the
-    end of the log."""
+    """Returns times from 0 on, requested velocities and positions of the first flight: from its height to its
+    descent from there, or to the end of the log."""
     log = np.genfromtxt(path, delimiter=",", names=True)
     level = log["posCtltargetZ"] > least_height
     if not level.any():
@@ -43,7 +44,8 @@ def measured(path, least_height):
 
 
 def flown(archive, unpacked, times, asked, lag):
-    """Places at the times, of a drone that is asked for the same velocities, in straight lines from row to row."""
+    """Returns positions at the times, for a drone with the same requested velocities, by linear interpolation
+    between rows."""
     drone = json.loads((Path(unpacked) / "resources/drones/crazyflie.json").read_text())
     curve = drone["thrust_curve"]
     fmu = Fmu(archive, unpacked, CRAZYFLIE)
@@ -67,7 +69,7 @@ def flown(archive, unpacked, times, asked, lag):
 
 
 def delay(times, asked, place):
-    """By how much the velocity lags behind the asked one: the shift with the least squares."""
+    """Returns the delay of the velocity relative to the requested one: the shift with the least squares."""
     speed = np.gradient(place, times)
     shifts = np.arange(0.0, LONGEST_DELAY, 0.01)
     inner = times > shifts[-1]

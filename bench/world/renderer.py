@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Processor time of a picture: of the shipped scenes, and over the number of things in one.
+"""Processor time of a picture: of the shipped scenes, and over the number of objects in a scene.
 
     .venv/bin/python bench/world/renderer.py build/release/bin/mebots-camera
 
-Each figure is the fastest of some pictures of 320 x 320 pixels, without noise and blur, one metre above the start. The things are
-crates and firs in turns, on a field of 40 m x 40 m around the camera, from a seed.
+Each value is the fastest of several pictures of 320 x 320 pixels, without noise and blur, one metre above the start. The objects
+are crates and firs, alternating, on a field of 40 m x 40 m around the camera, placed by a seed.
 """
 import argparse
 import json
@@ -36,7 +36,7 @@ def place(draw):
 
 
 def field_of(count):
-    """A scene of so many things."""
+    """Returns a scene with `count` objects."""
     draw = random.Random(1)
     scene = json.loads((WORLD / "scenes/empty.json").read_text())
     scene["drone"] = str(WORLD / "drones/crazyflie.json")

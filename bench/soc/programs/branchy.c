@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls generated code (branchy.py) TURNS times; main() gives back a checksum of what it computed.
+// Calls generated code (branchy.py) TURNS times; main() returns a checksum of the results.
 unsigned turn(unsigned x);
 
 int main(void) {

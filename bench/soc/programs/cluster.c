@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layer of convolution.c on CORES cores of the cluster: output channels are dealt out, all data lies in L1. One
-// core and eight execute the same work.
+// The layer of convolution.c on CORES cores of the cluster: each core computes some output channels; all data is in L1.
+// One core and eight do the same work.
 #include <stdint.h>
 
 #include "runtime/cluster.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Code that changes: TURNS times the immediate of an instruction is stored over, and the function called that has it.
-// main() gives back the sum of what the calls gave back.
+// Code that changes: TURNS times, overwrites the immediate of an instruction and calls the function that contains it.
+// main() returns the sum of the results.
 #include <stdint.h>
 
 // addi a0, zero, 0; ret

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoreMark's port to a core without a library for time and text: what it would print is looked at in core_portme.c.
+// CoreMark's port to a core without a library for time and text; core_portme.c checks the texts that it would print.
 #ifndef CORE_PORTME_H
 #define CORE_PORTME_H
 #include <stddef.h>
