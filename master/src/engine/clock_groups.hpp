@@ -11,7 +11,7 @@
 
 namespace mebots::master {
 
-/// Makes the slaves whose clocks tick, and the groups that advance them, from a resolved system.
+/// Creates the slaves whose clocks tick, and the groups that advance them, from a resolved system.
 class ClockGroups {
  public:
   /// Both must outlive the slaves.
@@ -23,7 +23,7 @@ class ClockGroups {
   void connect();
 
  private:
-  /// The place of an instance: its group, and its place among the members.
+  /// The place of an instance: its group, and its index among the members.
   struct Place {
     std::size_t group = 0;
     std::size_t member = 0;

@@ -15,10 +15,10 @@ namespace {
 using modeldesc::Causality;
 using modeldesc::Variability;
 
-/// What a solver takes if neither the config nor a member's FMU has a tolerance.
+/// The solver's tolerance if neither the config nor a member's FMU has one.
 constexpr double kUsualTolerance = 1e-6;
 
-/// The smallest tolerance of the members, as passed to their FMUs.
+/// Returns the smallest tolerance of the members, as passed to their FMUs.
 double tolerance_of(const ResolvedSystem& system, const std::vector<std::size_t>& members) {
   std::optional<double> smallest;
   for (const auto member : members) {
@@ -28,7 +28,7 @@ double tolerance_of(const ResolvedSystem& system, const std::vector<std::size_t>
   return smallest.value_or(kUsualTolerance);
 }
 
-/// References of the inputs that an output depends on directly, by ModelStructure; nothing if it may be all.
+/// Returns the inputs on which an output depends directly, according to ModelStructure; empty if it may be all.
 std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::ModelDescription& model,
                                                            const modeldesc::Variable& output) {
   const auto index = static_cast<std::size_t>(&output - model.variables.data());

@@ -12,19 +12,19 @@
 
 namespace mebots::master {
 
-/// Makes the slaves of model exchange, and the groups that advance them, from a resolved system.
+/// Creates the model exchange slaves, and the groups that advance them, from a resolved system.
 class ContinuousGroups {
  public:
   /// All three must outlive the slaves.
   ContinuousGroups(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options);
 
-  /// Instantiates an instance of model exchange. In the order of the config.
+  /// Instantiates a model exchange instance. In the order of the config.
   std::unique_ptr<Slave> make_slave(std::size_t instance);
   /// Connects the members of each group. After the last make_slave().
   void connect();
 
  private:
-  /// The place of an instance: its system, and its place among the members.
+  /// The place of an instance: its system, and its index among the members.
   struct Place {
     std::size_t system = 0;
     std::size_t member = 0;

@@ -13,13 +13,13 @@
 namespace mebots::master {
 namespace {
 
-/// 1 / number: of small ones without a division, which is most of what an integral costs.
+/// Returns 1 / number. A table avoids divisions for small numbers, which are most of an integral's cost.
 double reciprocal(std::size_t number) {
   constexpr std::array kKnown = {0.0, 1.0, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
   return number < kKnown.size() ? kKnown[number] : 1 / static_cast<double>(number);
 }
 
-/// value + d_1 tau + d_2 tau^2 / 2! + ..., from the highest order down.
+/// Evaluates value + d_1 tau + d_2 tau^2 / 2! + ..., from the highest order down.
 double at(const InputCourse& course, double tau_s) {
   double sum = 0;
   for (auto order = course.derivatives.size(); order > 0; --order) {
@@ -28,7 +28,7 @@ double at(const InputCourse& course, double tau_s) {
   return *course.value + sum;
 }
 
-/// The integral of input times output over a step: the sum of a_i d_j / j! tau^(i + j + 1) / (i + j + 1).
+/// Integrates input times output over a step: the sum of a_i d_j / j! tau^(i + j + 1) / (i + j + 1).
 double product_integral(const InputCourse& input, double scale, double offset, const std::array<double, 3>& output,
                         double length_s) {
   double integral = 0;
@@ -45,9 +45,9 @@ double product_integral(const InputCourse& input, double scale, double offset, c
   return integral;
 }
 
-/// The integral of the product of two outputs over a step.
+/// Integrates the product of two outputs over a step.
 double product_integral(const std::array<double, 3>& one, const std::array<double, 3>& other, double length_s) {
-  // By powers of tau, the highest first: c_n = sum over i + j = n of a_i b_j, each tau^(n + 1) / (n + 1).
+  // Sums powers of tau, the highest first: c_n = sum over i + j = n of a_i b_j, each times tau^(n + 1) / (n + 1).
   double integral = 0;
   for (std::size_t n = one.size() + other.size() - 1; n-- > 0;) {
     double coefficient = 0;
@@ -63,7 +63,7 @@ std::string product_text(const std::string& one, const std::string& other) {
   return one.empty() || other.empty() ? "" : fmt::format("{}.{}.s", one, other);
 }
 
-/// The connection to the input that a bond names.
+/// Returns the connection to the input that a bond names.
 const ResolvedConnection& half(const ResolvedSystem& system, const VariableName& input, const std::string& place) {
   const auto variable = system.find(input, place);
   const auto connection = std::ranges::find(system.connections, variable, &ResolvedConnection::to);
@@ -88,7 +88,7 @@ const ResolvedConnection& half(const ResolvedSystem& system, const VariableName&
 std::array<double, 3> OutputCourse::coefficients(double length_s) const {
   const double rise = last - first;
   if (!before) return {first, rise / length_s, 0};
-  // Ratios of lengths, so that equal lengths multiply by exactly 1.
+  // Uses ratios of lengths, so that equal lengths give a factor of exactly 1.
   const double both_s = length_s + before_length_s;
   const double longer = length_s / before_length_s;
   const double earlier_rise = first - *before;
@@ -170,7 +170,7 @@ std::optional<PowerBond::Energy> PowerBond::energy(const Point& point, const Tim
   const double length_s = grid.length_s(*effort_.start_ns(), point.time_ns);
   const auto efforts = effort_.course().coefficients(length_s);
   const auto flows = flow_.course().coefficients(length_s);
-  // All in the units of the effort's input and of the flow's output. With p the input's course:
+  // Computes in the units of the effort's input and of the flow's output. With p the polynomial of the input:
   //   taken = integral p_e f,  given = integral (c_e e + o_e) (p_f - o_f) / c_f
   auto efforts_as_input = efforts;
   for (auto& coefficient : efforts_as_input) coefficient *= effort_.factor();

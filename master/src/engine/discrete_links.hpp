@@ -8,7 +8,7 @@
 
 namespace mebots::master {
 
-/// A connection between two members of a group, by their places in it.
+/// Returns a link between two members of a group; `from` and `to` are their indices in it.
 DiscreteLink link_of(const ResolvedConnection& connection, std::size_t from, std::size_t to);
 
 }  // namespace mebots::master

@@ -27,7 +27,7 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// Before t = 0 a slave that refuses something refuses what it was given: its files, parameters, start values.
+/// Before t = 0, an error of a slave is an error of its inputs: its files, parameters or start values.
 template <typename Work>
 auto as_input(Work work) {
   try {
@@ -99,13 +99,13 @@ void write(Slave& slave, const Banks& banks, KindSet kinds) {
   if ((kinds & bit(ValueKind::binary)) != 0) slave.set_binaries(banks.binaries.references, banks.binaries.values);
 }
 
-/// Moves the values of one kind along their connections.
+/// Transfers the values of one kind along their connections.
 template <typename Copies>
 void move_all(const Copies& copies) {
   for (const auto& copy : copies) *copy.to = *copy.from;
 }
 
-/// The number that the map has for a value, else the value itself.
+/// Returns the mapped value, or the value itself if the map has no entry for it.
 std::int64_t in_map(const std::vector<ValuePair>& map, std::int64_t value) {
   const auto found = std::ranges::lower_bound(map, value, {}, &ValuePair::from);
   return found != map.end() && found->from == value ? found->to : value;
@@ -139,7 +139,7 @@ Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const Sl
   order_steps();
 }
 
-/// Calls action(list) for every list that connections fill on the side of their inputs.
+/// Calls action(list) for every list of inputs that connections fill.
 template <typename Action>
 void Ensemble::for_each_input_list(Member& member, Action action) {
   const auto bank_lists = [&](auto& bank) {
@@ -188,11 +188,11 @@ SignalId Ensemble::watch(const ResolvedVariable& variable) {
           slot_in(members_[variable.instance].outputs, *variable.variable)};
 }
 
-/// Between a Binary and an OSMP binary.
+/// Connects a Binary with an OSMP binary.
 void Ensemble::connect_binary(const ResolvedConnection& connection) {
   const bool from_triple = connection.from.variable->type != Type::binary;
   const auto& triple = from_triple ? connection.from : connection.to;
-  if (!triple.variable->name.ends_with(kOsmpEndings[0])) return;  // all parts are connected by the first
+  if (!triple.variable->name.ends_with(kOsmpEndings[0])) return;  // the first part connects all of them
   const auto& model = *system_->instances[triple.instance].model;
   auto& target = members_[connection.to.instance];
   BytesOfTriple bytes{{}, 0};
@@ -275,7 +275,7 @@ void Ensemble::connect(const ResolvedConnection& connection) {
 void Ensemble::connect_real(const ResolvedConnection& connection, SignalId from, std::size_t to) {
   auto& target = members_[connection.to.instance];
   if (connection.sum) {
-    // Its connections come one after the other. The input is held within a step: a sum has no derivatives here.
+    // The connections of a sum are consecutive. The input is held within a step: a sum has no derivatives here.
     const bool add = !target.conversions.empty() && target.conversions.back().to == to;
     target.conversions.push_back({from, to, connection.factor, connection.offset, add});
     return;
@@ -291,7 +291,7 @@ void Ensemble::connect_real(const ResolvedConnection& connection, SignalId from,
 void Ensemble::connect_mapped(const ResolvedConnection& connection, SignalId from, std::size_t to) {
   const auto type = connection.to.variable->type;
   members_[connection.to.instance].mappings.push_back({{.signal = from, .slot = to}, kind_of(type), &connection.map});
-  if (type == Type::enumeration) check_items_of(connection, to);  // of values that the map leaves as they are
+  if (type == Type::enumeration) check_items_of(connection, to);  // for values that the map does not change
 }
 
 void Ensemble::check_items_of(const ResolvedConnection& connection, std::size_t slot) {
@@ -350,7 +350,7 @@ void Ensemble::link_derivatives(const ResolvedConnection& connection, SignalId f
 }
 
 void Ensemble::order_steps() {
-  // A reader steps before the owner of its buffer; otherwise the order of the config holds.
+  // A reader steps before the owner of its buffer; otherwise the order of the config applies.
   std::vector<std::set<std::size_t>> owners(members_.size());
   std::vector<std::size_t> readers_left(members_.size(), 0);
   for (const auto& connection : system_->connections) {
@@ -359,13 +359,13 @@ void Ensemble::order_steps() {
     if (connection.pointer && owner != reader && owners[reader].insert(owner).second) ++readers_left[owner];
   }
   std::set<std::size_t> left;
-  std::set<std::size_t> free;  // of those that are left, the ones whose readers all have their place
+  std::set<std::size_t> free;  // the remaining instances whose readers all have their place
   for (std::size_t i = 0; i < members_.size(); ++i) {
     left.insert(left.end(), i);
     if (readers_left[i] == 0) free.insert(free.end(), i);
   }
   while (!left.empty()) {
-    // None is free where buffers go in a ring: their owners keep two, as OSMP asks.
+    // If buffers form a ring, no instance is free. Their owners keep two buffers, as OSMP requires.
     const auto next = free.empty() ? *left.begin() : *free.begin();
     free.erase(next);
     left.erase(next);
@@ -474,7 +474,7 @@ void Ensemble::initialize_slaves(std::int64_t stop_ns) {
 }
 
 void Ensemble::terminate() {
-  // Every slave is told, also after one that complains: some write their files only now.
+  // Terminates every slave, even after an error of one: some write their files only now.
   std::exception_ptr first;
   for (auto& member : members_) {
     try {
@@ -522,7 +522,7 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
     member.slave->get_binaries(outputs.binaries.references, outputs.binaries.values);
 }
 
-/// FMI demands UTF-8. Gives one notice per instance: its connected inputs get the bytes, the results do not.
+/// FMI requires UTF-8. Gives one notice per instance: its connected inputs receive the bytes, the results do not.
 void Ensemble::check_texts(Member& member, std::int64_t time_ns) {
   if (member.reported_texts) return;
   const auto& bank = member.outputs.strings;
@@ -622,7 +622,7 @@ namespace {
 
 constexpr double kLargestFloat = std::numeric_limits<float>::max();
 
-/// The nearest value that a type of whole numbers has. `is_unsigned`: the 64 bits are those of a UInt64.
+/// Returns the nearest value of a type of whole numbers. `is_unsigned`: the 64 bits are those of a UInt64.
 std::int64_t nearest_in(Type type, std::int64_t value, bool is_unsigned) {
   const auto [low, high] = fmi::limits_of(type);
   if (is_unsigned || value >= 0) return static_cast<std::int64_t>(std::min(static_cast<std::uint64_t>(value), high));
@@ -666,15 +666,16 @@ void Ensemble::check_ranges(const Member& member, std::int64_t time_ns) const {
   }
 }
 
-/// The source's slope over its last step.
+/// Returns the source's slope over its last step.
 double Ensemble::line_slope(const DerivativeLink& link) const {
   const auto& source = members_[link.from.instance];
   const double length_s = grid_.length_s(source.earlier_time_ns, source.outputs_time_ns);
   return (real(link.from) - source.earlier_reals[link.from.slot]) / length_s;
 }
 
-/// A source that stepped before (Gauss-Seidel) stands at a later time. Its value at the step's end is known, so the
-/// input starts at the step's start and goes to it on a line. Holding the later value would cost an order.
+/// If a source has stepped before (Gauss-Seidel), it is at a later time and its value at the step's end is known. The
+/// input then follows a line from its value at the step's start to that value. Holding the later value would reduce the
+/// order by one.
 void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
   for (const auto& link : member.derivatives) {
     const auto& source = members_[link.from.instance];
@@ -687,11 +688,12 @@ void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
 
 void Ensemble::read_derivatives(Member& member, std::int64_t time_ns) const {
   auto& derivatives = member.output_derivatives;
-  if (time_ns == system_->description->start_time_ns) return;  // before the first step no FMU knows them
+  if (time_ns == system_->description->start_time_ns) return;  // before the first step no FMU has derivatives
   member.slave->get_output_derivatives(derivatives.references, derivatives.orders, derivatives.values);
 }
 
-/// Of orders 1 and up, of the input. What is not known is 0: the value is held. False when none are known yet.
+/// Finds derivatives of the input, of orders 1 and up. Unknown ones are 0: the value is held. Returns false if none are
+/// known yet.
 bool Ensemble::find_derivatives(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
   MEBOTS_ASSERT(values.size() == link.orders && link.orders > 0, "link_derivatives() makes no empty ones");
   const auto& source = members_[link.from.instance];
@@ -708,18 +710,18 @@ bool Ensemble::find_derivatives(DerivativeLink& link, std::int64_t time_ns, std:
   return true;
 }
 
-/// Some tools' FMUs answer NaN for derivatives.
+/// Some tools' FMUs return NaN for derivatives.
 void Ensemble::hold_from_bad(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
   const auto bad = std::ranges::find_if(values, [](double value) { return !std::isfinite(value); });
   if (bad == values.end()) return;
-  if (!link.told) {
+  if (!link.nan_reported) {
     const auto text = fmt::format(
         "{} -> {}: the derivative of order {} that the FMU of '{}' gives is {} at {} s; the input is held where that "
         "is so",
         system_->text(link.connection->from), system_->text(link.connection->to), bad - values.begin() + 1,
         members_[link.from.instance].slave->name(), *bad, to_seconds(time_ns));
     messages_->message({{}, Severity::info, "notice", text, time_ns});
-    link.told = true;
+    link.nan_reported = true;
   }
   std::fill(bad, values.end(), 0);
 }
@@ -741,7 +743,7 @@ std::vector<Banks> Ensemble::outputs() const {
 }
 
 void Ensemble::bring_back(const std::vector<Banks>& outputs) {
-  // Only values: observers hold on to their addresses.
+  // Restores values only, because observers store their addresses.
   for (std::size_t i = 0; i < members_.size(); ++i) {
     MEBOTS_ASSERT(outputs.size() == members_.size(), "they come from outputs()");
     auto& now = members_[i].outputs;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops among connections and direct dependencies of initial values, found by a depth-first search.
+// Finds loops among connections and direct dependencies of initial values by a depth-first search.
 //
-// Nodes are the connected variables. An output leads to the inputs that it is connected to; an input leads to the
-// outputs that depend on it. An output without declared dependencies depends on all inputs of its instance. These edges
-// are not stored, since there may be a square of them.
+// The nodes are the connected variables. An output leads to the inputs connected to it; an input leads to the outputs
+// that depend on it. An output without declared dependencies depends on all inputs of its instance. These edges are not
+// stored, because their number can be quadratic.
 #include "engine/ensemble.hpp"
 #include "mebots/assert.hpp"
 
@@ -29,7 +29,7 @@ bool before(const Node& a, const Node& b) {
   return std::tie(a.instance, a.variable) < std::tie(b.instance, b.variable);
 }
 
-/// Declared dependencies of a model's outputs at initialisation: as InitialUnknowns says, else as Outputs says.
+/// The declared dependencies of a model's outputs at initialisation: from InitialUnknowns, else from Outputs.
 class Dependencies {
  public:
   explicit Dependencies(const modeldesc::ModelDescription& model) : variables_(model.variables.data()) {
@@ -38,7 +38,7 @@ class Dependencies {
     }
   }
 
-  /// The variables that `output` depends on; null if it may depend on every input.
+  /// Returns the variables on which `output` depends; null if it may depend on every input.
   const std::vector<std::size_t>* of(const Variable& output) const {
     const auto found = listed_.find(static_cast<std::size_t>(&output - variables_));
     return found == listed_.end() || !*found->second ? nullptr : &**found->second;
@@ -104,12 +104,12 @@ class SharedFollowers {
     std::iota(next_.begin(), next_.end(), std::size_t{0});
   }
 
-  /// The first output at or after node `from` that the search has not seen; kNone if there is none.
+  /// Returns the first unvisited output at or after node `from`; kNone if there is none.
   std::size_t unseen(std::size_t from) {
     const auto place = skip(place_of(from));
     return place == outputs_->size() ? kNone : (*outputs_)[place];
   }
-  /// The first output at or after node `from` that is on the path; kNone if there is none.
+  /// Returns the first output at or after node `from` that is on the path; kNone if there is none.
   std::size_t open(std::size_t from) const {
     const auto found = open_.lower_bound(from);
     return found == open_.end() ? kNone : *found;
@@ -126,7 +126,7 @@ class SharedFollowers {
   std::size_t place_of(std::size_t node) const {
     return static_cast<std::size_t>(std::ranges::lower_bound(*outputs_, node) - outputs_->begin());
   }
-  /// The first place at or after `place` that was not entered. Shortens the way for the next call.
+  /// Returns the first unvisited place at or after `place`. Shortens the chain for the next call.
   std::size_t skip(std::size_t place) {
     auto end = place;
     while (next_[end] != end) end = next_[end];
@@ -135,11 +135,11 @@ class SharedFollowers {
   }
 
   const std::vector<std::size_t>* outputs_;
-  std::vector<std::size_t> next_;  // itself, or a later place if the output was entered; the last place is the end
+  std::vector<std::size_t> next_;  // itself, or a later place if the output was visited; the last place is the end
   std::set<std::size_t> open_;
 };
 
-/// A depth-first search with an explicit stack, since ensembles may be long chains.
+/// A depth-first search with an explicit stack, because ensembles may be long chains.
 class Search {
  public:
   explicit Search(const Graph& graph) : graph_(graph), colours_(graph.nodes.size(), Colour::unseen) {
@@ -147,7 +147,7 @@ class Search {
   }
 
   /// Calls back(from, to) for edges that close a loop: for each such edge of an output, and for the first one of an
-  /// input. The path() goes from `to` to `from` at its end. Stops if `back` returns false.
+  /// input. path() then leads from `to` to `from` at its end. Stops if `back` returns false.
   template <typename Back>
   void run(Back back) {
     for (std::size_t start = 0; start < graph_.nodes.size(); ++start) {
@@ -167,7 +167,7 @@ class Search {
     }
   }
 
-  /// The nodes of the path from `first` to its end.
+  /// Returns the nodes of the path from `first` to its end.
   std::vector<std::size_t> path_from(std::size_t first) const {
     const auto begin = std::ranges::find(path_, first, &Visit::node);
     std::vector<std::size_t> nodes;
@@ -199,7 +199,7 @@ class Search {
     path_.pop_back();
   }
 
-  /// The next follower of the path's end, in ascending order for an input; kNone after the last.
+  /// Returns the next follower of the path's end, in ascending order for an input; kNone after the last.
   std::size_t next() {
     auto& visit = path_.back();
     const auto& listed = graph_.followers[visit.node];

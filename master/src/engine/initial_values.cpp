@@ -15,14 +15,15 @@
 namespace mebots::master {
 namespace {
 
-/// Sweeps beyond the longest chain of connections in which a loop may settle without Newton's method.
+/// The number of sweeps, in addition to the longest chain of connections, in which a loop may converge without Newton's
+/// method.
 constexpr int kLoopSweeps = 200;
 constexpr int kNewtonSteps = 50;
 constexpr int kHalvings = 12;
-/// Relative change below which a value is settled; a value near zero is compared with kSmall.
+/// Relative change below which a value counts as converged; a value near zero is compared with kSmall.
 constexpr double kStill = 1e-12;
 constexpr double kSmall = 1e-9;
-/// Newton's method takes over a loop whose values exceed this, before numbers overflow.
+/// If a loop's values exceed this, Newton's method replaces the sweeps before numbers overflow.
 constexpr double kApart = 1e30;
 
 bool close(double a, double b) {
@@ -55,7 +56,7 @@ bool is_same(const OutputValues& before, const Banks& now, ValueKind kind, std::
       return before.booleans[slot] == now.booleans.values[slot];
     case ValueKind::binary:
       return before.binaries[slot] == now.binaries.values[slot];
-    case ValueKind::clock:  // is in no bank
+    case ValueKind::clock:  // in no bank
     case ValueKind::string:
       break;
   }
@@ -92,7 +93,7 @@ void InitialValues::settle() {
   try {
     if (sweep(chain + kLoopSweeps, false)) return;
   } catch (const NotFiniteError&) {
-    if (!solvable || held_.empty()) throw;  // not for want of a solution
+    if (!solvable || held_.empty()) throw;  // the error has another cause than the loop
     not_finite = std::current_exception();
   }
   if (solvable && newton()) return;
@@ -117,7 +118,7 @@ bool InitialValues::sweep(int sweeps, bool hold_cuts) {
     Change change;
     for (const auto k : changed) read(k, change);
     if (i == 0 && held_.empty() && !cuts_.empty()) {
-      // Newton's method starts at the values that the cut inputs get from start values alone.
+      // Newton's method starts at the values that the cut inputs receive from start values alone.
       for (const auto k : all) ensemble_.collect_inputs(k);
       held_ = cut_values();
     }
@@ -132,7 +133,7 @@ bool InitialValues::sweep(int sweeps, bool hold_cuts) {
   return false;
 }
 
-/// Reads the instance's outputs and compares those that drive an input. Others may change at each call, such as the
+/// Reads the instance's outputs and compares those connected to an input. Others may change at each call, such as the
 /// FMU's own clock.
 void InitialValues::read(std::size_t instance, Change& change) {
   const auto& outputs = ensemble_.members_[instance].outputs;
@@ -161,7 +162,7 @@ void InitialValues::write(std::size_t instance, bool hold_cuts) {
   ensemble_.hand_inputs(instance);
 }
 
-/// Returns true if a value is far from any solution, but still finite.
+/// Returns true if a value is far from any solution but still finite.
 bool InitialValues::driven_apart() const {
   return std::ranges::any_of(cut_values(), [](double value) { return std::abs(value) > kApart; });
 }
@@ -172,11 +173,12 @@ std::vector<double> InitialValues::cut_values() const {
   return values;
 }
 
-/// G(x) - x, with x at the cuts; nothing when some value is NaN or infinite, or what hangs on x does not settle.
+/// Returns G(x) - x, with x at the cuts. Empty if a value is NaN or infinite, or if the values that depend on x do not
+/// converge.
 std::optional<std::vector<double>> InitialValues::residual(const std::vector<double>& x) {
   held_ = x;
   try {
-    // Every sweep that changes something carries it one connection further.
+    // Every sweep that changes a value transfers it over one more connection.
     if (!sweep(static_cast<int>(ensemble_.system_->connections.size()) + 2, true)) return std::nullopt;
     for (std::size_t k = 0; k < ensemble_.size(); ++k) ensemble_.collect_inputs(k);
   } catch (const NotFiniteError&) {
@@ -200,7 +202,7 @@ bool InitialValues::newton() {
   };
   for (int step = 0; step < kNewtonSteps; ++step) {
     if (solved()) {
-      residual(x);  // the slaves may stand at a neighbour of x
+      residual(x);  // the slaves may have the values of a neighbour of x
       for (std::size_t k = 0; k < ensemble_.size(); ++k) write(k, false);
       return true;
     }
@@ -220,7 +222,7 @@ bool InitialValues::newton() {
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(jacobian);
     if (!lu.isInvertible()) return false;
     const Eigen::VectorXd direction = lu.solve(-Eigen::Map<const Eigen::VectorXd>(r->data(), n));
-    // Shorter steps where a whole one makes it worse.
+    // Halves the step if the whole one increases the residual.
     double length = 1;
     bool better = false;
     for (int halving = 0; halving < kHalvings && !better; ++halving, length /= 2) {

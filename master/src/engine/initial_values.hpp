@@ -9,15 +9,15 @@
 namespace mebots::master {
 
 /// Propagates values along the connections in initialisation mode until they no longer change. Each sweep reads the
-/// outputs of those instances whose inputs the sweep before has changed, and then sets the inputs that these outputs
-/// drive. Without a loop there are as many sweeps as the longest chain has links. A loop of Reals x = G(x) that does
-/// not settle is solved by Newton's method with differences for derivatives. The loop is cut at as few inputs as a
-/// depth-first search finds (the tearing method of equation-based tools); all other values follow from these.
+/// outputs of the instances whose inputs the previous sweep changed, and then sets the connected inputs. Without a
+/// loop, the number of sweeps is the length of the longest chain. A loop of Reals x = G(x) that does not converge is
+/// solved by Newton's method with finite differences. The loop is cut at as few inputs as a depth-first search finds
+/// (the tearing method of equation-based tools); all other values follow from these.
 class InitialValues {
  public:
   explicit InitialValues(Ensemble& ensemble);
 
-  /// Throws Error with the loop's path when no values settle, NotFiniteError for NaN or infinity.
+  /// Throws Error with the loop's path if the values do not converge, NotFiniteError for NaN or infinity.
   void settle();
 
  private:
@@ -27,16 +27,16 @@ class InitialValues {
     std::size_t slot;  // among its Real inputs
   };
 
-  /// A connection as seen from the instance that drives it.
+  /// A connection from the perspective of its source instance.
   struct Link {
     ValueKind kind;
-    std::size_t slot;  // among the driving instance's outputs of this kind
+    std::size_t slot;  // index among the source instance's outputs of this kind
     std::size_t to;    // the driven instance
-    bool is_pointer;   // part of an address, of which an FMU may return another one at each call
+    bool is_pointer;   // part of an address, which an FMU may change at each call
   };
   struct Change {
     bool is_settled = true;           // no value differs by more than the tolerance
-    std::vector<std::size_t> driven;  // instances, in ascending order and without repetition after a sweep
+    std::vector<std::size_t> driven;  // instances, ascending and without repetition after a sweep
   };
 
   bool sweep(int sweeps, bool hold_cuts);
@@ -49,7 +49,7 @@ class InitialValues {
   [[noreturn]] void fail(const std::string& what) const;
 
   Ensemble& ensemble_;
-  std::vector<std::vector<Link>> links_;  ///< by driving instance
+  std::vector<std::vector<Link>> links_;  ///< by source instance
   std::vector<Cut> cuts_;
   bool only_reals_ = true;  ///< every cut is at a Real input
   std::vector<double> held_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which instances step from tick to tick of their clocks together, and which connections their ticks carry.
+// Determines which instances step together from tick to tick of their clocks, and which connections transfer values at
+// ticks.
 #include "resolve/clock_groups.hpp"
 
 #include "resolve/instance_groups.hpp"

@@ -21,7 +21,7 @@ using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// The whole numbers that a floating-point type has exactly: up to 2^53 or 2^24.
+/// Returns the whole numbers that a floating-point type represents exactly: up to 2^53 or 2^24.
 fmi::WholeLimits exact_range(Type type) {
   constexpr std::int64_t kExactInDouble = std::int64_t{1} << 53;
   constexpr std::int64_t kExactInFloat = std::int64_t{1} << 24;
@@ -29,7 +29,7 @@ fmi::WholeLimits exact_range(Type type) {
   return {-most, static_cast<std::uint64_t>(most)};
 }
 
-/// The values that a variable of whole numbers can have: those of its type, or from its first to its last item.
+/// Returns the values that a variable of whole numbers can have: those of its type, or from its first to its last item.
 fmi::WholeLimits range_of(const modeldesc::ModelDescription& model, const Variable& variable) {
   if (variable.type == Type::boolean) return {0, 1};
   const auto* type = variable.type == Type::enumeration ? model.type_definition(variable.declared_type) : nullptr;
@@ -42,7 +42,7 @@ bool is_within(const fmi::WholeLimits& inner, const fmi::WholeLimits& outer) {
   return inner.low >= outer.low && inner.high <= outer.high;
 }
 
-/// Checks one scalar connection and finds out what is to be done to the value on its way.
+/// Checks a scalar connection and determines how its value is converted.
 class ConnectionCheck {
  public:
   ConnectionCheck(const ResolvedSystem& system, const ConnectionDescription& description,
@@ -67,7 +67,7 @@ class ConnectionCheck {
     return connection_;
   }
 
-  /// What the user should know about this connection; empty when nothing.
+  /// Returns a notice for the user; empty if there is none.
   const std::string& notice() const { return notice_; }
 
  private:
@@ -104,7 +104,7 @@ class ConnectionCheck {
     if (from_.fmi3->element || to_.fmi3->element) fail("arrays of Clocks are not supported");
   }
 
-  /// An output, or an input clock that ticks by a timing of its own.
+  /// True for an output, or for an input clock with its own timing.
   bool is_source() const {
     return from_.causality == Causality::output ||
            (from_.type == Type::clock && from_.causality == Causality::input && from_.fmi3->timing->is_time_based());
@@ -144,8 +144,8 @@ class ConnectionCheck {
     }
   }
 
-  /// True if every value of the output is a value of the input's type, so that nothing is lost. Not every whole number
-  /// is an item of an enumeration: Ensemble checks that in every step.
+  /// True if the input's type includes all values of the output's type. A whole number may not be an item of an
+  /// enumeration: Ensemble checks that in every step.
   bool widens() const {
     const bool from_whole = fmi::is_whole(from_.type) || from_.type == Type::boolean;
     if (fmi::is_float(to_.type)) {
@@ -157,8 +157,8 @@ class ConnectionCheck {
     return is_within(range_of(model(connection_.from), from_), fmi::limits_of(to_.type));
   }
 
-  /// True for types between which `narrow` allows a connection. The values of a Clock, and those that a solver passes
-  /// between instances of model exchange, are not checked one by one.
+  /// True for types between which `narrow` permits a connection. The values of a Clock, and values that a solver
+  /// transfers between model exchange instances, are not checked individually.
   bool can_narrow() const {
     const auto is_integrated = [&](const ResolvedVariable& end) {
       return system_.instances[end.instance].kind == FmuKind::model_exchange;
@@ -202,7 +202,7 @@ class ConnectionCheck {
     return result;
   }
 
-  /// The variable's unit, with its definition where the FMU has one.
+  /// Returns the variable's unit, with its definition if the FMU has one.
   modeldesc::Unit unit_of(const ResolvedVariable& variable) const {
     const auto& name = variable.variable->unit;
     if (const auto* defined = model(variable).unit(name)) return *defined;
@@ -212,7 +212,7 @@ class ConnectionCheck {
     return unit;
   }
 
-  /// A variable without a unit takes and gives numbers as they are. Else values are converted.
+  /// If a variable has no unit, numbers are not converted. Otherwise they are.
   void check_units() {
     if (!description_.convert_units || from_.unit.empty() || to_.unit.empty()) return;
     constexpr const char* kRemedy = "Connect others, or give factor and offset yourself with \"convert_units\": false";
@@ -258,7 +258,7 @@ class ConnectionCheck {
   std::string notice_;
 };
 
-/// The variables named `name.base.lo`, `name.base.hi` and `name.size`, if all are there.
+/// Returns the variables `name.base.lo`, `name.base.hi` and `name.size`, if all exist.
 std::optional<std::vector<ResolvedVariable>> binary_parts(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
   if (!instance) return std::nullopt;
@@ -277,8 +277,8 @@ bool is_scalar(const ResolvedSystem& system, const VariableName& name) {
   return instance && system.instances[*instance].model->find(name.variable) != nullptr;
 }
 
-/// A buffer is valid until its owner's next step ends. A reader that steps less often than the owner reads
-/// at its own step's start, when the buffer is fresh; one that steps more often would read a stale one.
+/// A buffer is valid until its owner's next step ends. If the reader steps less often than the owner, it reads at the
+/// start of its own step, when the buffer is new. If it steps more often, it would read an old buffer.
 void check_buffer_lives(const ResolvedSystem& system, const ResolvedConnection& connection, const std::string& place) {
   const auto& owner = *system.instances[connection.from.instance].description;
   const auto& reader = *system.instances[connection.to.instance].description;
@@ -300,7 +300,7 @@ ResolvedConnection plain_connection(const ResolvedVariable& from, const Resolved
   return connection;
 }
 
-/// The elements of an array variable in row-major order, empty for another name.
+/// Returns the elements of an array variable in row-major order; empty for another name.
 std::vector<ResolvedVariable> elements_of(const ResolvedSystem& system, const VariableName& name) {
   const auto instance = system.description->index_of(name.instance);
   if (!instance) return {};
@@ -313,12 +313,12 @@ std::vector<ResolvedVariable> elements_of(const ResolvedSystem& system, const Va
   return elements;
 }
 
-/// "[3]" of the element `y[3]` of the array `y`.
+/// Returns "[3]" for the element `y[3]` of the array `y`.
 std::string_view indices_of(const ResolvedVariable& element) {
   return std::string_view(element.variable->name).substr(element.variable->fmi3->element->array.size());
 }
 
-/// The connections between the elements of two arrays; empty if neither name is an array's.
+/// Returns the connections between the elements of two arrays; empty if neither name is an array's.
 std::vector<ResolvedConnection> array_connections(const ResolvedSystem& system,
                                                   const ConnectionDescription& connection) {
   const auto from = elements_of(system, connection.from);
@@ -342,7 +342,7 @@ std::vector<ResolvedConnection> array_connections(const ResolvedSystem& system,
   return result;
 }
 
-/// The connections between a Binary and the parts of an OSMP binary; empty for any other pair.
+/// Returns the connections between a Binary and the parts of an OSMP binary; empty for any other pair.
 std::vector<ResolvedConnection> converted(const ResolvedSystem& system, const ConnectionDescription& connection,
                                           const std::optional<std::vector<ResolvedVariable>>& from_parts,
                                           const std::optional<std::vector<ResolvedVariable>>& to_parts) {
@@ -380,7 +380,7 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
     const auto& binary = from_parts ? connection.from : connection.to;
     const auto& other = from_parts ? connection.to : connection.from;
     const auto& other_place = connection.place;
-    system.find(other, other_place);  // throws when it is unknown
+    system.find(other, other_place);  // throws if it is unknown
     throw InputError(ErrorCode::invalid_connection, fmt::format("{}: '{}' is a binary variable (OSMP) and '{}' is not",
                                                                 connection.place, binary.text(), other.text()));
   }
@@ -394,7 +394,7 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
 
 namespace {
 
-/// By target, so that the order in the config is nothing; the parts of a sum by their sources and numbers.
+/// Orders by target, so that the order in the config has no effect; the parts of a sum by their sources and numbers.
 auto order_of(const ResolvedConnection& connection) {
   return std::tuple(connection.to.instance, connection.to.variable, connection.from.instance, connection.from.variable,
                     connection.factor, connection.offset);
@@ -411,7 +411,7 @@ void check_sources(const ResolvedSystem& system, const std::vector<PlacedConnect
     const auto& other = connections[i];
     if (one.connection.to != other.connection.to || (one.connection.sum && other.connection.sum)) continue;
     const auto& [first, second] = std::minmax(one, other, [](const auto& a, const auto& b) {
-      return a.description < b.description;  // both in one list
+      return a.description < b.description;  // both point into one list
     });
     throw InputError(
         ErrorCode::invalid_connection,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which instances of model exchange one solver integrates, and which connections it evaluates.
+// Determines which model exchange instances one solver integrates, and which connections it evaluates.
 #include "model/resolved_system.hpp"
 #include "resolve/instance_groups.hpp"
 #include "resolve/signal_coverage.hpp"
@@ -16,7 +16,7 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variability;
 
-/// Variables that a scenario or a file of signals changes.
+/// Returns the variables that a scenario or a signal file changes.
 std::set<ResolvedVariable> overridden_variables(const ResolvedSystem& system) {
   std::set<ResolvedVariable> variables;
   for (const auto& [input, signal] : system.inputs) variables.insert(input);
@@ -49,8 +49,8 @@ class Grouping {
   }
 
  private:
-  /// A connection is inner if both ends are of model exchange and no override acts on them. An override acts at
-  /// communication points, so it holds the input in between. A sum must be evaluated as a whole.
+  /// A connection is inner if both ends are of model exchange and no override changes them. An override acts at
+  /// communication points, so it holds the input between them. A sum must be evaluated as a whole.
   void mark_inner_connections() {
     const auto overridden = overridden_variables(system_);
     std::map<ResolvedVariable, bool> inner_sums;
@@ -69,7 +69,7 @@ class Grouping {
     }
   }
 
-  /// The one solver that members name, else that of the whole system.
+  /// Returns the single solver that members name, else that of the whole system.
   const SolverDescription* solver_of(const std::vector<std::size_t>& members) const {
     const InstanceDescription* namer = nullptr;
     for (const auto member : members) {

@@ -25,8 +25,8 @@ using modeldesc::Type;
   throw InputError(code, fmt::format("{}: {}", place, what));
 }
 
-/// Finds what a column's unit means to the FMU of a variable: the FMU's own units, display units included, come before
-/// those that mebots knows.
+/// Determines the conversion from a column's unit to a variable: the FMU's own units, display units included, take
+/// precedence over the units of mebots.
 class ColumnUnit {
  public:
   ColumnUnit(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable, std::string unit,
@@ -76,7 +76,7 @@ class ColumnUnit {
   std::string place_;
 };
 
-/// Opens the files of a system and gathers what is wanted of each, so that each is read once.
+/// Opens the files of a system and collects the signals wanted from each, so that each is read once.
 class SignalReader {
  public:
   explicit SignalReader(ResolvedSystem& system) : system_(system) {}
@@ -95,9 +95,9 @@ class SignalReader {
   struct Use {
     OverrideDescription description;
     ResolvedVariable variable;
-    std::optional<std::size_t> entry;  // of the scenario; else an input
+    std::optional<std::size_t> entry;  // in the scenario; else an input
   };
-  /// A file together with its column of times.
+  /// A file together with its time column.
   struct Opened {
     Opened(const SignalFileDescription& asked) : description(asked), file(asked.path, asked.name, asked.time) {}
 
@@ -241,11 +241,11 @@ class SignalReader {
       coverage.check(use.description, use.variable, *signals[i]);
       (use.entry ? system_.scenario_signals[*use.entry] : system_.inputs.at(use.variable).signal) = signals[i];
     }
-    coverage.tell();
+    coverage.add_notices();
   }
 
   ResolvedSystem& system_;
-  std::list<Opened> files_;  // their readers do not move
+  std::list<Opened> files_;  // a list, because their readers must not move
 };
 
 }  // namespace

@@ -11,32 +11,33 @@
 
 namespace mebots::master {
 
-/// Groups of instances that step as one.
+/// Groups of instances that step together.
 class InstanceGroups {
  public:
   explicit InstanceGroups(std::size_t instances);
 
   void join(std::size_t one, std::size_t other);
-  /// The groups of the instances that `belongs` selects, ordered by their first members; members in ascending order.
+  /// Returns the groups of the instances that `belongs` selects, ordered by their first members; members in ascending
+  /// order.
   std::vector<std::vector<std::size_t>> of(const std::function<bool(std::size_t)>& belongs) const;
 
  private:
   std::size_t leader(std::size_t instance) const;
 
-  std::vector<std::size_t> leaders_;  // of each instance, an earlier one of its group or itself
+  std::vector<std::size_t> leaders_;  // for each instance, an earlier one of its group or itself
 };
 
-/// Throws InputError that names a key of an instance.
+/// Throws InputError about a key of an instance.
 [[noreturn]] void refuse_key(const ResolvedSystem& system, std::size_t instance, std::string_view key,
                              const std::string& what);
 
-/// What members of a group are called in messages.
+/// The words for members of a group in messages.
 struct GroupWords {
   std::string_view member;  ///< "is of model exchange"
   std::string_view group;   ///< "continuous system"
 };
 
-/// Throws InputError if members run in processes of their own, have different steps, discard steps or may fail alone.
+/// Throws InputError if members run in separate processes, have different steps, discard steps or may fail alone.
 void check_members(const ResolvedSystem& system, const std::vector<std::size_t>& members, const GroupWords& words);
 
 }  // namespace mebots::master

@@ -19,7 +19,7 @@
 namespace mebots::master {
 namespace {
 
-/// The instances of one FMU that are to share this process.
+/// The instances of one FMU that share this process.
 struct Group {
   std::shared_ptr<Fmu> fmu;
   std::vector<ResolvedInstance*> instances;
@@ -29,7 +29,7 @@ bool demands_shared(const ResolvedInstance* instance) {
   return instance->description->isolation.process == ProcessKind::shared;
 }
 
-/// FMUs with many instances come first: of two that cannot share a process, the other one leaves it.
+/// Sorts FMUs with many instances first: if two cannot share a process, the other one is moved.
 std::vector<Group> groups_by_size(ResolvedSystem& system) {
   std::vector<Group> groups;
   std::map<const Fmu*, std::size_t> places;
@@ -52,7 +52,7 @@ std::string listed_names(const std::vector<ResolvedInstance*>& instances) {
   return fmt::format("{}{}", fmt::join(names, ", "), more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
-/// Moves instances out of this process, except those that demand it.
+/// Moves instances to separate processes, except those that must be shared.
 void isolate(ResolvedSystem& system, const std::vector<ResolvedInstance*>& instances, const std::string& reason) {
   for (auto* instance : instances) {
     instance->isolation.process = ProcessKind::own;
@@ -89,7 +89,7 @@ void load(ResolvedSystem& system, const Group& group) {
                                        admission.reason));
 }
 
-/// Moves all but the first instance of an FMU that allows one instance per process.
+/// Moves all instances except the first, if the FMU permits one instance per process.
 void part_single_instances(ResolvedSystem& system) {
   std::map<const Fmu*, const ResolvedInstance*> users;
   for (auto& instance : system.instances) {

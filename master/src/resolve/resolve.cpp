@@ -24,7 +24,7 @@ using modeldesc::Variable;
 
 std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
                                        const modeldesc::ModelDescription& description) {
-  std::map<std::string, StartValue> starts;  // the last assignment to a name counts: settings come after the config
+  std::map<std::string, StartValue> starts;  // the last assignment to a name counts: settings follow the config
   for (const auto& assignment : instance.parameters) {
     starts[assignment.variable] = checked_start(instance, description, assignment);
   }
@@ -37,7 +37,7 @@ std::vector<StartValue> resolve_starts(const InstanceDescription& instance,
   return result;
 }
 
-/// The categories that the config shows of each instance that it names.
+/// The categories that the config shows, by instance.
 using LogSections = std::unordered_map<std::string_view, const std::vector<std::string>*>;
 
 LogSections log_sections(const SystemDescription& system) {
@@ -52,8 +52,8 @@ std::vector<std::string> log_categories(const LogSections& sections, const Insta
   return {std::begin(kDefaultLogCategories), std::end(kDefaultLogCategories)};
 }
 
-/// Gives a notice for each category that the FMU does not declare. It is not an error: not every FMU declares all of
-/// its categories.
+/// Gives a notice for each category that the FMU does not declare. It is not an error, because not every FMU declares
+/// all of its categories.
 void note_unknown_categories(ResolvedSystem& system) {
   for (const auto& log : system.description->log) {
     const auto instance = system.description->index_of(log.instance);
@@ -72,7 +72,8 @@ void note_unknown_categories(ResolvedSystem& system) {
   }
 }
 
-/// The config's tolerance, else the FMU's default. Notes a default that is not above 0: it is not passed.
+/// Sets the config's tolerance, else the FMU's default. Gives a notice for a default that is not above 0, which is not
+/// passed.
 void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& notices) {
   const auto& description = *instance.description;
   if (!description.pass_tolerance) return;
@@ -86,7 +87,8 @@ void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& not
   }
 }
 
-/// Notes the parts of modelDescription.xml that the reader left out; the first of them, as a file may have any number.
+/// Gives a notice of the parts of modelDescription.xml that the reader left out: only of the first, because a file may
+/// have any number.
 void note_structure_faults(const ResolvedInstance& instance, std::vector<std::string>& notices) {
   const auto& faults = instance.model->structure_faults;
   if (faults.empty()) return;
@@ -95,7 +97,7 @@ void note_structure_faults(const ResolvedInstance& instance, std::vector<std::st
                                 faults.front(), others));
 }
 
-/// Passes on what the archives of the FMUs gave notice of.
+/// Forwards the notices about the FMUs' archives.
 void note_archives(ResolvedSystem& system) {
   std::set<const Fmu*> seen;
   for (const auto& instance : system.instances) {
@@ -105,7 +107,7 @@ void note_archives(ResolvedSystem& system) {
   }
 }
 
-/// Repeating a step in parts takes an FMU that can go back and take steps of any length.
+/// Repeating a step in parts requires an FMU that can restore its state and take steps of any length.
 void check_division(const ResolvedInstance& instance) {
   if (!instance.description->divide_discarded || instance.kind == FmuKind::model_exchange) return;
   const auto& flags = *instance.model->co_simulation;
@@ -117,7 +119,7 @@ void check_division(const ResolvedInstance& instance) {
                   flags.can_get_and_set_fmu_state ? "canHandleVariableCommunicationStepSize" : "canGetAndSetFMUstate"));
 }
 
-/// The name of the binary variable that an Integer is a part of, else the variable's own.
+/// Returns the name of the binary variable to which an Integer belongs, else the variable's own name.
 std::string whole_name(const modeldesc::ModelDescription& description, const Variable& variable) {
   if (!is_osmp_part(description, variable)) return variable.name;
   for (const std::string_view ending : kOsmpEndings) {
@@ -126,9 +128,9 @@ std::string whole_name(const modeldesc::ModelDescription& description, const Var
   return variable.name;
 }
 
-/// `x.base64` is another way to hand over the binary `x`: nobody misses it where `x` itself is connected.
-bool is_served_otherwise(const modeldesc::ModelDescription& description, const Variable& variable,
-                         const std::set<const Variable*>& served) {
+/// `x.base64` is an alternative to the binary `x`: if `x` is connected, it need not be.
+bool has_connected_alternative(const modeldesc::ModelDescription& description, const Variable& variable,
+                               const std::set<const Variable*>& served) {
   constexpr std::string_view kEnding = ".base64";
   if (!variable.name.ends_with(kEnding)) return false;
   const auto binary = variable.name.substr(0, variable.name.size() - kEnding.size());
@@ -136,7 +138,7 @@ bool is_served_otherwise(const modeldesc::ModelDescription& description, const V
   return part != nullptr && is_osmp_part(description, *part) && served.count(part) != 0;
 }
 
-/// Refuses a value for an input that a connection overwrites: it would have no effect.
+/// Rejects a value for an input that a connection overwrites, because it would have no effect.
 void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
   using Target = std::pair<std::size_t, std::string_view>;
   std::map<Target, const Assignment*> given;
@@ -155,14 +157,14 @@ void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
   }
 }
 
-/// True for an input clock with a timing of its own.
-bool ticks_by_itself(const Variable& variable) {
+/// True for an input clock with its own timing.
+bool has_own_timing(const Variable& variable) {
   return variable.type == modeldesc::Type::clock && variable.fmi3->timing->is_time_based();
 }
 
 void note_open_inputs(ResolvedSystem& system) {
-  auto connection = system.connections.begin();  // in the order of the instances that they go to
-  auto input = system.inputs.begin();            // likewise
+  auto connection = system.connections.begin();  // in the order of the target instances
+  auto input = system.inputs.begin();            // in the same order
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = system.instances[i];
     std::set<const Variable*> served;
@@ -174,8 +176,8 @@ void note_open_inputs(ResolvedSystem& system) {
     std::vector<std::string> open;
     for (const auto& variable : instance.model->variables) {
       if (variable.causality != Causality::input || served.count(&variable) != 0) continue;
-      if (instance.clocks_tick && ticks_by_itself(variable)) continue;
-      if (is_served_otherwise(*instance.model, variable, served)) continue;
+      if (instance.clocks_tick && has_own_timing(variable)) continue;
+      if (has_connected_alternative(*instance.model, variable, served)) continue;
       auto name = whole_name(*instance.model, variable);
       if (open.empty() || open.back() != name) open.push_back(std::move(name));
     }
@@ -242,7 +244,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
     system.instances.push_back(std::move(resolved));
   }
   note_archives(system);
-  choose_processes(system, interrupted);  // a missing library or function shows now
+  choose_processes(system, interrupted);  // reports a missing library or function
   note_unknown_categories(system);
   for (const auto& instance : system.instances) check_division(instance);
   resolve_connections(system, interrupted);

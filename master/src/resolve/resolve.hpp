@@ -9,22 +9,22 @@
 #include <functional>
 #include <memory>
 
-/// From what the user asks for to a system that is checked: opens FMUs, looks up names.
+/// Converts the user's description to a checked system: opens FMUs and resolves names.
 namespace mebots::master {
 
-/// Opens the FMUs, looks up all names and checks types, causalities, units, start values and connections.
-/// `description` must outlive the result. Throws InputError, and InterruptedError between two FMUs.
+/// Opens the FMUs, resolves all names and checks types, causalities, units, start values and connections. `description`
+/// must outlive the result. Throws InputError, and InterruptedError between two FMUs.
 ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library,
                        const std::atomic<bool>& interrupted = kNeverInterrupted);
 
-/// The FMU of an instance, unpacked and described; its library is not loaded. Throws InputError that names the
+/// Returns the FMU of an instance, unpacked and described; its library is not loaded. Throws InputError that names the
 /// instance.
 std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library);
 
-/// Runs `work`; an InputError from it gets the place in the config that names the FMU.
+/// Calls `work`; adds the place of the FMU in the config to its InputErrors.
 void with_place_of_fmu(const InstanceDescription& instance, const std::function<void()>& work);
 
-/// The values of an instance's structural parameters (FMI 3.0) that its description sets. Throws InputError.
+/// Returns the values that an instance's description sets for its structural parameters (FMI 3.0). Throws InputError.
 modeldesc::StructuralValues structural_values(const InstanceDescription& instance,
                                               const modeldesc::ModelDescription& description);
 

@@ -16,7 +16,7 @@ void SignalCoverage::check(const OverrideDescription& description, const Resolve
   first_ns_ = times.ns(0);
   last_ns_ = times.ns(times.size() - 1);
   const auto from_ns = std::max(system.start_time_ns, description.from_ns);
-  // An input is needed at the start of its FMU's last step, all others at the end, too.
+  // An input is needed until the start of its FMU's last step, an output until the end.
   const bool is_output = variable.variable->causality == modeldesc::Causality::output;
   const auto steps = system_.instances[variable.instance].description->steps;
   const auto grid = system.grid();
@@ -62,14 +62,14 @@ void SignalCoverage::check_rows(const ResolvedVariable& variable, const Signal& 
     if (signal.linear() ? jump : signal.differ(row - 1, row)) {
       if (changes.late++ == 0) changes.first_ns = time_ns;
     } else if (grid.point_at(times.ns(row - 1)) / steps == point / steps) {
-      ++changes.skipped;  // the row before lies after the same communication point
+      ++changes.skipped;  // the previous row follows the same communication point
     }
   }
   auto& most = changes_[variable.instance];
   if (changes.late + changes.skipped > most.late + most.skipped) most = changes;
 }
 
-void SignalCoverage::tell() {
+void SignalCoverage::add_notices() {
   auto& notices = system_.notices;
   if (starts_late_) {
     notices.push_back(

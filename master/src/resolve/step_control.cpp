@@ -20,7 +20,7 @@ std::string instance_text(const ResolvedInstance& instance) {
   return fmt::format("'{}' ({})", instance.description->name, instance.model->model_name);
 }
 
-/// True also for an instance that keeps its longer step, and for model exchange, whose solver reaches any time.
+/// True also for an instance with its own longer step, and for model exchange, whose solver reaches any time.
 bool takes_variable_steps(const ResolvedInstance& instance) {
   return instance.description->steps > 1 || instance.kind == FmuKind::model_exchange ||
          instance.model->co_simulation->can_handle_variable_communication_step_size;
@@ -45,7 +45,7 @@ std::span<const BondDescription> bonds_of(const SystemDescription& system) {
   return system.coupling ? std::span(system.coupling->bonds) : std::span<const BondDescription>();
 }
 
-/// Chooses among all bonds and inputs by the tolerances that the config names.
+/// Selects bonds and inputs by the tolerances that the config names.
 class MeasuredChoice {
  public:
   explicit MeasuredChoice(const StepControlDescription& control) : general_(control.tolerance) {
@@ -64,7 +64,7 @@ class MeasuredChoice {
     if (is_measured_by_default) measured_.push_back(std::move(item));
   }
   std::vector<MeasuredCoupling> take() { return std::move(measured_); }
-  /// A tolerance that no bond or input has; null if there is none.
+  /// Returns a tolerance that matches no bond or input; null if there is none.
   const NamedTolerance* unused() const { return named_.empty() ? nullptr : named_.begin()->second; }
 
  private:
@@ -85,7 +85,7 @@ class MeasuredChoice {
                                named.place, named.name, suggest(named.name, names)));
 }
 
-/// Bonds, then inputs. All bonds and all continuous inputs are measured unless a tolerance says otherwise.
+/// Lists bonds, then inputs. All bonds and all continuous inputs are measured unless a tolerance excludes them.
 void find_measured(ResolvedSystem& system) {
   const auto& control = *system.description->step_control;
   MeasuredChoice choice(control);
@@ -105,7 +105,7 @@ void find_measured(ResolvedSystem& system) {
                                control.place));
 }
 
-/// Instances that cannot return to an earlier point.
+/// Returns the instances that cannot return to an earlier point.
 std::vector<std::string> without_rollback(const ResolvedSystem& system) {
   std::vector<std::string> names;
   for (const auto& instance : system.instances) {

@@ -14,38 +14,39 @@
 
 namespace mebots::master {
 
-/// Advances all slaves from one communication point to the next: decides when each slave gets its inputs and when it
-/// steps. To add an algorithm: a row in kAlgorithms (model/system_description.hpp), a class in a new file, a case in
-/// registry.cpp.
+/// Advances all slaves from one communication point to the next: decides when each slave receives its inputs and when
+/// it steps. To add an algorithm, add a row in kAlgorithms (model/system_description.hpp), a class in a new file, and a
+/// case in registry.cpp.
 class Algorithm {
  public:
   virtual ~Algorithm() = default;
 
   /// Performs one communication step. Afterwards the ensemble's outputs are those of its end, and nothing is returned.
-  /// An end is returned when a slave gave up, and InterruptedError is thrown after an interrupt: then the outputs are
-  /// still those of the step's start, the last point that all reached. Throws what the slaves throw, too.
+  /// If a slave discards the step, returns an end; after an interrupt, throws InterruptedError. In both cases the
+  /// outputs are still those of the step's start, the last point that all slaves reached. Also throws the slaves'
+  /// exceptions.
   virtual std::optional<End> step(const GridStep& span) = 0;
 };
 
-/// What an algorithm works on. All of it outlives the algorithm.
+/// The objects that an algorithm uses. All of them outlive the algorithm.
 struct AlgorithmContext {
   const ResolvedSystem& system;
   SlaveSteps& slaves;
-  OrderedMessages& messages;  ///< where the slaves' messages pass
+  OrderedMessages& messages;  ///< receives the slaves' messages
 };
 
-/// Makes the one that the system's description names. Throws as find_algorithm() does.
+/// Creates the algorithm named in the system's description. Throws as find_algorithm() does.
 std::unique_ptr<Algorithm> make_algorithm(const AlgorithmContext& context);
 
-/// Jacobi: at t_k, every slave whose step begins there gets its inputs from all outputs at t_k; then all step.
+/// Jacobi: at t_k, every slave whose step starts there receives its inputs from all outputs at t_k; then all step.
 /// Therefore the order of the instances has no effect. The new outputs of a slave with a longer step become visible
 /// when the others reach its time. With several threads, slaves step in parallel if measured times show a gain; the
 /// results have the same bits.
 std::unique_ptr<Algorithm> make_jacobi(const AlgorithmContext& context);
 
-/// Gauss-Seidel: the slaves step one after the other in the declared order. Each gets its inputs just before its step:
-/// from earlier slaves at the step's end, from later ones at its start. The new outputs of a slave with a longer step
-/// become visible at its turn in the step in which the others reach its time.
+/// Gauss-Seidel: the slaves step one after the other in the declared order. Each receives its inputs just before its
+/// step: from earlier slaves at the step's end, from later ones at its start. The new outputs of a slave with a longer
+/// step become visible at its turn in the step in which the others reach its time.
 std::unique_ptr<Algorithm> make_gauss_seidel(const AlgorithmContext& context);
 
 }  // namespace mebots::master

@@ -14,9 +14,8 @@
 namespace mebots::master {
 namespace {
 
-/// The reader of a buffer must be done before its owner steps on: they stay on one thread, in their order. So do the
-/// members of a continuous system or a clock group. So the instances fall into groups, each of which steps on one
-/// thread.
+/// Returns groups of instances, each of which steps on one thread. The reader of a buffer must finish before its owner
+/// steps, so both are in one group, in their order. So are the members of a continuous system or a clock group.
 std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, const Ensemble& ensemble) {
   std::vector<std::size_t> group(ensemble.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
@@ -64,7 +63,7 @@ class Jacobi final : public Algorithm {
         if (slaves_->begins_step(i, span.from)) take(i, slaves_->step(i, span));
       }
     }
-    // Slaves that step on their own time do so side by side: all were started before any is waited for.
+    // Pending steps run concurrently: all are started before the first is waited for.
     for (auto& [i, result] : unfinished_) result = slaves_->finish(i, span, std::move(result));
     if (policy_) policy_->stepped();
     if (auto end = end_at(span.from)) return end;
@@ -83,7 +82,7 @@ class Jacobi final : public Algorithm {
     if (!result.done) unfinished_.emplace_back(slave, std::move(result));
   }
 
-  /// An interrupt counts before the wish of a slave.
+  /// An interrupt takes precedence over a slave's request to end.
   std::optional<End> end_at(std::int64_t k) const {
     std::optional<End> first;
     for (const auto& [i, result] : unfinished_) {
@@ -95,7 +94,7 @@ class Jacobi final : public Algorithm {
   }
 
   void step_at_the_same_time(const GridStep& span) {
-    if (!pool_) pool_ = std::make_unique<StepPool>(threads_);  // not before it is needed
+    if (!pool_) pool_ = std::make_unique<StepPool>(threads_);  // created when first needed
     messages_->hold();
     MEBOTS_ASSERT(threads_ >= 2 && !groups_.empty());
     pool_->run(groups_.size(), [this, &span](std::size_t group) {
@@ -112,7 +111,7 @@ class Jacobi final : public Algorithm {
         }
       }
     });
-    // Messages and errors as they would have come one after the other.
+    // Releases messages and errors in the order of sequential stepping.
     std::vector<std::string> speakers;
     std::exception_ptr first;
     for (const auto i : slaves_->ensemble().step_order()) {
@@ -121,7 +120,7 @@ class Jacobi final : public Algorithm {
       first = attempts_[i].error;
       const auto& result = attempts_[i].result;
       if (!first) take(i, result);
-      if (!result.done && !result.pending && !result.terminated) break;  // the run ends with it
+      if (!result.done && !result.pending && !result.terminated) break;  // the run ends at this slave
     }
     messages_->release(speakers);
     if (first) std::rethrow_exception(first);
@@ -130,8 +129,8 @@ class Jacobi final : public Algorithm {
   SlaveSteps* slaves_;
   OrderedMessages* messages_;
   std::vector<std::vector<std::size_t>> groups_;                // each steps in order on one thread
-  std::vector<std::pair<std::size_t, StepResult>> unfinished_;  // of the step that is being taken
-  // Stepping at the same time; null with one thread.
+  std::vector<std::pair<std::size_t, StepResult>> unfinished_;  // of the current step
+  // For parallel stepping; null with one thread.
   unsigned threads_ = 1;
   std::unique_ptr<ThreadPolicy> policy_;
   std::unique_ptr<StepPool> pool_;

@@ -20,32 +20,32 @@ struct GridStep {
 };
 
 /// Steps the slaves on the grid of points t_k, for every algorithm. A slave's step is the communication step, or its
-/// own multiple of h: it then begins at every n-th point, and no communication step passes such a point.
+/// own multiple of h. In the latter case it starts at every n-th point, and no communication step passes such a point.
 class SlaveSteps {
  public:
-  /// `system` and `ensemble` must outlive this object, and so must `interrupted`.
+  /// `system`, `ensemble` and `interrupted` must outlive this object.
   SlaveSteps(const ResolvedSystem& system, Ensemble& ensemble, const std::atomic<bool>& interrupted);
 
   Ensemble& ensemble() const { return *ensemble_; }
   std::size_t count() const { return steps_.size(); }
   std::int64_t time_ns(std::int64_t k) const { return grid_.time_ns(k); }
-  /// Returns true if a step of the slave begins at t_k. Avoids the division for a step of h: it costs as much as a
-  /// small FMU's step.
+  /// Returns true if a step of the slave starts at t_k. Avoids the division for a step of h, because it costs as much
+  /// as a small FMU's step.
   bool begins_step(std::size_t slave, std::int64_t k) const {
     return steps_[slave].multiple == 1 || k % steps_[slave].multiple == 0;
   }
 
-  /// Sets the slave's inputs to the ensemble's present values, if a step of it begins at t_k.
+  /// Sets the slave's inputs to the ensemble's present values, if one of its steps starts at t_k.
   void write_inputs(std::size_t slave, std::int64_t k);
-  /// Performs the slave's step that begins with this communication step. May be called for several slaves at the same
-  /// time, each on a thread of its own. Throws InterruptedError before the call, and what the slave throws.
+  /// Performs the slave's step that starts with this communication step. May be called for several slaves at the same
+  /// time on different threads. Throws InterruptedError before the call, and the slave's exceptions.
   StepResult step(std::size_t slave, const GridStep& span);
-  /// Waits for a pending step. Throws SlaveError if the slave refused the step.
+  /// Waits for a pending step. Throws SlaveError if the slave rejects the step.
   StepResult finish(std::size_t slave, const GridStep& span, StepResult result);
-  /// Reads the slave's outputs at t_k, if a step of it ends there.
+  /// Reads the slave's outputs at t_k, if one of its steps ends there.
   void read_outputs(std::size_t slave, std::int64_t k);
 
-  /// Returns why the run ends at t_k; nothing if the slave has finished its step.
+  /// Returns why the run ends at t_k; empty if the slave has finished its step.
   std::optional<End> end_of(std::size_t slave, std::int64_t k, const StepResult& result) const;
 
  private:
@@ -61,12 +61,12 @@ class SlaveSteps {
   std::vector<Step> steps_;  // by slave
 };
 
-/// "interrupted at 3 s"
+/// Returns an end with the text "interrupted at 3 s".
 End interrupted_at(std::int64_t time_ns);
 
 /// Advances the slave by one step, in parts if necessary. If the slave discards a step, restores its state and tries
-/// the part that the slave reported, else half. Gives up if a part of one microsecond is discarded, or if the slave
-/// requests the end of the simulation. The slave must be able to save its state. Throws what the slave throws.
+/// the part that the slave reported, else half. Stops if a part of one microsecond is discarded, or if the slave
+/// requests the end of the simulation. The slave must be able to save its state. Throws the slave's exceptions.
 StepResult step_in_parts(Slave& slave, std::int64_t start_ns, std::int64_t duration_ns,
                          const std::atomic<bool>& cancel);
 

@@ -11,12 +11,12 @@ namespace {
 
 constexpr std::int64_t kShortestPartNs = 1000;
 
-/// Returns the length of the part to try next: as far as the FMU reached, in whole nanoseconds and never beyond, else
+/// Returns the length of the part to try next: up to the time that the FMU reached, rounded down to nanoseconds, else
 /// half of the discarded part.
 std::int64_t shorter_part(const StepResult& result, std::int64_t at_ns, std::int64_t part_ns) {
   if (result.last_successful_s) {
     const double reached_ns = *result.last_successful_s * 1e9;
-    // A time that means a whole nanosecond may be some roundings of a double below it.
+    // Rounding may put a time that means a whole nanosecond slightly below it.
     const double roundings_ns = 4 * std::numeric_limits<double>::epsilon() * std::abs(reached_ns);
     const double length_ns = std::floor(reached_ns + roundings_ns) - static_cast<double>(at_ns);
     if (length_ns >= kShortestPartNs && length_ns < static_cast<double>(part_ns)) {

@@ -30,13 +30,13 @@ void StepPool::run(std::size_t count, const std::function<void(std::size_t)>& wo
   ++round_;
   round_.notify_all();
   take_work();
-  // All threads must have left the round: the next one changes what they look at.
+  // All threads must have left the round before the next one changes their shared data.
   for (auto busy = busy_.load(); busy != 0; busy = busy_.load()) busy_.wait(busy);
 }
 
 void StepPool::serve() {
   const OwnThread own;
-  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // an FMU may not cancel the thread that calls it
+  pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // the FMU must not cancel the thread that calls it
   std::uint32_t seen = 0;
   for (;;) {
     round_.wait(seen);

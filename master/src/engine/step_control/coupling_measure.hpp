@@ -11,23 +11,23 @@
 
 namespace mebots::master {
 
-/// Measures the error of a communication step over its tolerance: the largest of all inputs and bonds that the step
-/// control measures. The error of an input is the integral of its deviation from the source, that of a bond the energy
-/// that was made. So it is what the step adds to the error of the run. The tolerance is that of a step of the greatest
-/// length.
+/// Measures the error of a communication step divided by its tolerance: the largest of all inputs and bonds that the
+/// step control measures. The error of an input is the integral of its deviation from the source; that of a bond is the
+/// created energy. It is thus the step's contribution to the error of the run. The tolerance is that of a step of the
+/// greatest length.
 class CouplingMeasure {
  public:
-  /// All must outlive this object. Before Ensemble::initialize(). Throws as PowerBond does.
+  /// All arguments must outlive this object. Call it before Ensemble::initialize(). Throws as PowerBond does.
   CouplingMeasure(const ResolvedSystem& system, Ensemble& ensemble);
 
   struct Error {
     double over_tolerance = 0;
-    int order = 2;                          ///< with which power of the step it grows
-    std::optional<std::size_t> worst = {};  ///< of which input or bond, by ResolvedStepControl::measured
+    int order = 2;                          ///< the power of the step with which it grows
+    std::optional<std::size_t> worst = {};  ///< index of the input or bond in ResolvedStepControl::measured
   };
-  /// The error of the step that ends at this point, which the ensemble has reached.
+  /// Returns the error of the step that ends at this point, which the ensemble has reached.
   Error error(const Point& point) const;
-  /// Begins the next step at this point.
+  /// Starts the next step at this point.
   void advance(const Point& point);
 
   void visit(state::Visitor& v);
@@ -38,11 +38,11 @@ class CouplingMeasure {
     double nominal = 1;  // of an input
     std::optional<CoupledInput> input;
     std::optional<PowerBond> bond;
-    double largest = 0;  // magnitude so far: the source's value, or the bond's power
+    double largest = 0;  // largest magnitude so far: the source's value or the bond's power
 
     void visit(state::Visitor& v);
   };
-  /// An integral over the step, and the magnitude that the relative tolerance counts of.
+  /// An integral over the step, and the magnitude to which the relative tolerance refers.
   struct Measured {
     double error = 0;
     double magnitude = 0;

@@ -11,17 +11,17 @@
 
 namespace mebots::master {
 
-/// The points of the grid that no communication step may pass: the end of the run, the steps of instances that have
-/// their own, the interval of the record, begin and end of overrides, rows of signals, and ticks of clocks. Checkpoints
-/// and pauses are not among them, so they do not change the results.
+/// The points of the grid that no communication step may pass: the end of the run, the steps of instances with their
+/// own step, the recording interval, start and end of overrides, rows of signals, and ticks of clocks. Checkpoints and
+/// pauses are not included, so they do not change the results.
 class ForcedPoints {
  public:
-  /// All must outlive this object; `overrides` may be null.
+  /// All arguments must outlive this object; `overrides` may be null.
   ForcedPoints(const ResolvedSystem& system, Ensemble& ensemble, const OverrideSchedule* overrides);
 
-  /// The first one after t_k.
+  /// Returns the first forced point after t_k.
   std::int64_t after(std::int64_t k) const;
-  /// True if an override begins, ends or changes its course at t_k: variables may jump there.
+  /// True if an override starts, ends or changes its values at t_k: variables may jump there.
   bool is_event(std::int64_t k) const;
 
  private:

@@ -15,21 +15,22 @@
 
 namespace mebots::master {
 
-/// Lets the length of the communication step follow the coupling's error. An Algorithm performs the steps.
+/// Adapts the length of the communication step to the coupling error. An Algorithm performs the steps.
 class StepControl {
  public:
-  /// All must outlive this object; `overrides` may be null. Before Ensemble::initialize(). Throws as PowerBond does.
+  /// All arguments must outlive this object; `overrides` may be null. Call it before Ensemble::initialize(). Throws as
+  /// PowerBond does.
   StepControl(const ResolvedSystem& system, SlaveSteps& slaves, const OverrideSchedule* overrides);
 
-  /// Performs one communication step from t_k, again in halves if its error exceeds the tolerance and all slaves can
-  /// restore their states. `reached` becomes its end. Returns and throws as Algorithm::step() does.
+  /// Performs one communication step from t_k. If its error exceeds the tolerance and all slaves can restore their
+  /// states, repeats it in halves. Sets `reached` to its end. Returns and throws as Algorithm::step() does.
   std::optional<End> step(Algorithm& algorithm, std::int64_t k, std::int64_t& reached);
 
   const StepStatistics& statistics() const { return statistics_; }
   void visit(state::Visitor& v);
 
  private:
-  /// All that a step changes, except the control itself.
+  /// Everything that a step changes, except the control itself.
   struct SavedPoint {
     std::vector<std::unique_ptr<SlaveState>> slaves;
     std::vector<std::byte> values;

@@ -9,7 +9,7 @@
 namespace mebots::master {
 namespace {
 
-/// A smaller error counts as this one. The factor is at its upper limit long before.
+/// Smaller errors count as this one; the factor reaches its upper limit long before.
 constexpr double kSmallestError = 1e-12;
 constexpr double kOrderOfGains = 2;
 
@@ -34,7 +34,7 @@ void StepSizeController::accept(const Step& step) {
   error_before_ = error;
   const bool was_cut = !step.was_repeated && step.length < static_cast<std::int64_t>(wanted_);
   const double taken = was_cut || step.was_repeated ? static_cast<double>(step.length) : wanted_;
-  // A step that was cut short and went well says nothing against the longer one.
+  // If a step was shortened and its error was small, the longer step is still acceptable.
   const double least = was_cut && step.error <= 1 ? wanted_ : 0;
   wanted_ = std::clamp(std::max(taken * factor, least), static_cast<double>(limits.min_steps),
                        static_cast<double>(limits.max_steps));
