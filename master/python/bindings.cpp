@@ -36,13 +36,13 @@ using mebots::RunOptions;
 using mebots::RunState;
 using mebots::Severity;
 
-/// The bytes of a column, of which NumPy makes an array: so any NumPy will do. The binary interface changed from 1 to
-/// 2, and Debian's pybind11 knows the first one only.
+/// Returns a column's bytes, from which NumPy creates an array. This works with any version of NumPy: its binary
+/// interface changed from 1 to 2, and Debian's pybind11 supports the first only.
 py::bytes bytes_of(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }
 
-/// Throws InputError for what the type cannot hold.
+/// Throws InputError if the type cannot represent the value.
 template <typename T>
 T held_by(const py::object& value, const char* what) {
   try {
@@ -59,7 +59,7 @@ mebots::Value value_of(const py::object& value) {
   if (py::isinstance<py::int_>(value)) return held_by<std::int64_t>(value, "a whole number of 64 bits");
   if (py::isinstance<py::str>(value)) return held_by<std::string>(value, "text in Unicode");
   if (py::isinstance<py::float_>(value)) return value.cast<double>();
-  // NumPy's numbers and the like.
+  // Numbers of NumPy and similar types.
   if (py::hasattr(value, "item")) return value_of(value.attr("item")());
   throw py::type_error("a value is a bool, int, float or str, not " + py::repr(value).cast<std::string>());
 }
@@ -69,8 +69,8 @@ const char* name_of(Severity severity) {
   return severity == Severity::warning ? "warning" : "error";
 }
 
-/// Steps without the interpreter's lock. Ctrl-C ends the run between two calls to FMUs, with its reports written; then
-/// the signal goes on to whoever had it before: to Python, whose KeyboardInterrupt this throws.
+/// Steps without the interpreter's lock. Ctrl-C ends the run between two calls to FMUs, with its reports written. Then
+/// the signal is raised for its previous handler: Python's, whose KeyboardInterrupt this throws.
 template <typename Work>
 auto stepping(Mission& mission, Work work) {
   const auto result = [&] {
@@ -99,7 +99,7 @@ void on_point(Mission& mission, const std::function<void(double)>& listener) {
   });
 }
 
-/// The rows of a CSV file, its header first. `errors`: how Python treats bytes that are not UTF-8.
+/// Returns the rows of a CSV file, header first. `errors` is Python's treatment of bytes that are not UTF-8.
 py::list read_csv(const std::filesystem::path& file, const std::string& errors) {
   const auto text = mebots::master::input_text(file);
   const auto decoded = [&](std::string_view cell) {
@@ -122,14 +122,14 @@ py::list read_csv(const std::filesystem::path& file, const std::string& errors) 
   });
 }
 
-/// The Python classes of errors are written in Python: mebots/errors.py.
+/// The exception classes are written in Python: mebots/errors.py.
 void raise_as(const char* type, const mebots::Error& error) {
   const auto kind = py::module_::import("mebots.errors").attr(type);
   const auto raised = kind(error.what(), std::string(mebots::name_of(error.code())));
   PyErr_SetObject(kind.ptr(), raised.ptr());
 }
 
-// pybind11 hands it over by value.
+// pybind11 passes it by value.
 void translate(std::exception_ptr thrown) {  // NOLINT(performance-unnecessary-value-param)
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -225,7 +225,7 @@ PYBIND11_MODULE(_mebots, module) {
         return py::make_tuple(series.unit, bytes_of(series.values));
       });
 
-  // For the plug-in of pytest.
+  // For the pytest plug-in.
   namespace cases = mebots::master::cases;
   module.def("case_names", [](const std::filesystem::path& file) {
     std::vector<std::string> names;

@@ -40,7 +40,7 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str):
-    if name == "sweep":  # looked up when it is asked for: its modules are not what a single mission needs
+    if name == "sweep":  # imported on first use: a single mission does not need its modules
         from mebots.exploration.command import sweep
 
         return sweep

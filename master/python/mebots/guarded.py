@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What commands written in Python share: errors become lines on the terminal, and an exit code."""
+"""Shared by commands written in Python: prints errors and returns an exit code."""
 
 from __future__ import annotations
 

@@ -47,22 +47,22 @@ _ENDS = ("stop_condition", "terminated")
 
 @dataclasses.dataclass(frozen=True)
 class State:
-    """A point of an episode: what was set, and the state of all FMUs. It may be pickled."""
+    """A point of an episode: the values set so far, and the state of all FMUs. Can be pickled."""
 
     settings: dict[str, Scalar]
     data: bytes
 
 
 class MissionEnv(gymnasium.Env):
-    """An episode is a run of the mission. The same seed gives the same episode, bit for bit, for the same actions.
+    """An episode is a run of the mission. Equal seeds and actions give equal episodes, bit for bit.
 
     :param config: config, FMU or SSP, or the content of a config as a dict, as for ``mebots.Mission``.
     :param actions: for each input its least and greatest value, as a tuple, or for each a list of values to choose from. An
-        input must be free: without a connection. Tunable parameters are inputs, too.
+        input must be unconnected. Tunable parameters are inputs too.
     :param observations: names of variables, or for each its least and greatest value.
     :param reward: called with the ``Values`` before and after a step.
-    :param prepare: called with the mission at the beginning of an episode, for a take-off or for inputs that stay the same.
-    :param period: time from action to action [s]; the communication step by default.
+    :param prepare: called with the mission at the start of an episode, for a take-off or for constant inputs.
+    :param period: time between actions [s]; the communication step by default.
     :param set: values for parameters and start values, in place of the config's.
     :param draws: parameters and start values that each ``reset`` draws, with their distributions as in a study:
         {"world.start.yaw_offset": {"uniform": [-0.3, 0.3]}}.
@@ -98,14 +98,14 @@ class MissionEnv(gymnasium.Env):
         self._values: Values = {}
         self.action_space = _action_space(self._actions)
         self.observation_space = _observation_space(observations)
-        # The run records nothing: agents need current values only.
+        # The run records nothing, because agents need current values only.
         self.mission = Mission(config, in_memory=False, isolate=isolate, uncertainty="none")
         for name, values in self._actions.items():
-            self.mission.set(name, values[0])  # raises InputError for an unknown name; reset() forgets the value
+            self.mission.set(name, values[0])  # raises InputError for an unknown name; reset() drops the value
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begins an episode. ``options``: {"state": State} continues from ``save_state`` of this config, in this process or
-        another; {"set": {...}} are values for this episode alone."""
+        """Starts an episode. ``options``: {"state": State} continues from ``save_state`` of this config, in this
+        process or another; {"set": {...}} are values for this episode only."""
         super().reset(seed=seed)
         state = (options or {}).get("state")
         self.mission.reset()
@@ -125,7 +125,7 @@ class MissionEnv(gymnasium.Env):
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Writes the action, and simulates one period."""
+        """Writes the action and simulates one period."""
         for name, value in zip(self._actions, self._inputs(action), strict=True):
             self.mission.write(name, value)
         self._steps += 1

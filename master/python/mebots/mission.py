@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from mebots import _mebots, frames
 from mebots.errors import InputError
 
-if TYPE_CHECKING:  # NumPy is imported where an array is asked for: `mebots sweep` asks for none
+if TYPE_CHECKING:  # NumPy is imported when an array is requested; `mebots sweep` needs none
     import numpy as np
     import numpy.typing as npt
 
@@ -24,30 +24,30 @@ Scalar = bool | int | float | str
 
 
 class Mission:
-    """A run of an FMU, or of an ensemble of FMUs: the same run as ``mebots run`` makes, step by step.
+    """A run of an FMU, or of a system of FMUs. It computes the same as ``mebots run``, step by step.
 
-    Times are in seconds, values in the unit of their variable. ``InputError`` is raised for what the caller can mend,
-    ``Error`` for a run that went wrong; after that the mission has ``failed`` and steps no more.
+    Times are in seconds, values in the unit of their variable. Methods raise ``InputError`` for what the caller can correct,
+    and ``Error`` if the run fails. A failed mission has the state "failed" and cannot step.
 
-    As a context manager it is closed at the end of the block, also when that is left early. One thread at a time per
-    mission; several missions may run on several threads, since stepping releases the interpreter's lock.
+    As a context manager it is closed at the end of the block, also after an exception. Use a mission from one thread at a
+    time; several missions may run on several threads, because stepping releases the interpreter's lock.
 
     :param config: config (.json), FMU (.fmu) or SSP 1.0 (.ssp), or the content of a config as a dict, whose paths are relative
-        to the working folder. The names of an FMU's variables need no instance in front.
+        to the working folder. If the mission is a single FMU, names of variables need no instance.
     :param set: values for parameters and start values, by "instance.variable", in place of the config's.
     :param record: names of variables to record (* and ? allowed), in place of the config's choice.
     :param scenarios: files with overrides, after those of the config.
-    :param inputs: CSV files whose columns are signals for the free inputs that they are named after.
+    :param inputs: CSV files whose columns are signals for the unconnected inputs of the same names.
     :param stop_time: end of the run [s], in place of the config's.
-    :param step: communication step [s], for an FMU alone or an SSP that has none. A ratio is a text such as "1/60" or a
-        ``Fraction``, or the number next to it.
+    :param step: communication step [s], for a single FMU or an SSP that defines none. A ratio is a text such as "1/60" or a
+        ``Fraction``, or the nearest number.
     :param out: folder for results.csv, summary.json and log.txt; None = no files.
     :param in_memory: whether recorded rows are kept for ``times`` and ``mission[variable]``.
-    :param isolate: every instance in a process of its own.
+    :param isolate: every instance in a separate process.
     :param statistics: measure calls and wall time of every instance, for the summary.
-    :param checkpoint_every: simulated time [s] from checkpoint to checkpoint in ``out``; None = no checkpoints.
-    :param uncertainty: "calibration" or "none", in place of the config's: whether ``run()`` makes 19 more flights with drawn
-        parameters, and adds intervals to the summary.
+    :param checkpoint_every: simulated time [s] between checkpoints in ``out``; None = no checkpoints.
+    :param uncertainty: "calibration" or "none", in place of the config's: whether ``run()`` adds 19 runs with drawn
+        parameters, and intervals in the summary.
     """
 
     def __init__(
@@ -96,8 +96,8 @@ class Mission:
 
     @classmethod
     def resume(cls, folder: Path, *, in_memory: bool = True) -> Mission:
-        """A mission that goes on from the last checkpoint in a results folder, to the same bits as one that nobody
-        disturbed. Rows from before the checkpoint come into memory, too."""
+        """Returns a mission that resumes from the last checkpoint in a results folder, with the same bits as an
+        undisturbed one. Rows from before the checkpoint are loaded into memory too."""
         mission = cls.__new__(cls)
         mission._run = _mebots.Mission.resume(folder, in_memory)
         return mission
@@ -114,122 +114,124 @@ class Mission:
     # Before start().
 
     def on_message(self, listener: Callable[[str, str, str, float], None]) -> None:
-        """Calls listener(instance, severity, text, time [s]) for what FMUs say, and for the run's own notices
-        (instance ""); severity is "info", "warning" or "error". It is called from within the calls to FMUs: it must not
-        call the mission back, except for interrupt(). Before start()."""
+        """Calls listener(instance, severity, text, time [s]) for messages of FMUs and for the run's own notices
+        (instance ""); severity is "info", "warning" or "error". It is called during calls to FMUs: it may call
+        interrupt(), and no other method of the mission. Before start()."""
         self._run.on_message(listener)
 
     def on_point(self, listener: Callable[[float], None]) -> None:
-        """Calls listener(time [s]) at every communication point, t = 0 included. It may read and write variables, but
-        for t = 0. Before start()."""
+        """Calls listener(time [s]) at every communication point, t = 0 included. It may read variables, and write
+        them except at t = 0. Before start()."""
         self._run.on_point(listener)
 
     def set(self, variable: str, value: Scalar) -> None:
-        """A parameter or start value for "instance.variable", in place of the config's. Name, type and limits are
-        checked at once. Before start()."""
+        """Replaces the config's parameter or start value of "instance.variable". Checks name, type and limits
+        immediately. Before start()."""
         self._run.set(variable, value)
 
     def add_scenario(self, file: Path) -> None:
-        """Overrides from a file, after those of the config. Before start()."""
+        """Adds the overrides of a file after those of the config. Before start()."""
         self._run.add_scenario(file)
 
     def add_inputs(self, file: Path) -> None:
-        """Takes the columns of a CSV file as sources of the free inputs that they are named after, after those of the
-        config. Before start()."""
+        """Connects the columns of a CSV file to the unconnected inputs of the same names, after those of the config.
+        Before start()."""
         self._run.add_inputs(file)
 
     def set_stop_time(self, stop_time_s: float) -> None:
-        """The end of the run [s], in place of the config's. Before start()."""
+        """Sets the end of the run [s], in place of the config's. Before start()."""
         self._run.set_stop_time(stop_time_s)
 
     def record(self, patterns: Iterable[str]) -> None:
-        """Records these variables (* and ? allowed) in place of the config's choice. Before start()."""
+        """Sets the variables to record (* and ? allowed) in place of the config's choice. Before start()."""
         if isinstance(patterns, str):
             patterns = [patterns]
         self._run.record(list(patterns))
 
     def load(self) -> None:
-        """Unpacks and loads the FMUs, and makes no instance. A process that is forked from here (``os.fork``) begins the
-        mission as a fresh one. Before start()."""
+        """Unpacks and loads the FMUs without instantiating them. A process forked after this call (``os.fork``) can
+        start the mission as a new process would. Before start()."""
         self._run.load()
 
     def start_from(self, state: bytes) -> None:
-        """Begins where ``save_state`` of a mission with the same config, FMUs, settings and choice of what is recorded was
-        called, in this process or another, in place of t = 0. It goes on to the same bits. Missions without ``out``
-        only. Before start()."""
+        """Starts from a state of ``save_state`` in place of t = 0 and continues with the same bits. The state may
+        come from another process. Config, FMUs, settings and recorded variables must be the same. Only for
+        missions without ``out``. Before start()."""
         self._run.start_from(state)
 
-    # The run.
+    # Methods that run the mission.
 
     def start(self) -> None:
-        """Opens the FMUs, checks everything that can be checked, and goes to t = 0 (or to the checkpoint). The calls
-        below do it when it was not done."""
+        """Opens the FMUs, makes all checks, and initialises to t = 0 (or to the checkpoint). If it was not called,
+        the methods below do it."""
         self._run.start()
 
     def step(self) -> bool:
-        """One communication step; False when none was taken, because the end was reached."""
+        """Takes one communication step. Returns False if the end was already reached."""
         return self._run.step()
 
     def run(self) -> None:
-        """Steps to the end. Ctrl-C ends the run between two calls to FMUs, writes its reports and raises
+        """Runs to the end. Ctrl-C ends the run between two calls to FMUs, writes its reports and raises
         KeyboardInterrupt.
 
-        If the config or ``uncertainty`` asks for "calibration", 19 flights with drawn parameters follow, without messages
-        and listeners; ``summary["uncertainty"]`` has their intervals. There are none after ``write()`` or
-        ``start_from()``, which the draws would lack: ``summary["uncertainty"]["skipped"]`` has the reason."""
+        If the config or ``uncertainty`` requests "calibration", also runs 19 missions with drawn parameters, without messages
+        and listeners; ``summary["uncertainty"]`` has their intervals. They are skipped after ``write()`` or
+        ``start_from()``; ``summary["uncertainty"]["skipped"]`` then has the reason."""
         self._run.run()
 
     def run_until(self, time_s: float) -> None:
-        """Steps until ``time_s``, or to the end when that comes first."""
+        """Steps until ``time_s`` or the end, whichever is earlier."""
         self._run.run_until(time_s)
 
     def close(self) -> None:
-        """Ends the run where it stands and writes its reports. Nothing, when it is over. From a listener: as
-        interrupt()."""
+        """Ends the run at the present point and writes its reports. No effect after the end. Called from a listener,
+        it acts as interrupt()."""
         self._run.close()
 
     def save_state(self) -> bytes:
-        """The mission as it stands between two steps, for ``start_from``: many futures of one past. All its FMUs must be
-        able to write their state as bytes; missions without ``out`` only, and not after the end."""
+        """Returns the mission's state between two steps, for ``start_from``, so that several runs can continue from
+        one state. All FMUs must be able to serialize their state. Only for missions without ``out``, and not
+        after the end."""
         return self._run.save_state()
 
     def reset(self) -> None:
-        """Closes the mission and makes it one that was just opened, with ``set``, ``record`` and listeners forgotten. FMUs
-        stay loaded if they are clean; others are loaded again. The next run is that of ``mebots run``, to the last bit.
-        If that is not possible in this process, start() refuses it and names the FMU."""
+        """Closes the mission and returns it to the state after the constructor; drops ``set``, ``record`` and
+        listeners. Clean FMUs stay loaded; others are loaded again. The next run has the same bits as ``mebots
+        run``. If this process cannot guarantee that, start() raises an error that names the FMU."""
         self._run.reset()
 
     def free_instances(self) -> list[tuple[str, bool]]:
-        """Closes the mission and frees its instances. Lists the FMUs that are not clean, and whether they ran in this
-        process: a mission after it might find what they left. Only reset() makes variables readable again."""
+        """Closes the mission and frees its instances. Returns the FMUs that are not clean, and whether they ran in
+        this process: what they left behind could change a later mission. Afterwards variables can be read only
+        after reset()."""
         return self._run.free_instances()
 
     def interrupt(self) -> None:
-        """Asks for the end, from any thread: the run ends between two calls to FMUs, with outcome "interrupted"."""
+        """Requests the end from any thread: the run ends between two calls to FMUs, with outcome "interrupted"."""
         self._run.interrupt()
 
     # Variables.
 
     def value(self, variable: str) -> float:
-        """The value now, in the variable's unit; Booleans as 0 and 1, enumerations as numbers."""
+        """Returns the present value in the variable's unit; Booleans as 0 and 1, enumerations as numbers."""
         return self._run.value(variable)
 
     def text(self, variable: str) -> str:
-        """The text of a String variable now."""
+        """Returns the present text of a String variable."""
         return self._run.text(variable)
 
     def write(self, variable: str, value: float) -> None:
-        """Sets an input that nothing is connected to, or a tunable parameter, from now on."""
+        """Sets an unconnected input or a tunable parameter."""
         self._run.write(variable, value)
 
-    # What was recorded.
+    # Recorded values.
 
     def __getitem__(self, variable: str) -> npt.NDArray[np.float64]:
-        """What was recorded of a variable so far, one value per entry of ``times``. Raises KeyError."""
+        """Returns the recorded values of a variable, one per entry of ``times``. Raises KeyError."""
         return _array(self._series(variable)[1])
 
     def unit(self, variable: str) -> str:
-        """The unit of a recorded variable; "" = none. Raises KeyError when it is not recorded."""
+        """Returns the unit of a recorded variable; "" = none. Raises KeyError if it is not recorded."""
         return self._series(variable)[0]
 
     def _series(self, variable: str) -> tuple[str, bytes]:
@@ -241,30 +243,30 @@ class Mission:
 
     @property
     def times(self) -> npt.NDArray[np.float64]:
-        """The times of the recorded points [s]."""
+        """Returns the times of the recorded points [s]."""
         return _array(self._run.times if self.state != "open" else b"")
 
     @property
     def variables(self) -> list[str]:
-        """The names of the recorded variables."""
+        """Returns the names of the recorded variables."""
         return self._run.variables if self.state != "open" else []
 
     def to_pandas(self):
-        """What was recorded, as a pandas.DataFrame with the times as index. Needs pandas."""
+        """Returns the recorded values as a pandas.DataFrame with the times as index. Needs pandas."""
         return frames.pandas_frame(self._columns(), self.times)
 
     def to_polars(self):
-        """What was recorded, as a polars.DataFrame whose first column is the times. Needs polars."""
+        """Returns the recorded values as a polars.DataFrame whose first column is the times. Needs polars."""
         return frames.polars_frame(self._columns(), self.times)
 
     def to_xarray(self):
-        """What was recorded, as an xarray.Dataset over the times, with units. Needs xarray."""
+        """Returns the recorded values as an xarray.Dataset over the times, with units. Needs xarray."""
         return frames.time_series(self._columns(), {name: self.unit(name) for name in self.variables}, self.times)
 
     def _columns(self) -> dict[str, npt.NDArray[np.float64]]:
         return {name: self[name] for name in self.variables}
 
-    # Where it stands.
+    # State of the run.
 
     @property
     def time(self) -> float:
@@ -288,13 +290,13 @@ class Mission:
 
     @property
     def ended(self) -> bool:
-        """Whether the run is over, well or not."""
+        """True if the run has ended or failed."""
         return self._run.ended
 
     @property
     def outcome(self) -> str:
-        """The config's outcome at the point reached last, "completed" when none of its conditions hold; "interrupted",
-        "closed" or "failed" for a run that was. "" before the start."""
+        """The config's outcome at the last point, or "completed" if none of its conditions holds. After an
+        interrupt, a close or a failure: "interrupted", "closed" or "failed". "" before the start."""
         return self._run.outcome
 
     @property
@@ -304,22 +306,22 @@ class Mission:
 
     @property
     def end_text(self) -> str:
-        """One sentence on why the run ended; "" before."""
+        """A sentence with the reason for the end; "" before the end."""
         return self._run.end_text
 
     @property
     def error(self) -> str:
-        """What went wrong; "" unless the mission has failed."""
+        """The error message if the mission has failed, else ""."""
         return self._run.error
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json, as far as it is known; {} before the start."""
+        """The content of summary.json, as far as it exists; {} before the start."""
         return json.loads(self._run.summary)
 
 
 def _file_of(config: Mapping[str, Any], mission: Mission) -> str:
-    """Returns a temporary file with the config, which lasts as long as the mission."""
+    """Returns a temporary file with the config, which exists as long as the mission."""
     base = _mebots.BaseConfig(os.path.join(os.getcwd(), "the config"), json.dumps(config))
     content = json.loads(base.config)
     for name, value in json.loads(base.texts).items():  # of parameters, with absolute paths of files

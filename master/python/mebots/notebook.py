@@ -20,15 +20,15 @@ _PAGES = ("report.html", "flight.html", "replay.html")
 
 
 def is_notebook() -> bool:
-    """True in a notebook that shows HTML; importing nothing, as IPython is there before."""
+    """True in a notebook that shows HTML. Imports nothing, because IPython is already imported there."""
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     return type(shell).__name__ == "ZMQInteractiveShell"
 
 
 def show(page: str | os.PathLike[str], height: int = 800) -> Any:
-    """Shows a page inside a notebook: a file, or a folder with results of ``mebots run``, ``sweep`` or ``replay``. The page of a
-    run is written if it is missing. Needs IPython."""
+    """Shows a page in a notebook: a file, or a folder with results of ``mebots run``, ``sweep`` or ``replay``.
+    Writes the page of a run if it is missing. Needs IPython."""
     file = _page_of(pathlib.Path(page))
     try:
         from IPython.display import HTML
@@ -65,7 +65,7 @@ def _program() -> str:
 
 
 class ProgressBar:
-    """A bar under the cell that runs a study: missions flown, failed ones and the time left."""
+    """A bar under the cell that runs a study: missions done, failed ones and the time left."""
 
     def __init__(self) -> None:
         from IPython.display import HTML, display

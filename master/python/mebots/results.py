@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 
 class Results:
-    """What a run left in its folder: ``results[variable]`` is what was recorded of a variable.
+    """The results in a run's folder: ``results[variable]`` are the recorded values of a variable.
 
-    Numbers come as float64 arrays with one value per entry of ``times``, String variables as lists of str.
+    Numbers are float64 arrays with one value per entry of ``times``, String variables lists of str.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -39,7 +39,7 @@ class Results:
         return f"<mebots.Results of {self.folder}: {len(self._columns)} variables, {len(self.times)} rows>"
 
     def __getitem__(self, variable: str) -> npt.NDArray[np.float64] | list[str]:
-        """What was recorded of a variable. Raises KeyError, with the nearest names."""
+        """Returns the recorded values of a variable. Raises KeyError with the nearest names."""
         self._require(variable)
         return self._columns[variable]
 
@@ -47,7 +47,7 @@ class Results:
         return variable in self._columns
 
     def unit(self, variable: str) -> str:
-        """The unit of a variable; "" = none."""
+        """Returns the unit of a variable; "" = none."""
         self._require(variable)
         return self._units[variable]
 
@@ -62,7 +62,7 @@ class Results:
         return self.summary.get("outcome", "")
 
     def to_pandas(self):
-        """All columns as a pandas.DataFrame with the times as index. Needs pandas."""
+        """Returns all columns as a pandas.DataFrame with the times as index. Needs pandas."""
         return frames.pandas_frame(self._columns, self.times)
 
     def to_polars(self):
@@ -83,12 +83,12 @@ class Results:
 
 
 def read(folder: str | os.PathLike[str]) -> Results:
-    """The results of a run, from the folder that ``mebots run --out`` or ``Mission(..., out=...)`` wrote."""
+    """Reads the results of a run from the folder that ``mebots run --out`` or ``Mission(..., out=...)`` wrote."""
     return Results(folder)
 
 
 def not_recorded(variable: str, recorded: Iterable[str]) -> KeyError:
-    """The error for a name that is not among the recorded ones, with the nearest of them."""
+    """Returns the error for a name that is not recorded, with the nearest recorded ones."""
     nearest = difflib.get_close_matches(variable, list(recorded), n=3, cutoff=0.4)
     hint = f"; nearest: {', '.join(nearest)}" if nearest else ""
     return KeyError(f"'{variable}' is not recorded{hint}")
@@ -105,7 +105,7 @@ def _summary(folder: pathlib.Path) -> dict[str, Any]:
 
 
 def _columns(folder: pathlib.Path) -> tuple[dict[str, str], dict[str, Any]]:
-    """Units and values by name. Texts are found by trying: a column that is not all numbers is one of texts."""
+    """Returns units and values by name. A column that does not consist of numbers only is a column of texts."""
     import numpy as np
 
     file = folder / "results.csv"

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The answer of a study that compares designs, in words: which design is best, which others may be as good, and how many
-more missions would tell them apart."""
+"""The answer of a study that compares designs, in words: the best design, others that may be as good, and how many
+more missions would separate them."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from mebots.exploration.study import Constraint, Objective
 _MOST_ROWS = 10
 _MOST_NAMED = 3
 _MOST_MISSIONS = 1_000_000
-"""Of more it is said that no number of missions separates the designs."""
+"""If more would be needed, the answer says that no number of missions separates the designs."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """A design in the ranked table. ``rank`` is None for a design that breaks a constraint or has no value."""
+    """A design in the ranked table. ``rank`` is None if it violates a constraint or has no value."""
 
     rank: int | None
     design: int
@@ -35,7 +35,7 @@ class Row:
 
 @dataclasses.dataclass(frozen=True)
 class Answer:
-    """What a study found. ``str()`` gives the text that ``mebots sweep`` prints."""
+    """The result of a study. ``str()`` returns the text that ``mebots sweep`` prints."""
 
     headlines: list[str]
     titles: list[str]
@@ -48,7 +48,7 @@ class Answer:
         return "\n".join(self.lines())
 
     def lines(self, width: int | None = None) -> list[str]:
-        """Returns the text in lines. The table is no wider than ``width`` where that leaves two objectives in it."""
+        """Returns the text in lines. The table is not wider than ``width``, provided that two objectives fit."""
         hidden = len(self.rows) - _MOST_ROWS
         more = [f"... and {hidden} more in designs.csv"] if hidden > 0 else []
         table = table_lines(self.titles, self.rows[:_MOST_ROWS], width)
@@ -56,7 +56,8 @@ class Answer:
 
 
 def table_lines(titles: Sequence[str], rows: Sequence[Row], width: int | None = None) -> list[str]:
-    """Returns an aligned table with a header. Objectives that would make it wider than ``width`` are named below it."""
+    """Returns an aligned table with a header. Objectives that would make it wider than ``width`` are listed below
+    it."""
     for shown in range(len(titles), 1, -1):
         lines = _aligned(titles[:shown], [dataclasses.replace(row, cells=row.cells[:shown]) for row in rows])
         if width is None or max(map(len, lines)) <= width:
@@ -72,7 +73,7 @@ def _aligned(titles: Sequence[str], rows: Sequence[Row]) -> list[str]:
         rank = "-" if row.rank is None else str(row.rank)
         cells.append([rank, f"#{row.design}", row.name, str(row.missions), *row.cells, row.note])
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    texts = (1, 2, len(widths) - 1)  # columns that are aligned at the left
+    texts = (1, 2, len(widths) - 1)  # left-aligned columns
     return [
         "  ".join(cell.ljust(width) if at in texts else cell.rjust(width) for at, (cell, width) in enumerate(zip(line, widths, strict=True))).rstrip()
         for line in cells
@@ -94,11 +95,11 @@ class Judge:
         self._share = next((one for one in shares if one is not self._main), None)
 
     def standings(self) -> Answer:
-        """Ranks designs by all results so far, before they count. Nothing is proven by it."""
+        """Ranks designs by all results so far, before they count. This proves nothing."""
         return Answer([], self._titles(), self._rows(self._evidence.so_far, lambda design: self._ended(design)), [])
 
     def answer(self, places: Sequence[str]) -> Answer:
-        """``places``: those of ``front.places``."""
+        """``places`` is the result of ``front.places``."""
         best = {one.label: self._best(one) for one in self._senses or [self._main] if one is not None}
         headlines = [line for one in self._study.objectives if (line := self._headline(one, best.get(one.label), places))]
         if not headlines:
@@ -128,8 +129,8 @@ class Judge:
         return rows
 
     def _key(self, design: int, found: Sequence[Estimate], at: int | None) -> tuple[float, ...]:
-        """Sorts designs that can be ranked first; then by the share on which the main objective depends; then by that; then by
-        the other objectives, for designs that agree in it."""
+        """Sorts designs that can be ranked first; then by the share on which the main objective depends; then by
+        that objective; then by the other objectives, for designs with equal values."""
         if at is None or self._main is None or found[at].mean is None:
             return (2,)
         order = self._order(self._main, found)
@@ -140,13 +141,14 @@ class Judge:
         return 0, -(share_found or 0.0), *order
 
     def _order(self, first: Objective, found: Sequence[Estimate]) -> list[float]:
-        """Returns what a better design has less of: the values of an objective and of those after it, in their senses."""
+        """Returns keys that are less for a better design: the values of an objective and of the following ones, in
+        their senses."""
         wanted = [first, *(one for one in self._senses if one is not first)]
         means = [(self._sign(one), found[self._evidence.index[one.label]].mean) for one in wanted]
         return [math.inf if mean is None else -sign * mean for sign, mean in means]
 
     def _condition(self, objective: Objective) -> Objective | None:
-        """Returns the share that a design needs before a value that counts its successes only says anything."""
+        """Returns the share that a design needs before a value that is defined for successes only is meaningful."""
         if objective.where is None or any(one.label == objective.where for one in self._study.constraints):
             return None
         return self._study.objective(objective.where)
@@ -164,7 +166,7 @@ class Judge:
     # The headline.
 
     def _group(self, objective: Objective) -> list[int]:
-        """Returns the designs that are compared: those within the constraints by their means, and with the highest share on
+        """Returns the designs to compare: those whose means satisfy the constraints, and with the highest share on
         which the objective depends."""
         shown = self._evidence.shown
         designs = [
@@ -221,7 +223,7 @@ class Judge:
         return f" among {counted(len(group), 'design')} with {' and '.join(parts)}" if parts else ""
 
     def _share_of(self, designs: Sequence[int], objective: Objective) -> str:
-        """Says what is sure of their share of successes."""
+        """Describes the certain part of their share of successes."""
         if self._share is None or objective.is_share:
             return ""
         low = min(self._evidence.shown(design, self._share).interval[0] for design in designs)
@@ -297,8 +299,8 @@ class Judge:
 
 
 def missions_to_separate(evidence: Evidence, best: int, other: int, objective: Objective) -> int | None:
-    """Returns how many more missions of both designs prove their order if their differences go on as until now; None if
-    the best one does not lead, or by too little."""
+    """Returns how many more missions of both designs prove their order if their differences stay the same. None if
+    the best one does not lead, or leads by too little."""
     differences = evidence.differences(best, other, objective)
     count = len(differences)
     if objective.is_share:
@@ -320,8 +322,8 @@ def missions_to_separate(evidence: Evidence, best: int, other: int, objective: O
 
 
 def missions_to_decide(evidence: Evidence, design: int, constraint: Constraint) -> int | None:
-    """Returns how many more missions decide on which side of a bound a share is, if it stays as it is; None if that takes
-    too many."""
+    """Returns how many more missions decide on which side of a bound a share is, if it stays the same. None if too
+    many are needed."""
     found = evidence.shown(design, evidence.study.objective(constraint.label))
     if found.successes is None or found.count == 0:
         return None
@@ -336,7 +338,8 @@ def missions_to_decide(evidence: Evidence, design: int, constraint: Constraint) 
 
 
 def _more_missions(count: int, is_sure: Callable[[float], bool]) -> int | None:
-    """Returns by how much ``count`` has to grow, to two digits, until ``is_sure`` of its multiple; None beyond all measure."""
+    """Returns by how much ``count`` must grow, to two digits, until ``is_sure`` is true for its multiple. None
+    beyond the limit."""
     factor = 1.0
     while not is_sure(factor):
         factor *= 1.1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A study from its file to its answer."""
+"""Runs a study from its file to its answer."""
 
 from __future__ import annotations
 
@@ -40,17 +40,18 @@ from mebots.exploration.worker import FACTS, flat
 
 TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "levels.csv", *columns.NAMES, "report.html")
 _CHUNK = 1000
-"""Missions that are looked up in the journal at once."""
+"""The number of missions that are looked up in the journal at once."""
 _OBJECTS_OF_A_COLLECTION = 100_000
-"""New objects after which Python looks for unused cycles. With its default of 700, a fifth of a large study's time goes there."""
+"""The number of new objects after which Python searches for unused cycles. With its default of 700, this takes a
+fifth of a large study's time."""
 _MOST_COMPARED = 300
-"""With more designs, progress does not name those that lead."""
+"""With more designs, the progress does not name the leaders."""
 
 
 FLIGHTS = "flights"
 """Folder of the missions' results, each by its hash."""
 REPLAYS = "replays"
-"""Folder of missions that fly again by the commands of the report."""
+"""Folder of missions repeated by the commands of the report."""
 
 
 def is_done(folder: pathlib.Path) -> bool:
@@ -62,7 +63,7 @@ _MOST_VALUES_TRIED = 64
 
 
 class Campaign:
-    """Flies a study's missions through an executor. The executor's workers need nothing but the package mebots."""
+    """Runs a study's missions on an executor. Its workers need only the package mebots."""
 
     def __init__(self, study: Study, executor: concurrent.futures.Executor, in_flight: int) -> None:
         self.study = study
@@ -79,7 +80,7 @@ class Campaign:
         self._ahead = ""
         self._standings: Callable[[], Answer] | None = None
         self._live_page: LivePage | None = None
-        self._flown_ahead: set[str] = set()  # of rounds to come
+        self._flown_ahead: set[str] = set()  # missions of future rounds
 
     # Missions of the study.
 
@@ -92,7 +93,7 @@ class Campaign:
         return designs * self.study.replicates
 
     def all_flights(self) -> Flights:
-        """All that a study without decisions flies."""
+        """Returns all missions of a study without decisions."""
         return Flights(range(len(self.space.designs)), 0, self.study.replicates)
 
     def example(self) -> Values:
@@ -124,8 +125,8 @@ class Campaign:
     # Before the first mission.
 
     def check(self, journal: Journal | None = None) -> None:
-        """Brings missions to t = 0 in which every value of every factor occurs, and those at the ends of each draw.
-        Raises InputError with everything that is refused."""
+        """Initialises missions to t = 0 so that every value of every factor occurs, and the extremes of each draw.
+        Raises InputError with all errors."""
         tried: dict[str, tuple[str, Values]] = {}
         found: dict[str, Record] = {}
         problems: dict[str, str] = {}
@@ -136,7 +137,7 @@ class Campaign:
         for what, values in self._trials():
             try:
                 order = self._trial(values)
-            except InputError as error:  # of the config that the values make
+            except InputError as error:  # an error of the config with these values
                 problems.setdefault(str(error), self._blamed("", str(error), values))
                 continue
             if order["mission"] in tried or (journal is not None and order["mission"] in journal):
@@ -158,7 +159,7 @@ class Campaign:
             raise InputError("\n".join(told), "invalid_value")
 
     def _blamed(self, about: str, error: str, values: Values) -> str:
-        """Returns the factor, draw or objective that names the variable of an error; "" if none does."""
+        """Returns the factor, draw or objective that names the variable of an error; "" if there is none."""
         for name, value in values.items():
             settings = self.space.missions.settings(name, value)
             if about in settings or any(key.startswith("/") and f" {key}: " in error for key in settings):
@@ -201,15 +202,15 @@ class Campaign:
     # Flying.
 
     def run(self, folder: pathlib.Path, reuse: Iterable[pathlib.Path], on_progress: Callable[[Progress], None]) -> Sweep:
-        """Flies what the folder's journal does not have, and writes the tables. Raises InputError and Error."""
+        """Runs the missions that the folder's journal lacks, and writes the tables. Raises InputError and Error."""
         thresholds = gc.get_threshold()
         gc.set_threshold(_OBJECTS_OF_A_COLLECTION, *thresholds[1:])
         try:
             return self._run(folder, reuse, on_progress)
-        except (ConnectionError, TimeoutError):  # of an executor
+        except (ConnectionError, TimeoutError):  # raised by an executor
             raise
         except OSError as error:
-            if error.errno is None:  # not of the system: dask's closed connections are OSErrors, too
+            if error.errno is None:  # not from the system: dask's closed connections are OSErrors too
                 raise
             raise Error(f"{error.filename or folder}: {error.strerror}", "file_unwritable") from error
         finally:
@@ -229,7 +230,7 @@ class Campaign:
         self.notices = [notice for one in (journal, *others) for notice in one.notices]
         try:
             self.check(journal)
-            for name in (*TABLES, live_page.NAME):  # where the tables are, the study is done
+            for name in (*TABLES, live_page.NAME):  # the study is done when the tables exist
                 (folder / name).unlink(missing_ok=True)
             self.study.write(folder)
             if self.study.splitting is not None:
@@ -263,7 +264,7 @@ class Campaign:
             try:
                 journal.sync()
                 self._write_tables(folder, journal, results, rounds)
-            except (OSError, Error) as other:  # the disk that ended the missions may be this one
+            except (OSError, Error) as other:  # the same disk error may have ended the missions
                 raise Unfinished(f"{error}\n{missing} missions are missing, and no table could be written: {other}") from None
             raise Unfinished(f"{error}\n{missing} missions are missing: see {folder / 'designs.csv'}") from None
         journal.sync()
@@ -295,7 +296,7 @@ class Campaign:
         others: list[Journal],
         on_progress: Callable[[Progress], None],
     ) -> None:
-        """Brings the missions of a round into the journal and the results, up to the one with which too many had failed."""
+        """Adds the missions of a round to the journal and the results, up to the one at which too many have failed."""
         flights = results.flights
         left = rounds.most_left() - len(flights)
         likely_left = rounds.likely_left() - len(flights)
@@ -318,7 +319,7 @@ class Campaign:
         self.failed = results.settle(self.study.most_failures)
 
     def _note_others(self, results: Results, reply: Reply, places: np.ndarray, repeated: dict[bytes, list[int]]) -> None:
-        """Notes missions that occur again in the round, and those that were flown ahead and not asked for yet."""
+        """Records missions that occur again in the round, and early results of missions that were not requested yet."""
         if not repeated and -1 not in reply.indices:
             return
         records: list[Record] = []
@@ -334,8 +335,8 @@ class Campaign:
     def _unknown(
         self, flights: Flights, journal: Journal, others: list[Journal], results: Results | None, repeated: dict[bytes, list[int]]
     ) -> Iterator[tuple[Sequence[int], Orders]]:
-        """Yields the missions that no journal has and that are not out, with their numbers in the round. Notes those in a
-        journal as results, and the numbers of those that are out in ``repeated``."""
+        """Yields the missions that are in no journal and not in progress, with their numbers in the round. Records
+        those in a journal as results, and the numbers of those in progress in ``repeated``."""
         for first, orders in self.space.orders(flights, _CHUNK):
             digests = orders.digests
             may_be_known = journal.may_have(digests)
@@ -361,7 +362,7 @@ class Campaign:
                 yield [first + at for at in fresh] if results is not None else [-1] * len(fresh), orders.only(fresh)
 
     def _fill(self, queue: Iterator[tuple[Sequence[int], Orders]], ahead: Iterator[tuple[Sequence[int], Orders]], most: int) -> None:
-        """Gives orders out, of the round first, until all workers have enough."""
+        """Passes on orders, those of the round first, until all workers have enough."""
         while not self._dispatcher.is_full:
             found = next(queue, None)
             if found is not None:
@@ -377,7 +378,7 @@ class Campaign:
     def _bring(
         self, journal: Journal, others: list[Journal], on_progress: Callable[[Progress], None], orders: list[Order], later: int
     ) -> Journal:
-        """Brings these missions into the journal. ``later``: how many follow at most."""
+        """Adds these missions to the journal. ``later`` is the maximum number that follows."""
         missing = {order["mission"]: order for order in orders if not self._is_known(order, journal, others)}
         queue = iter(missing.values())
         left = len(missing)
@@ -409,7 +410,7 @@ class Campaign:
         return "; ".join(filter(None, (ended, self._ahead)))
 
     def _who_is_ahead(self, evidence: Evidence) -> str:
-        """The designs that no other one dominates by what was measured so far; noise may have put them there."""
+        """Returns the designs that no other one dominates by the measured values so far, which may be due to noise."""
         if not evidence.has_front or len(self.space.designs) > _MOST_COMPARED:
             return ""
         ahead = evidence.leaders([design for design in range(len(self.space.designs)) if evidence.feasible(design) is not False])
@@ -418,7 +419,7 @@ class Campaign:
         return f"ahead so far: designs {shown}{more}" if ahead else ""
 
     def _is_known(self, order: Order, journal: Journal, others: list[Journal]) -> bool:
-        """Counts it as taken, unless this call flew it."""
+        """Returns True if a journal has the mission. Counts it as reused unless this call ran it."""
         found = self._known(order, journal, others)
         if found is not None:
             self._count_taken(*found)
@@ -483,8 +484,8 @@ class Campaign:
             )
 
     def _mission_lines(self, journal: Journal, results: Results) -> Iterator[str]:
-        """Yields the lines of missions.csv, many at a time, from what ``results`` keep: reading the journal again would take
-        longer."""
+        """Yields the lines of missions.csv, many at a time, from the data in ``results``: reading the journal again
+        would take longer."""
         space, evidence = self.space, results.evidence
         yield csv_text(tables.mission_head(space.factors, self.study)) + "\n"
         drawn: dict[int, list[str]] = {}
@@ -504,13 +505,16 @@ class Campaign:
                     rows.messages[at] = tables.MISSING_MESSAGE
                 for at, place in rows.failed_places.items():
                     rows.messages[at] = csv_text([journal.at(place)["error"]])
-                cells = zip(draws, rows.outcomes, *rows.measures, rows.times, rows.messages, rows.missions)  # noqa: B905 - draws may go on
+                cells = zip(draws, rows.outcomes, *rows.measures, rows.times, rows.messages, rows.missions)  # noqa:
+                                                                                                             # B905 -
+                                                                                                             # draws may
+                                                                                                             # be longer
                 head = f"{design},%d,{factors.replace('%', '%%')}%s%s{',%s' * (len(rows.measures) + 3)}\n"
                 yield "".join([head % (begin + at, *row) for at, row in enumerate(cells)])
 
 
 def _labels(flat_summary: dict[str, Any]) -> list[str]:
-    """The summary's labels; of one with conditions the parts "variable" and "when" are not labels."""
+    """Returns the summary's labels. If a label has conditions, its parts "variable" and "when" are not labels."""
     result = []
     for label in flat_summary:
         before, _, last = label.rpartition(".")

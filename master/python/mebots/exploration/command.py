@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots sweep``: the program reads the command line, and becomes this."""
+"""``mebots sweep``: the program is replaced by this module, which parses the command line."""
 
 from __future__ import annotations
 
@@ -44,17 +44,17 @@ def sweep(
     mission: str | os.PathLike[str] | None = None,
     progress: Any = None,
 ) -> Sweep:
-    """Flies the missions of a study, as ``mebots sweep`` does, and writes its tables into ``out``; the same call continues it.
-    ``to_pandas()``, ``to_polars()`` and ``to_xarray()`` of the result have the tables; ``show()`` shows the report in a notebook.
-    Raises InputError for what the caller can mend, Error for an executor or a disk that failed, and
-    ``mebots.exploration.dispatch.Unfinished`` for a mission that had no result in three attempts.
+    """Runs the missions of a study, as ``mebots sweep`` does, and writes its tables into ``out``. The same call continues it.
+    ``to_pandas()``, ``to_polars()`` and ``to_xarray()`` of the result return the tables; ``show()`` shows the report in a
+    notebook. Raises InputError for what the caller can correct, Error if an executor or a disk failed, and
+    ``mebots.exploration.dispatch.Unfinished`` if a mission had no result in three attempts.
 
     :param study: file, or its content as a dict.
-    :param out: folder; None = a temporary one, which lasts as long as the result.
+    :param out: folder; None = a temporary one, which exists as long as the result.
     :param executor: any ``concurrent.futures.Executor`` whose workers have the package mebots; None = this machine.
-    :param jobs: missions at the same time; the number of processors by default. For an executor: how many are given out.
-    :param reuse: folders of studies whose missions need not be flown again.
-    :param mission: a config that is flown in place of the study's.
+    :param jobs: missions at the same time; by default the number of processors. For an executor: the number in progress.
+    :param reuse: folders of studies whose missions need not be repeated.
+    :param mission: a config in place of the study's.
     :param progress: called with a ``Progress`` after every mission; False = nothing. By default a bar in a notebook.
     """
     read = _asked(study, mission)
@@ -86,13 +86,13 @@ def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: 
     jobs = jobs or len(os.sched_getaffinity(0))
     flying.ready()
     with interrupts.held():
-        threads = concurrent.futures.ThreadPoolExecutor(jobs)  # each with a mission process of its own: see flying
+        threads = concurrent.futures.ThreadPoolExecutor(jobs)  # each has its own mission process: see flying
         try:
             with interrupts.allowed():
                 # Enough for every worker, and few enough that a decision wastes few missions.
                 yield Campaign(study, threads, 2 * jobs)
         finally:
-            with interrupts.held():  # again: an interrupt may have cut ``allowed`` short
+            with interrupts.held():  # again: an interrupt may have ended ``allowed`` early
                 ended = flying.end_all()
                 threads.shutdown(wait=True, cancel_futures=True)
                 flying.close_ended(ended)
@@ -176,7 +176,7 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
 
 
 def _probabilities(result: Sweep) -> list[str]:
-    """The answer of a study of a rare event."""
+    """Formats the answer of a study of a rare event."""
     lines = []
     for row in result.designs():
         found, low, high = (row[name] for name in ("probability", "probability: low", "probability: high"))
@@ -193,16 +193,16 @@ def _size(campaign: Campaign) -> str:
 _MOST_SHOWN = 12
 """Designs in the live table."""
 _EVERY_S, _TABLE_SHARE = 0.5, 20.0
-"""The live table takes at most a twentieth of the time."""
+"""The live table uses at most a twentieth of the time."""
 
 
 class _ProgressLine:
-    """On a terminal a line and the ranking so far, written over; elsewhere a line a while."""
+    """On a terminal, redraws a line and the ranking so far; elsewhere, prints occasional lines."""
 
     def __init__(self) -> None:
         self._terminal = sys.stderr.isatty()
         self._next_s = time.monotonic() + (_EVERY_S if self._terminal else 10)
-        self._drawn = 0  # lines
+        self._drawn = 0  # number of lines
 
     def __call__(self, now: Progress) -> None:
         begun_s = time.monotonic()
@@ -216,7 +216,7 @@ class _ProgressLine:
         self._next_s = time.monotonic() + max(_EVERY_S, _TABLE_SHARE * (time.monotonic() - begun_s))
 
     def _draw(self, lines: list[str]) -> None:
-        """Writes over what was drawn before. A line that wraps could not be written over."""
+        """Replaces the lines drawn before. A wrapped line could not be replaced."""
         size = shutil.get_terminal_size()
         shown = [line[: size.columns - 1] for line in lines[: max(1, size.lines - 1)]]
         back = f"\r\033[{self._drawn - 1}A" if self._drawn > 1 else "\r"
@@ -229,7 +229,7 @@ class _ProgressLine:
 
 
 def _live_table(now: Progress) -> list[str]:
-    """The best designs so far with their intervals, and how many have ended for which reason."""
+    """Returns the best designs so far with their intervals, and how many have ended for which reason."""
     if now.standings is None:
         return []
     so_far = now.standings()
@@ -264,7 +264,7 @@ def _status(folder: pathlib.Path) -> int:
 
 
 def _dry_run(study: Study, options: argparse.Namespace) -> int:
-    """Checks everything, and flies one mission to estimate the time of all."""
+    """Checks everything, and runs one mission to estimate the time of all."""
     with _campaign(study, None, options.jobs) as campaign:
         campaign.check()
         jobs = options.jobs or len(os.sched_getaffinity(0))

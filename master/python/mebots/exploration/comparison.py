@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of designs, and of one against another, from the missions that were flown.
+"""Statistics of designs and comparisons between designs, from the missions so far.
 
-All designs fly the same draws, so a pair is compared replicate by replicate: what chance does to both cancels. For
-shares only replicates count in which one succeeded and the other did not; which of the two it was is a coin under "they
-are equal".
+All designs use the same draws, so a pair is compared replicate by replicate, and common effects of chance cancel out. For
+shares only replicates count in which one design succeeded and the other did not. If both are equal, each of the two has
+this success with probability one half.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ from mebots.exploration.study import Constraint, Objective, Study
 
 @dataclasses.dataclass
 class Estimate:
-    """Estimate of one objective of one design: number of missions that count, their mean (for a share: of successes; for a percentile:
-    that) and its interval."""
+    """The estimate of one objective for one design: number of counted missions, mean (for a share the number of
+    successes, for a percentile its value) and interval."""
 
     count: int
     mean: float | None
@@ -46,7 +46,7 @@ class Estimate:
 
 @dataclasses.dataclass(frozen=True)
 class Methods:
-    """How intervals are made, by what is estimated."""
+    """The methods for intervals, by the estimated quantity."""
 
     share: Callable[[int, int, float], Interval]
     mean: Callable[[Moments, float], Interval]
@@ -54,29 +54,29 @@ class Methods:
 
 
 SEQUENCES = Methods(share_sequence, mean_sequence, percentile_sequence)
-"""They hold at all numbers of missions at once: for a study whose decisions end the missions of designs."""
+"""Valid at all numbers of missions at once: for a study whose decisions end the missions of designs."""
 SHOWN = Methods(wilson, student, percentile_interval)
-"""For a number of missions that was settled beforehand."""
+"""For a number of missions that was chosen beforehand."""
 DECIDED = Methods(exact_share, student, percentile_interval)
-"""The same where something is decided by it: at the small errors of many comparisons Wilson's is too narrow."""
+"""The same for decisions: at the small errors of many comparisons, Wilson's interval is too narrow."""
 
 
 class Evidence:
-    """Measures of all missions that count, by design and replicate. NaN stands for a measure that a mission does not
-    have; a mission without a result has none. Memory: 8 bytes for each measure."""
+    """Measures of all counted missions, by design and replicate. NaN marks a measure that a mission does not have; a
+    mission without a result has none. Memory: 8 bytes per measure."""
 
     def __init__(self, study: Study, designs: int) -> None:
         self.study = study
         self.index = {one.label: number for number, one in enumerate(study.objectives)}
         self.counts: list[int] = [0] * designs
-        """Replicates of each design that count."""
+        """The number of counted replicates of each design."""
         self._measures = [array.array("d") for _ in range(designs)]
         self._missing: collections.Counter[int] = collections.Counter()
         self._senses = [one for one in study.objectives if one.sense != 0]
         self._estimates: dict[tuple[int, str, float, bool], tuple[int, Estimate]] = {}
 
     def add_designs(self, designs: int) -> None:
-        """Makes place for this number of designs in all."""
+        """Extends the tables to this total number of designs."""
         while len(self.counts) < designs:
             self.counts.append(0)
             self._measures.append(array.array("d"))
@@ -93,7 +93,7 @@ class Evidence:
         own[replicate * width : (replicate + 1) * width] = array.array("d", values)
 
     def put_rows(self, design: int, replicate: int, rows: np.ndarray) -> None:
-        """Stores the measures of consecutive replicates: a row for each. NaN marks a missing measure."""
+        """Stores the measures of consecutive replicates, one row each. NaN marks a missing measure."""
         width, own = len(self.index), self._measures[design]
         begin, end = replicate * width, (replicate + len(rows)) * width
         if len(own) < begin:
@@ -107,11 +107,11 @@ class Evidence:
         own[begin:end] = values
 
     def count_to(self, design: int, replicates: int) -> None:
-        """Lets the first replicates of a design count."""
+        """Counts the first replicates of a design."""
         self.counts[design] = replicates
 
     def miss(self, design: int, replicate: int) -> None:
-        """Notes a mission that has no result."""
+        """Records a mission without a result."""
         self.put(design, replicate, (None,) * len(self.index))
         self._missing[design] += 1
 
@@ -119,7 +119,7 @@ class Evidence:
         return self._missing[design]
 
     def missions_of(self, design: int) -> int:
-        """Returns how many missions of a design have a result and count."""
+        """Returns how many counted missions of a design have a result."""
         return self.counts[design] - self._missing[design]
 
     def row(self, design: int, replicate: int) -> list[float | None]:
@@ -139,7 +139,7 @@ class Evidence:
 
     @property
     def design_error(self) -> float:
-        """Returns the error of one statement on one design. All together use the other half of ``error``."""
+        """Returns the error of one statement about one design. All together use the other half of ``error``."""
         statements = len(self.study.constraints) + (self.study.stop is not None) + len(self._senses)
         return self.study.error / 2 / (max(len(self.counts), 1) * max(statements, 1))
 
@@ -159,37 +159,39 @@ class Evidence:
         return _estimated(objective, values, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def course(self, design: int, objective: Objective, counts: Sequence[int]) -> list[Estimate]:
-        """Returns what ``shown`` was after the first missions of a design, for each of these numbers of missions."""
+        """Returns the former results of ``shown`` after each of these numbers of missions."""
         values = self.column(design, self.index[objective.label])
         methods = SEQUENCES if self.study.looks else SHOWN
         return [_estimated(objective, values[:count], self.study.error, methods) for count in counts]
 
     def shown(self, design: int, objective: Objective) -> Estimate:
-        """Returns the estimate of the tables: at level 1 - ``error`` for each number by itself."""
+        """Returns the estimate for the tables, valid at level 1 - ``error`` for each number separately."""
         return self.estimate(design, objective, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def known_of(self, design: int, objective: Objective) -> Interval:
-        """For decisions. Without draws all missions of a design are the same, so that its value is known."""
+        """Returns the interval for decisions. Without draws all missions of a design are equal, so its value is
+        exact."""
         found = self.estimate(design, objective, self.design_error, SEQUENCES if self.study.looks else DECIDED)
         return (found.mean, found.mean) if not self.study.draws and found.mean is not None else found.interval
 
     def side(self, design: int, constraint: Constraint) -> bool | None:
-        """True if a design keeps a constraint; None while that is not sure."""
+        """True if a design satisfies a constraint; None while that is not certain."""
         low, high = self.known_of(design, self.study.objective(constraint.label))
         if constraint.above:
             return True if low > constraint.bound else False if high <= constraint.bound else None
         return True if high < constraint.bound else False if low >= constraint.bound else None
 
     def feasible(self, design: int) -> bool | None:
-        """True if a design keeps all constraints; None while that is not sure."""
+        """True if a design satisfies all constraints; None while that is not certain."""
         sides = [self.side(design, constraint) for constraint in self.study.constraints]
         if False in sides:
             return False
         return None if None in sides else True
 
     def advantage(self, better: int, worse: int, objective: Objective) -> float:
-        """By how much ``better`` is surely better, in the objective's sense and unit; negative: it may be worse by so
-        much. Of shares where only the order is sure: the smallest number above 0."""
+        """Returns by how much ``better`` is certainly better, in the objective's sense and unit. A negative value is
+        the amount by which it may be worse. For shares of which only the order is certain, returns the smallest
+        number above 0."""
         separate = self._advantage_of_intervals(better, worse, objective)
         if separate > 0:
             return separate
@@ -212,11 +214,11 @@ class Evidence:
         return self.mean_bound(Moments().add(differences))
 
     def share_bound(self, wins: int, decided: int) -> float:
-        """Returns the least share of wins that is possible, for the comparison of a pair."""
+        """Returns the least possible share of wins, for the comparison of a pair."""
         return (SEQUENCES if self.study.looks else DECIDED).share(wins, decided, self.pair_error)[0]
 
     def mean_bound(self, differences: Moments) -> float:
-        """Returns the least mean of differences that is possible, for the comparison of a pair."""
+        """Returns the least possible mean of differences, for the comparison of a pair."""
         return (SEQUENCES if self.study.looks else DECIDED).mean(differences, self.pair_error)[0]
 
     def differences(self, better: int, worse: int, objective: Objective) -> list[float]:
@@ -235,7 +237,8 @@ class Evidence:
         return self.study.error / 2 / (designs * (designs - 1) / 2 * max(len(self._senses), 1))
 
     def dominates(self, design: int, other: int) -> bool:
-        """Surely better than ``other`` in one objective, and in none worse by more than its tolerance."""
+        """True if the design is certainly better than ``other`` in one objective, and in none worse by more than its
+        tolerance."""
         if not self._senses:
             return False
         some_better = False
@@ -247,15 +250,16 @@ class Evidence:
         return some_better
 
     def not_dominated_by(self, design: int, other: int) -> bool:
-        """Surely better than ``other`` in one objective, which then cannot dominate it."""
+        """True if the design is certainly better than ``other`` in one objective, so that ``other`` cannot dominate
+        it."""
         return any(self.advantage(design, other, objective) > 0 for objective in self._senses)
 
     def surely_better(self, design: int, other: int, label: str) -> bool:
         return self.advantage(design, other, self.study.objective(label)) > 0
 
     def leaders(self, designs: Sequence[int]) -> list[int]:
-        """Returns those of these designs that no other one dominates by the means so far. A design that another dominates
-        is dominated by one of them."""
+        """Returns those of these designs that no other one dominates by the means so far. Every dominated design is
+        dominated by one of them."""
         points = [(design, self._point(design)) for design in designs]
         complete = [(design, point) for design, point in points if None not in point]
         if not complete:
@@ -263,8 +267,8 @@ class Evidence:
         return [complete[at][0] for at in pareto.front(np.array([point for _, point in complete], float))]
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Returns of all designs, in the sense of each objective: the lower and the upper ends of the intervals for decisions,
-        and the means (NaN where there is none)."""
+        """Returns for all designs, in the sense of each objective, the lower and the upper ends of the intervals for
+        decisions, and the means (NaN if there is none)."""
         shape = (len(self.counts), len(self._senses))
         low, high, mean = np.empty(shape), np.empty(shape), np.full(shape, np.nan)
         for design in range(len(self.counts)):
@@ -282,7 +286,7 @@ class Evidence:
 
     @property
     def complete(self) -> np.ndarray:
-        """Returns for each design whether each of its missions has all measures that decide about the front."""
+        """Returns for each design whether all its missions have all measures that decide about the front."""
         places = [self.index[objective.label] for objective in self._senses]
         return np.array([not any(np.isnan(self.column(design, at)).any() for at in places) for design in range(len(self.counts))], bool)
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Effects of a study's factors: mean values of the designs at each level of a factor and of each pair of factors, and shares of
-the designs' variance that factors and pairs explain."""
+"""Effects of a study's factors: mean values of the designs at each level of a factor and of each pair of factors,
+and the shares of the designs' variance that factors and pairs explain."""
 
 from __future__ import annotations
 
@@ -15,18 +15,20 @@ from mebots.exploration.figures import Units, number, quantity, scale_of
 from mebots.exploration.study import Study, Values
 
 _MOST_VALUES = 12
-"""A factor with more values is divided into parts with equally many designs."""
+"""A factor with more values is divided into parts with equal numbers of designs."""
 _PARTS = 5
 _MOST_CELLS = 40_000
-"""Pairs of factors are left out, from the last one, so that their tables hold at most this many cells."""
+"""Pairs of factors are left out, starting with the last one, so that their tables have at most this many cells."""
 _GENERAL = ("file", "kind", "mode", "name", "seed", "value")
 _SAMPLED = ("latin_hypercube", "random", "sobol", "sensitivity", "search")
-"""Kinds of designs that do not hold each combination of levels: some of what a factor seems to explain is chance."""
+"""Kinds of designs that do not contain each combination of levels: part of the effect of a factor may be due to
+chance."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Factor:
-    """A factor with its ``levels``, for people, and the level of each design. ``scale``: factor to the unit that is shown."""
+    """A factor with its readable ``levels``, and the level of each design. ``scale`` is the factor to the displayed
+    unit."""
 
     name: str
     label: str
@@ -48,7 +50,8 @@ def factors_of(names: Sequence[str], designs: Sequence[Values], units: Units) ->
 
 
 def short_names(names: Sequence[str]) -> list[str]:
-    """Returns the last part of each name, with the parts before it that make it unique. A part such as "name" gets one more."""
+    """Returns the last part of each name, with the preceding parts that make it unique. A part such as "name" gets
+    one more."""
 
     def ending(name: str, parts: int) -> str:
         return name.removeprefix("/") if name.startswith("/") else ".".join(name.split(".")[-parts:])
@@ -78,7 +81,7 @@ def _factor(name: str, label: str, values: list[Any], unit: str) -> Factor:
 
 
 def _parts(values: np.ndarray, scale: float, unit: str) -> tuple[list[str], np.ndarray]:
-    """Returns names of parts of the values with equally many of them, and the part of each value."""
+    """Returns names of parts of the values with equal numbers of them, and the part of each value."""
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _PARTS + 1)))
     names = [" ".join(filter(None, (f"{number(low * scale, 3)} to {number(high * scale, 3)}", unit))) for low, high in itertools.pairwise(edges)]
     return names, np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(names) - 1)
@@ -89,13 +92,13 @@ def _is_number(value: Any) -> bool:
 
 
 def level_means(factor: Factor, values: np.ndarray) -> list[float | None]:
-    """Returns the mean of the designs at each level; None where no design has a value. Each design counts once, so that the
-    designs which more missions were spent on do not weigh more."""
+    """Returns the mean of the designs at each level; None if no design has a value. Each design counts once, so that
+    designs with more missions have no greater weight."""
     return _means(factor.level, len(factor.levels), values)
 
 
 def pair_means(pair: tuple[Factor, Factor], values: np.ndarray) -> list[float | None]:
-    """Returns the mean of the designs at each combination of levels, those of the second factor fastest."""
+    """Returns the mean of the designs at each combination of levels; the second factor varies fastest."""
     first, second = pair
     return _means(first.level * len(second.levels) + second.level, len(first.levels) * len(second.levels), values)
 
@@ -108,7 +111,7 @@ def _means(cells: np.ndarray, count: int, values: np.ndarray) -> list[float | No
 
 
 def pairs_of(factors: Sequence[Factor]) -> list[tuple[int, int]]:
-    """Returns the pairs of factors with more than one level, as their numbers."""
+    """Returns the pairs of factors with more than one level, as their indices."""
     varied = [at for at, factor in enumerate(factors) if len(factor.levels) > 1]
     result, cells = [], 0
     for first, second in itertools.combinations(varied, 2):
@@ -121,16 +124,16 @@ def pairs_of(factors: Sequence[Factor]) -> list[tuple[int, int]]:
 
 @dataclasses.dataclass(frozen=True)
 class Importances:
-    """Shares of the variance of the designs' values: explained by each factor beyond all others, and by each pair beyond all
-    factors. What factors explain together, because they change together, is in no share."""
+    """Shares of the variance of the designs' values: explained by each factor in addition to all others, and by each
+    pair in addition to all factors. A common effect of factors that change together is in no share."""
 
     factors: list[float]
     pairs: list[float]
 
 
 def importances(study: Study, factors: Sequence[Factor], pairs: Sequence[tuple[int, int]], values: np.ndarray) -> Importances | None:
-    """Returns them, or None if all designs have the same value. Of designs that are a sample of their space, the share that
-    chance explains is subtracted; it follows from what all factors together leave open."""
+    """Returns the importances, or None if all designs have the same value. If designs are a sample of their space,
+    the share explained by chance is subtracted; it follows from what all factors together do not explain."""
     known = ~np.isnan(values)
     own = values[known] - values[known].mean() if known.any() else values[known]
     total = float(own @ own)
@@ -159,7 +162,7 @@ def importances(study: Study, factors: Sequence[Factor], pairs: Sequence[tuple[i
 
 
 def _indicators(cells: np.ndarray) -> np.ndarray:
-    """Returns a column for each cell, less its mean."""
+    """Returns a column for each cell, minus its mean."""
     columns = (cells[:, None] == np.unique(cells)[None, :]).astype(float)
     return columns - columns.mean(axis=0)
 

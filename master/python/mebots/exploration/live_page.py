@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""live.html: the report of a running study. It reloads itself, and leads to report.html when the study is done."""
+"""live.html: the report of a running study. It reloads itself, and redirects to report.html when the study is done."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _TO_THE_REPORT = b"""<!doctype html><html lang="en"><head><meta charset="utf-8">
 <title>Study</title></head><body><p>The study is done: <a href="report.html">report.html</a></p></body></html>
 """
 _SHARE = 20.0
-"""Writing the page takes at most this part of the time."""
+"""Writing the page takes at most one part in this many of the time."""
 
 
 class LivePage:
@@ -56,7 +56,7 @@ class LivePage:
         self._next_s = time.monotonic() + max(_EVERY_S, _SHARE * (time.monotonic() - begun_s))
 
     def end(self, *, is_done: bool) -> None:
-        """Lets a browser that shows the page go to the report, or removes the page of a study that was interrupted."""
+        """Redirects a browser that shows the page to the report, or removes the page of an interrupted study."""
         if is_done and self._file.exists():
             write_whole(self._file, [_TO_THE_REPORT])
         else:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mission as an order: everything that a worker needs, and the hash of all that the mission depends on.
+"""A mission as an order: everything that a worker needs, and the hash of all inputs of the mission.
 
-Files (FMUs, firmware, weights, cells) stand in an order by their hash, so that it means the same on every machine; where
-they lie on this one stands beside it.
+An order refers to files (FMUs, firmware, weights, cells) by their hashes, so that it is valid on every machine. Their paths
+on this machine are stored separately.
 """
 
 from __future__ import annotations
@@ -29,18 +29,20 @@ FILE_MARK = "mebots-file:"
 """Prefix of a text that names a file by the hash that follows."""
 
 Course = tuple["Turn", ...]
-"""Points at which a mission departs from others with the same past."""
+"""Points at which a mission departs from others that share its earlier part."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Turn:
-    """At a ``place`` values are written: to inputs and tunable parameters. A place is the first communication point at or
-    after a time (``{"at": s}``), or where a variable reaches a level (``{"score": [name, sign], "level": value}``)."""
+    """A ``place`` at which values of inputs and tunable parameters are written. It is the first communication point
+    at or after a time (``{"at": s}``), or at which a variable reaches a level (``{"score": [name, sign], "level":
+    value}``)."""
 
     place: Values
     writes: Values
 
-_NOT_OF_A_MISSION = ("text", "record", "pictures", "view", "log", "threads", "uncertainty")  # change what is shown, not what happens
+_NOT_OF_A_MISSION = ("text", "record", "pictures", "view", "log", "threads", "uncertainty")  # these change what is
+                                                                                             # shown, not the results
 _OF_RESULTS = ("record", "pictures", "view", "log")
 
 _PATH = re.compile(r"(?<![\w.~/])/(?:[^\s/:;,'\"]+/)+([^\s/:;,'\"]*)")
@@ -51,7 +53,7 @@ def digest_of_file(path: str | os.PathLike[str]) -> str:
 
 
 canonical = json.JSONEncoder(sort_keys=True, separators=(",", ":")).encode
-"""Returns the JSON text of a value of which hashes are made."""
+"""Returns the JSON text of a value for hashes."""
 
 
 def digest_of(value: Any) -> str:
@@ -60,12 +62,12 @@ def digest_of(value: Any) -> str:
 
 @functools.cache
 def build() -> str:
-    """Hash of the program that flies missions: version numbers stay the same while one works on it."""
+    """Returns a hash of the program that runs missions, because version numbers stay the same during development."""
     return digest_of_file(_mebots.__file__)
 
 
 def without_paths(text: str) -> str:
-    """A message with files by their names alone."""
+    """Returns a message with paths replaced by file names."""
     return _PATH.sub(r"\1", text)
 
 
@@ -79,16 +81,16 @@ class _Variant:
     last_point_s: float
     """The last communication point before the stop time."""
     stop_time_s: float
-    kept: Any  # an SSP's unpacked folder goes with it
+    kept: Any  # keeps an SSP's unpacked folder
 
 
 class Missions:
-    """Makes orders from designs and draws. Hashes each file once."""
+    """Creates orders from designs and draws. Hashes each file once."""
 
     def __init__(self, study: Study) -> None:
         self._study = study
         self._digests: dict[str, str] = {}
-        self._found: dict[str, str] = {}  # where texts that name files are
+        self._found: dict[str, str] = {}  # paths of files named in texts
         self._plain: dict[tuple[str, ...], bool] = {}
         self._names: dict[tuple[str, ...], list[tuple[str, str]]] = {}
         self._drawn: dict[str, tuple[list[Any], list[bytes]]] = {}
@@ -104,11 +106,11 @@ class Missions:
         factors = study.design.get("factors", {})
         self._options = {name: one["options"] for name, one in factors.items() if isinstance(one, dict) and "options" in one}
         self.folder: pathlib.Path | None = None
-        """Folder of the results, with 256 folders by the first two digits of the mission's hash."""
+        """Folder of the results, with 256 folders for the first two digits of the mission's hash."""
 
     def order(self, values: Values) -> Order:
-        """The mission with these values of factors and draws. Raises InputError for a pointer into nowhere, and for
-        a fork behind the end."""
+        """Returns the mission with these values of factors and draws. Raises InputError for a pointer to nothing,
+        and for a fork after the end."""
         fork = self._study.fork
         if fork is None:
             return self._order(values, ())
@@ -124,7 +126,7 @@ class Missions:
         return self._order(before, (Turn({"at": fork.at_s}, later),))
 
     def order_until(self, place: Values, values: Values, course: Course) -> Order:
-        """The mission with this course up to a place, where others begin that have its past."""
+        """Returns the mission with this course up to a place, from which others with the same course start."""
         order = self._order(values, course)
         order["until"] = place
         order["keeps"] = self._past(order["mission"], place)
@@ -132,7 +134,7 @@ class Missions:
         return order
 
     def _past(self, mission: str, place: Values) -> str:
-        """Hash of a state at a place: what was recorded until there is in it."""
+        """Returns the hash of a state at a place, which includes the recorded variables."""
         return digest_of([mission, place, self._series])
 
     def _order(self, values: Values, course: Course) -> Order:
@@ -166,7 +168,7 @@ class Missions:
         return order
 
     def orders(self, fixed: Values, drawn: Sequence[Values]) -> Orders:
-        """The missions with these values of factors, each with its own draws."""
+        """Returns the missions with these values of factors, each with its own draws."""
         if not drawn or not self._are_columns(fixed, drawn[0]):
             return Orders.of([self.order(fixed | draws) for draws in drawn])
         common = self._order(fixed | drawn[0], ())
@@ -181,12 +183,13 @@ class Missions:
         return Orders(digests, common, columns)
 
     def _are_columns(self, fixed: Values, draws: Values) -> bool:
-        """True if missions that differ in draws alone have the same config, files and course."""
+        """True if missions that differ only in draws have the same config, files and course."""
         numbers = all(isinstance(value, (int, float)) for value in draws.values())
         return bool(draws) and numbers and self._study.fork is None and self.folder is None and self._is_plain((*fixed, *draws))
 
     def _pieces(self, common: Order, columns: dict[str, list[Any]]) -> tuple[list[bytes], list[list[bytes]]]:
-        """The members of ``settings`` for a hash, with ``%b`` in place of values that differ, and the texts of those."""
+        """Returns the members of ``settings`` for a hash, with ``%b`` in place of values that differ, and the texts
+        of these values."""
         pieces, texts = [], []
         for name in sorted(common["settings"]):
             title = f"{canonical(name)}:".replace("%", "%%").encode()
@@ -198,22 +201,22 @@ class Missions:
         return pieces, texts
 
     def _texts(self, name: str, values: list[Any]) -> list[bytes]:
-        """Returns ``canonical`` texts and keeps those of the last draws, which all designs share."""
+        """Returns ``canonical`` texts and caches those of the last draws, which all designs share."""
         known = self._drawn.get(name)
         if known is None or known[0] != values:
             known = self._drawn[name] = values, [_canonical_of(value).encode() for value in values]
         return known[1]
 
     def shell_line(self, values: Values, out: str) -> str:
-        """Returns the command that flies the mission again, with all its results and pictures; "" where only another config
-        could."""
+        """Returns the command that repeats the mission with all its results and pictures; "" if that requires
+        another config."""
         settings = self.settings_words(values)
         if settings is None:
             return ""
         return " ".join(filter(None, (shlex.join(["mebots", "run", str(self._study.mission), "--out", out]), settings)))
 
     def settings_words(self, values: Values) -> str | None:
-        """Returns the options of `mebots run` that set these values; None where only another config could."""
+        """Returns the options of `mebots run` that set these values; None if that requires another config."""
         pointers, settings = self._divide(values)
         stop_time = pointers.pop("/stop_time", None)
         if pointers or self._study.fork is not None:
@@ -224,8 +227,8 @@ class Missions:
         return shlex.join(words)
 
     def replay(self, values: Values, folder: pathlib.Path, name: str, text: str, scenario: list[Values]) -> str:
-        """The command that flies a mission again whose course is written as a scenario, into the folder; "" where only
-        another config could."""
+        """Writes the mission's course as a scenario into the folder. Returns the command that repeats the mission
+        with it; "" if that requires another config."""
         command = self.shell_line(values, str(folder / name))
         if command:
             folder.mkdir(exist_ok=True)
@@ -235,12 +238,12 @@ class Missions:
         return command
 
     def settings(self, name: str, value: Any) -> Values:
-        """Returns the settings of a factor or draw with this value: itself, or those of its option."""
+        """Returns the settings of a factor or draw with this value: the value itself, or those of its option."""
         options = self._options.get(name)
         return {name: value} if options is None else options[value]
 
     def _divide(self, values: Values) -> tuple[Values, Values]:
-        """Keys of the config, and parameters; options become what they set."""
+        """Divides values into keys of the config and parameters; replaces options by their settings."""
         if self._is_plain(tuple(values)):
             return {}, {name: self._located(value) if isinstance(value, str) else value for name, value in values.items()}
         pointers, settings = {}, {}
@@ -257,7 +260,8 @@ class Missions:
         return self._plain[names]
 
     def _located(self, value: str) -> str:
-        """Returns a text that names a file in a folder of the study as an absolute path, and any other as it is."""
+        """Returns a text that names a file in a folder of the study as an absolute path, and any other text
+        unchanged."""
         if value not in self._found:
             self._found[value] = value
             if value and not os.path.isabs(value):
@@ -317,14 +321,14 @@ def _canonical_of(value: Any) -> str:
 
 
 def _signals(config: dict[str, Any]) -> list[dict[str, Any]]:
-    """The parts of a config that name a file of signals."""
+    """Returns the parts of a config that name a signal file."""
     inputs = config.get("inputs", [])
     entries = [inputs] if isinstance(inputs, dict) else inputs
     return entries + [entry for entry in config.get("scenario", []) if "file" in entry]
 
 
 def _put(config: dict[str, Any], pointer: str, value: Any) -> None:
-    """Sets what a JSON pointer (RFC 6901) names. Only a last step may be new."""
+    """Sets the value at a JSON pointer (RFC 6901). Only its last step may be new."""
     steps = [step.replace("~1", "/").replace("~0", "~") for step in pointer.split("/")[1:]]
     place: Any = config
     for number, step in enumerate(steps):

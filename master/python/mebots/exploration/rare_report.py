@@ -17,9 +17,9 @@ from mebots.exploration.study import Study
 
 @dataclasses.dataclass(frozen=True)
 class Design:
-    """A design with the ``values`` of its factors. ``answer``: probability, its interval and its relative error; None where
-    there is none. ``reached``: for each estimate the number of missions that reached each of its ``levels``. ``command``: the
-    line that flies a mission again that reached the last level."""
+    """A design with the ``values`` of its factors. ``answer`` contains probability, interval and relative error;
+    None if there is none. ``reached`` is, for each estimate, the number of missions that reached each of its
+    ``levels``. ``command`` repeats a mission that reached the last level."""
 
     values: list[Any]
     missions: int
@@ -66,7 +66,8 @@ def _shares(reached: Sequence[int], missions: int) -> list[float]:
 
 
 def counting(design: Design) -> float | None:
-    """Returns how many missions would have to be counted, each flown whole, for the same relative error: (1 - p)/(p e^2)."""
+    """Returns the number of complete missions that plain counting needs for the same relative error: (1 - p)/(p
+    e^2)."""
     probability, _, _, relative = design.answer
     if not probability or not relative:
         return None

@@ -23,7 +23,7 @@ MOST_DESIGNS = 5_000
 """If there are more designs, the page has the best ones, those on the front, and every n-th of the others."""
 _BEST_DESIGNS = 1_000
 _MOST_CURVES = 50
-"""Designs, best first, of which the page shows how their estimates became narrower."""
+"""The number of designs, best first, for which the page shows how their estimates became narrower."""
 _POINTS_OF_CURVES = 14
 
 
@@ -144,7 +144,7 @@ def _effects(content: Content, factors: Sequence[Factor], values: Sequence[np.nd
 
 
 def _indices(content: Content) -> dict[str, Any] | None:
-    """Sensitivity indices, of a study that asks for them."""
+    """Returns the sensitivity indices, if the study requests them."""
     if content.study.design["kind"] != "sensitivity" or content.refresh_s is not None:
         return None
     titles, *rows = sensitivity.rows(content.study, content.evidence)
@@ -152,7 +152,7 @@ def _indices(content: Content) -> dict[str, Any] | None:
 
 
 def _courses(content: Content) -> list[dict[str, Any]]:
-    """How the estimates of the best designs changed with the number of missions."""
+    """Returns how the estimates of the best designs changed with the number of missions."""
     result = []
     for row in content.answer.rows[:_MOST_CURVES]:
         count = content.evidence.counts[row.design]

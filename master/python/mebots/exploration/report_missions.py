@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The missions of a study in its report: their values, quantiles of each design, and the commands that fly them again."""
+"""The missions of a study in its report: their values, quantiles of each design, and the commands that repeat them."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from mebots.exploration.comparison import Evidence
 from mebots.exploration.space import Space
 
 MOST_MISSIONS = 50_000
-"""If there are more, the page has the values of every n-th of each design. Quantiles are of all."""
+"""If there are more, the page has the values of every n-th mission of each design. Quantiles include all."""
 MOST_COMMANDS = 10_000
-"""Replicates of which the page has commands; they are the same for each design."""
+"""The number of replicates whose commands are in the page; equal for all designs."""
 QUANTILES = (0, 0.05, 0.25, 0.5, 0.75, 0.95, 1)
 _DIGITS = 6
 
@@ -34,8 +34,8 @@ def _quantiles(values: np.ndarray) -> list[float] | None:
 
 
 def missions_of(evidence: Evidence, designs: Sequence[int], outcomes: tuple[list[str], list[np.ndarray]] | None) -> dict[str, Any]:
-    """Returns every n-th mission of each design: ``counts`` of them, and one after the other their outcomes and values of each
-    objective. Outcomes are counted over all missions."""
+    """Returns every n-th mission of each design: their number ``counts``, and successively their outcomes and values
+    of each objective. Outcomes are counted over all missions."""
     every = max(1, math.ceil(sum(evidence.counts[design] for design in designs) / MOST_MISSIONS))
     counts = [len(range(0, evidence.counts[design], every)) for design in designs]
     values = [
@@ -63,14 +63,14 @@ def _rounded(value: float) -> float:
 
 @dataclasses.dataclass(frozen=True)
 class Replay:
-    """Commands that fly missions again, into folders below ``folder``, which is in the report's folder."""
+    """Commands that repeat missions into folders below ``folder``, which is in the report's folder."""
 
     space: Space
     folder: pathlib.Path
 
     def texts(self, designs: Sequence[int], replicates: int) -> dict[str, Any] | None:
-        """Returns the parts of the commands: what all begin with, the settings of each design (None where only another config
-        could fly it), and those of each replicate's draws. None if no mission can fly by a command."""
+        """Returns the parts of the commands: the common beginning, the settings of each design (None if it requires
+        another config), and those of each replicate's draws. None if no mission can be repeated by a command."""
         missions = self.space.missions
         own = [missions.settings_words(self.space.designs[design]) for design in designs]
         draws = [missions.settings_words(self.space.draw(one)) for one in range(min(replicates, MOST_COMMANDS))]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""State of each mission of a study: whether it has a result, and its row of missions.csv. Memory: 42 bytes for a
+"""State of each mission of a study: whether it has a result, and its row of missions.csv. Memory: 42 bytes per
 mission, in addition to its measures (``comparison.Evidence``)."""
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _MISSING = 0
 
 @dataclasses.dataclass
 class Rows:
-    """Cells of consecutive missions of a design, a list for each column."""
+    """Cells of consecutive missions of a design, one list per column."""
 
     missions: list[str | None]
     """Hashes; None for a mission without a result."""
@@ -40,7 +40,7 @@ class Rows:
 
 
 class Results:
-    """Missions of all rounds so far, and for each mission of this round whether it has a result."""
+    """Missions of all rounds so far. For each mission of the current round, records whether it has a result."""
 
     def __init__(self, evidence: Evidence, measurer: Measurer, replicates: int) -> None:
         self.evidence = evidence
@@ -59,7 +59,7 @@ class Results:
         self.begin(Flights([], 0, 0))
 
     def begin(self, flights: Flights) -> None:
-        """Begins a round. All missions of the one before are in the evidence."""
+        """Starts a round. All missions of the previous one are in the evidence."""
         self.flights = flights
         self._states = bytearray(len(flights))
         self.open = len(flights)
@@ -115,7 +115,7 @@ class Results:
         times[replicate:end] = array.array("d", times_s.tobytes())
 
     def _extend(self, design: int, replicates: int) -> None:
-        """Makes place for this number of missions of a design."""
+        """Extends the tables to this number of missions of a design."""
         lacking = replicates - len(self._outcomes[design])
         if lacking > 0:
             self._hashes[design].extend(bytes(DIGEST_BYTES * lacking))
@@ -141,14 +141,14 @@ class Results:
         return Rows(missions, [names[number] for number in numbers], measures, times, [""] * (end - begin), failed)
 
     def outcomes(self) -> tuple[list[str], list[np.ndarray]]:
-        """Returns the names of all outcomes, and of each design the numbers of its missions' outcomes."""
+        """Returns the names of all outcomes, and for each design the numbers of its missions' outcomes."""
         for design, count in enumerate(self.evidence.counts):
             self._extend(design, count)
         return self._names, [np.array(self._outcomes[design]) for design in range(len(self.evidence.counts))]
 
     def settle(self, most_failures: int | None) -> int:
-        """Moves the end of the missions that count up to the first one without a result, or with which there are too many
-        failures. Returns the failures up to there."""
+        """Advances the end of the counted missions to the first one without a result, or to the one at which there
+        are too many failures. Returns the failures up to there."""
         end = self._states.find(_OPEN, self._settled)
         end = len(self._states) if end < 0 else end
         if most_failures is None:
@@ -162,13 +162,14 @@ class Results:
         return self.failed_so_far
 
     def end(self) -> bool:
-        """Lets the missions count that are settled. Returns whether the round was cut short."""
+        """Counts the settled missions. Returns True if the round was ended early."""
         self._count(self._settled)
         self.failed = self.failed_so_far
         return self._settled < len(self._states)
 
     def end_unfinished(self) -> int:
-        """Lets the missions of this round count that have a result, and notes the others as missing. Returns their number."""
+        """Counts the missions of this round that have a result, and records the others as missing. Returns their
+        number."""
         missing = 0
         for index, state in enumerate(self._states):
             if state == _OPEN:

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The probability of what hardly ever happens, by multilevel splitting with fixed effort (Garvels 2000; Cérou, Guyader,
-2007): the way to a rare event is cut by levels of a score, of which each is likely once the one before was reached.
+"""The probability of rare events, by multilevel splitting with fixed effort (Garvels 2000; Cérou, Guyader 2007). Levels of
+a score divide the way to the event, so that each is likely to be reached from the one before.
 
-N missions begin at t = 0. Those that reach the first level are its entrances. From them N missions go on, each with
-chance of its own, as equally many from each entrance as N allows (the rest by lot), and so on to the last level. With r_k
-missions of N that reached level k, the estimate is the product of r_k/N. Its expectation is the probability itself for
-any levels and any N; how far it spreads depends on both. So several estimates are made independently of each other, and
-their mean has Student's interval. Nothing is assumed of the missions but that their score comes to a level step by step:
-one that jumps over levels counts for each.
+N missions start at t = 0. Those that reach the first level are its entrances. N missions continue from them with new draws,
+the same number from each entrance as far as N permits (the rest by lot), and so on to the last level. If r_k of N missions
+reached level k, the estimate is the product of r_k/N. Its expectation is the exact probability for any levels and any N;
+its spread depends on both. Therefore several estimates are made independently, and their mean has Student's interval. The
+only assumption about the missions is that their score reaches a level step by step: a mission that jumps over levels
+counts for each.
 
-Where a study gives no levels, pilot missions find them.
+If a study defines no levels, pilot missions determine them.
 """
 
 from __future__ import annotations
@@ -29,12 +29,13 @@ from mebots.exploration.space import Space
 from mebots.exploration.study import Splitting, Study, Values
 
 Bring = Callable[[list[Order], int], Journal]
-"""Takes orders into a journal, which it returns; the number says how many follow at most."""
+"""Adds orders to a journal and returns it; the number is the maximum that follows."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Way:
-    """Course of a mission: the number of its draws, the points at which it departed from others, and their times [s]."""
+    """The course of a mission: the number of its draws, the points at which it departed from others, and their times
+    [s]."""
 
     draw: int
     course: Course = ()
@@ -43,7 +44,8 @@ class Way:
 
 @dataclasses.dataclass
 class Estimate:
-    """An estimate of a design's probability: its missions that reached the last level so far, and the number at each level."""
+    """An estimate of a design's probability: its missions that reached the last level so far, and their number at
+    each level."""
 
     design: int
     run: int
@@ -56,7 +58,7 @@ class Estimate:
 
     def probability(self, study: Study) -> float:
         if len(self.reached) < len(self.levels):
-            return 0.0  # nobody was left on the way
+            return 0.0  # no mission was left
         return math.prod(count / study.rare.missions for count in self.reached)
 
     def count(self, record: Record) -> None:
@@ -66,8 +68,8 @@ class Estimate:
 
 
 def fly(space: Space, folder: pathlib.Path, bring: Bring, units: Units) -> tuple[int, int]:
-    """Flies level by level, and writes levels.csv, designs.csv and report.html. Returns how many missions there were,
-    and how many of them failed."""
+    """Runs missions level by level, and writes levels.csv, designs.csv and report.html. Returns the number of
+    missions, and how many of them failed."""
     study = space.study
     pilots = [Estimate(design, study.replicates, ()) for design in range(len(space.designs))]
     answered = True
@@ -89,14 +91,14 @@ def fly(space: Space, folder: pathlib.Path, bring: Bring, units: Units) -> tuple
 
 
 def most_missions(study: Study) -> int:
-    """Returns the number for one design."""
+    """Returns the maximum number of missions for one design."""
     if study.rare.levels:
         return study.replicates * len(study.rare.levels) * study.rare.missions
     return (study.replicates + 1) * MOST_LEVELS * study.rare.missions
 
 
 def trial_course(study: Study) -> Course:
-    """Returns the course that a check at t = 0 tries."""
+    """Returns the course that the check at t = 0 tries."""
     return (Turn(_place(study.rare, study.rare.goal), _writes(study, 1, 0)),)
 
 
@@ -134,9 +136,9 @@ def _flown_to(
 
 
 def _most_later(space: Space, estimates: Sequence[Estimate], number: int) -> int:
-    """How many missions may follow those to a level, by how many levels there are at most."""
+    """Returns the maximum number of missions after those to a level, from the maximum number of levels."""
     study, designs = space.study, len(space.designs)
-    if estimates[0].run == study.replicates:  # pilots, with all estimates behind them
+    if estimates[0].run == study.replicates:  # pilots, which precede all estimates
         return ((MOST_LEVELS - number - 1) + study.replicates * MOST_LEVELS) * designs * study.rare.missions
     return sum(len(one.levels) - number - 1 for one in estimates) * study.rare.missions
 
@@ -146,7 +148,7 @@ def _place(splitting: Splitting, level: float) -> Values:
 
 
 def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
-    """Yields missions to the next level: from t = 0, or from all missions that reached the one before."""
+    """Yields missions to the next level: from t = 0, or from all missions that reached the previous one."""
     count, first = study.rare.missions, estimate.run * study.rare.missions
     if number == 0:
         yield from (Way(first + index) for index in range(count))
@@ -167,7 +169,7 @@ def _ways(study: Study, estimate: Estimate, number: int) -> Iterator[Way]:
 
 
 def _writes(study: Study, number: int, index: int) -> Values:
-    """The draws that are made anew at a level."""
+    """Returns the draws that are repeated at a level."""
     return {
         name: chance.value(study.draws[name], chance.unit(study.draws_seed, f"{name}/level {number}", index))
         for name in study.rare.reseed
@@ -182,17 +184,17 @@ def _order(space: Space, estimate: Estimate, way: Way, level: float) -> Order:
 # Levels that the study does not state.
 
 SHARE = 0.2
-"""Of the missions that start for a level, those that are to reach it. With fixed effort the work for an error is least
-where a fifth does (Lagnoux 2006, Probability in the Engineering and Informational Sciences 20, 45)."""
+"""The share of the missions started for a level that are to reach it. With fixed effort, the work for an error is
+least at a fifth (Lagnoux 2006, Probability in the Engineering and Informational Sciences 20, 45)."""
 MOST_LEVELS = 20
 """A fifth of a fifth and so on: 1e-14."""
 
 
 def _find_levels(space: Space, pilots: list[Estimate], bring: Bring) -> bool:
-    """Pilot missions of each design fly on to their end or to the goal; the next level is what the best fifth of them came
-    to (adaptive multilevel splitting: Cérou, Guyader 2007), and these are its entrances. What they find decides nothing
-    but the levels: estimates fly with chance of their own, so that levels that suit the pilots by luck bias nothing.
-    False when too many missions failed."""
+    """Runs pilot missions of each design to their end or to the goal. The next level is the one that the best fifth
+    of them reached (adaptive multilevel splitting: Cérou, Guyader 2007); these are its entrances. The pilots
+    determine only the levels: estimates use their own draws, so levels that suit the pilots by chance cause no
+    bias. Returns False if too many missions failed."""
     goal = space.study.rare.goal
     flying = pilots
     while flying:
@@ -215,19 +217,19 @@ def _set_level(splitting: Splitting, pilot: Estimate, flown: list[tuple[Way, Rec
     pilot.ways = [way for way, _ in entrances]
     pilot.reached.append(len(entrances))
     if level != splitting.goal:
-        # The level was unknown, so no state was kept there: each mission flies to it once more.
+        # The level was unknown, so no state was saved there: each mission runs to it once more.
         pilot.simulated_s += [record["simulated_time"] for _, record in entrances]
 
 
 def next_level(bests: Sequence[float], floor: float | None, goal: float, found: int) -> float:
-    """Where the best fifth of missions came, that set out from ``floor`` (None: from the start). The goal, where these come
-    to it, where none came any further, or where ``found`` levels are enough."""
+    """Returns the level that the best fifth of the missions started at ``floor`` (None: from the start) reached.
+    Returns the goal if they reached it, if none got any further, or if ``found`` levels are enough."""
     if not bests or found + 1 >= MOST_LEVELS:
         return goal
     beyond = min(bests) if floor is None else floor
     ranked = sorted(bests, reverse=True)
     level = ranked[max(1, round(SHARE * len(ranked))) - 1]
-    if level <= beyond:  # ties: most stayed where they were
+    if level <= beyond:  # ties: most made no progress
         level = min((best for best in bests if best > beyond), default=goal)
     return min(level, goal)
 
@@ -269,7 +271,7 @@ def _write(space: Space, folder: pathlib.Path, estimates: list[Estimate], units:
 
 
 def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
-    """Mean, its interval, and its standard error as a share of it."""
+    """Returns mean, its interval, and its relative standard error."""
     moments = Moments().add(one.probability(study) for one in estimates)
     low, high = student(moments, study.error)
     relative = moments.deviation / math.sqrt(moments.count) / moments.mean if moments.mean > 0 and moments.count > 1 else None
@@ -277,8 +279,8 @@ def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
 
 
 def _write_replay(space: Space, folder: pathlib.Path, design: int, estimates: list[Estimate]) -> str:
-    """A scenario with which a single run does what the first mission did that reached the last level. Returns the
-    command; "" where none did."""
+    """Writes a scenario with which a single run repeats the first mission that reached the last level. Returns the
+    command; "" if no mission did."""
     way = next((way for one in estimates if len(one.reached) == len(one.levels) for way in one.ways), None)
     if way is None:
         return ""

@@ -16,7 +16,7 @@ from mebots.exploration.answer import Answer
 
 @dataclasses.dataclass(frozen=True)
 class Sweep:
-    """Result of a study: missions that count, the number that failed, and the folder with the tables."""
+    """The result of a study: number of counted missions, number of failed ones, and the folder with the tables."""
 
     folder: pathlib.Path
     missions: int
@@ -26,12 +26,12 @@ class Sweep:
     notices: list[str] = dataclasses.field(default_factory=list)
     """Warnings of the journals: damaged lines, file systems without locks."""
     answer: Answer | None = None
-    """Which design is best, and how sure that is; None for a rare event."""
+    """The best design and the certainty of that; None for a rare event."""
     factors: list[str] = dataclasses.field(default_factory=list)
     draws: list[str] = dataclasses.field(default_factory=list)
 
     def designs(self) -> list[dict[str, str]]:
-        """The rows of designs.csv."""
+        """Returns the rows of designs.csv."""
         titles, *rows = _mebots.read_csv(self.folder / "designs.csv")
         return [dict(zip(titles, row, strict=True)) for row in rows]
 
@@ -53,7 +53,7 @@ class Sweep:
         return notebook.show(self.folder / "report.html", height)
 
     def _repr_html_(self) -> str:
-        """The answer, as a notebook shows it."""
+        """Returns the answer as HTML for a notebook."""
         return f"<pre>{html.escape(str(self.answer or self))}</pre>"
 
     def _columns(self, table: str) -> dict[str, list[Any]]:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots replay``, ``mebots identify`` and ``mebots new-cell``: the program reads the command line, and becomes this."""
+"""``mebots replay``, ``mebots identify`` and ``mebots new-cell``: the program is replaced by this module, which
+parses the command line."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ def _decks(text: str | None) -> list[str] | None:
 
 
 def main(words: list[str] | None = None) -> int:
-    """The first word is the command. Returns the exit code."""
+    """Runs the command in the first word. Returns the exit code."""
     command, *rest = sys.argv[1:] if words is None else words
     return _COMMANDS[command](rest)
 

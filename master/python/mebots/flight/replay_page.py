@@ -58,7 +58,7 @@ def _number(value: Any) -> Any:
 
 
 def _thin(values: np.ndarray, stride: int) -> list[float | None]:
-    """Every ``stride``-th value, rounded to ``_DIGITS``; None where nothing was measured."""
+    """Returns every ``stride``-th value, rounded to ``_DIGITS``; None if nothing was measured."""
     return [None if math.isnan(one) else float(f"{one:.{_DIGITS}g}") for one in values[::stride].tolist()]
 
 
@@ -72,7 +72,7 @@ def _charts(result: Replay) -> list[dict[str, Any]]:
         if title == "time [s]":
             continue
         name, who, unit = title.split(" ")
-        if who == "model":  # a start from rest would hide the rest of the picture
+        if who == "model":  # the curve from rest would dominate the scale
             values = np.where(times >= first_s, values, np.nan)
         groups.setdefault(f"{name} {unit}", []).append((who, values))
     x = _thin(times, stride)
