@@ -53,16 +53,16 @@ std::string list_of(const std::string& title, const std::vector<Argument>& argum
 /// Converts the footer: a line that ends with a colon is a section title; indented lines below it are copied unchanged.
 std::string sections_of(const std::string& footer) {
   std::string text;
-  bool as_it_stands = false;
+  bool is_literal = false;
   const auto begin = [&](bool stands) {
-    if (stands != as_it_stands) text += stands ? ".nf\n" : ".fi\n";
-    as_it_stands = stands;
+    if (stands != is_literal) text += stands ? ".nf\n" : ".fi\n";
+    is_literal = stands;
   };
   std::istringstream lines(footer);
   for (std::string line; std::getline(lines, line);) {
     if (line.empty()) continue;
     begin(line.starts_with("  "));
-    if (as_it_stands) {
+    if (is_literal) {
       text += plain(line.substr(2)) + "\n";
     } else if (line.ends_with(':')) {
       text += ".SH " + in_capitals(line.substr(0, line.size() - 1)) + "\n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts heap allocations, those of SUNDIALS in C included, by standing in front of the C library's functions.
+// Counts heap allocations, including those of SUNDIALS in C, by replacing the C library's functions.
 #include "support.hpp"
 
 #include <cstddef>

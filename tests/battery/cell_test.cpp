@@ -10,7 +10,7 @@ namespace mebots::battery {
 namespace {
 
 TEST(Cell, PublishedCellHasThePublishedElements) {
-  // Chen and Rincon-Mora 2006, written out again here: an independent copy of the formulas.
+  // Chen and Rincon-Mora 2006: an independent second implementation of the formulas.
   const Cell cell = cell_named("chen_rincon_850");
   for (const double s : {0.05, 0.3, 0.7, 1.0}) {
     const Circuit c = cell.circuit_at(s);
@@ -39,7 +39,7 @@ TEST(Cell, ScaledCellsKeepTheTimeConstantsOfThePublishedCell) {
   const Circuit published = cell_named("chen_rincon_850").circuit_at(0.5);
   for (const char* name : {"bitcraze_250", "ufx_250", "cyclone_300", "lipol_350"}) {
     const Circuit scaled = cell_named(name).circuit_at(0.5);
-    // The two factors stand in the file with six decimals.
+    // The file contains the two factors with six decimals.
     EXPECT_NEAR(scaled.pair1_ohm * scaled.pair1_farad, published.pair1_ohm * published.pair1_farad, 1e-4);
     EXPECT_NEAR(scaled.pair2_ohm * scaled.pair2_farad, published.pair2_ohm * published.pair2_farad, 1e-3);
   }
@@ -63,7 +63,7 @@ TEST(Cell, CurrentSolvesThePowerBalanceOfTheSeriesResistance) {
     EXPECT_NEAR((4.0 - 0.1 * current_a) * current_a, power_w, 1e-13 * std::max(1.0, std::abs(power_w)));
     EXPECT_LE(current_a, 20);  // the smaller root: at most the current of greatest power, E / (2 R)
   }
-  // P / E with the next term of its series, R P^2 / E^3: no digit is lost to cancellation.
+  // P / E with the next term of its series, R P^2 / E^3: no digit is lost by cancellation.
   EXPECT_NEAR(terminal_current_a(4.0, 0.1, 1e-12), 2.5e-13 + 0.1 * 1e-24 / 64, 1e-28);
   EXPECT_DOUBLE_EQ(terminal_current_a(4.0, 0.1, 41), 20);  // beyond E^2 / (4 R) = 40 W
 }
@@ -72,7 +72,7 @@ TEST(Cell, PowerLimitIsThePowerAtTheCutOffOrTheGreatestPower) {
   const double at_cut_off = power_limit_w(4.0, 0.1, 3.0);
   EXPECT_DOUBLE_EQ(4.0 - 0.1 * terminal_current_a(4.0, 0.1, at_cut_off), 3.0);
   EXPECT_DOUBLE_EQ(power_limit_w(4.0, 0.1, 0.5), 40);
-  EXPECT_LT(power_limit_w(2.7, 0.1, 2.8), 0);  // not even an open circuit keeps the voltage up
+  EXPECT_LT(power_limit_w(2.7, 0.1, 2.8), 0);  // even an open circuit does not keep the voltage above the limit
 }
 
 TEST(CellCalibration, MovesQuantitiesWithinTheirIntervals) {
@@ -86,7 +86,7 @@ TEST(CellCalibration, MovesQuantitiesWithinTheirIntervals) {
   EXPECT_DOUBLE_EQ(worst.cut_off_voltage_v, 2.85);
   EXPECT_DOUBLE_EQ(worst.cut_off_delay_s, 0.115);
   EXPECT_TRUE(worst.warnings.empty());
-  // Half way to the lower end.
+  // Half-way to the lower end.
   EXPECT_DOUBLE_EQ(load_cell(path, {.resistance = -0.5}).series_ohm(0.5) / as_stated.series_ohm(0.5), 0.915);
 }
 

@@ -33,7 +33,7 @@ TEST(Integrator, RestingPairsDecayExponentially) {
   // 30 s with a relative tolerance of 1e-9 per step of 1 s.
   EXPECT_NEAR(state.pair1_v, 0.12 * std::exp(-30.0 / 20), 1e-9);
   EXPECT_NEAR(state.pair2_v, 0.15 * std::exp(-30.0 / 180), 1e-9);
-  // The energy that left the capacitors is what the resistors beside them turned into heat.
+  // The energy from the capacitors equals the heat in the resistors parallel to them.
   const double stored_before = 0.5 * 400 * 0.12 * 0.12 + 0.5 * 3000 * 0.15 * 0.15;
   const double stored_after = 0.5 * 400 * state.pair1_v * state.pair1_v + 0.5 * 3000 * state.pair2_v * state.pair2_v;
   EXPECT_NEAR(ledger.polarisation_j, stored_after - stored_before, 1e-7);
@@ -41,7 +41,8 @@ TEST(Integrator, RestingPairsDecayExponentially) {
 }
 
 TEST(Integrator, ConvergesWithTheFourthOrderOfItsMethod) {
-  // Fixed steps so long that truncation is far above rounding. The result is compared with a run of tight tolerance.
+  // Fixed steps so long that truncation errors are much larger than rounding errors. The result is compared with a run
+  // of tight tolerance.
   const Cell cell = cell_named("bitcraze_250");
   const auto run = [&](const Integrator::Options& options) {
     Integrator integrator(cell, options);
@@ -56,7 +57,7 @@ TEST(Integrator, ConvergesWithTheFourthOrderOfItsMethod) {
   const auto fine = run({1e-9, 4});
   for (std::size_t i = 0; i < exact.size(); ++i) {
     const double order = std::log2(std::abs(coarse[i] - exact[i]) / std::abs(fine[i] - exact[i]));
-    EXPECT_GT(order, 3.5) << "component " << i;  // 4, less what the next term of the error takes away
+    EXPECT_GT(order, 3.5) << "component " << i;  // 4, reduced by the next term of the error
     EXPECT_LT(order, 4.8) << "component " << i;
   }
 }
@@ -110,7 +111,7 @@ TEST(Integrator, CutOffIsLocatedWhereTheVoltageCrosses) {
   const double voltage_v = source_v - c.series_ohm * terminal_current_a(source_v, c.series_ohm, 9);
   // The voltage is that of the located instant; the interpolant between two steps is of third order.
   EXPECT_NEAR(voltage_v, cell.cut_off_voltage_v, 1e-6);
-  // The same instant from steps of 1 ms.
+  // The same event from steps of 1 ms.
   CellState slow{0.12, 0.05, 0.05};
   double passed_s = 0;
   for (;;) {
@@ -128,7 +129,7 @@ struct LongStep {
   Event event;
 };
 
-/// 1000 steps in place of one give the same, event included.
+/// 1000 steps give the same result as one, event included.
 void expect_the_same_in_short_steps(const LongStep& step) {
   SCOPED_TRACE(testing::Message() << "charge " << step.soc << ", " << step.demand.terminal_w() << " W, "
                                   << step.duration_s << " s");
@@ -157,7 +158,7 @@ void expect_the_same_in_short_steps(const LongStep& step) {
 }
 
 TEST(Integrator, LongStepsAgreeWithShortOnes) {
-  // Tried whole, their stages lie where a resistance is negative or the voltage no number.
+  // As one step, their stages would be at points where a resistance is negative or the voltage is not a number.
   expect_the_same_in_short_steps({0.9, load_of(0.01), 86'400, Event::none});
   expect_the_same_in_short_steps({0.5, load_of(5), 3000, Event::cut_off});
   expect_the_same_in_short_steps({0.03, load_of(5), 600, Event::cut_off});
@@ -178,7 +179,7 @@ TEST(Integrator, TinyCellIsEmptiedWhereItsChargeEnds) {
   EXPECT_NEAR(result.reached_s, 0.5e-9 / (current_a + cell.self_discharge_current_a), 1e-6 * result.reached_s);
 }
 
-/// The message of a step of 60 s, which must leave everything as it was.
+/// Returns the message of a step of 60 s, which must change nothing.
 std::string refusal(const Cell& cell, const Demand& demand) {
   Integrator integrator(cell);
   CellState state{0.5, 0.01, 0.02};
@@ -201,7 +202,7 @@ TEST(Integrator, StepThatCannotBeIntegratedIsToldAndChangesNothing) {
   stiff.pair1_farad = Curve::analytic(0, 0, {4e-9});  // 0.2 ns
   EXPECT_THAT(refusal(stiff, load_of(1)),
               AllOf(HasSubstr("over a step of 60 s at 1 W"), HasSubstr("longer time constants")));
-  // A step short enough for the time constant goes.
+  // A step that is short enough for the time constant succeeds.
   Integrator integrator(stiff);
   CellState state{0.5, 0.01, 0.02};
   Ledger ledger;

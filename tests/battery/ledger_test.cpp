@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every joule: the ledger against itself and against sums made here, independently of the integrator.
+// The energy balance: the ledger compared with itself and with sums computed here, independently of the integrator.
 #include "support.hpp"
 
 #include <cmath>
@@ -16,7 +16,7 @@ double open_circuit_integral(double from_s, double to_s) {
   return antiderivative(to_s) - antiderivative(from_s);
 }
 
-/// A flight of sorts: loads that change at every communication point, a source now and then.
+/// A simple flight: loads that change at every communication point, and a source at times.
 void drive(
     Bench& bench, int steps, std::int64_t step_ns, const std::function<void()>& after_step = [] {}) {
   for (int i = 0; i < steps; ++i) {
@@ -40,7 +40,7 @@ TEST(Ledger, ClosesOverAFlightWithChangingLoadsAndASource) {
   EXPECT_GT(out.energy_polarisation_j, 0.1);
   EXPECT_GT(out.energy_self_discharge_j, 0);
   EXPECT_GT(out.energy_source_j, 10);
-  // Asked for: 1e-6 of the energy. Runge-Kutta keeps a sum of rates that is zero; only rounding is left.
+  // Required: 1e-6 of the energy. Runge-Kutta conserves a sum of rates that is zero, so only rounding remains.
   EXPECT_NEAR(out.energy_imbalance_j, 0, 1e-10 * out.energy_open_circuit_j);
 }
 

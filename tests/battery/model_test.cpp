@@ -31,8 +31,8 @@ TEST(Battery, OutputsBelongTogetherAtEveryCommunicationPoint) {
 }
 
 TEST(Battery, StateOfChargeCountsTheCoulombsOfAConstantCurrent) {
-  // Without resistance, a constant open-circuit voltage makes a constant power a constant current. A short
-  // discharge from high charge comes near it: the mean of the end currents bounds it by their difference.
+  // Without resistance and with a constant open-circuit voltage, constant power means constant current. A short
+  // discharge from high charge approximates this: the mean of the end currents differs by at most their difference.
   Bench bench(parameters("bitcraze_250", 0.8));
   bench.inputs.load_power_w[load::auxiliary] = 2;
   bench.step(kMillisecond);
@@ -76,7 +76,7 @@ TEST(Battery, RestoredRunGoesOnWithTheSameBits) {
   drive(first, 0, 1000);
   const auto saved = state::save(first.model);
   Bench second(parameters("bitcraze_250", 0.6));
-  drive(second, 0, 17);  // somewhere else before it is restored
+  drive(second, 0, 17);  // another state before the restore
   state::restore(second.model, saved);
   second.now_ns = first.now_ns;
   drive(second, 1000, 2000);

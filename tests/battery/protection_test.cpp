@@ -26,8 +26,8 @@ TEST(Protection, OpensWhenTheVoltageFallsUnderTheCutOffAndStaysOpen) {
   EXPECT_THAT(bench.events.back(), HasSubstr("falls under the cut-off of 2.8 V"));
 
   const double delivered_j = bench.outputs.energy_delivered_j;
-  // The resting cell is above the release voltage, but only a charge closes the protection. A source that gives less
-  // than the loads take does not charge.
+  // The resting cell is above the release voltage, but only a charge closes the protection. A source with less power
+  // than the loads does not charge.
   bench.inputs.load_power_w[load::motors] = 1.1;
   bench.inputs.source_power_w = 1;
   for (int i = 0; i < 100; ++i) bench.step(kSecond);
@@ -47,7 +47,7 @@ TEST(Protection, OpensInsideAStepAtTheSameInstantWhateverTheStep) {
   const double fine_s = delivered_until_open(kMillisecond);
   const double coarse_s = delivered_until_open(7 * kSecond);
   EXPECT_GT(fine_s, 10);
-  // The voltage falls by some 5 mV/s here and the interpolant inside a long step is good to 1e-7 V.
+  // The voltage decreases by about 5 mV/s here, and the interpolant inside a long step is accurate to 1e-7 V.
   EXPECT_NEAR(fine_s, coarse_s, 1e-4);
 }
 
@@ -63,8 +63,8 @@ TEST(Protection, OpensAtOnceWhenNoCurrentGivesThatPower) {
 
 constexpr double kDelay_s = 0.144;  // of bitcraze_250_flights
 
-/// A load under which the terminals of bitcraze_250_flights are below the cut-off at a state of charge of 0.3, though a
-/// current gives its power.
+/// A load that pulls the terminals of bitcraze_250_flights below the cut-off at a state of charge of 0.3, although a
+/// current exists for its power.
 constexpr double kLow_w = 20;
 
 TEST(ProtectionDelay, OpensOnceTheVoltageWasLowForTheDelayWhateverTheStep) {
@@ -129,7 +129,7 @@ TEST(Protection, OpensAtStateOfChargeZero) {
   EXPECT_FALSE(empty.outputs.cell_connected);
   EXPECT_THAT(empty.events.back(), HasSubstr("empty"));
 
-  // With no cut-off in the way a load draws the last charge, and the instant is found.
+  // Without a cut-off, a load uses the last charge, and the event is located.
   Cell cell = cell_named("bitcraze_250");
   cell.cut_off_voltage_v = 0;
   Integrator integrator(cell);
@@ -139,14 +139,14 @@ TEST(Protection, OpensAtStateOfChargeZero) {
   const auto [reached_s, event] = integrator.advance(state, ledger, half_watt, Protection::closed, 100);
   EXPECT_EQ(event, Event::empty);
   EXPECT_EQ(state.soc, 0);
-  // 0.9 C between 2.65 V and 2.69 V are 2.4 J, less what the resistances take at 0.2 A.
+  // 0.9 C between 2.65 V and 2.69 V are 2.4 J, minus the loss in the resistances at 0.2 A.
   EXPECT_GT(reached_s, 4);
   EXPECT_LT(reached_s, 2.69 * 0.9 / 0.5);
   EXPECT_NEAR(ledger.delivered_j, 0.5 * reached_s, 1e-9);
 }
 
 TEST(Protection, SelfDischargeStopsAtStateOfChargeZero) {
-  Bench bench(parameters("bitcraze_250", 0.001));  // under the cut-off: open from the start
+  Bench bench(parameters("bitcraze_250", 0.001));  // below the cut-off: open from the start
   ASSERT_FALSE(bench.outputs.cell_connected);
   for (int i = 0; i < 48; ++i) bench.step(3600 * kSecond);  // 0.9 C at 18 uA last 14 hours
   EXPECT_EQ(bench.outputs.cell_state_of_charge, 0);
@@ -173,7 +173,7 @@ TEST(Protection, OverCurrentIsToldOnceItHasLastedASecond) {
     for (int i = 0; i < milliseconds; i += 2) bench.step(2 * kMillisecond);
   };
   draw(13, 800);
-  draw(5, 2);  // a break: it counts from anew
+  draw(5, 2);  // a break, which restarts the delay
   draw(13, 1000);
   EXPECT_TRUE(bench.events.empty());
   draw(13, 2);
@@ -183,8 +183,7 @@ TEST(Protection, OverCurrentIsToldOnceItHasLastedASecond) {
   EXPECT_EQ(bench.events.size(), 1U);  // once, not at every step
 }
 
-/// A cell whose charge with constant power has a closed form: E = 2.5 V + 1.7 V s, R0 = 0.2 Ohm, no RC pairs to speak
-/// of.
+/// A cell whose charge with constant power has a closed form: E = 2.5 V + 1.7 V s, R0 = 0.2 Ohm, negligible RC pairs.
 Cell straight_cell() {
   Cell cell = cell_named("bitcraze_250");
   cell.capacity_c = 100;
@@ -218,7 +217,7 @@ TEST(Charging, AnEmptyCellIsReleasedWhenTheClosedFormSays) {
   EXPECT_NEAR(reached_s, release_s, 1e-6 * release_s);
   EXPECT_NEAR(2.5 + 1.7 * state.soc, release_e, 1e-7);
   EXPECT_NEAR(ledger.source_j, kPower_w * reached_s, 1e-9);
-  // -integral of E ds Q, which is closed, too.
+  // -integral of E ds Q, which also has a closed form.
   EXPECT_NEAR(ledger.open_circuit_j, -100 * (2.5 * state.soc + 1.7 * state.soc * state.soc / 2), 1e-7);
   EXPECT_NEAR(ledger.imbalance_j(), 0, 1e-10 * ledger.source_j);
 }
@@ -231,7 +230,7 @@ TEST(Charging, AnOpenProtectionBlocksDischargeOnly) {
   EXPECT_EQ(integrator.advance(state, ledger, {1, 1, 0.5, 0.5}, Protection::open, 10).event, Event::none);
   EXPECT_EQ(state.soc, 0.1);
   EXPECT_EQ(ledger.delivered_j, 0);
-  // 0.5 W of the source go to the load, 0.1 W into the cell.
+  // 0.5 W of the source supply the load, 0.1 W the cell.
   EXPECT_EQ(integrator.advance(state, ledger, {0.5, 0.5, 0.6, 0.6}, Protection::open, 10).event, Event::none);
   EXPECT_NEAR(ledger.delivered_j, 5, 1e-9);
   EXPECT_NEAR(ledger.source_j, 6, 1e-9);
@@ -287,7 +286,7 @@ TEST(Charging, ALongStepReleasesAtTheSameInstantAsShortOnes) {
   fine.inputs.source_power_w = coarse.inputs.source_power_w = 0.3;
   for (int i = 0; i < 4000; ++i) fine.step(100 * kMillisecond);
   coarse.step(400 * kSecond);
-  ASSERT_EQ(coarse.events.size(), 2U);  // empty at the start, released on the way
+  ASSERT_EQ(coarse.events.size(), 2U);  // empty at the start, released during the charge
   EXPECT_EQ(fine.events.size(), 2U);
   EXPECT_NEAR(fine.outputs.cell_state_of_charge, coarse.outputs.cell_state_of_charge, 1e-8);
 }

@@ -21,7 +21,7 @@ inline Cell cell_named(const std::string& name) {
   return load_cell(kParams / "cells" / (name + ".json"));
 }
 
-/// A model with its variables and the events it told of, as fmu.cpp holds them.
+/// A model with its variables and logged events, as in fmu.cpp.
 struct Bench {
   explicit Bench(const Parameters& chosen = {}, const Inputs& at_start = {})
       : parameters(chosen),
@@ -50,7 +50,7 @@ inline Parameters parameters(const std::string& cell, double soc) {
   return made;
 }
 
-/// Allocations on this thread since the program began; -1 where a sanitizer owns malloc.
+/// Returns the allocations on this thread since the start of the program; -1 if a sanitizer replaces malloc.
 long allocations();
 
 }  // namespace mebots::battery

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the paper's study claims, checked on a handful of its flights with the study's own tools."""
+"""Checks the claims of the paper's study on a few of its flights, with the study's own tools."""
 
 import copy
 import dataclasses
@@ -27,7 +27,7 @@ from run import Place, fly  # noqa: E402
 import study  # noqa: E402
 
 BUILD = pathlib.Path(os.environ["MEBOTS_BUILD"])
-# A folder of each claim's own: a study keeps others out of its own while it flies.
+# A separate folder for each claim, because a study locks its folder while it runs.
 PLACE = Place(BUILD, BUILD / "tests/casestudy/flights" / "-".join(sys.argv[1:2]), 1)
 MACS_PER_INFERENCE = 1_679_904
 
@@ -38,7 +38,7 @@ def flown(flight, place=PLACE):
 
 
 class Batteries(unittest.TestCase):
-    """Ten seconds in the air of the endurance flights: a cell's charge goes by mass and capacity."""
+    """Ten seconds in the air of the endurance flights: a cell's charge depends on mass and capacity."""
 
     HOVER_S = 10.0
 
@@ -50,13 +50,14 @@ class Batteries(unittest.TestCase):
 
     def test_a_lighter_cell_of_the_same_capacity_uses_less(self):
         saved = 1 - self.charge_used("ufx_250", False) / self.charge_used("bitcraze_250", False)
-        # 1.3 g of 40 g at a power that goes with mass to the power of 1 to 1.5, less what does not depend on it.
+        # 1.3 g of 40 g, at a power proportional to the mass to the power of 1 to 1.5, minus the part that does not
+        # depend on it.
         self.assertGreater(saved, 0.025)
         self.assertLess(saved, 0.05)
 
     def test_at_equal_mass_the_charge_used_goes_with_one_over_the_capacity(self):
         ratio = self.charge_used("cyclone_300", True) / self.charge_used("lipol_350", True)
-        # The rest is the cells' resistance, which takes a few percent of the energy.
+        # The difference is due to the cells' resistance, which uses a few per cent of the energy.
         self.assertAlmostEqual(ratio, 350 / 300, delta=0.03)
 
     def test_a_lighter_cell_uses_less_with_its_own_mass_than_with_the_heaviests(self):
@@ -71,13 +72,13 @@ class EasyFlight(unittest.TestCase):
         self.assertLess(abs(summary["lateral_error"]), 0.10)
         cruise = trace["world.drone.phase"] == CRUISE
         self.assertGreater(summary["pictures"], 29 * trace.time[cruise].size * 0.1)
-        # A dot product makes four products.
+        # A dot product computes four products.
         self.assertGreater(trace["soc.cluster.instructions"][-1], summary["pictures"] * MACS_PER_INFERENCE / 4)
         phases = energy_by_phase(trace)
         for consumer in ("motors", "chip", "camera", "converters", "cell"):
             self.assertGreater(phases["cruise"][consumer], 0)
         everything = sum(sum(consumers.values()) for consumers in phases.values())
-        # What the table leaves out: self-discharge, and the instant before the first sample.
+        # The table leaves out self-discharge and the time before the first sample.
         self.assertAlmostEqual(everything / summary["energy"]["open_circuit"], 1, delta=1e-3)
 
 
@@ -85,7 +86,7 @@ class HardFlightAdaptive(unittest.TestCase):
     def test_the_adaptive_policy_slows_down_to_turn_and_crosses_the_hard_gates_opening(self):
         base = next(f for f in experiments.speeds() if f.name == "b-adaptive")
         summary, trace = flown(base)
-        # What comes after the touch is chaotic: the last bits decide whether the frame lets it through.
+        # The motion after the contact is chaotic: the last bits decide whether the drone passes the frame.
         self.assertTrue(summary["gate"]["crossed"])
         asked = trace["soc.setpoint.velocity.x"][trace["world.drone.phase"] == CRUISE]
         self.assertEqual(asked[: len(asked) // 3].min(), 0.0, "the gate at the edge of the picture stops the drone")
@@ -95,7 +96,7 @@ class HardFlightAdaptive(unittest.TestCase):
 
 
 class HardMission(unittest.TestCase):
-    """configs/gate_hard.json, which is what a user flies."""
+    """configs/gate_hard.json, the mission that users run."""
 
     SHIPPED = ROOT / "configs/gate_hard.json"
 
@@ -107,7 +108,7 @@ class HardMission(unittest.TestCase):
         self.assertEqual(chip.pop("firmware"), "sight")
         studied = study["instances"]["soc"]["parameters"]
         chip["mission.yaw_rate_scale"] = studied["mission.yaw_rate_scale"]
-        chip["mission.navigator"] = studied["mission.navigator"]  # that the sight firmware never reads
+        chip["mission.navigator"] = studied["mission.navigator"]  # never read by the sight firmware
         for key in ("step", "stop_time", "instances", "connections", "stop_when", "outcomes", "summary", "pictures"):
             self.assertEqual(shipped[key], study[key], key)
 
@@ -119,7 +120,7 @@ class HardMission(unittest.TestCase):
         self.assertFalse(summary["gate"]["touched"])
         self.assertLess(abs(summary["lateral_error"]), 0.1)
         flying = trace["world.drone.phase"] == CRUISE
-        # A picture in each period: one look takes less than that.
+        # A picture per period, because an inference takes less time.
         self.assertGreater(summary["pictures"], 0.95 * flying.sum() * 0.1 / 0.033)
         asked = trace["soc.setpoint.velocity.x"][flying]
         self.assertAlmostEqual(asked.max(), 1.0 * KM_H, delta=1e-4)
@@ -130,7 +131,7 @@ class SecondChip(unittest.TestCase):
     """The study on board gap8_drone."""
 
     PLACE = dataclasses.replace(PLACE, results=PLACE.results / "gap8_drone", chip="gap8_drone")
-    # Rows of the sensor up to the window's last one, clocks of a row, and its clock.
+    # Rows of the sensor up to the window's last one, clocks per row, and the clock.
     READ_OUT_S = 322 * 376 / 6e6
 
     def test_a_flight_is_that_of_the_other_chip_with_what_the_shipped_mission_changes(self):
@@ -167,7 +168,7 @@ class SecondChip(unittest.TestCase):
         self.assertLess(summary["chip_energy"]["least"], summary["chip_energy"]["total"])
 
     def test_a_study_of_its_clocks_changes_what_an_inference_takes(self):
-        """The firmware sets the clocks that the mission says."""
+        """The firmware sets the clocks requested by the mission."""
         took = {}
         for clock in (25, 175):
             flight = experiments.clocks(1)[8, clock][0]

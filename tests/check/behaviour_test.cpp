@@ -242,8 +242,8 @@ TEST(CheckBehaviour, WhatTheFmuLeavesBehindEndsWithTheCheck) {
   left.daemon = 0;
   const auto checker = fork();
   if (checker == 0) {
-    Check nobody_reads;
-    run_in_child({}, nobody_reads, [&](Witness&) {
+    Check unread;
+    run_in_child({}, unread, [&](Witness&) {
       leave_processes(left);
       stay();
     });

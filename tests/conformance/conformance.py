@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The chip beside suites that others wrote (scripts/conformance.sh): prints a Markdown page, the one of docs/conformance.md.
+"""Tests the chip with suites by others (scripts/conformance.sh): prints a Markdown page, that of docs/conformance.md.
 
-Every program runs translated and interpreted. Exit code 1 at a failure that EXPLAINED does not name, or at one that it names and
-that passes; 2 when a checkout or a tool is missing, with the command that fetches it.
+Every program runs translated and interpreted. Exit code 1 for a failure that EXPLAINED does not name, or for one that it names
+and that passes; 2 if a checkout or a tool is missing, with the command that fetches it.
 """
 
 import argparse
@@ -24,7 +24,7 @@ EXPLAINED = {
 
 
 def each_on(jobs):
-    """Maps over the tests on some processors, with progress, results in the tests' order."""
+    """Maps over the tests on several processors, with progress. Results are in the tests' order."""
 
     def each(function, tests):
         done = []

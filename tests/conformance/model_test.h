@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What riscv-arch-test asks of a machine: how a program ends (Spike's tohost), and where the words lie that it leaves.
+// What riscv-arch-test requires of a machine: how a program ends (Spike's tohost), and the place of its result words.
 #pragma once
 
 #define RVMODEL_BOOT

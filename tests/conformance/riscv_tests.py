@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""riscv-tests: small programs of the instruction set that judge themselves, in the environment "p" (one hart, machine mode)."""
+"""riscv-tests: small programs of the instruction set that check themselves, in the environment "p" (one hart,
+machine mode)."""
 
 import re
 
@@ -8,11 +9,11 @@ from tools import BARE, WAYS, CannotRun, Verdict, build, checkout, run, soc_run
 ADDRESS = "https://github.com/riscv-software-src/riscv-tests"
 ENVIRONMENT = "https://github.com/riscv/riscv-test-env"
 SUITES = ("rv32ui", "rv32um", "rv32uc", "rv32mi")
-LIMIT = 10_000_000  # instructions; the longest takes some ten thousand
+LIMIT = 10_000_000  # instructions; the longest needs some ten thousand
 
 
 def environment(folder):
-    """Of a recursive clone, or beside it."""
+    """Returns the environment of a recursive clone, or the one next to it."""
     for path in (folder / "riscv-tests/env", folder / "riscv-test-env"):
         if (path / "p/riscv_test.h").exists():
             return path
@@ -20,19 +21,19 @@ def environment(folder):
 
 
 def names(suite_folder):
-    """The tests that a suite's Makefrag lists."""
+    """Returns the tests that a suite's Makefrag lists."""
     text = (suite_folder / "Makefrag").read_text().replace("\\\n", " ")
     return re.search(rf"{suite_folder.name}_sc_tests\s*=\s*(.*)", text)[1].split()
 
 
 def flags(isa, suite):
-    """-march and -mabi as the suites' own Makefile has them."""
+    """Returns -march and -mabi as in the suites' Makefile."""
     text = (isa / "Makefile").read_text()
     return re.search(rf"compile_template,{suite},([^)]*)\)", text)[1].split()
 
 
 def judge(folder, soc, work, each):
-    """Verdicts of all tests; `each` maps a function over them."""
+    """Returns verdicts of all tests; `each` maps a function over them."""
     top = checkout(folder, "riscv-tests", ADDRESS)
     isa, env = top / "isa", environment(folder)
     tests = [(suite, name) for suite in SUITES for name in names(isa / suite)]

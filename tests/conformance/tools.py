@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Programs that the suites run, and what they say of themselves."""
+"""Programs that the suites use, and their output."""
 
 import dataclasses
 import pathlib
@@ -12,18 +12,19 @@ from run import GCC, spike_path  # noqa: E402
 
 COMPILER = GCC[0]
 BARE = [COMPILER, "-static", "-mcmodel=medany", "-fvisibility=hidden", "-nostdlib", "-nostartfiles"]
-WAYS = ((), ("--interpret",))  # each program runs in both
-SECONDS = 120  # for one program in one simulator, on the clock
+WAYS = ((), ("--interpret",))  # each program runs in both ways
+SECONDS = 120  # wall time for one program in one simulator
 
 
 def soc_run(soc):
-    """The chip's program with the core that follows the specification alone: the suites' handlers are aligned to 4 bytes."""
+    """Returns the chip's program with the core that follows the specification only: the suites' handlers are aligned
+    to 4 bytes."""
     return [soc, "run", "--core", "rv32imc"]
 
 
 @dataclasses.dataclass
 class Verdict:
-    """Of one test: passed, or why not."""
+    """The verdict of a test: passed, or the reason why not."""
 
     name: str
     passed: bool
@@ -35,7 +36,7 @@ class CannotRun(Exception):
 
 
 def run(command, **options):
-    """Exit code and text; one that takes too long ends with None."""
+    """Returns exit code and text; None as the code after a timeout."""
     try:
         done = subprocess.run([str(part) for part in command], capture_output=True, text=True, errors="replace", timeout=SECONDS,
                               **options)
@@ -45,7 +46,7 @@ def run(command, **options):
 
 
 def build(command):
-    """The compiler's complaint, or nothing."""
+    """Returns the compiler's error message; empty if it succeeded."""
     code, text = run(command)
     return None if code == 0 else f"does not compile: {text.strip().splitlines()[0] if text.strip() else code}"
 

@@ -40,7 +40,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         path = config(folder)
 
-        # Step by step, with an input set in between.
+        # Step by step, setting an input between steps.
         mission = mebots.Mission(path)
         mission.record(["battery.cell.voltage", "motors.power"])
         assert mission.step_size == 0.01 and mission.stop_time == 1 and not mission.ended
@@ -70,14 +70,14 @@ def main():
             runs.append(again["battery.cell.voltage"])
         assert (runs[0] == runs[1]).all() and len(runs[0]) == 31
 
-        # And so does an instance in a process of its own, whose program stands beside the package.
+        # The same applies to an instance in a separate process, whose program is next to the package.
         isolated = mebots.Mission(config(folder, process="own"))
         isolated.set("motors.rotor[1].command", 0.5)
         isolated.set_stop_time(0.3)
         isolated.run()
         assert (isolated["battery.cell.voltage"] == runs[0]).all()
 
-        # Mistakes are told.
+        # Mistakes are reported.
         raises(mebots.InputError, lambda: mebots.Mission("nowhere.json"), "nowhere.json")
         fresh = mebots.Mission(config(folder))
         raises(mebots.InputError, lambda: fresh.set("batery.x", 1), "battery")
@@ -88,7 +88,7 @@ def main():
         raises(KeyError, lambda: fresh["world.drone"], "is not recorded")
         raises(KeyError, lambda: fresh["battery.cell.voltag"], "battery.cell.voltage")
 
-        # All in keywords; closed before its end; files as the command line's, read back to the same bits.
+        # All arguments as keywords; closed before its end; files as from the command line, read back to the same bits.
         out = pathlib.Path(folder) / "out"
         points = []
         with mebots.Mission(path, set={"motors.rotor[1].command": 0.5, "battery.cell.name": "lipol_350"}, stop_time=0.5,
@@ -110,7 +110,7 @@ def main():
         raises(mebots.InputError, lambda: mebots.read("nowhere"), "no such folder")
         assert mebots.Mission.run.__doc__ and mebots.Mission.__doc__ and mebots.read.__doc__
 
-        # Listeners may read at a point and ask for the end, but not step; what they do wrong fails the run, not Python.
+        # Listeners may read at a point and request the end, but not step; their errors fail the run, not Python.
         seen = []
         watched = mebots.Mission(path)
         watched.on_point(lambda time: time > 0 and seen.append(watched.value("battery.cell.voltage")))
@@ -128,7 +128,7 @@ def main():
         assert early.state == "ended" and early.outcome == "interrupted"
         raises(mebots.InputError, lambda: early.value("battery.cell.voltage"), "has not come to t = 0")
 
-        # Any number will do; changes are told in one order, whatever order they came in.
+        # Any numeric type is accepted; changes are reported in one order, whatever the order of the calls.
         changed = mebots.Mission(path, out=out)
         changed.set_stop_time(2)
         changed.set("motors.rotor[1].command", np.float32(0.5))
@@ -137,7 +137,7 @@ def main():
         assert changed.summary["inputs"]["changes"] == ["set motors.rotor[1].command=0.5", "stop_time 0.1"]
         raises(TypeError, lambda: mebots.Mission(path).set("motors.rotor[1].command", None), "bool, int, float or str")
 
-        # A listener that raises fails the mission, which then calls no FMU any more; errors have codes.
+        # A listener that raises fails the mission, which then calls no FMU; errors have codes.
         bad = mebots.Mission(path)
         bad.on_point(lambda time: 1 / 0)
         raises(ZeroDivisionError, bad.run, "division")

@@ -52,8 +52,8 @@ class Percentiles(unittest.TestCase):
         self.assertEqual(answers.percentile_interval([], 50, 0.05), (-math.inf, math.inf))
 
     def test_intervals_hold_the_percentile_as_often_as_they_say(self):
-        """The 80th percentile of U(0, 1) is 0.8. At level 0.9, 300 intervals miss it in at most 30 on average, and with a
-        chance of less than 1e-4 in more than 51; both kinds are conservative."""
+        """The 80th percentile of U(0, 1) is 0.8. At level 0.9, 300 intervals miss it in at most 30 cases on average,
+        and in more than 51 with a probability of less than 1e-4; both kinds are conservative."""
         chance = random.Random(1)
         samples = [sorted(chance.random() for _ in range(60)) for _ in range(300)]
         for interval in (answers.percentile_interval, answers.percentile_sequence):
@@ -69,7 +69,7 @@ class Percentiles(unittest.TestCase):
                 not low <= 0.5 <= high
                 for _ in range(100)
                 for low, high in [answers.percentile_sequence((sample.append(chance.random()), sorted(sample))[1], 50, 0.1)])
-        self.assertLess(missed, 26)  # 10 on average at most; 26 with a chance below 1e-5
+        self.assertLess(missed, 26)  # at most 10 on average; 26 with a probability below 1e-5
 
     def test_clopper_and_pearsons_interval(self):
         low, high = answers.exact_share(40, 40, 0.05)
@@ -84,7 +84,7 @@ class Answers(StudyCase):
     DRAWS = {"replicates": 20, "seed": 1, "variables": {"a.real_in": {"uniform": [0, 3]}}}
 
     def judge(self, values, **sections):
-        """The answer of a study whose designs have these values of the objective "out" in each mission."""
+        """Returns the answer of a study whose designs have these values of the objective "out" in each mission."""
         study = read_study(self.study(
             design={"kind": "grid", "factors": {"a.gain": [float(one) for one in range(len(values))]}},
             objectives={"success": {"outcome": "far"}, "out": {"summary": "deep.out", "minimize": True, "where": "success"}}, **sections))
@@ -129,7 +129,7 @@ class Answers(StudyCase):
             self.assertFalse(decided(1 + needed // 40).surely_better(0, 1, "out"))
 
     def test_designs_of_a_fixed_study_are_told_apart_by_their_pairs(self):
-        """Five missions each, whose differences are far above their spread."""
+        """Five missions each, whose differences are much larger than their spread."""
         found, _ = self.judge([[10 + one, 11 + one, 9 + one, 10.5 + one, 10.2 + one] for one in (0, 0.1, 0.2)])
         self.assertIn("All others are surely worse", found.headlines[0])
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots.sweep` through Dask distributed: two workers on this machine, of which one is killed."""
+"""`mebots.sweep` with Dask distributed: two workers on this machine, one of which is killed."""
 
 import os
 import pickle
@@ -42,7 +42,7 @@ class Dask(StudyCase):
 
 class Files(StudyCase):
     def test_travel_by_hash_to_a_machine_that_lacks_them(self):
-        """A file that is nowhere at its path is asked for, kept in the cache, and not asked for again."""
+        """A file that is missing at its path is requested, cached, and not requested again."""
         os.environ["XDG_CACHE_HOME"] = str(self.folder / "cache")
         order = Missions(read_study(self.study())).order({"a.gain": 1, "a.real_in": 2})
         def fly(order, **more):

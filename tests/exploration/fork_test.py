@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Many futures of one past: missions that go on from a saved state, and studies that fork."""
+"""Several runs from one saved state: missions that continue from it, and studies that fork."""
 
 import concurrent.futures
 import fractions
@@ -20,8 +20,8 @@ from support import BUILD, SOURCE, STEADY, StudyCase
 
 def result(mission):
     summary = {key: value for key, value in mission.summary.items() if key not in ("wall_clock", "real_time_factor")}
-    summary["inputs"].pop("writes", None)  # who goes on from a state does not know what was written before it
-    summary.pop("notices", None)  # which FMU shares a process depends on the missions that are open
+    summary["inputs"].pop("writes", None)  # a run from a saved state does not contain earlier writes
+    summary.pop("notices", None)  # whether FMUs share a process depends on the open missions
     return summary, {name: mission._series(name)[1] for name in mission.variables}
 
 
@@ -29,7 +29,7 @@ class SavedState(StudyCase):
     FMU = STEADY
 
     def straight(self, writes):
-        """The mission with values written at 0.5 s."""
+        """Returns the mission with values written at 0.5 s."""
         mission = mebots.Mission(self.folder / "mission.json", record=["a.*"])
         mission.run_until(0.5)
         for name, value in writes.items():
@@ -53,11 +53,11 @@ class SavedState(StudyCase):
             self.assertEqual(result(mission), self.straight(writes))
             results.append(mission.value("a.integral"))
         self.assertEqual(len(set(results)), 3)
-        past.run()  # whoever left it goes on undisturbed
+        past.run()  # the original mission continues undisturbed
         self.assertEqual(result(past), self.straight({}))
 
     def test_an_fmu_is_not_set_back_it_is_made_anew(self):
-        """The FMU of the first mission was told that it is not set back before 0.8 s."""
+        """The FMU of the first mission was informed that it is not set back before 0.8 s."""
         mission = mebots.Mission(self.folder / "mission.json")
         mission.run_until(0.3)
         state = mission.save_state()
@@ -159,7 +159,7 @@ class Forks(StudyCase):
         orders = [missions.order({"a.gain": gain, "a.real_in": drive}) for gain in (0.2, 1) for drive in (1, 2, 3)]
         records = [worker.answer(json.loads(json.dumps(order))) for order in orders]
         self.assertEqual(len(list(folder.iterdir())), 2)
-        for state in folder.iterdir():  # what is lost is flown again
+        for state in folder.iterdir():  # deleted states are computed again
             state.unlink()
         alone = Worker(str(self.folder), pasts.Pasts(folder))
         for order, record in zip(reversed(orders), reversed(records), strict=True):
@@ -200,7 +200,7 @@ class Forks(StudyCase):
             for number, name in enumerate("abc"):
                 keeper.keep(name, b"x" * 100)
                 os.utime(folder / name, (number + 1, number + 1))
-            self.assertEqual(pasts.Pasts(folder).find("b"), b"x" * 100)  # used now
+            self.assertEqual(pasts.Pasts(folder).find("b"), b"x" * 100)  # used most recently
             keeper.keep("d", b"x" * 100)
         self.assertEqual(sorted(file.name for file in folder.iterdir()), ["b", "d"])
         self.assertIsNone(pasts.Pasts(folder).find("a"))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The Pareto front: by the definition, for each way to find it, and for many designs."""
+"""The Pareto front: compared with its definition, for each method of finding it, and for many designs."""
 
 import random
 import sys
@@ -21,7 +21,7 @@ def by_definition(points):
 
 
 def places_by_definition(evidence):
-    """As front.places, from each pair of designs."""
+    """Returns the same as front.places, from each pair of designs."""
     designs = range(len(evidence.counts))
     feasible = [evidence.feasible(design) for design in designs]
     leaders = evidence.leaders([design for design in designs if feasible[design]])

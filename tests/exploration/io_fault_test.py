@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Studies on a disk that fails: each call that writes a file of a study fails in turn; and a disk that is full for a while.
-With MEBOTS_FAULTS=all no call is left out, and a table is printed."""
+"""Studies on a disk that fails: each call that writes a file of a study fails in turn; and a disk that is full for a
+while. With MEBOTS_FAULTS=all every call fails in turn, and a table is printed."""
 
 import collections
 import concurrent.futures
@@ -25,7 +25,7 @@ import io_faults
 
 TABLES = ("missions.csv", "designs.csv", "report.html", "study.json", "tables.h5", "missions.parquet", "designs.parquet")
 MOST_CALLS = sys.maxsize if os.environ.get("MEBOTS_FAULTS") == "all" else 6
-"""Of each kind and fault."""
+"""For each kind and fault."""
 
 
 def library(folder):
@@ -37,7 +37,7 @@ def library(folder):
 
 
 class Invented(concurrent.futures.Executor):
-    """Answers at once, without a simulation."""
+    """Returns results immediately, without a simulation."""
 
     def submit(self, function, batch):
         del function
@@ -49,14 +49,14 @@ class Invented(concurrent.futures.Executor):
 
 
 def run_with_faults(study, out, faults):
-    """Runs in a process that has the library. Prints a list for each fault: its kind, its name, its number, what the study
-    raised, which files differ from those of a run without faults or are left over, and what is wrong after the next run; and
-    the numbers of calls of each kind."""
+    """Runs in a process with the library loaded. Prints a list per fault (kind, name, number, the study's exception,
+    the files that differ from those of a run without faults or are left over, and the problem after the next
+    run), and the numbers of calls of each kind."""
     faults.arm.argtypes = [ctypes.c_char_p, ctypes.c_int, ctypes.c_int, ctypes.c_long, ctypes.c_int]
     faults.count.restype = ctypes.c_long
 
     def fly(kind=0, error=0, number=0, sticky=False):
-        """Returns what the study raised."""
+        """Returns the study's exception."""
         faults.arm(str(out).encode(), kind, error, number, sticky)
         try:
             mebots.sweep(study, out, executor=Invented(), jobs=2)
@@ -179,7 +179,7 @@ class Killed(StudyCase):
             self.assertEqual(self.bytes_of(name), self.bytes_of(name, "whole"))
 
     def test_a_lost_scheduler_gives_a_message_and_the_study_continues_with_another_one(self):
-        """As Dask behaves: it cancels the futures, and its client takes nothing more."""
+        """Simulates Dask: it cancels the futures, and its client accepts nothing more."""
         self.study()
 
         class Closing(Invented):

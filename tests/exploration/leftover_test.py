@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""FMUs that keep something outside of their instances: each mission gives what `mebots run` gives, or is refused."""
+"""FMUs that keep data outside of their instances: each mission gives the same result as `mebots run`, or is
+rejected."""
 
 import json
 import subprocess
@@ -21,7 +22,7 @@ def fmu_of(place):
 
 class LeftoverCase(StudyCase):
     def mission(self, **instances):
-        """A mission of these instances, each with the place where its FMU keeps something."""
+        """Returns a mission of these instances, each with the place at which its FMU keeps data."""
         (self.folder / "mission.json").write_text(json.dumps({
             "step": 0.125, "stop_time": 1, "connections": [], "record": [f"{name}.sum" for name in instances],
             "instances": {name: {"fmu": fmu_of(place)} | more for name, (place, more) in instances.items()},
@@ -32,7 +33,7 @@ class LeftoverCase(StudyCase):
             "design": {"kind": "grid", "factors": {"a.gain": GAINS}}, "draws": None, "objectives": {"sum": {"summary": "a"}}} | sections)
 
     def single_runs(self):
-        """The sums at the end of runs that each have a process of their own, one for each gain."""
+        """Returns the sums at the end of runs in separate processes, one per gain."""
         sums = []
         for number, gain in enumerate(GAINS):
             out = self.folder / f"single{number}"
@@ -56,7 +57,7 @@ class Sweeps(LeftoverCase):
                     self.assertEqual(self.bytes_of("missions.csv", f"{place}{jobs}"), self.bytes_of("missions.csv", f"{place}1"))
 
     def test_so_do_missions_of_several_fmus_and_configs(self):
-        """A factor of the config makes configs of which a worker has several open."""
+        """A factor of the config creates configs of which a worker has several open."""
         self.mission(a=("static_variable", {}), b=("nothing", {}), c=("rand", {"process": "own"}))
         factors = {"/stop_time": [0.25, 0.5, 0.625, 0.75, 0.875, 1], "a.gain": [1, 2]}
         self.study(design={"kind": "grid", "factors": factors})
@@ -95,7 +96,7 @@ class Sweeps(LeftoverCase):
 
 
 class InOneProcess(LeftoverCase):
-    """Missions one after the other in a program."""
+    """Consecutive missions in one program."""
 
     def sum_of(self, mission, gain):
         mission.set("a.gain", gain)

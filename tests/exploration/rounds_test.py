@@ -48,7 +48,7 @@ class Rounds(StudyCase):
             self.assertLess(float(row["integral: high"]) - float(row["integral: low"]), 0.6)
 
     def test_the_better_of_two_designs_is_found_by_pairs(self):
-        """The difference is far below the spread of each design: only the same draws show it."""
+        """The difference is much smaller than the spread of each design: only common draws reveal it."""
         self.study(design={"kind": "grid", "factors": {"a.offset": [0, 0.05]}}, objectives={"out": OUT},
                    draws={"replicates": 100, "variables": {"a.real_in": {"uniform": [0, 3]}, "a.gain": {"uniform": [1, 2]}}},
                    rounds={"size": 5, "stop": {"objective": "out", "best": True}})
@@ -87,10 +87,11 @@ class Rounds(StudyCase):
                    objectives={"out": OUT, "reach": {"expression": "min(deep.out - integral, 1.2)", "maximize": True}},
                    draws={"replicates": 30, "variables": {"a.real_in": {"uniform": [0, 3]}}})
         self.sweep()
-        # offset 0: least out; 1: between; 1.5: most reach at less out than 2, which it dominates by out alone: reach is equal.
+        # offset 0: least out; 1: between; 1.5: most reach with less out than 2, which it dominates by out alone,
+        # because reach is equal.
         front = [row["front"] for row in self.rows("designs.csv")]
         self.assertEqual(front[:2], ["on", "on"])
-        self.assertEqual(front[2], "undecided")  # a tie in reach is not sure, so 2 is not surely dominated
+        self.assertEqual(front[2], "undecided")  # a tie in reach is not certain, so 2 is not certainly dominated
         self.assertEqual(front[3], "on")
 
     def test_a_tolerance_decides_ties(self):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Rare events, on a random walk whose chance to reach a height is known in closed form."""
+"""Rare events, on a random walk whose probability of reaching a height is known in closed form."""
 
 import json
 import math
@@ -19,7 +19,8 @@ HEIGHT = 39
 
 
 def chance_to_reach(height):
-    """Of a walk of STEPS steps of +1 or -1: P(max >= m) = P(S >= m) + P(S > m), by reflection (Feller, volume 1, III.7)."""
+    """For a walk of STEPS steps of +1 or -1: P(max >= m) = P(S >= m) + P(S > m), by reflection (Feller, volume 1,
+    III.7)."""
     def more(least):
         return sum(math.comb(STEPS, ups) for ups in range(STEPS + 1) if 2 * ups - STEPS >= least) / 2**STEPS
 
@@ -40,7 +41,7 @@ class WalkCase(StudyCase):
         return done.stdout + done.stderr
 
     def rare(self, levels, missions, estimates, seed=1, **more):
-        """``levels``: a list, or where to rise to by levels that are found."""
+        """``levels``: a list, or the goal if levels are to be found."""
         way = {"levels": levels} if isinstance(levels, list) else {"above": levels}
         return self.study(
             design={"kind": "grid", "factors": {"/stop_time": [STEPS]}}, objectives=None,
@@ -48,7 +49,7 @@ class WalkCase(StudyCase):
             splitting={"score": "walk.height", "missions": missions, "reseed": ["walk.seed"]} | way | more)
 
     def counted(self, missions):
-        """The design of a study that counts which walks reach 12."""
+        """Returns the design of a study that counts the walks that reach 12."""
         self.study(design={"kind": "grid", "factors": {"/stop_time": [STEPS]}},
                    draws={"replicates": missions, "seed": 1, "variables": {"walk.seed": {"integer": [1, 2000000000]}}},
                    objectives={"success": {"outcome": "high"}})
@@ -145,7 +146,8 @@ class RareEvents(WalkCase):
             self.sweep("--jobs", "2", out=out["two"])
             lines = (self.folder / out["one"] / "journal.jsonl").read_text().splitlines(keepends=True)
             (self.folder / out["again"]).mkdir()
-            (self.folder / out["again"] / "journal.jsonl").write_text("".join(lines[:50]))  # states of the first level are gone
+            (self.folder / out["again"] / "journal.jsonl").write_text("".join(lines[:50]))  # states of the first level
+                                                                                            # are deleted
             self.sweep(out=out["again"])
             for name in ("levels.csv", "designs.csv"):
                 self.assertEqual(self.bytes_of(name, out["one"]), self.bytes_of(name, out["two"]))
@@ -187,10 +189,10 @@ class RareEvents(WalkCase):
 
 
 class RareEventsAgainstTheory(WalkCase):
-    """Probabilities beside closed forms and counting: many missions."""
+    """Compares probabilities with closed forms and with counting: many missions."""
 
     def check_one_in_ten_thousand(self, levels, estimates):
-        """20 % relative error, with a tenth of the simulated time that counting needs."""
+        """20 % relative error, with a tenth of the simulated time of counting."""
         exact = chance_to_reach(HEIGHT)
         self.assertLess(abs(math.log10(exact) + 4), 0.15)
         self.rare(levels, 200, estimates)
@@ -201,7 +203,8 @@ class RareEventsAgainstTheory(WalkCase):
         self.assertLess(float(answer["probability: low"]), exact)
         self.assertGreater(float(answer["probability: high"]), exact)
         self.assertLess(abs(found / exact - 1), 3 * relative)
-        # As many missions as plain counting needs for this relative error: (1 - p) / (p e^2), each of them whole.
+        # The number of missions that plain counting needs for this relative error: (1 - p) / (p e^2), all of them
+        # complete.
         plain_s = (1 - exact) / (exact * relative**2) * STEPS
         print(f"{found:.3g} ({exact:.3g}), error {relative:.2g}, {plain_s / float(answer['simulated_time [s]']):.0f} times less simulated")
         self.assertGreater(plain_s / float(answer["simulated_time [s]"]), 10)
@@ -216,14 +219,14 @@ class RareEventsAgainstTheory(WalkCase):
         self.assertGreater(len(levels), 3)
         self.assertEqual(levels, sorted(set(levels)))
         self.assertEqual(levels[-1], HEIGHT)
-        for row in pilot[:-1]:  # a fifth, or some more where many came equally far
+        for row in pilot[:-1]:  # a fifth, or more if many have the same score
             self.assertGreaterEqual(int(row["reached"]), 40)
             self.assertLess(int(row["reached"]), 80)
         own = [row["level"] for row in self.rows("levels.csv") if row["estimate"] == "3"]
         self.assertEqual([float(level) for level in own], levels)
 
     def test_it_agrees_with_counting_where_that_is_possible(self):
-        """At height 12, which every fourth walk reaches, by three levels and by counting."""
+        """At height 12, which every fourth walk reaches, with three levels and by counting."""
         exact = chance_to_reach(12)
         self.rare([4, 8, 12], 50, 12)
         self.sweep()

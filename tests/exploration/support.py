@@ -42,7 +42,7 @@ class StudyCase(unittest.TestCase):
         }))
 
     def study(self, **sections):
-        """Two designs, ten draws; sections replace those."""
+        """Returns a study with two designs and ten draws; sections replace those."""
         content = {
             "mission": "mission.json",
             "design": {"kind": "grid", "factors": {"a.gain": [0.2, 1]}},

@@ -118,7 +118,7 @@ class Tables(StudyCase):
                          [("1", "0"), ("1", "1"), ("2", "1"), ("3", "1")])
 
     def signals(self, **values):
-        """Files with a constant signal each."""
+        """Writes files with a constant signal each."""
         for name, value in values.items():
             (self.folder / f"{name}.csv").write_text(f"time,u\n0,{value}\n1,{value}\n")
 
@@ -201,7 +201,7 @@ class SameBytes(StudyCase):
         self.assertIn(f"{flown[-1]} of at most 20 missions", self.status())
         self.sweep()
         self.assertEqual(self.bytes_of("missions.csv"), self.bytes_of("missions.csv", "whole"))
-        self.assertEqual(self.journal_lines(), 20)  # none was flown twice
+        self.assertEqual(self.journal_lines(), 20)  # no mission was repeated
 
     def test_after_a_torn_line(self):
         self.study()
@@ -479,7 +479,7 @@ class Reuse(StudyCase):
         self.assertNotIn("other builds", self.sweep())
         journal = self.folder / "out" / "journal.jsonl"
         records = [json.loads(line) for line in journal.read_text().splitlines()]
-        del records[0]["flown_by"]  # as before it was written down
+        del records[0]["flown_by"]  # as in records of earlier versions
         for number, record in enumerate(records):
             record["mission"] = f"{number:064x}"
             if number > 0:
@@ -488,7 +488,7 @@ class Reuse(StudyCase):
         text = self.sweep()
         self.assertIn(f"{len(records)} records of other builds not used", text)
         self.assertNotIn("known before", text)
-        self.assertNotIn("other builds", self.sweep())  # of this one is now all that it needs
+        self.assertNotIn("other builds", self.sweep())  # all that it needs is from this build
 
     def test_status_finds_the_missions_of_a_study_that_names_files(self):
         (self.folder / "data.txt").write_text("one")
@@ -637,7 +637,8 @@ class Kept(StudyCase):
         for wait_s in [0] * 10 + [0.1, 0.2, 0.4, 0.8]:
             process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             while not any(temporary.iterdir()):
-                self.assertIsNone(process.poll())  # and no pause, which would miss the threads' start right after
+                self.assertIsNone(process.poll())  # without a pause, which would miss the time directly after the
+                                                   # threads' start
             time.sleep(wait_s)
             process.send_signal(signal.SIGINT)
             self.assertEqual(process.wait(timeout=20), 1)
@@ -705,7 +706,7 @@ class Kept(StudyCase):
 
 class Summary(StudyCase):
     def test_is_whole_for_any_number_of_labels(self):
-        """Its JSON object grows by one label at a time: parts that were put in too early would be lost at some length."""
+        """Its JSON object grows by one label at a time: parts added too early would be lost at some length."""
         config = json.loads((self.folder / "mission.json").read_text())
         for count in range(40):
             config["summary"] = {f"label{number}": "a.integral" for number in range(count)}
@@ -720,7 +721,7 @@ class Summary(StudyCase):
 
 
 class Reset(StudyCase):
-    """A mission that was reset is one that was just opened, to the bit."""
+    """After reset(), a mission equals a new one, bit for bit."""
 
     VARIABLES = ["battery.*", "motors.*", "world.*", "soc.*"]
 
@@ -742,7 +743,7 @@ class Reset(StudyCase):
         used.reset()
         self.assertEqual(used.state, "open")
         again = self.flight(used, second)
-        del used  # an FMU that brings a library shares the process with no other copy of it
+        del used  # an FMU with its own library cannot share the process with a second copy
         fresh = self.flight(mebots.Mission(config), second)
         self.assertEqual(again, fresh)
         self.assertNotEqual(changed, fresh)

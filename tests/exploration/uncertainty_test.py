@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters that are drawn from the intervals of data files: by `mebots run` after a flight, and in a study."""
+"""Parameters drawn from the intervals of data files: by `mebots run` after a run, and in a study."""
 
 import json
 import subprocess
@@ -16,7 +16,7 @@ NAMES = ["world.calibration.mass", "world.calibration.drag", "motors.calibration
 
 
 class Calibration(StudyCase):
-    """Flies the first seconds of the hover mission."""
+    """Runs the first seconds of the hover mission."""
 
     def mission(self, **parameters):
         content = json.loads((SOURCE / "configs/hover.json").read_text())

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Navigator, pilot and policy together with the real renderer, closed over a plain model of the drone; set-points act
-// one camera delay after the picture.
+// Navigator, pilot and policy with the real renderer, in a closed loop with a simple model of the drone. Set-points
+// take effect one camera delay after the picture.
 
 #include "app/navigator.h"
 #include "app/pilot.h"
@@ -23,7 +23,7 @@ constexpr int kStepsOfDelay = 3;  // communication step, exposure, inference
 struct Flight {
   Crossing crossing;
   bool done = false;
-  double behind_m = 0.0;  ///< behind the gate's plane when the pilot was done
+  double behind_m = 0.0;  ///< behind the gate's plane when the pilot finished
   double time_s = 0.0;
 };
 
@@ -67,7 +67,7 @@ void expect_clean_passage(const char* what, const Flight& flight, const world::s
               flight.time_s, flight.crossing.lateral_m, flight.crossing.angle_rad / kDegree, flight.behind_m);
   EXPECT_TRUE(flight.crossing.clear_of(gate));
   EXPECT_TRUE(flight.done);
-  // Clear of the gate, and not much farther than the half metre that the pilot aims at.
+  // Clear of the gate, and not much farther than the half metre that the pilot aims for.
   EXPECT_GT(flight.behind_m, 0.25);
   EXPECT_LT(flight.behind_m, 0.75);
 }

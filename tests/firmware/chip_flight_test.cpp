@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The built firmware on the simulated chip, with pictures of the real renderer and a plain model of the drone. Signals
-// cross between the two as under the master: what is out at a communication point acts from there on.
+// The built firmware on the simulated chip, with pictures of the real renderer and a simple model of the drone. Signals
+// are exchanged as by the master: an output at a communication point takes effect from there on.
 
 #include "app/navigator.h"
 
@@ -82,7 +82,7 @@ struct Surroundings {
 
 struct Outcome {
   std::vector<std::string> console;
-  std::vector<navigator_output_t> answers;  ///< of this machine to the pictures, in their order
+  std::vector<navigator_output_t> answers;  ///< computed on this machine for the pictures, in order
   Crossing crossing;
   BodyPose last;
   int phase = kOnGround;
@@ -94,7 +94,7 @@ struct Outcome {
   soc::EnergyLedger energy;
 };
 
-/// A picture in the middle of those of the sensor of GAP8's board.
+/// Returns a picture placed in the centre of those of the sensor of GAP8's board.
 std::vector<std::uint8_t> in_the_middle(const std::vector<std::uint8_t>& picture, std::size_t edge) {
   constexpr std::size_t kSensor = 324;
   const auto margin = (kSensor - edge) / 2;
@@ -147,7 +147,7 @@ Outcome run(const FlightParameters& mission, const Surroundings& around, double 
     } else if (eye->wants(picture_id)) {
       eye->offer(picture, chip.now());
     }
-    // What the chip put out up to here, before its next step.
+    // The chip's outputs at this point, before its next step.
     const SetPoint sent(chip);
     const auto requests = static_cast<std::int32_t>(*chip.devices().output("camera.trigger"));
     chip.advance((k + 1) * kStepNs);
@@ -186,7 +186,7 @@ void show(const Outcome& outcome) {
   for (const auto& line : outcome.console) std::printf("[ console  ] %s\n", line.c_str());
 }
 
-/// The flight with the mission's defaults, flown once.
+/// The flight with the mission's defaults, run once.
 const Outcome& easy_flight() {
   static const Outcome outcome = run(kMission, {}, 60.0);
   return outcome;
@@ -325,8 +325,8 @@ TEST(ChipFlight, FirmwareHoversAndCountsWhenNoPictureComes) {
 }
 
 TEST(ChipFlight, APictureIsExposedWhileTheOneBeforeIsLookedAt) {
-  // Exposure, read-out and the way of the request take 18 ms, a look 25 to 33 ms: one after the other would be 46 ms
-  // and more.
+  // Exposure, read-out and the path of the request take 18 ms, an inference 25 to 33 ms: in sequence they would take 46
+  // ms and more.
   auto mission = kMission;
   mission.frame_period_s = 0.035;
   const auto outcome = run(mission, {}, 60.0);
@@ -354,12 +354,12 @@ TEST(ChipFlight, TheClockIsLowWhileTheCoreSleeps) {
   const auto& lowered = easy_flight();
   EXPECT_EQ(always.exit_code, 0);
   EXPECT_NEAR(always.crossing.lateral_m, lowered.crossing.lateral_m, 0.005);
-  // The clock tree draws in proportion to the clock, and the core sleeps more than two thirds of the flight.
+  // The clock tree's power is proportional to the clock, and the core sleeps more than two thirds of the flight.
   const double high_j = always.energy[soc::Part::fc_background];
   const double low_j = lowered.energy[soc::Part::fc_background];
   std::printf("[ measured ] clock tree %.1f mJ with the clock lowered, %.1f mJ without\n", 1e3 * low_j, 1e3 * high_j);
   EXPECT_LT(low_j, 0.45 * high_j);
-  // What the program executes costs the same.
+  // The executed instructions cost the same.
   EXPECT_NEAR(lowered.energy.core_active_j(), always.energy.core_active_j(), 0.02 * always.energy.core_active_j());
 }
 

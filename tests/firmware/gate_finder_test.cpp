@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gate finder on pictures of the real renderer, from seeded random poses. Each test prints what it measured.
+// The gate finder on pictures of the real renderer, from random poses with a seed. Each test prints its measurements.
 
 #include "app/gate_finder.h"
 #include "app/navigator.h"
@@ -18,7 +18,7 @@
 namespace mebots::firmware_test {
 namespace {
 
-/// What a set of pictures with one gate each gave.
+/// Results for a set of pictures with one gate each.
 struct Statistics {
   int pictures = 0;
   int found = 0;  ///< with a bearing within 3 degrees of the truth
@@ -61,8 +61,8 @@ bool find(const std::vector<std::uint8_t>& pixels, const Camera& camera, gate_vi
   return find_gate(pixels.data(), camera.width(), camera.height(), &view);
 }
 
-/// A drone that flies towards the gate: `ahead_m` before its plane, off its axis by up to 20 degrees, the gate up to
-/// 25 degrees off the middle of the picture; 5 cm of altitude error, up to 4 degrees of tilt.
+/// A drone that approaches the gate: `ahead_m` in front of its plane, up to 20 degrees off its axis, the gate up to 25
+/// degrees off the centre of the picture; 5 cm of altitude error, up to 4 degrees of tilt.
 BodyPose approach_pose(Uniform& uniform, const world::scene::Gate& gate, double ahead_m) {
   BodyPose pose;
   const double off_axis = uniform(-20, 20) * kDegree;
@@ -109,7 +109,7 @@ TEST(GateFinder, FindsTheEasyGateFromRandomPosesWhileTheDroneFliesToIt) {
   }
 }
 
-/// The easy scene's room in other paint and light: uniform to noisy walls of middle greys, a white or a black gate.
+/// The easy scene's room with other paint and light: uniform to noisy walls of middle greys, a white or a black gate.
 world::scene::Scene repainted(Uniform& uniform) {
   using Kind = world::scene::Texture::Kind;
   auto scene = load_scene("gate_easy");
@@ -193,7 +193,7 @@ TEST(GateFinder, SeesNoGateInASolidSquare) {
   EXPECT_FALSE(find_gate(pixels.data(), 320, 320, &view));
 }
 
-/// A drawn frame: outer edge six borders, its middle at (x, y).
+/// Draws a frame: outer edge six borders, its centre at (x, y).
 std::vector<std::uint8_t> drawn_frame(int x, int y, int border, int edge_px = 320) {
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(edge_px) * edge_px, 100);
   for (int dy = -3 * border; dy < 3 * border; ++dy) {
@@ -211,10 +211,10 @@ TEST(GateFinder, PutsADrawnFrameOfAnySizeWhereItIs) {
     const auto pixels = drawn_frame(150, 165, border);
     gate_view_t view{};
     ASSERT_TRUE(find_gate(pixels.data(), 320, 320, &view));
-    // Two work pixels, of two pixels each: one of rounding, one since the template fits over a range of places.
+    // Two work pixels, of two pixels each: one for rounding, one because the template fits at a range of places.
     EXPECT_NEAR(view.center_x_q4 / 16.0, 150, 4.0);
     EXPECT_NEAR(view.center_y_q4 / 16.0, 165, 4.0);
-    // The template has a border of whole work pixels, so that it fits over a range of sizes.
+    // The template has a border of whole work pixels, so it fits a range of sizes.
     EXPECT_NEAR(view.width_q4 / 16.0, 6 * border, std::max(4.0, 0.08 * 6 * border));
     EXPECT_NEAR(view.height_q4 / 16.0, 6 * border, std::max(4.0, 0.08 * 6 * border));
   }

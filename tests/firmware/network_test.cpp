@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The neural network: one arithmetic, defined in Python, whoever computes it.
+// The neural network: all implementations use the same arithmetic, defined in Python.
 
 #include "nn/network.h"
 
@@ -80,7 +80,7 @@ TEST(Network, ShrunkPictureAgreesWithTheDefinitionInPython) {
   }
 }
 
-/// Lines that the check firmware prints for the pictures given, all of `edge` x `edge` grey levels.
+/// Returns the lines that the check firmware prints for the given pictures, each of `edge` x `edge` grey levels.
 std::vector<std::string> on_chip(const std::vector<std::vector<std::uint8_t>>& pictures, std::uint32_t edge) {
   std::vector<std::string> lines;
   soc::Listeners listeners;
@@ -103,7 +103,7 @@ std::vector<std::string> on_chip(const std::vector<std::vector<std::uint8_t>>& p
   return lines;
 }
 
-/// The same on GAP8's own devices, by the camera interface's window in the middle of the sensor's pictures.
+/// The same on GAP8's own devices, with the camera interface's window in the centre of the sensor's pictures.
 std::vector<std::string> on_gap8(const std::vector<std::vector<std::uint8_t>>& pictures) {
   constexpr std::size_t kSensor = 324;
   constexpr std::size_t kMargin = (kSensor - SHRUNK_EDGE) / 2;
@@ -126,7 +126,7 @@ std::vector<std::string> on_gap8(const std::vector<std::vector<std::uint8_t>>& p
   return lines;
 }
 
-/// The rest of the lines that begin with a word, in their order.
+/// Returns the rest of the lines that start with a word, in order.
 std::vector<std::string> lines_of(const std::vector<std::string>& lines, const std::string& word) {
   std::vector<std::string> found;
   for (const auto& line : lines) {
@@ -155,7 +155,7 @@ TEST_P(NetworkOn, EveryKernelOnTheChipAgreesWithTheDefinitionInPythonOnEveryGold
   for (const auto* kernel : {"alone", "cluster1", "cluster2", "cluster4", "cluster8"}) {
     EXPECT_EQ(lines_of(lines, kernel), expected) << kernel;
   }
-  // Plain code is slow on the chip; the check runs it on the first two pictures.
+  // Plain code is slow on the chip, so the check runs it on the first two pictures only.
   EXPECT_EQ(lines_of(lines, "plain"), (std::vector<std::string>{expected[0], expected[1]}));
 }
 

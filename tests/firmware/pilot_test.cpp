@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pilot alone, with made-up sightings.
+// The pilot alone, with synthetic sightings.
 
 #include "app/pilot.h"
 
@@ -23,7 +23,7 @@ pilot_t new_pilot(bool adaptive = false) {
   return pilot;
 }
 
-/// Pictures of a gate, taken by a drone that flies as it is told.
+/// Pictures of a gate, from a drone that follows its commands.
 pilot_command_t see(pilot_t& pilot, int pictures, navigator_output_t seen, std::int32_t velocity_um_s = 0) {
   pilot_command_t command{};
   for (int i = 0; i < pictures; ++i) command = pilot_step(&pilot, &seen, velocity_um_s, kFramePeriod);
@@ -109,7 +109,7 @@ TEST(Pilot, FliesStraightThroughAGateThatLeftTheViewAndIsDoneBehindIt) {
       ASSERT_EQ(command.yaw_rate_urad_s, 0);
     }
   }
-  // Half a metre behind the plane; a period's flight of rounding and the half period of the start.
+  // Half a metre behind the plane; a period of rounding and the half period of the start.
   EXPECT_NEAR(flown_m, 0.8 + 0.5, 0.045);
   EXPECT_EQ(see(pilot, 1, kNothing, kCruise).velocity_um_s, 0);
 }

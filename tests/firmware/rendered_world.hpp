@@ -34,7 +34,7 @@ inline world::scene::Scene load_scene(const std::string& name) {
   return world::scene::load_scene(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/scenes/" + name + ".json");
 }
 
-/// Where the drone's centre is and how it is turned: yaw left, then pitch nose down, then roll.
+/// The pose of the drone: position of its centre, then yaw left, pitch nose down, roll.
 struct BodyPose {
   Eigen::Vector3d p_WB_m = Eigen::Vector3d::Zero();
   double yaw_rad = 0.0;
@@ -50,7 +50,7 @@ inline Eigen::Matrix3d rotation(const BodyPose& pose) {
       .toRotationMatrix();
 }
 
-/// The drone's camera as fmu_world has it: 320 x 320, 1.51844 rad, noise of two grey levels.
+/// The drone's camera as in fmu_world: 320 x 320, 1.51844 rad, noise of two grey levels.
 class Camera {
  public:
   explicit Camera(const world::scene::Scene& scene, double noise_std = 2.0, int width = 320, int height = 320)

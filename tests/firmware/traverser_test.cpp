@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The traverser with flawless eyes: what it can do at most, whatever the network. Closed over a plain model of the
-// drone whose velocity is wrong while the stabiliser learns of the wind; a drone that fits nowhere but in the opening.
+// The traverser with perfect perception: its best performance with any network. In a closed loop with a simple model of
+// the drone, whose velocity is wrong while the stabiliser adapts to the wind. The drone fits only through the opening.
 
 #include "app/traverser.h"
 
@@ -24,7 +24,7 @@ constexpr int kStepsPerLook = 3;
 constexpr double kHalfDrone_m = 0.046;
 constexpr double kHalfDroneHeight_m = 0.0145;
 
-/// What differs between one flight and the next.
+/// The differences between flights.
 struct Start {
   BodyPose pose;
   double field_of_view_rad = 0.87;
@@ -39,7 +39,7 @@ std::int8_t in_127ths(double value) {
   return static_cast<std::int8_t>(std::lround(127.0 * std::clamp(value, -1.0, 1.0)));
 }
 
-/// What a network that errs by `error` at most tells.
+/// Returns the output of a network with errors of at most `error`.
 sight_t look(const world::scene::Scene& scene, const BodyPose& pose, const Start& start, Uniform& uniform) {
   const world::camera::Intrinsics intrinsics{320, 320, start.field_of_view_rad};
   const auto camera = world::camera::camera_pose({}, pose.p_WB_m, rotation(pose));
@@ -54,7 +54,7 @@ End judge(const world::scene::Gate& gate, const BodyPose& pose) {
   const double across = std::abs(pose.p_WB_m.y() - gate.p_W_m.y());
   const double up = std::abs(pose.p_WB_m.z() - gate.p_W_m.z());
   const double angle = std::remainder(pose.yaw_rad - gate.yaw_rad, 2.0 * M_PI);
-  // A body that is turned needs the room of its diagonal, and enters one side of the beams' depth before the other.
+  // A rotated body needs the width of its diagonal, and enters the depth of the beams with one side first.
   const double half =
       kHalfDrone_m * (std::cos(angle) + std::abs(std::sin(angle))) + 0.5 * gate.thickness_m * std::abs(std::tan(angle));
   if (across > 0.5 * gate.inner_m || up > 0.5 * gate.inner_m) return End::missed;
@@ -62,7 +62,7 @@ End judge(const world::scene::Gate& gate, const BodyPose& pose) {
   return clean ? End::clean : End::touched;
 }
 
-/// Up to the plane of the last gate. All gates are flown through along x, in their order.
+/// Flies to the plane of the last gate. All gates are passed along x, in order.
 End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed) {
   const auto micro = [](double value) { return static_cast<std::int32_t>(std::lround(value * 1e6)); };
   auto gate = scene.gates.begin();
@@ -77,7 +77,7 @@ End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed
   double drift_m_s = start.drift_m_s;
   for (int step = 0; step < 12000; ++step) {
     if (step % kStepsPerLook == 0) {
-      // Set-points act one picture after the one that they come from.
+      // Set-points take effect one picture after the one from which they were computed.
       command = next;
       const auto sight = look(scene, drone.pose, start, uniform);
       const traverser_state_t state{micro(drone.velocity_m_s), micro(drone.pose.p_WB_m.z()),
@@ -99,7 +99,7 @@ End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed
   return End::lost;
 }
 
-/// How many of 200 flights are clean; tells the others.
+/// Returns how many of 200 flights are clean; prints the others.
 int clean_of_200(const char* what, const world::scene::Scene& scene, const std::function<Start(Uniform&)>& draw) {
   constexpr int kFlights = 200;
   std::array<int, 4> ends{};
@@ -191,7 +191,7 @@ traverser_t new_traverser(int gates = 1) {
   return traverser;
 }
 
-/// Pictures that all show the same to a drone at 1 m that flies at that velocity.
+/// Gives equal pictures to a drone at 1 m that flies at that velocity.
 traverser_command_t see(traverser_t& traverser, int pictures, sight_t sight, std::int32_t velocity_um_s = 280000) {
   const traverser_state_t state{velocity_um_s, 1000000, 33000, 0};
   traverser_command_t command{};
@@ -239,7 +239,8 @@ TEST(Traverser, GoesStraightOnWithoutTheGateForASecondAndThenSearchesOnItsSide) 
   EXPECT_LT(search.yaw_rate_urad_s, 0);
 }
 
-/// A traverser that has followed a gate for 60 pictures straight ahead, 0.55 m, and leans against it until it leaves.
+/// Returns a traverser that has followed a gate for 60 pictures straight ahead, 0.55 m, and is close to it until it
+/// leaves the picture.
 traverser_t leaning(std::int8_t size) {
   auto traverser = new_traverser();
   see(traverser, 60, {0, 0, size, 127});
@@ -272,7 +273,7 @@ std::int8_t size_in_127ths(double size) {
 constexpr double kSizeAt1mBy87Degrees = 0.316;
 constexpr double kSizeAt1mBy50Degrees = 0.645;
 
-/// Pictures of a gate straight ahead while the drone comes nearer.
+/// Pictures of a gate straight ahead while the drone approaches it.
 void fly_to(traverser_t& traverser, double size_at_1_m, double from_m, double to_m) {
   for (double left_m = from_m; left_m > to_m; left_m -= 0.00924) {
     see(traverser, 1, {0, 0, size_in_127ths(size_at_1_m / left_m), 127});
@@ -295,7 +296,7 @@ TEST(Traverser, LeavesWhatDoesNotGrowWhereAGateWouldHaveFilledThePicture) {
 TEST(Traverser, EntersAGateWhoseToldSizeFallsBeforeItsFrameIsGone) {
   auto traverser = new_traverser();
   fly_to(traverser, kSizeAt1mBy50Degrees, 2.15, 0.55);
-  // After what was told in a flight in the wind.
+  // The outputs of a flight in the wind.
   for (const double size : {1.10, 1.12, 1.13, 1.26, 1.21, 1.13, 1.17, 1.06, 1.04, 1.02, 1.17,
                             1.20, 1.09, 0.98, 0.96, 0.90, 0.87, 0.83, 0.82, 0.74, 0.83, 0.71}) {
     see(traverser, 1, {0, 0, size_in_127ths(size), 60});
@@ -373,7 +374,7 @@ TEST(Traverser, DoesNotFollowASightingThatLedAgainstSomethingButOneElsewhere) {
   EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
 }
 
-/// Turns by so much [urad] with these pictures, 0.0132 rad each, and hovers. The heading goes around.
+/// Turns by this angle [urad] with these pictures, 0.0132 rad each, and hovers. The heading wraps around.
 traverser_command_t turn(traverser_t& traverser, std::int32_t by_urad, sight_t sight = kNoGate) {
   traverser_command_t command{};
   for (std::int32_t done = 0; done < by_urad; done += 13200) {
@@ -493,7 +494,7 @@ TEST(Traverser, HoldsHeadingAndAltitudeFromTheFrameToHalfAMetreBehindTheFarthest
   int sightings = 0;
   for (; traverser.phase == TRAVERSER_APPROACH; ++sightings) see(traverser, 1, {0, 0, 100, 100});
   EXPECT_GT(sightings, 1) << "one picture alone made the gate near";
-  // 0.6 m over 2 half pictures at a size of 1.2, by the longest lens: 0.57 m, and 0.5 m behind, 9.24 mm a picture.
+  // 0.6 m over 2 half pictures at a size of 1.2, by the longest lens: 0.57 m, and 0.5 m behind, 9.24 mm per picture.
   const auto blind = see(traverser, 110, kNoGate);
   EXPECT_EQ(traverser.phase, TRAVERSER_THROUGH);
   EXPECT_EQ(blind.yaw_rate_urad_s, 0);

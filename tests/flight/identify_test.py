@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots identify` and `mebots new-cell`: what they find of flights that the models themselves made."""
+"""`mebots identify` and `mebots new-cell`: what they find in flights that the models themselves generated."""
 
 import json
 import os
@@ -87,7 +87,7 @@ class Cells(FolderCase):
         found = identify([log], twin.airframe(self.folder), out, fit=["cell"], mass=twin.MASS_KG)
         self.valid(out, self.folder / "fitted.cell.json")
         estimates = {one.name: one for one in found.estimates}
-        # One flight at a nearly steady load, whose charge at the start and whose past are fitted, too.
+        # One flight at a nearly constant load, whose charge at the start and whose past are fitted too.
         self.assertAlmostEqual(estimates["series_resistance"].value, 1.5, delta=0.1)
         self.assertEqual(len(estimates) + sum("stays at the base's value" in note for note in found.notes), 3)
         self.assertRegex(found.residuals[0], r"rms \d\.\d mV; with the base cell \d\d")
@@ -140,7 +140,7 @@ class NewCells(FolderCase):
         self.assertNotIn("interval", cell["resistance_factor"])
 
     def test_a_discharge_is_fitted(self):
-        """One of a shipped cell, at 2 A with rests, so that resistance and polarisation part."""
+        """A discharge of a shipped cell, at 2 A with pauses, so that resistance and polarisation can be separated."""
         times = np.arange(0, 380, 0.05)
         amperes = np.where(times % 60 < 45, 2.0, 0.1)
         mission = {

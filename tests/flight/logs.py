@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Small logs, written as the devices write them, for the tests of recorded flights."""
+"""Small logs in the formats of the devices, for the tests of recorded flights."""
 
 import struct
 import zlib

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Readers of flight logs: what they read, and how they refuse what they cannot."""
+"""Readers of flight logs: what they read, and the errors for what they cannot read."""
 
 import json
 import pathlib
@@ -196,7 +196,7 @@ class ULogs(LogCase):
         forward = np.array([q[0] ** 2 + q[1] ** 2 - q[2] ** 2 - q[3] ** 2, 2 * (q[1] * q[2] + q[0] * q[3])])
         up = q[0] ** 2 - q[1] ** 2 - q[2] ** 2 + q[3] ** 2
         np.testing.assert_allclose(forward[:, 0], [0, 1], atol=1e-7)
-        np.testing.assert_allclose(forward[:, 1], [1, 0], atol=1e-7)  # a quarter turn to the right of it: the east
+        np.testing.assert_allclose(forward[:, 1], [1, 0], atol=1e-7)  # the east, a quarter turn to the right
         np.testing.assert_allclose(up, [1, 1], atol=1e-7)
 
     def test_broken_files_are_refused_or_read_in_part(self):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots replay`: what it finds of a flight that the models themselves made, and how it refuses what it cannot use."""
+"""`mebots replay`: what it finds in a flight that the models themselves generated, and its errors for unusable logs."""
 
 import csv
 import json
@@ -41,10 +41,12 @@ class Twins(FlightCase):
     def test_a_flight_of_the_models_has_errors_of_rounding_only(self):
         result = mebots.replay(self.folder / "log00", self.airframe)
         self.assertEqual(result.findings, [])
-        self.assertAlmostEqual(result.summary["initial_charge"], 0.8, delta=0.005)  # the replay starts the rotors gently
-        self.assertLess(result.error("battery.voltage", "commands").rms, 1.5e-3)  # millivolts are rounded
+        self.assertAlmostEqual(result.summary["initial_charge"], 0.8, delta=0.005)  # the replay starts the rotors
+                                                                                    # slowly
+        self.assertLess(result.error("battery.voltage", "commands").rms, 1.5e-3)  # the log is rounded to millivolts
         for i in range(1, 5):
-            self.assertLess(result.error(f"rotor[{i}].speed", "commands").rms, 2)  # of 2000; what is left of the gentle start
+            self.assertLess(result.error(f"rotor[{i}].speed", "commands").rms, 2)  # of 2000; remaining effect of the
+                                                                                   # slow start
         for model in ("commands", "commands, measured voltage", "measured speeds"):
             thrust = result.error("thrust.vertical", model)
             self.assertEqual((thrust.n, thrust.excluded), (11, 0))
@@ -58,7 +60,8 @@ class Twins(FlightCase):
         (self.folder / "strong.json").write_text(json.dumps(rotor))
         result = mebots.replay(self.folder / "log00", twin.airframe(self.folder, "strong_drone.json", rotor="strong.json"))
         self.assertAlmostEqual(result.error("thrust.vertical", "measured speeds").relative, 0.1, delta=3e-3)
-        self.assertLess(result.error("rotor[1].speed", "commands, measured voltage").rms, 2)  # of 2000; what is left of the start
+        self.assertLess(result.error("rotor[1].speed", "commands, measured voltage").rms, 2)  # of 2000; remaining
+                                                                                              # effect of the start
 
     def test_a_wrong_mass_shows_in_the_thrust_that_is_needed(self):
         result = mebots.replay(self.folder / "log00", self.airframe, mass=1.05 * twin.MASS_KG)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU that attacks the user who runs it. Each attack tries to reach something outside of the FMU and takes it back
-// if it succeeds. `targets` names what the test has set up: "key=value;key=value". After the first step, `report` has a
-// line for each attack: "name<tab>reached|held<tab>what it tries".
+// An FMU that attacks the user who runs it. Each attack tries to access something outside of the FMU and reverts it if
+// it succeeds. `targets` lists what the test has set up: "key=value;key=value". After the first step, `report` has a
+// line per attack: "name<tab>reached|held<tab>what it tries".
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
@@ -58,7 +58,7 @@ typedef struct {
 static const char* all_targets;
 static char own_folder[512];
 
-/// The value of a key of `targets`; empty if there is none. Valid until the call after the next three.
+/// Returns the value of a key in `targets`; empty if there is none. Valid during the next three calls.
 static const char* target(const char* key) {
   static char values[4][PATH];
   static int turn;
@@ -740,7 +740,7 @@ static const Attack attacks[] = {
     ATTACK(real_time, "take real-time priority"),
 };
 
-/// Runs an attack in a process of its own, so that its effects on the process end with it.
+/// Runs an attack in a separate process, so that its effects on the process end with it.
 static int reached_by_child(int (*reach)(void)) {
   const pid_t child = fork();
   if (child == 0) {

@@ -78,7 +78,7 @@ typedef struct {
   double h;
   pthread_t thread;
   int running;
-  atomic_int status;  // of the step, fmi2Pending while it goes on
+  atomic_int status;  // of the step; fmi2Pending while it continues
   atomic_int cancelled;
 } Model;
 

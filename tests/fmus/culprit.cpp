@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A lag, dy/dt = (u - y) / 1 s, that does right by default and one thing wrong when its GUID says so: "{culprit:leak}".
+// A lag, dy/dt = (u - y) / 1 s. Correct by default; commits one fault if its GUID requests it: "{culprit:leak}".
 #include "mebots/fmi2/functions.hpp"
 
 #include "frame.h"
@@ -84,7 +84,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
   c->callbacks = *callbacks;
   if (c->does("start")) c->state.gain = 3;
   if (c->does("leak")) {
-    void* volatile kept = std::malloc(1000);  // volatile: or the compiler sees that nobody wants it
+    void* volatile kept = std::malloc(1000);  // volatile, because the compiler would otherwise remove it
     (void)kept;
   }
   if (c->does("rounding")) std::fesetround(FE_UPWARD);
@@ -223,7 +223,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real point, fmi2Real h, fmi2B
   if (std::abs(point - c.state.time) > 1e-9) return c.refuse("the step starts at another time");
   if (c.does("exit")) std::exit(3);
   if (c.does("umask") && c.state.time > 0.25) umask(0);
-  if (c.does("heap")) {  // damages the heap that it shares with everybody, and says something
+  if (c.does("heap")) {  // damages the shared heap, and logs
     auto* volatile block = static_cast<char*>(std::malloc(1000));
     std::memset(block, 'x', 60000);
     static const std::string text(20000, 'y');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU of FMI 3.0 that integrates its input, and does wrong what its instantiation token says: {culprit3:crime}.
+// An FMU of FMI 3.0 that integrates its input, and commits the fault in its instantiation token: {culprit3:crime}.
 #include "mebots/fmi3/functions.hpp"
 
 #include <cmath>
@@ -183,7 +183,7 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance, std::size_t* count) {
   return fmi3OK;
 }
 
-// All values are the same: the output, once per element.
+// All values are equal: the output, once per element.
 #define MEBOTS_DEFINE(name, type)                                                                              \
   fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference[], std::size_t, type values[],      \
                            std::size_t count) {                                                                \
@@ -202,7 +202,7 @@ fmi3Status fmi3SetString(fmi3Instance, const fmi3ValueReference[], std::size_t, 
   return fmi3Error;
 }
 
-// The FMU offers none of these.
+// The FMU does not support these.
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance) {
   return fmi3Error;
 }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the functions of every test FMU share, for C and C++. Include the interface first: "fmi2.h" (apart from MEbots'
-// own headers) or "mebots/fmi2/functions.hpp".
+// Shared by the functions of all test FMUs, for C and C++. Include the interface first: "fmi2.h" (independent of
+// MEbots' own headers) or "mebots/fmi2/functions.hpp".
 #pragma once
 
 #ifdef __cplusplus
-#define FMI2_DEFINE  // declared with its visibility by functions.hpp
+#define FMI2_DEFINE  // functions.hpp declares them with their visibility
 #else
 #define FMI2_DEFINE FMI2_EXPORT
 #endif
 
-/// A function that does nothing but answer `status`.
+/// Defines a function that only returns `status`.
 #define FMI2_ANSWER(status, name, ...)       \
   FMI2_DEFINE fmi2Status name(__VA_ARGS__) { \
     return status;                           \
@@ -24,7 +24,8 @@
   }                                                \
   FMI2_ANSWER(fmi2OK, fmi2SetDebugLogging, fmi2Component, fmi2Boolean, size_t, const fmi2String[])
 
-// Some tools load a library only with all functions of the standard: what an FMU does not offer it refuses.
+// Some tools load a library only if it has all functions of the standard: those that the FMU does not support return an
+// error.
 #define FMI2_NO_STATE                                                   \
   FMI2_ANSWER(fmi2Error, fmi2GetFMUstate, fmi2Component, fmi2FMUstate*) \
   FMI2_ANSWER(fmi2Error, fmi2SetFMUstate, fmi2Component, fmi2FMUstate)  \

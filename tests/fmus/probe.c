@@ -80,12 +80,12 @@ typedef struct {
   State state;
   fmi2CallbackFunctions callbacks;
   char name[TEXT_SIZE];
-  int zero;  // what no compiler knows
+  int zero;  // unknown to the compiler
   int* null;
   int file;
   int has_thread;
-  int was_bad;     // a fault that happens once has happened
-  int bad_string;  // string_out is at an address where nothing is
+  int was_bad;     // a fault that occurs once has occurred
+  int bad_string;  // string_out is at an invalid address
 } Probe;
 
 /// C++ exceptions, in probe_throw.cpp.
@@ -151,7 +151,7 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
   return p;
 }
 
-/// Changes the process for all who are in it.
+/// Changes the process for all code in it.
 static void meddle(void) {
   umask(0);
   if (chdir("/") != 0) abort();
@@ -161,7 +161,7 @@ static void meddle(void) {
   close(0);
 }
 
-/// Leaves the environment as other instances would not have it; one entry lies in memory that goes with the library.
+/// Changes the environment for other instances; one entry is in memory that is unloaded with the library.
 static void change_environment(void) {
   static char own_entry[] = "PROBE_ENTRY=1";
   setenv("PROBE_INTEGRAL", "7", 1);
@@ -196,7 +196,7 @@ static void meddle_with_thread(void) {
   if (timer_create(CLOCK_MONOTONIC, &event, &timer) == 0) timer_settime(timer, 0, &much_later, NULL);
 }
 
-// When the library goes.
+// Called when the library is unloaded.
 static int dies_at_end = 0;
 static int exits_at_end = 0;
 __attribute__((destructor)) static void end(void) {
@@ -226,7 +226,7 @@ FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tole
   return fmi2OK;
 }
 
-// Until it ends by itself, long after its FMU was freed.
+// Runs until it ends, long after its FMU was freed.
 static void* stay(void* nothing) {
   for (int i = 0; i < 100; ++i) usleep(1000);
   return nothing;
@@ -302,7 +302,7 @@ static int deeper(int depth) {
   return deeper(depth + 1) + frame[(depth + 1) % 4096];
 }
 
-// As many programs do: the memory that is not there is used all the same.
+// Like many programs, uses memory without checking the allocation.
 static void take_all_memory(void) {
   for (;;) {
     const size_t size = 16 << 20;
@@ -310,7 +310,7 @@ static void take_all_memory(void) {
   }
 }
 
-// The environment that this instance was given is not handed back, as some tools' FMUs do.
+// Passes a different environment from the one that the instance was given, as some tools' FMUs do.
 static void say_for(Probe* p, void* environment, const char* name, const char* text) {
   p->callbacks.logger(environment, name, fmi2Warning, "logStatusWarning", text);
 }
@@ -323,7 +323,7 @@ static void* say_from_a_thread(void* argument) {
   return NULL;
 }
 
-// One way of many to abuse the logger; the text that comes of it is in the test.
+// Misuses the logger in one of many ways; the test contains the resulting text.
 static int abuse_logger(Probe* p, const char* fault) {
   void* own = p->callbacks.componentEnvironment;
   if (strcmp(fault, "log_foreign") == 0) {
@@ -349,7 +349,7 @@ static int abuse_logger(Probe* p, const char* fault) {
   return 1;
 }
 
-/// Where this process has the memory that the master reads of this name; null where it has none.
+/// Returns the address of the memory that the master shares under this name; null if there is none.
 static char* shared_memory(const char* name) {
   FILE* maps = fopen("/proc/self/maps", "r");
   char line[512];
@@ -364,7 +364,7 @@ static char* shared_memory(const char* name) {
 /// Offsets in `Control`, master/src/slave/isolation/protocol.hpp.
 enum { ANSWER_BYTES = 24, LOG_BYTES = 32, CALLS = 44, ANSWERED = 8 };
 
-/// Says all the time that the next call begins.
+/// Continuously reports that the next call has started.
 static void* forge_calls(void* place) {
   for (;;) ++*(volatile uint32_t*)place;
 }
@@ -382,24 +382,24 @@ static void forge(const char* fault) {
   if (strcmp(fault, "forge_calls") == 0) {
     start_thread(&forge_calls, control + CALLS);
   } else {
-    *(volatile uint32_t*)(control + ANSWERED) += 1;  // as if the call had come back
+    *(volatile uint32_t*)(control + ANSWERED) += 1;  // as if the call had returned
   }
   for (;;) pause();
 }
 
-/// In a namespace of its own others are not even there.
+/// In a separate namespace, other processes are not visible.
 static int refused(long answer) {
   return answer == -1 && (errno == EPERM || errno == EACCES || errno == ESRCH || errno == ENOENT);
 }
 
-/// A file or folder of a process; -1 where it is not opened.
+/// Opens a file or folder of a process; -1 if that fails.
 static int open_of(pid_t process, const char* what, int access) {
   char path[64];
   snprintf(path, sizeof path, "/proc/%d/%s", process, what);
   return open(path, access | O_CLOEXEC);
 }
 
-/// Signals in every form that the kernel has.
+/// Tries signals in every form of the kernel.
 static int takes_no_signal(pid_t process) {
   siginfo_t info = {.si_signo = SIGKILL, .si_code = SI_QUEUE};
   const int folder = open_of(process, "", O_RDONLY | O_DIRECTORY);
@@ -427,8 +427,8 @@ static int is_not_changed(pid_t process) {
          refused(fcntl(0, F_SETOWN, process)) && refused(fcntl(0, F_SETSIG, SIGKILL));
 }
 
-/// Every way to harm its parent and a process that the test names; one that is not refused ends the run. In a process
-/// namespace of its own there is neither.
+/// Tries every way to harm its parent and a process named by the test; one that is not refused ends the run. In a
+/// separate process namespace neither is visible.
 static void harm_others(void) {
   const char* bystander = getenv("MEBOTS_TEST_BYSTANDER");
   if (getppid() == 1) return;
@@ -438,7 +438,7 @@ static void harm_others(void) {
   }
 }
 
-/// Starts a process and ends it, as FMUs do that have a helper.
+/// Starts and ends a process, as FMUs with a helper do.
 static void end_child(void) {
   const pid_t child = fork();
   if (child == 0) {
@@ -458,7 +458,7 @@ static void end_from_handler(int signal_number) {
   _exit(0);
 }
 
-/// Ends the process, or one that it forks. "kernel_exit" asks the C library for nothing.
+/// Ends the process, or a fork of it. "kernel_exit" bypasses the C library.
 static void end_process(const char* fault) {
   if (strcmp(fault, "exit") == 0) exit(3);
   if (strcmp(fault, "quick_exit") == 0) quick_exit(0);
@@ -483,7 +483,7 @@ static void end_process(const char* fault) {
   }
 }
 
-/// Leaves its thread, copies or replaces its process, lets a signal end it.
+/// Ends its thread, copies or replaces its process, or lets a signal end it.
 static void leave(Probe* p, const char* fault) {
   if (strcmp(fault, "pthread_exit") == 0) pthread_exit(NULL);
   if (strcmp(fault, "cancel") == 0 || strcmp(fault, "enabled_cancel") == 0) {
@@ -530,7 +530,7 @@ static void flood_log(Probe* p) {
   free(text);
 }
 
-/// A process in a session of its own, whose parent is gone; then hangs.
+/// Starts a process in a new session, whose parent has ended; then hangs.
 static void leave_daemon(void) {
   const pid_t between = fork();
   if (between == 0) {

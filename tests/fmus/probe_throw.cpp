@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// C++ exceptions that the probe FMU lets through its C interface.
+// Throws C++ exceptions through the probe FMU's C interface.
 #include <cstring>
 #include <stdexcept>
 

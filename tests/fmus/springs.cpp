@@ -73,7 +73,7 @@ struct Springs {
         return {domain};
     }
   }
-  /// Returns the number of values that it took.
+  /// Returns the number of values used.
   std::size_t set(fmi3ValueReference reference, std::span<const double> values) {
     for (auto [array_reference, array] : {std::pair{kForce, &force}, {kX, &x}, {kV, &v}}) {
       if (array_reference != reference) continue;

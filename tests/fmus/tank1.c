@@ -33,7 +33,7 @@ typedef struct {
   char* strings[STRINGS];
   char* name;
   Callbacks callbacks;
-  int asked;  // how often a pending step was asked for its status
+  int asked;  // number of status queries for a pending step
 } Tank;
 
 static char* copy(const char* text) {

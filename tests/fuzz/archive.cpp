@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes as an .fmu archive: refused with an Error, or entries that all lie in the folder and are not larger than
-// allowed. All in memory; a few of the inputs go through the disk as well, where what the entries' names do to each
-// other shows.
+// Any bytes as an .fmu archive: rejected with an Error, or all entries are inside the folder and within the size
+// limits. Runs in memory; some of the inputs also go through the disk, to test interactions between the entries' names.
 #include "checks.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/archive_reader.hpp"
@@ -21,7 +20,7 @@ using mebots::fuzz::require;
 
 constexpr mebots::modeldesc::UnpackLimits kLimits{.total_bytes = 1U << 20, .entries = 100};
 
-/// A folder of its own, in memory where there is such a place, with room for one archive and what it unpacks to.
+/// A separate folder, in memory if possible, with space for one archive and its unpacked content.
 struct Place {
   mebots::modeldesc::TemporaryFolder folder{"mebots-fuzz", fs::exists("/dev/shm") ? "/dev/shm" : ""};
   fs::path archive = folder.path() / "input.fmu";
@@ -63,7 +62,7 @@ void unpack_to_disk(std::string_view bytes) {
   require(outside == 1, "nothing is written beside the folder");
 }
 
-/// One input in 64, chosen by its bytes; the kept corpus is small enough for all of it.
+/// True for one input in 64, chosen by its bytes; the kept corpus is small enough to use all.
 bool chosen_for_disk(std::string_view bytes) {
   unsigned sum = 0;
   for (const char byte : bytes) sum = sum * 31U + static_cast<unsigned char>(byte);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text as a board file: refused with an Error, or a board whose numbers are inside their limits.
+// Any text as a board file: rejected with an Error, or a board whose numbers are within their limits.
 #include "board/board_file.hpp"
 
 #include "mebots/error.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text as a description.json: refused with an Error, or a description whose modelDescription.xml says the same when
-// it is read back.
+// Any text as a description.json: rejected with an Error, or a description whose modelDescription.xml reads back as the
+// same.
 #include "description.hpp"
 
 #include "generate.hpp"
@@ -14,7 +14,7 @@ namespace {
 
 using namespace mebots;
 
-/// Empty if arrays take the names of other variables, which FMI 3.0 refuses.
+/// Returns an empty text if arrays have the names of other variables, which FMI 3.0 forbids.
 std::string fmi3_token(const modeldesc::Description& description, const modeldesc::ModelDescription& model) {
   try {
     const auto text = write_fmi3_xml(description, model);

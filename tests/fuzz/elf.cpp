@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes as a program: refused with an Error, or everything in it is what the platform relies on.
+// Any bytes as a program: rejected with an Error, or a program that satisfies all assumptions of the platform.
 #include "elf/elf.hpp"
 
 #include "mebots/error.hpp"
@@ -33,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                   other.load_address >= std::uint64_t{segment.load_address} + segment.bytes.size(),
               "no byte is loaded twice");
     }
-    elf.where(segment.run_address);  // reads the lines of the source, too
+    elf.where(segment.run_address);  // also reads the lines of the source
     elf.where_called(segment.run_address + segment.size);
   }
   require(entry_inside, "the entry lies in a segment");

@@ -15,13 +15,13 @@
 
 namespace mebots::fuzz {
 
-/// A folder that is made once, in memory where the system has such a place; an input's files come and go in it.
+/// A folder that is created once, in memory if possible, for the files of one input after the other.
 class FolderOfInput {
  public:
   const std::filesystem::path& path() const { return folder_.path(); }
 
-  /// The files that an input stands for: the first one, then further ones, each after a line "=== name". Names that
-  /// leave the folder or stand in it already are left out: what the reader looks for there is not there.
+  /// Writes the files of an input: the first one, then further ones, each after a line "=== name". Leaves out names
+  /// that leave the folder or already exist; the reader finds no such file.
   void fill(std::string_view input, std::string_view first) {
     constexpr std::string_view kMark = "\n=== ";
     std::string_view name = first;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes from a debugger: packets that are answered or refused, until it has said all, and no harm to the chip that
-// it looks into. What the chip does afterwards is up to what was written into it.
+// Any bytes from a debugger: packets are answered or rejected until all were sent, without damage to the simulator. The
+// behaviour of the chip afterwards depends on what was written into it.
 #include "debug/gdb_server.hpp"
 
 #include <poll.h>
@@ -21,7 +21,7 @@ using namespace mebots::soc;
 
 constexpr std::uint32_t kRam = 0x80000000;
 
-/// A program that goes round in one instruction: an ELF header, one segment, its code.
+/// A program that loops in one instruction: an ELF header, one segment, its code.
 Elf round_and_round() {
   struct [[gnu::packed]] File {
     std::array<std::uint8_t, 16> magic{0x7f, 'E', 'L', 'F', 1, 1, 1};
@@ -42,20 +42,20 @@ Soc& chip() {
   return soc;
 }
 
-/// What the debugger says, and what was taken of it.
+/// The debugger's bytes, and how many of them were read.
 struct Debugger {
   std::string_view said;
   bool has_called = false;
 };
 Debugger debugger;
 
-// No such files are open: who closes them harms nobody.
+// Descriptors that are not open, so closing them has no effect.
 constexpr int kListener = 1 << 28;
 constexpr int kLine = kListener + 1;
 
 }  // namespace
 
-// The server's line without the kernel: the linker gives these to what asks for the system's (CMakeLists.txt).
+// Replaces the system calls of the server's connection: the linker redirects them here (CMakeLists.txt).
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the linker's names
 extern "C" {
 
@@ -108,7 +108,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   debugger = {{reinterpret_cast<const char*>(data), size}, false};
   debug::GdbServer server(0, soc, debug::GdbServer::Kill::ends_run, [](std::string_view) {});
   if (!server.hart(0).before(soc.hart(0))) return 0;
-  // What lets the program go on ends a conversation; a step, a watched place and a breakpoint begin the next one.
+  // A request that continues the program ends a conversation; a step, a watchpoint and a breakpoint start the next one.
   Retired retired;
   retired.access = {kRam, sizeof(std::uint32_t), true};
   for (auto left = debugger.said.size() + 1; debugger.said.size() < left;) {

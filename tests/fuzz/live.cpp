@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes from a client of a live run: each request is answered or refused, and only requests with the token reach
+// Any bytes from a client of a live run: each request is answered or rejected, and only requests with the token reach
 // the run.
 #include "server.hpp"
 

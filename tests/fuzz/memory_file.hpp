@@ -13,7 +13,7 @@
 
 namespace mebots::fuzz {
 
-/// A file that lies in memory alone, for readers that want a path.
+/// A file in memory, for readers that need a path.
 class MemoryFile {
  public:
   MemoryFile() : descriptor_(memfd_create("input", MFD_CLOEXEC)) { require(descriptor_ >= 0, "there is memory"); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text as a modelDescription.xml: refused with an Error, or a description that writes itself and reads back the
-// same. The checks of `mebots check` must survive it either way.
+// Any text as a modelDescription.xml: rejected with an Error, or a description that is written and read back as the
+// same. The checks of `mebots check` must not crash in both cases.
 #include "checks.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any files as an OspSystemStructure.xml and what lies beside it, among them two FMUs: refused with an InputError, or a
-// system whose parts fit each other.
+// Any files as an OspSystemStructure.xml and the files next to it, including two FMUs: rejected with an InputError, or
+// a consistent system.
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/archive.hpp"
 
@@ -16,7 +16,7 @@ namespace {
 
 using namespace mebots;
 
-/// With two FMUs without code: it is their descriptions that are asked.
+/// A folder with two FMUs without code: only their descriptions are read.
 class FolderWithFmus : public fuzz::FolderOfInput {
  public:
   FolderWithFmus() {

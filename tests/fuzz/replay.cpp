@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Stands in for the fuzzer in ordinary builds: gives every file of the named folders to the fuzz target once.
+// Replaces the fuzzer in ordinary builds: passes every file of the given folders to the fuzz target once.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   for (const auto& path : files) {
     std::ifstream file(path, std::ios::binary);
     const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-    std::printf("%s\n", path.c_str());  // the last one printed is the one that did harm
+    std::printf("%s\n", path.c_str());  // the last printed one caused the failure
     std::fflush(stdout);
     LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
   }

@@ -6,7 +6,7 @@
 
 namespace mebots::fuzz {
 
-/// What must hold for every input; the fuzzer keeps the input that breaks it.
+/// Checks a condition that must hold for every input; the fuzzer keeps an input that violates it.
 inline void require(bool holds, const char* what) {
   if (holds) return;
   std::fprintf(stderr, "does not hold: %s\n", what);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text as a rotor file: refused with an Error, or read.
+// Any text as a rotor file: rejected with an Error, or read.
 #include "rotor_data.hpp"
 
 #include "mebots/error.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text as a scene and as a drone: refused with an Error, or read.
+// Any text as a scene and as a drone: rejected with an Error, or read.
 #include "scene/load.hpp"
 
 #include "mebots/error.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text as the files of an SSP: refused with an InputError, or a config that is JSON and, read on, a system whose
-// parts fit each other. An input is SystemStructure.ssd, then further files, each after a line "=== path".
+// Any text as the files of an SSP: rejected with an InputError, or a config that is JSON and gives a consistent system.
+// An input is SystemStructure.ssd, then further files, each after a line "=== path".
 #include "mebots/input_error.hpp"
 
 #include "io/config/load_system.hpp"
@@ -35,7 +35,7 @@ class MemoryFiles final : public mebots::master::ssp::Files {
 
   bool holds(const std::filesystem::path& inside) const override { return files_.contains(inside); }
   std::string read(const std::filesystem::path& inside) const override { return files_.at(inside); }
-  /// The reader of configs asks only whether it exists.
+  /// The reader of configs only checks that it exists.
   std::filesystem::path place(const std::filesystem::path& /*inside*/) const override { return "/"; }
 
  private:
@@ -47,7 +47,7 @@ class MemoryFiles final : public mebots::master::ssp::Files {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
     auto config = mebots::master::ssp::read(MemoryFiles({reinterpret_cast<const char*>(data), size}), "input.ssp");
-    config.config.dump();  // convert writes it: throws for text that is not UTF-8
+    config.config.dump();  // as in convert: throws for text that is not UTF-8
     const auto loaded = mebots::master::config::load_ssp_config(std::move(config), "/input.ssp", {0.001, {}});
     mebots::fuzz::require_sound(loaded.system);
   } catch (const InputError&) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any files as an unpacked SSP: refused with an InputError, or a system whose parts fit each other.
+// Any files as an unpacked SSP: rejected with an InputError, or a consistent system.
 #include "mebots/input_error.hpp"
 
 #include "folder_of_input.hpp"

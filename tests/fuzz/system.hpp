@@ -9,7 +9,7 @@
 
 namespace mebots::fuzz {
 
-/// What everybody behind the readers of configs and SSPs counts on.
+/// Checks what users of the readers of configs and SSPs rely on.
 inline void require_sound(const master::SystemDescription& system) {
   require(system.step.numerator > 0, "the step is above 0");
   const auto grid = system.grid();

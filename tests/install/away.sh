@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs one of the scripts beside it in an empty folder, the installed programs in PATH, sources and build hidden behind
-# empty folders in a mount namespace of its own. Where the machine refuses one, they are only left alone.
-# Usage: away.sh SOURCES BUILD WORK SCRIPT
+# Runs one of the scripts of this folder in an empty folder, with the installed programs in PATH. Sources and build are hidden behind empty
+# folders in a separate mount namespace. If the machine refuses one, they are not hidden. Usage: away.sh SOURCES BUILD WORK SCRIPT
 set -euo pipefail
 sources=$1 build=$2 work=$3 script=$4
 place=$(mktemp -d "${TMPDIR:-/tmp}/mebots away XXXXXX")

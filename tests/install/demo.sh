@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# The shipped mission, from anywhere, with its results where asked for.
+# Runs the shipped mission from any folder, with its results in a given place.
 set -euo pipefail
 mebots demo --out flight --expect passed
 [[ -s flight/results.csv && -s flight/summary.json ]]
-# A copied config flies too, and FMUs of one's own in front of the shipped ones.
+# A copied config works too, and a user's FMUs take precedence over the shipped ones.
 cp "$MEBOTS/share/mebots/configs/battery_motors.json" copy.json
 mebots run copy.json --quiet --out copy
 # A config that extends another finds it, and the chip with GAP8's own devices.

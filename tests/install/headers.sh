@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Every installed header compiles alone, opens none of a third party and is there once; what <mebots/run.hpp> brings is short.
+# Every installed header compiles alone, includes no third-party header and exists once; <mebots/run.hpp> includes little.
 set -euo pipefail
 include=$MEBOTS/include
 count=0
@@ -14,14 +14,14 @@ while IFS= read -r header; do
 done < <(find "$include" -name '*.hpp')
 [[ $count -gt 0 ]]
 
-# A second copy would be another file to the compiler, and all that it declares would be declared twice.
+# To the compiler, a second copy would be another file, and all its declarations would occur twice.
 twice=$( (cd "$include" && find . -name '*.hpp'; cd "$MEBOTS/share/mebots/fmu_soc/src" && find . -name '*.hpp') | sort | uniq -d)
 [[ -z $twice ]] || { echo "FAILED: these are installed twice:"; echo "$twice"; exit 1; }
 
 runners=$(find "$include/mebots" -maxdepth 1 -name '*.hpp' | wc -l)
 ((runners <= 11)) || { echo "FAILED: $runners headers for who runs systems"; exit 1; }
 
-# Lines between the markers of our files, as the preprocessor gives them.
+# Lines from our files in the preprocessor's output.
 lines=$(echo '#include <mebots/run.hpp>' | g++ -std=c++20 -E -I"$include" -x c++ - |
   awk -v ours="$include/" '/^# [0-9]+ "/ { counts = index($0, ours) > 0; next } counts && NF { ++lines } END { print lines + 0 }')
 ((lines > 50 && lines <= 2000)) || { echo "FAILED: <mebots/run.hpp> brings $lines lines of ours"; exit 1; }

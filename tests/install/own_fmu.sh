@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# FMUs from descriptions: scalars alone, and all types with groups; in mebots' namespaces, in one's own, in none.
+# FMUs from descriptions: scalars only, and all types with groups; in mebots' namespaces, in the user's own, in none.
 set -euo pipefail
 launcher=$(command -v ccache || true)
 try() {  # DESCRIPTION NAME NAMESPACE

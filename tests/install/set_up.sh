@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs a build, moves what was installed, and lays what the tests need beside it. Usage: set_up.sh SOURCES BUILD WORK
+# Installs a build, moves the installation, and copies the tests' files next to it. Usage: set_up.sh SOURCES BUILD WORK
 set -euo pipefail
 sources=$1 build=$2 work=$3
 rm -rf "$work"

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-# Manual pages are free of errors, and the shells that are here complete commands, options and values.
+# Manual pages have no errors, and the installed shells complete commands, options and values.
 set -euo pipefail
 share=$MEBOTS/share
 pages=$(find "$share/man/man1" -name '*.1' | wc -l)
 ((pages >= 15)) || { echo "FAILED: $pages manual pages"; exit 1; }
 if command -v mandoc >/dev/null; then
   mandoc -T lint -W error "$share"/man/man1/*.1
-  # A pipe into grep -q would fail at times: grep goes at its first find, and who still writes is ended by SIGPIPE.
+  # A pipe into grep -q would sometimes fail: grep exits at its first match, and SIGPIPE then ends the writer.
   grep -q 'mebots run configs/gate_easy.json --out' <<<"$(mandoc -T ascii "$share/man/man1/mebots-run.1")" \
     || { echo "FAILED: the page of mebots-run lacks its examples"; exit 1; }
 fi
@@ -22,7 +22,7 @@ for command in $(mebots --help | sed -n '/^Subcommands/,/^$/s/^  \([a-z-]*\) .*/
 done
 
 touch a_config.json
-completed() {  # completed PROGRAM WORD...: what bash offers in place of the last of these words
+completed() {  # completed PROGRAM WORD...: prints bash's completions of the last word
   bash -c '
     source "$0"
     COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)) COMPREPLY=()
@@ -50,7 +50,7 @@ if command -v fish >/dev/null; then
   grep -q '^--stop-time' <<<"$offered" || { echo "FAILED: fish offers: $offered"; exit 1; }
 fi
 if command -v zsh >/dev/null; then
-  # zsh completes in an interactive line only: what it would call is loaded, and its own parser of option lists accepts it.
+  # zsh completes in an interactive line only. Therefore this loads the function, and zsh's own parser checks the lists of options.
   zsh -f -c "autoload -Uz compinit && compinit -u -d '$PWD/zcompdump' && source '$share/zsh/site-functions/_mebots' && [[ \$_comps[mebots] == _mebots ]]" \
     || { echo "FAILED: zsh does not take the completion"; exit 1; }
 fi

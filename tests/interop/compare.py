@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""FMUs of ours and of others in mebots, FMPy, OMSimulator and libcosim, alone and connected: a table of what came out.
+"""Runs our FMUs and those of others in mebots, FMPy, OMSimulator and libcosim, alone and connected: a table of differences.
 
 Usage: compare.py BUILD_FOLDER [--tool NAME]... [--system NAME]...
 
 Every output is compared with mebots' at every communication point, after the same steps with the same start values. Exit code 1
-when a tool's numbers differ, or when it refuses what it is known to run; 77 when OMSimulator alone is asked for and missing.
-scripts/interop.sh calls this; docs/interop.md keeps what it printed.
+if a tool's numbers differ, or if it rejects a system that it is known to run; 77 if only OMSimulator is requested and it is missing.
+scripts/interop.sh calls this; docs/interop.md contains its output.
 """
 
 import argparse
@@ -22,9 +22,9 @@ import tools
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 MISSING = 77
-# FMUs that lack functions of capabilities that they do not claim: mebots runs them, the others want all functions.
+# FMUs that lack functions of capabilities that they do not claim: mebots runs them, the others require all functions.
 PARTIAL = ("probe (C",)
-# The same doubles go into the same FMUs. OMSimulator writes 12 significant digits; nobody else rounds.
+# All tools pass the same doubles to the same FMUs. OMSimulator writes 12 significant digits; the others do not round.
 TOLERANCE = {"OMSimulator": 1e-11}
 
 
@@ -33,7 +33,7 @@ def alone(fmu, steps=250, step=0.002, **parameters):
 
 
 def of_config(file, fmus, seconds):
-    """A config of ours, some seconds of it."""
+    """Returns one of our configs, limited to some seconds."""
     config = json.loads(file.read_text())
     for instance in config["instances"].values():
         instance["fmu"] = str(fmus / f"{instance['fmu']}.fmu")
@@ -41,14 +41,15 @@ def of_config(file, fmus, seconds):
 
 
 def ring(fmu, count, source, target, steps, step):
-    """Instances of one FMU in a ring."""
+    """Returns instances of one FMU in a ring."""
     instances = {f"i{k}": {"fmu": str(fmu), "parameters": {}} for k in range(count)}
     connections = [{"from": f"i{k}.{source}", "to": f"i{(k + 1) % count}.{target}"} for k in range(count)]
     return {"step": step, "steps": steps, "instances": instances, "connections": connections}
 
 
 def of_python(folder):
-    """Two slaves of pythonfmu that exchange every type that it knows. It makes an archive for every machine it runs on."""
+    """Returns two slaves of pythonfmu that exchange every type that it supports. It builds an archive for every
+    machine."""
     import pythonfmu
 
     fmu = pythonfmu.FmuBuilder.build_FMU(str(pathlib.Path(__file__).parent / "python_slave.py"), dest=str(folder))
@@ -61,7 +62,7 @@ def of_python(folder):
 
 
 def systems(build, folder):
-    """Name -> system, all with absolute paths."""
+    """Returns name -> system, all with absolute paths."""
     fmus, foreign = build / "fmus", build / "test_fmus"
     passthrough = foreign / "passthrough.fmu"
     python, coupled = of_python(folder)
@@ -79,7 +80,7 @@ def systems(build, folder):
         "two python_slave, all types": coupled,
         "ring of sixteen passthrough": ring(passthrough, 16, "y", "u", 100, 0.125),
         "motor_thermal, passthrough and coupling": {
-            "step": 2**-9, "steps": 250,  # exact in binary: this FMU shows the time that a tool hands to it
+            "step": 2**-9, "steps": 250,  # exact in binary: this FMU outputs the time that a tool passes
             "instances": {"c": {"fmu": str(foreign / "coupling.fmu")}, "p": {"fmu": str(passthrough)},
                           "thermal": {"fmu": str(fmus / "motor_thermal.fmu")}},
             "connections": [{"from": "c.now", "to": "p.u"}, {"from": "p.sum", "to": "thermal.motor.power"},
@@ -95,7 +96,7 @@ def make(name, mebots):
 
 
 def run_apart(name, system, mebots, folder):
-    """In a process of its own: a tool that crashes is a line of the table."""
+    """Runs in a separate process, so that the crash of a tool is a line in the table."""
     folder = pathlib.Path(tempfile.mkdtemp(dir=folder))
     job, answer = folder / "job.json", folder / "answer.json"
     job.write_text(json.dumps({"tool": name, "system": system, "mebots": str(mebots)}))
@@ -116,7 +117,7 @@ def do_job(job, answer):
 
 
 def without(system, left_out):
-    """The system without what a tool cannot carry."""
+    """Returns the system without parts that a tool does not support."""
     connections = [{"from": a, "to": b} for a, b, _ in tools.plain_connections(system) if f"{a} -> {b}" not in left_out]
     instances = {name: dict(i, parameters={n: v for n, v in i.get("parameters", {}).items() if f"{name}.{n}" not in left_out})
                  for name, i in system["instances"].items()}
@@ -124,7 +125,7 @@ def without(system, left_out):
 
 
 def difference(ours, theirs):
-    """(values compared, how many are equal to the last bit, largest relative difference, where)."""
+    """Returns (compared values, how many are equal to the last bit, largest relative difference, its place)."""
     count, equal, worst, where = 0, 0, 0.0, ""
     for name, column in theirs.items():
         for k, (a, b) in enumerate(zip(ours[name], column, strict=True)):
@@ -146,7 +147,7 @@ class Table:
         self.references = {}
 
     def reference(self, name, system, left_out):
-        """What mebots makes of the system without what a tool cannot carry."""
+        """Returns mebots' result for the system without parts that a tool does not support."""
         key = (name, *left_out)
         if key not in self.references:
             self.references[key] = run_apart("mebots", without(system, left_out), self.mebots, self.folder)

@@ -40,9 +40,9 @@ SECONDS = 60   # of processor time, for one tool and one FMU
 LATE = f"error: not done after {SECONDS} s"
 SAME = 1e-12   # relative: rounding of sums in another order
 HALVED_STEPS = 200  # most steps of the coarsest of the runs with halved steps
-GROWS = 1.05   # of an error: what a rounding of the last point may add
+GROWS = 1.05   # of an error: allowance for rounding of the last point
 
-# Disagreements with a truth whose reason lies in the FMU, by the end of its path. The reason is printed.
+# Differences from a truth whose reason is in the FMU, by the end of its path. The reason is printed.
 EXPLAINED = {
     "MassSpringDamper1.fmu": "adds its steps of 0.01 s up in floating point; five points are one such step ahead, all others exact to 1e-8",
     "initializer/src/test/resources/watertank-c.fmu": "its level rises by 1 in each step, whatever the step's length",
@@ -61,16 +61,16 @@ def family(tool):
 
 
 class NotOurs(Exception):
-    """No FMI 2.0 co-simulation FMU for this machine."""
+    """Not an FMI 2.0 co-simulation FMU for this machine."""
 
 
 def plan(fmu):
-    """What is run: names of outputs by type, start, step and number of steps in nanoseconds."""
+    """Returns what is run: names of outputs by type, start, step and number of steps in nanoseconds."""
     try:
         with zipfile.ZipFile(fmu) as archive:
             members = set(archive.namelist())
         model = fmpy.read_model_description(str(fmu), validate=False)
-    except Exception as error:  # whatever FMPy makes of a broken package
+    except Exception as error:  # FMPy raises many kinds of exceptions for a broken package
         raise NotOurs(f"cannot be read: {short(str(error))}") from error
     if model.fmiVersion != "2.0":
         raise NotOurs(f"FMI {model.fmiVersion}")
@@ -117,7 +117,7 @@ def complaint(result):
 
 
 def call(command, **more):
-    """Runs a program; a run past the time is an answer too. Its texts need not be UTF-8."""
+    """Runs a program; a timeout is a result too. Its texts need not be UTF-8."""
     late = subprocess.CompletedProcess(command, 124, "", LATE)
     try:
         result = subprocess.run(["prlimit", f"--cpu={SECONDS}:{SECONDS + 1}", *command], capture_output=True, text=True,
@@ -187,11 +187,11 @@ def fmpy_child(what, target):
         read()
     pathlib.Path(target).write_text(json.dumps(columns))
     sys.stdout.flush()
-    os._exit(0)  # what an FMU does when it is freed is not compared
+    os._exit(0)  # freeing the FMU is not part of the comparison
 
 
 def difference(one, other):
-    """The largest difference relative to the largest value of its column, and where it is."""
+    """Returns the largest difference relative to the largest value of its column, and its place."""
     largest, place = 0.0, ""
     for name, values in one.items():
         if len(values) != len(other[name]):
@@ -207,12 +207,13 @@ def difference(one, other):
 
 
 def judge(row, what, folder):
-    """Fills in the row's verdict; the sign says whether it is explained."""
+    """Sets the row's verdict; the sign says whether it is explained."""
     ours, alone, theirs = row.pop("ours"), row.pop("alone"), row.pop("theirs")
     row["run"] = "runs" if "columns" in ours else ours["error"]
     row["FMPy"] = "runs" if "columns" in theirs else theirs["error"]
     row["isolated"] = "as run"
-    if ours.get("error") == LATE and theirs.get("error") == LATE:  # alone, host and master have the limit each
+    if ours.get("error") == LATE and theirs.get("error") == LATE:  # for a single FMU, host and master each have the
+                                                                   # limit
         row["isolated"] = alone.get("error", "runs")
         row["verdict"], row["explained"] = "neither is done in time", True
         return
@@ -250,13 +251,13 @@ def times_of(what):
 
 
 def finer(what, parts):
-    """The same run with each step divided; the coarsest of such runs has at most HALVED_STEPS steps."""
+    """Returns the same run with each step divided; the coarsest of such runs has at most HALVED_STEPS steps."""
     steps = min(what["steps"], HALVED_STEPS)
     return what | {"step_ns": what["step_ns"] // parts, "steps": steps * parts}
 
 
 def compare_with_truths(row, what, known):
-    """Fills in how far the run of mebots is from each truth."""
+    """Sets the deviation of mebots' run from each truth."""
     row["truths"] = []
     for truth in known:
         ratio, error, place = truths.compare(truth, times_of(what), what["step_ns"] / 1e9, row["ours"].get("columns", {}))
@@ -265,12 +266,13 @@ def compare_with_truths(row, what, known):
 
 
 def error_of(what, columns, known):
-    """The largest error against the first truth at the points of the longest steps."""
+    """Returns the largest error against the first truth at the points of the longest steps."""
     return truths.compare(known[0], times_of(what), what["step_ns"] / 1e9, columns)[1]
 
 
 def halved_steps(program, what, known, folder):
-    """Returns how the error changes with halved steps: "exact", "shrinks", "stays", "grows", or why this is not known."""
+    """Returns how the error changes with halved steps: "exact", "shrinks", "stays", "grows", or why this is not
+    known."""
     if not what["variable_step"]:
         return "fixed steps only"
     if what["step_ns"] % 4:
@@ -302,7 +304,7 @@ def explanation(row):
 
 
 def judge_truths(row):
-    """A disagreement that EXPLAINED does not name is unexplained."""
+    """Marks a difference that EXPLAINED does not name as unexplained."""
     wrong = [truth for truth in row.get("truths", []) if not truth["agrees"]]
     if row["run"] == "runs" and (wrong or row["halved"].startswith("grows")) and not explanation(row):
         row["explained"] = False
@@ -334,7 +336,7 @@ def examine(program, base, fmu):
 
 
 def different(fmus):
-    """One of each, and how many more there are of the same bytes."""
+    """Returns one FMU of each content, and the number of further ones with the same bytes."""
     first, repeated = {}, 0
     for fmu in fmus:
         digest = hashlib.sha256(fmu.read_bytes()).digest()
@@ -344,7 +346,7 @@ def different(fmus):
 
 
 def word_of(row):
-    """The verdict as a class."""
+    """Returns the verdict as a class."""
     if not re.match(r"\d", row["verdict"]):
         return row["verdict"]
     return "within 1e-12" if row["difference"] <= SAME else "numbers differ"
@@ -357,7 +359,7 @@ def truth_text(row):
 
 
 def show_truths(rows):
-    """The table of truths: how many FMUs have one of each kind, and how many agree."""
+    """Prints the table of truths: how many FMUs have one of each kind, and how many agree."""
     rows = [row for row in rows if row["verdict"] != "left out" and row["run"] == "runs"]
     print("\n| FMU | truth | halved steps | explanation |\n|---|---|---|---|")
     for row in rows:

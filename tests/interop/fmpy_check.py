@@ -34,12 +34,12 @@ def check(condition, message):
 
 
 def same(a, b):
-    """Equal to the last bit, column by column."""
+    """Returns True if both are equal to the last bit, column by column."""
     return all(np.array_equal(a[name], b[name], equal_nan=False) for name in a.dtype.names)
 
 
 class Instance:
-    """One FMI instance with its recorded Real outputs."""
+    """An FMI instance with its recorded Real outputs."""
 
     def __init__(self, description, folder, name, start=True):
         self.outputs = [v for v in description.modelVariables if v.causality == "output" and v.type == "Real"]
@@ -86,7 +86,7 @@ def check_binary(folder, identifier):
 
 
 def check_state(description, folder):
-    """A run restored from serialised state in another instance equals the straight run, bit for bit."""
+    """Checks that a run restored from serialized state in another instance equals the straight run, bit for bit."""
     h, half, end = 0.01, 10, 20
     straight = Instance(description, folder, "straight")
     expected = straight.run(0, end, h)
@@ -109,7 +109,7 @@ def check_state(description, folder):
 
 
 def first_value(description, folder, variable, changes):
-    """What an output is at t = 0 with other start values of some inputs."""
+    """Returns an output at t = 0 with other start values of some inputs."""
     instance = Instance(description, folder, "first", start=False)
     instance.fmu.setupExperiment(startTime=0.0)
     instance.fmu.enterInitializationMode()
@@ -123,7 +123,7 @@ def first_value(description, folder, variable, changes):
 
 
 def other_start(variable):
-    """A start value that the variable may have, not its own."""
+    """Returns a permitted start value that differs from the variable's own."""
     if variable.type == "Boolean":
         return variable.start == "false"
     if variable.type == "Enumeration":
@@ -137,7 +137,8 @@ def other_start(variable):
 
 
 def check_first_outputs(description, folder):
-    """What ModelStructure says about values at t = 0: other inputs change nothing, each one alone and all together."""
+    """Checks ModelStructure's dependencies at t = 0: other inputs change nothing, neither individually nor all
+    together."""
     inputs = [v for v in description.modelVariables if v.causality == "input" and v.type != "String"
               and not v.name.endswith((".base.lo", ".base.hi", ".size"))]
     stated = 0
@@ -156,7 +157,7 @@ def check_first_outputs(description, folder):
 
 
 def check_instances(description, folder):
-    """Two instances stepped in turn do not disturb each other."""
+    """Checks that two instances stepped alternately do not affect each other."""
     h, end = 0.02, 10
     alone = Instance(description, folder, "alone")
     expected = alone.run(0, end, h)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares one flight on two kinds of processor: other_processor.py FOLDER FOLDER.
+"""Compares a run on two kinds of processor: other_processor.py FOLDER FOLDER.
 
-Results and pictures must be the same to the bit. Where they are not, the table says which columns differ, from when on and by how much:
-the first of them is nearest to the cause.
+Results and pictures must have the same bits. If they differ, a table lists the columns, the time of the first difference and its
+size: the earliest is closest to the cause.
 """
 import csv
 import hashlib
@@ -16,7 +16,8 @@ def rows(folder):
 
 
 def differences(one, other):
-    """Of each column that differs: time of the first difference, largest difference; in the order of those times."""
+    """Returns for each column that differs the time of the first difference and the largest difference, in the order
+    of these times."""
     if len(one) != len(other) or one[0] != other[0]:
         sys.exit(f"results.csv: {len(one)} rows with {len(one[0])} columns beside {len(other)} rows with {len(other[0])}")
     found = {}
@@ -31,7 +32,7 @@ def differences(one, other):
 def size(a, b):
     try:
         return abs(float(a) - float(b))
-    except ValueError:  # texts
+    except ValueError:  # a column of texts
         return float("inf")
 
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""FMUs of pythonfmu just run: each in its own process, with the Python of MEBOTS_PYTHON or of PATH.
+"""FMUs of pythonfmu run without preparations: each in its own process, with the Python of MEBOTS_PYTHON or of PATH.
 
 Usage: pythonfmu_check.py MEBOTS
 
-More of what such FMUs compute is compared in compare.py.
+compare.py compares further outputs of such FMUs.
 """
 
 import csv
@@ -56,7 +56,7 @@ def main():
                 check("own", run(mebots, folder, fmu, {"process": "own"}, of_environment), folder),
                 check("own, sandboxed", run(mebots, folder, fmu, {"process": "sandboxed"}, dict(of_environment, PYTHONPATH=packages)), folder),
                 check("automatic, PYTHONPATH", run(mebots, folder, fmu, {}, dict(of_environment, PYTHONPATH=packages)), folder)]
-        right = GAIN * INPUT + STOP - STEP  # the slave adds the time at which its last step began
+        right = GAIN * INPUT + STOP - STEP  # the slave adds the time at which its last step started
         if any(float(row[name]) != right for row in rows for name in row if not name.startswith("time")):
             sys.exit(f"FAILED: every y is {right} at the end, not {rows}")
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bills of materials (SPDX 2.3 JSON) of FMUs and of the installation: whole, and of the same parts as the licences beside them.
+"""Checks bills of materials (SPDX 2.3 JSON) of FMUs and of the installation: complete, and listing the same parts as the
+licences next to them.
 
-Usage: sbom_check.py INSTALLATION.spdx.json FMU... ; with the package spdx-tools installed, its validator has the last word.
+Usage: sbom_check.py INSTALLATION.spdx.json FMU... ; if the package spdx-tools is installed, its validator runs too.
 """
 
 import json
@@ -22,7 +23,8 @@ def require(holds, what):
 
 
 def check(text, where):
-    """What SPDX 2.3 demands of what we write (clauses 6, 7 and 11), and ids that lead somewhere. Returns the packages."""
+    """Checks the requirements of SPDX 2.3 on our documents (clauses 6, 7 and 11), and that all ids exist. Returns
+    the packages."""
     bill = json.loads(text)
     require(bill["spdxVersion"] == "SPDX-2.3" and bill["dataLicense"] == "CC0-1.0", f"{where}: not SPDX 2.3")
     require(bill["SPDXID"] == "SPDXRef-DOCUMENT" and bill["name"], f"{where}: the document has no name")
@@ -47,7 +49,7 @@ def check(text, where):
     return bill["packages"]
 
 
-def ask_the_validator(text, where):
+def run_validator(text, where):
     try:
         from spdx_tools.spdx.parser.parse_anything import parse_file
         from spdx_tools.spdx.validation.document_validator import validate_full_spdx_document
@@ -65,7 +67,7 @@ def main():
     installation, *fmus = map(pathlib.Path, sys.argv[1:])
     text = installation.read_text(encoding="utf-8")
     whole = {package["name"] for package in check(text, installation.name)}
-    validated = ask_the_validator(text, installation.name)
+    validated = run_validator(text, installation.name)
     for fmu in fmus:
         with zipfile.ZipFile(fmu) as archive:
             text = archive.read(BILL).decode("utf-8")
@@ -76,7 +78,7 @@ def main():
         require(names == texts - {"license"}, f"{fmu.name}: parts {sorted(names)}, licences {sorted(texts)}")
         require(all(package["licenseDeclared"] != "NOASSERTION" for package in parts), f"{fmu.name}: a part without a licence")
         require(names <= whole, f"{fmu.name}: not in the installation's: {sorted(names - whole)}")
-        ask_the_validator(text, fmu.name)
+        run_validator(text, fmu.name)
     print(f"{len(fmus)} FMUs and the installation; {'validated by spdx-tools too' if validated else 'spdx-tools is not installed'}")
 
 

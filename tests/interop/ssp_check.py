@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""SSP between tools: ours opens in OMSimulator with the same numbers, and one that OMSimulator writes runs here.
+"""SSP between tools: ours opens in OMSimulator with the same numbers, and one written by OMSimulator runs here.
 
 Usage: ssp_check.py MEBOTS CONFIG.json
 
-Looks for OMSimulator in $OMSIMULATOR and on PATH; skipped (77) without it.
+Searches OMSimulator in $OMSIMULATOR and on PATH; skipped (77) without it.
 """
 
 import json
@@ -16,7 +16,7 @@ import tempfile
 import tools
 
 SKIPPED = 77
-RELATIVE = 1e-11  # both hand the same doubles to the same FMUs; OMSimulator writes 12 significant digits
+RELATIVE = 1e-11  # both pass the same doubles to the same FMUs; OMSimulator writes 12 significant digits
 
 
 def run(program, folder, script):

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One system in four tools: mebots, FMPy, OMSimulator and libcosim, each with the same fixed communication step.
+"""Runs one system in four tools: mebots, FMPy, OMSimulator and libcosim, each with the same fixed communication step.
 
-A system is a config of mebots with absolute paths, plain connections and `steps` instead of a stop time. Every tool answers with
-{"instance.variable": [value at t = 0, h, 2 h ...]} for the outputs that it can show (None where it shows nothing), and
-names what it cannot carry. A tool that refuses a system raises Refused with the tool's words.
+A system is a config of mebots with absolute paths, plain connections and `steps` instead of a stop time. Every tool returns
+{"instance.variable": [value at t = 0, h, 2 h ...]} for the outputs that it supports (None where it has no value), and
+names what it does not support. If a tool rejects a system, Refused contains its message.
 """
 
 import csv
@@ -24,12 +24,12 @@ POINTERS = (".base.lo", ".base.hi", ".size")  # of an OSMP buffer: addresses, wh
 
 
 class Refused(Exception):
-    """The tool does not run the system; the text says why."""
+    """The tool does not run the system; the message says why."""
 
 
 @functools.cache
 def read_description(fmu):
-    """Forgives what FMPy's check finds: pythonfmu leaves attributes out."""
+    """Ignores errors of FMPy's check, because pythonfmu leaves attributes out."""
     return fmpy.read_model_description(fmu, validate=False)
 
 
@@ -38,7 +38,7 @@ def description(instance):
 
 
 def of_python(instance):
-    """Made by pythonfmu: it takes the Python interpreter of the process that loads it."""
+    """True for FMUs of pythonfmu, which use the Python interpreter of the process that loads them."""
     return (description(instance).generationTool or "").startswith("PythonFMU")
 
 
@@ -47,14 +47,15 @@ def variables(instance):
 
 
 def outputs(instance, types=("Real", "Integer", "Boolean", "Enumeration", "String")):
-    """What is compared. Of texts, only those of pythonfmu: ours make a picture's base64 when they are read."""
+    """Returns the outputs to compare. Of texts, only those of pythonfmu: ours compute a picture's base64 when they
+    are read."""
     texts = of_python(instance)
     return [v for v in variables(instance).values() if v.causality == "output" and v.type in types
             and not v.name.endswith(POINTERS) and (v.type != "String" or texts)]
 
 
 def plain_connections(system):
-    """(from, to, type) of every connection; an OSMP buffer is three of Integers."""
+    """Returns (from, to, type) of every connection; an OSMP buffer has three, of Integers."""
     known = {name: variables(instance) for name, instance in system["instances"].items()}
     result = []
     for connection in system["connections"]:
@@ -65,14 +66,14 @@ def plain_connections(system):
 
 
 def number_of(variable, value):
-    """An enumeration's item by its number."""
+    """Returns the number of an enumeration's item."""
     if variable.type == "Enumeration" and isinstance(value, str):
         return next(int(item.value) for item in variable.declaredType.items if item.name == value)
     return value
 
 
 def environment(system):
-    """Of a program that has no Python interpreter of its own."""
+    """Returns the environment of a program without its own Python interpreter."""
     if not any(of_python(instance) for instance in system["instances"].values()):
         return dict(os.environ)
     library = pathlib.Path(sysconfig.get_config_var("LIBDIR")) / sysconfig.get_config_var("INSTSONAME")
@@ -81,7 +82,7 @@ def environment(system):
 
 
 def last_words(text):
-    """The first complaint of a tool, short enough for a table."""
+    """Returns the first error message of a tool, short enough for a table."""
     lines = [line.strip() for line in text.splitlines()
              if line.strip().startswith(("error:", "mebots: error:", "Failed to"))] or text.strip().splitlines()[-1:]
     line = re.sub(r"/\S*/", "", (lines or ["no word"])[0]).replace("|", "/")
@@ -114,7 +115,7 @@ class Mebots:
 
 
 class Fmpy:
-    """simulate_fmu for one FMU; for several the loop that a user writes over FMPy's slaves."""
+    """simulate_fmu for one FMU; for several, a user's loop over FMPy's slaves."""
 
     name = "FMPy"
 
@@ -186,10 +187,10 @@ class Fmpy:
 
 
 class OMSimulator:
-    """The program, named by $OMSIMULATOR or on PATH: the PyPI package fetches it from the project's server.
+    """The program in $OMSIMULATOR or on PATH: the PyPI package fetches it from the project's server.
 
-    It has no connections of texts, and takes only Reals in a loop of outputs that depend on inputs before t = 0: a system that it
-    refuses is given to it again with connections of Reals alone.
+    It has no connections of texts, and supports only Reals in a loop of outputs that depend on inputs before t = 0. If it
+    rejects a system, the system is tried again with connections of Reals only.
     """
 
     name = "OMSimulator"
@@ -239,7 +240,8 @@ class OMSimulator:
 
 
 def read_csv(path, clean):
-    """Columns of a CSV file of numbers, under cleaned names; without the line that tells spreadsheets the separator."""
+    """Returns the columns of a CSV file of numbers, under cleaned names; skips the line that defines the separator
+    for spreadsheets."""
     with path.open(newline="") as file:
         rows = list(csv.reader(line for line in file if not line.startswith('"sep=')))
     names = [clean(name) for name in rows[0]]
@@ -247,19 +249,19 @@ def read_csv(path, clean):
 
 
 def at_points(times, step, steps):
-    """Index of the last row at every communication point: OMSimulator repeats rows at events."""
+    """Returns the index of the last row at every communication point, because OMSimulator repeats rows at events."""
     last = {round(time / step): row for row, time in enumerate(times)}
     return [last[k] for k in range(steps + 1)]
 
 
 class Libcosim:
-    """Enumerations are not a type of its interface: connections and parameters of them are left out, and said to be."""
+    """libcosim. Its interface has no enumerations: their connections and parameters are left out and listed."""
 
     name = "libcosim"
     types = {"Real": "real", "Integer": "integer", "Boolean": "boolean", "String": "string"}
 
     def connect(self, execution, kind):
-        if kind == "Integer":  # libcosimpy 0.0.6 calls a member that it named otherwise
+        if kind == "Integer":  # libcosimpy 0.0.6 declares a member under one name and uses another
             return functools.partial(execution._CosimExecution__connect_int_variables, execution._CosimExecution__ptr)
         return getattr(execution, f"connect_{self.types[kind]}_variables")
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an FMU of another tool must compute, from sources that are not another master (scripts/corpus.sh).
+"""Known solutions for FMUs of other tools, from sources that are not another master (scripts/corpus.sh).
 
-A truth is an analytic solution, or the model's equations solved to 1e-10, or a reference file beside the FMU. The equations come from
-the documentation of the Modelica Standard Library, of the Reference FMUs, and of the repositories that the FMUs are from. Parameters
-come from the FMU's own description. Inputs are constant. The bound says how far an FMU may be from the truth: rounding where its method is
-exact, else the error that the method which its documentation names has at the same step.
+A truth is an analytic solution, the model's equations solved to 1e-10, or a reference file next to the FMU. The equations come
+from the documentation of the Modelica Standard Library, of the Reference FMUs, and of the FMUs' repositories. Parameters come
+from the FMU's own description. Inputs are constant. The bound is the permitted deviation of an FMU from the truth: rounding if
+its method is exact, else the error of its documented method with the same step.
 """
 
 import csv
@@ -37,7 +37,7 @@ class Truth:
 
 
 class Model:
-    """Variables of a description that FMPy read, by name."""
+    """Variables of a description read by FMPy, by name."""
 
     def __init__(self, description):
         self.description = description
@@ -179,7 +179,7 @@ def columns(names, rows):
 
 
 def of_method(names, truth, rate, start, internal=None, event=None):
-    """The bound of explicit Euler with the FMU's internal step, or else with the communication step."""
+    """Returns the bound of explicit Euler with the FMU's internal step, or else with the communication step."""
     def bound(times, step):
         exact = truth(times)
         coarse = columns(names, euler(rate, start, times, internal or step, event))
@@ -189,7 +189,7 @@ def of_method(names, truth, rate, start, internal=None, event=None):
 
 
 def of_tolerance(model, truth):
-    """The bound of a solver with error control: errors of steps add up."""
+    """Returns the bound of a solver with error control: errors of steps add up."""
     steps = 100
 
     def bound(times, _step):
@@ -269,7 +269,8 @@ def ball(model, names, start, gravity, damping, stop_speed, internal, source):
 
 
 def internal_step(model, usual):
-    """The step of a Reference FMU's solver: as its description says, or the usual one; None is the communication step of old versions."""
+    """Returns the step of a Reference FMU's solver: that in its description, or the usual one; None is the
+    communication step of old versions."""
     said = getattr(model.description.coSimulation, "fixedInternalStepSize", None)
     return float(said) if said else usual if model.has("time") else None
 
@@ -280,7 +281,7 @@ def feedthrough(model):
               "real_continuous_": 1.5, "real_discrete_": -2.5, "int_": 7, "bool_": 1}
     ends = ("input", "output") if new else ("in", "out")
     pairs = {part: value for part, value in values.items() if model.has(part + ends[0], part + ends[1])}
-    expected = pairs if new else pairs | {"bool_": 0}  # there it needs string_param = "FMI is awesome!" as well
+    expected = pairs if new else pairs | {"bool_": 0}  # these also require string_param = "FMI is awesome!"
     return Truth("analytic", "outputs equal inputs (README of the Reference FMUs; sources in the FMU)",
                  lambda t: {part + ends[1]: np.full_like(t, value) for part, value in expected.items()},
                  {part + ends[0]: value for part, value in pairs.items()})
@@ -384,7 +385,7 @@ def other(model):
 
 
 def reference_file(fmu, model):
-    """`NAME_ref.csv` or `NAME_out.csv` beside the FMU, if the FMU runs without inputs from a file."""
+    """Reads `NAME_ref.csv` or `NAME_out.csv` next to the FMU, if the FMU runs without inputs from a file."""
     stem = fmu.with_suffix("")
     if pathlib.Path(f"{stem}_in.csv").exists():
         return None
@@ -409,16 +410,16 @@ def reference_file(fmu, model):
 
 
 def truths_of(fmu, description):
-    """All truths that are known for an FMU."""
+    """Returns all known truths for an FMU."""
     model = Model(description)
     found = [rule(model) for rule in (modelica_block, openmodelica, reference_fmu, pendulum, other)]
     return [truth for truth in [*found, reference_file(fmu, model)] if truth]
 
 
 def compare(truth, times, step, found):
-    """The largest error of a variable over its bound, as (ratio, error, text). A ratio of at most 1 agrees.
+    """Returns the largest error of a variable divided by its bound, as (ratio, error, text). A ratio of at most 1 agrees.
 
-    An FMU may end the run early. A bound above a quarter of the largest value says nothing, so that the ratio is infinite.
+    An FMU may end the run early. A bound above a quarter of the largest value proves nothing, so the ratio is infinite.
     """
     reached = min((len(values) for values in found.values()), default=0)
     if reached < 2:

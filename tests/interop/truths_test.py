@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Truths of the corpus against values computed by hand, and against results that must not agree."""
+"""Compares truths of the corpus with values computed by hand, and with results that must not agree."""
 
 import math
 import types
@@ -11,7 +11,7 @@ import truths
 
 
 def description(name, experiment=None, internal=None, **variables):
-    """A description as FMPy reads it, with these variables and start values."""
+    """Returns a description like FMPy's, with these variables and start values."""
     return types.SimpleNamespace(
         modelName=name, defaultExperiment=experiment, coSimulation=types.SimpleNamespace(fixedInternalStepSize=internal),
         modelVariables=[types.SimpleNamespace(name=key, start=None if value is None else str(value)) for key, value in variables.items()])

@@ -37,12 +37,12 @@ def check(condition, message):
 
 
 def signed(number):
-    """The 32 low bits as FMI 2.0's Integer."""
+    """Returns the 32 low bits as FMI 2.0's Integer."""
     return ctypes.c_int32(number & 0xFFFFFFFF).value
 
 
 class Two:
-    """An instance of FMI 2.0. Values by scalar name; an OSMP triple is one value, its bytes."""
+    """An instance of FMI 2.0. Values are accessed by scalar name; an OSMP triple is one value, its bytes."""
 
     def __init__(self, archive, folder, name):
         self.description = fmpy.read_model_description(str(archive))
@@ -66,7 +66,7 @@ class Two:
         return {"Enumeration": "Integer"}.get(kind, kind)
 
     def number_of(self, name, value):
-        """The value of an enumeration's item that a config names."""
+        """Returns the value of an enumeration's item named in a config."""
         variable = self.variables[name]
         if variable.type != "Enumeration" or not isinstance(value, str):
             return value
@@ -95,7 +95,7 @@ class Two:
 
 
 class Three:
-    """The twin of FMI 3.0, by the same scalar names: its value references are the rows of the scalars."""
+    """The twin of FMI 3.0, with the same scalar names: its value references are the rows of the scalars."""
 
     def __init__(self, archive, folder, name, twin):
         self.description = fmpy.read_model_description(str(archive))
@@ -114,7 +114,7 @@ class Three:
                 self.places[scalar] = (variable, element)
         if by_row:
             sys.exit(f"FAILED: FMI 3.0 lacks {', '.join(by_row.values())}")
-        self.inputs = {}  # variable name -> the values of its elements as set last
+        self.inputs = {}  # variable name -> last set values of its elements
         self.fmu = fmpy.fmi3.FMU3Slave(guid=self.description.guid, unzipDirectory=str(folder), instanceName=name,
                                        modelIdentifier=self.description.coSimulation.modelIdentifier)
         self.fmu.instantiate()
@@ -213,7 +213,7 @@ def at(inputs, time):
 
 
 def check_alone(twins, points):
-    """Compares outputs along the reference inputs, and resumes a state in a second instance of FMI 3.0."""
+    """Compares outputs for the reference inputs, and restores a state in a second instance of FMI 3.0."""
     inputs = read_inputs(twins.folders[0])
     two, three = twins.instances("first")
     _, other = twins.instances("second")

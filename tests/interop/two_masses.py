@@ -18,7 +18,7 @@ SECONDS = 5
 
 
 def held(fmu, target):
-    """The same FMU, but it says nothing of time derivatives: inputs are held."""
+    """Returns the same FMU without declared time derivatives: inputs are held."""
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w") as copy:
         for name in source.namelist():
             content = source.read(name)
@@ -42,7 +42,7 @@ def judge(tool, what, folder):
     columns, _ = tool.run(what, folder)
     a, b = columns["a.mass_x"], columns["b.mass_x"]
     largest = 0.0
-    for k in range(1, len(a)):  # libcosim shows nothing at t = 0
+    for k in range(1, len(a)):  # libcosim has no values at t = 0
         t = k * what["step"]
         total, apart = math.cos(math.sqrt(10) * t), math.cos(math.sqrt(30) * t)
         largest = max(largest, abs(a[k] - (total + apart) / 2), abs(b[k] - (total - apart) / 2))

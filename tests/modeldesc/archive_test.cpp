@@ -29,7 +29,7 @@ void write_file(const fs::path& file, const std::string& text) {
 
 class ArchiveTest : public testing::Test {
  protected:
-  /// An archive with one honest entry and then this one, made with libzip itself so that any name goes.
+  /// Returns an archive with one ordinary entry and then this one, made with libzip itself, which accepts any name.
   fs::path with_entry(const std::string& name, const std::string& content, mode_t kind = S_IFREG) {
     const fs::path file = folder_.path() / "evil.zip";
     fs::remove(file);
@@ -219,7 +219,7 @@ TEST_F(ArchiveTest, DamagedContentIsNoticed) {
   std::string content(5000, ' ');
   for (std::size_t i = 0; i < content.size(); ++i) content[i] = static_cast<char>('a' + i * i % 23);
   std::string bytes = read_file(with_entry("a", content));
-  // Inside the packed bytes of the second entry, in front of the directory at the end.
+  // Inside the packed bytes of the second entry, before the directory at the end.
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
   write_file(folder_.path() / "damaged.fmu", bytes);
   try {
@@ -251,7 +251,7 @@ TEST_F(ArchiveTest, AnFmuWhoseLibrariesDoNotTravelAlongIsNotPacked) {
   parts.description = MEBOTS_BINARY_DIR "/generated/lag/modelDescription.xml";
   parts.documentation = MEBOTS_BINARY_DIR "/generated/lag/index.html";
   parts.binary = MEBOTS_BINARY_DIR "/fmu_binaries/lag.so";
-  parts.libraries = {LIBZIP_LIBRARY};  // needs a compression library, which is not given
+  parts.libraries = {LIBZIP_LIBRARY};  // needs a compression library, which is not passed
   try {
     pack_fmu(folder_.path() / "x.fmu", parts);
     FAIL();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reader of CSV files: cells, places of mistakes, and files of other formats.
+// The reader of CSV files: cells, places of errors, and files in other formats.
 #include "mebots/data/csv.hpp"
 #include "mebots/error.hpp"
 
@@ -27,7 +27,7 @@ std::vector<Row> rows_of(std::string_view text) {
   return rows;
 }
 
-/// Code and text of the error that reading all rows gives; column `numbers` (from 0) is read as numbers.
+/// Returns code and text of the error when reading all rows; column `numbers` (from 0) is read as numbers.
 std::pair<ErrorCode, std::string> refusal_of(std::string_view text, std::size_t numbers = 0) {
   try {
     CsvReader reader(text, "t.csv");

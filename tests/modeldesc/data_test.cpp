@@ -20,7 +20,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Code and place of every mistake that comes up when `read` gets the root of this text.
+/// Returns code and place of every mistake when `read` gets the root of this text.
 template <typename Read>
 std::vector<std::pair<ErrorCode, std::string>> mistakes_of(std::string_view text, const Read& read) {
   std::vector<std::pair<ErrorCode, std::string>> found;
@@ -180,7 +180,8 @@ TEST(Document, TakesTimeInProportionToItsLength) {
     return std::chrono::duration<double>(Clock::now() - start).count();
   };
   seconds(1000);
-  // 50 times the length; ten times that and a tenth of a second leave room for a busy machine. Quadratic would be 2500.
+  // 50 times the length; the bound of ten times that plus a tenth of a second allows for a busy machine. Quadratic time
+  // would be 2500.
   EXPECT_LT(seconds(100'000), 500 * seconds(2000) + 0.1);
 }
 

@@ -36,7 +36,7 @@ std::string error_of(const std::string& variables) {
   return "no error";
 }
 
-/// An array of as many elements as the structural parameter "n".
+/// An array whose size is the structural parameter "n".
 constexpr const char* kSized = R"(
   <UInt64 name="n" valueReference="1" causality="structuralParameter" start="2"/>
   <Float64 name="m" valueReference="2" causality="output" start="1 2 3 4 5 6">

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shell's face of FMI 3.0, as an importing tool sees it: unpacked, loaded with dlopen, called through C.
+// The shell's interface of FMI 3.0, used like an importing tool does: unpacked, loaded with dlopen, called through C.
 #include "mebots/fmi3/functions.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
@@ -69,7 +69,7 @@ class Fmu3 {
 
 #define CALL(fmu, name) (fmu).find<decltype(name)>(#name)
 
-/// One instance with the messages that it sent.
+/// An instance with its logged messages.
 class Instance3 {
  public:
   explicit Instance3(const Fmu3& fmu, bool event_mode = false) : fmu_(fmu) {
@@ -121,7 +121,7 @@ class Instance3 {
     EXPECT_EQ(CALL(fmu_, fmi3GetString)(handle_, &reference, 1, &value, 1), fmi3OK) << last_message_;
     return value;
   }
-  /// Sets a Binary array from bytes that are gone afterwards.
+  /// Sets a Binary array from bytes that are freed afterwards.
   fmi3Status set_binaries(const std::string& name, const std::vector<std::string>& texts) {
     const auto reference = fmu_.reference(name);
     std::vector<std::vector<std::uint8_t>> copies;

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-/// The test FMU as an importing tool sees it: unpacked, loaded with dlopen, called through C.
+/// The test FMU, used like an importing tool does: unpacked, loaded with dlopen, called through C.
 namespace mebots::test {
 
 using Library = fmi2::Functions;
@@ -49,7 +49,7 @@ struct Message {
   std::string text;
 };
 
-/// One instance with the messages it sent.
+/// An instance with its logged messages.
 class Lag {
  public:
   explicit Lag(const std::string& name = "lag", bool logging_on = false);
@@ -62,7 +62,7 @@ class Lag {
   /// Text of the last message, or "".
   std::string last_message() const { return messages_.empty() ? "" : messages_.back().text; }
 
-  /// Setup, enter and exit: ready to step.
+  /// Sets up, enters and exits initialisation: ready to step.
   void start(double start_s = 0);
   fmi2Status step(double point_s, double step_s);
 
@@ -80,7 +80,7 @@ class Lag {
 
   static void log(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status, fmi2String category,
                   fmi2String format, ...);
-  /// Callbacks whose messages land in `messages`.
+  /// Returns callbacks whose messages are appended to `messages`.
   static fmi2CallbackFunctions callbacks(std::vector<Message>& messages);
 
  private:

@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Drives the lag with a changing input; the same call gives the same bits.
+/// Steps the lag with a changing input; equal calls give equal bits.
 void drive(Lag& lag, int from, int to) {
   for (int i = from; i < to; ++i) {
     ASSERT_EQ(lag.set("left.u", i % 7 - 3), fmi2OK);
@@ -39,8 +39,8 @@ void expect_same_bits(Lag& a, Lag& b) {
   EXPECT_EQ(a.string("history.text"), b.string("history.text"));
 }
 
-/// A straight run beside one that is taken apart in the middle by `transfer`.
-void expect_goes_on_with_same_bits(const std::function<void(Lag& from, Lag& to)>& transfer) {
+/// Compares a straight run with one that is transferred in the middle by `transfer`.
+void expect_same_bits_after(const std::function<void(Lag& from, Lag& to)>& transfer) {
   Lag straight;
   prepare(straight);
   straight.start();
@@ -57,7 +57,7 @@ void expect_goes_on_with_same_bits(const std::function<void(Lag& from, Lag& to)>
 }
 
 TEST(ShellState, SavedAndRestoredInAFreshInstanceGoesOnWithTheSameBits) {
-  expect_goes_on_with_same_bits([](Lag& from, Lag& to) {
+  expect_same_bits_after([](Lag& from, Lag& to) {
     fmi2FMUstate state = from.save();
     ASSERT_EQ(library().set_fmu_state(to.component(), state), fmi2OK) << to.last_message();
     ASSERT_EQ(library().free_fmu_state(from.component(), &state), fmi2OK);
@@ -66,7 +66,7 @@ TEST(ShellState, SavedAndRestoredInAFreshInstanceGoesOnWithTheSameBits) {
 }
 
 TEST(ShellState, SerialisedAndReadBackGoesOnWithTheSameBits) {
-  expect_goes_on_with_same_bits([](Lag& from, Lag& to) {
+  expect_same_bits_after([](Lag& from, Lag& to) {
     const std::vector<char> bytes = from.serialized();
     fmi2FMUstate state = nullptr;
     ASSERT_EQ(library().deserialize_fmu_state(to.component(), bytes.data(), bytes.size(), &state), fmi2OK)
@@ -88,7 +88,7 @@ TEST(ShellState, GoesBackInTimeInTheSameInstance) {
   ASSERT_EQ(library().set_fmu_state(lag.component(), state), fmi2OK);
   drive(lag, 10, 20);
   expect_same_bits(straight, lag);
-  // The same handle takes another state.
+  // The same handle receives another state.
   ASSERT_EQ(library().get_fmu_state(lag.component(), &state), fmi2OK);
   ASSERT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);
 }
@@ -170,12 +170,12 @@ TEST(ShellState, DamagedOrForeignBytesAreRefused) {
   std::vector<char> longer = good;
   longer.push_back('x');
   refused(longer);
-  // The instance goes on.
+  // The instance continues.
   drive(lag, 5, 6);
 }
 
-/// The same bytes with another fingerprint of the layout, as another build of the same description would write them:
-/// its checksum is right. Behind magic number and format stand two texts with their lengths, layout and checksum.
+/// The same bytes with another hash of the layout, as another build of the same description would write them; the
+/// checksum is correct. After magic number and format there are two texts with their lengths, layout and checksum.
 std::vector<char> of_another_build(std::vector<char> bytes) {
   const auto number_at = [&](std::size_t at) {
     std::uint64_t number = 0;

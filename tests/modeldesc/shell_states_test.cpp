@@ -61,7 +61,7 @@ TEST(Shell, TakesEveryFormOfFileUri) {
   }
 }
 
-/// Every function that takes an instance, called with arguments that are right.
+/// Every function that takes an instance, called with correct arguments.
 struct Call {
   const char* name;
   std::function<fmi2Status(fmi2Component)> call;
@@ -130,7 +130,7 @@ std::vector<Call> all_calls() {
   };
 }
 
-/// What FMI 2.0.4 (section 4.2.4) allows, written down a second time, function by function.
+/// The rules of FMI 2.0.4 (section 4.2.4), implemented a second time, function by function.
 bool is_legal(const std::string& name, const std::string& state) {
   if (name == "fmi2SetDebugLogging" || name == "fmi2Reset" || name.ends_with("FMUstate")) return true;
   if (name == "fmi2SetupExperiment") return state == "instantiated";
@@ -205,7 +205,7 @@ TEST(Shell, SaysWhatItDoesNotOffer) {
   EXPECT_EQ(library().cancel_step(lag.component()), fmi2Error);
   fmi2Integer value = 0;
   EXPECT_EQ(library().get_integer_status(lag.component(), fmi2DoStepStatus, &value), fmi2Error);
-  EXPECT_EQ(lag.step(0, 0.1), fmi2OK);  // none of these did harm
+  EXPECT_EQ(lag.step(0, 0.1), fmi2OK);  // none of these had an effect
 }
 
 TEST(Shell, AMendableErrorInAStepLeadsToStateErrorAndResetLeadsOut) {

@@ -93,7 +93,7 @@ TEST(ShellValues, OfOutputsAndOfFixedParametersAfterInitialisationCannotBeSet) {
   EXPECT_EQ(lag.set("gain", 2), fmi2OK);  // tunable
   ASSERT_EQ(lag.set("left.u", 1), fmi2OK);
   ASSERT_EQ(lag.step(0, 50), fmi2OK);
-  EXPECT_NEAR(lag.real("left.y"), 2, 1e-12);  // settled: exp(-50) of the way is left
+  EXPECT_NEAR(lag.real("left.y"), 2, 1e-12);  // steady: the remaining distance is exp(-50)
 }
 
 TEST(ShellValues, UnknownReferencesAndWrongTypesAreNamed) {
@@ -139,7 +139,7 @@ TEST(ShellValues, TextsAndBytesTravelBothWays) {
 TEST(ShellValues, AStepThatEndsInTheNanosecondReachedAlreadyChangesNothing) {
   Lag lag;
   lag.start(10);
-  EXPECT_EQ(lag.step(10, 2e-13), fmi2OK);  // what is left when a tool adds up its steps
+  EXPECT_EQ(lag.step(10, 2e-13), fmi2OK);  // the rest when a tool adds up its steps
   EXPECT_EQ(lag.integer("steps"), 0);
   EXPECT_EQ(lag.step(10, 1e-9), fmi2OK);
   EXPECT_EQ(lag.integer("steps"), 1);
@@ -178,7 +178,7 @@ TEST(ShellValues, ATenThousandFoldSumOfStepsDoesNotDrift) {
   Lag lag;
   ASSERT_EQ(lag.set("left.u", 1), fmi2OK);
   lag.start();
-  double summed = 0;  // as a tool that adds up its steps
+  double summed = 0;  // like a tool that adds up its steps
   for (int i = 0; i < 10000; ++i) {
     ASSERT_EQ(lag.step(summed, 0.1), fmi2OK) << lag.last_message();
     summed += 0.1;

@@ -25,8 +25,8 @@ struct Cell {
 };
 
 struct Pack {
-  std::vector<Cell> cells = std::vector<Cell>(3);  // as many as it was made with
-  std::vector<Cell> spares;                        // come and go
+  std::vector<Cell> cells = std::vector<Cell>(3);  // a fixed number
+  std::vector<Cell> spares;                        // a variable number
   std::optional<std::int32_t> fault;
   std::optional<Cell> boost;
   std::variant<double, std::int32_t, std::string> setting = 0.5;
@@ -71,7 +71,7 @@ TEST(State, RestoredObjectKnowsWhatTheSavedOneKnew) {
   Pack restored;
   restore(restored, save(saved));
   EXPECT_EQ(first_difference(saved, restored), std::nullopt);
-  EXPECT_EQ(restored.cells[2].sum_v, 3);  // what follows is computed anew
+  EXPECT_EQ(restored.cells[2].sum_v, 3);  // derived values are computed again
   EXPECT_EQ(restored.names, saved.names);
   EXPECT_EQ(restored.setting, saved.setting);
 

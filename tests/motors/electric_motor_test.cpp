@@ -39,7 +39,7 @@ double ripple_w(const RotorData& rotor, const RotorDrive& drive) {
   return rotor.motor->ripple_conductance_s * std::pow(drive.voltage_v * (1 - drive.duty), 2);
 }
 
-/// What Runge-Kutta's method of order 4 makes of the motor's equations: speed, copper loss and work at the shaft.
+/// The solution of the motor's equations by the Runge-Kutta method of order 4: speed, copper loss and shaft work.
 struct Reference {
   double speed = 0;
   double copper_j = 0;
@@ -137,7 +137,7 @@ TEST(ElectricMotor, ResultDoesNotDependOnTheStep) {
 }
 
 TEST(ElectricMotor, DiodeBlocksBrakingCurrent) {
-  // Far below the back EMF the rotor slows down as one that is switched off.
+  // Far below the back EMF the rotor slows down as if it were switched off.
   const RotorData rotor = legacy_rotor();
   const RotorStep idle = advance_motor(rotor, drive_at(rotor, 0.1, 3.6), 2000, 0.01);
   const RotorStep off = advance_motor(rotor, drive_at(rotor, 0, 3.6), 2000, 0.01);
@@ -166,7 +166,7 @@ TEST(ElectricMotor, ModelDeliversItsPowerToTheBus) {
   EXPECT_NEAR(stand.outputs.power_w, 4 * expected_w, 1e-9 * expected_w);
 }
 
-/// Bus voltage behind a source of 4.1 V and 0.16 Ohm, which steps at the same time as the motors (Jacobi).
+/// Bus voltage of a source of 4.1 V and 0.16 Ohm, which steps at the same time as the motors (Jacobi).
 struct Supplied {
   explicit Supplied(double bus_resistance_ohm) : stand(chosen(bus_resistance_ohm)) {
     stand.inputs.bus_voltage_v = kSource_v;
@@ -200,12 +200,13 @@ TEST(ElectricMotor, BusResistanceTakesTheSurgeOfTheFirstStepOff) {
     held.step();
     sagging.step();
   }
-  // At standstill four motors are 1.46 S: 3.32 V and, with the ripple's loss, 17.5 W. Held at 4.1 V it would be 26.5 W.
+  // At standstill four motors have 1.46 S: 3.32 V and, with the ripple's loss, 17.5 W. With a constant 4.1 V it would
+  // be 26.5 W.
   EXPECT_GT(held.greatest_w, 25);
   EXPECT_LT(held.least_v, 2.8);
   EXPECT_NEAR(sagging.greatest_w, 17.5, 0.5);
   EXPECT_GT(sagging.least_v, 3.2);
-  // Settled, both are the same: the current no longer changes.
+  // In the steady state both are equal: the current no longer changes.
   EXPECT_NEAR(sagging.stand.inputs.bus_voltage_v, held.stand.inputs.bus_voltage_v, 1e-9);
   EXPECT_NEAR(sagging.stand.outputs.power_w, held.stand.outputs.power_w, 1e-8);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rotor files against the table that they quote, and files that must be refused.
+// The rotor files compared with the table that they quote, and files that must be rejected.
 #include "support.hpp"
 
 #include <cmath>
@@ -35,7 +35,7 @@ TEST(RotorData, ThrustCoefficientIsTheLeastSquaresFitOfTheBench) {
 }
 
 TEST(RotorData, PowerIsTheLeastSquaresFitOfTheBench) {
-  // Normal equations of P = a w + b F over the rows that turn, avionics taken off.
+  // Normal equations of P = a w + b F over the rows that turn, without avionics.
   double ww = 0;
   double wf = 0;
   double ff = 0;

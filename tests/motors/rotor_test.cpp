@@ -35,7 +35,7 @@ double numerical_energy_j(const RotorData& rotor, const RotorDrive& drive, doubl
 TEST(Rotor, EnergyIsTheIntegralOfThePowerUpDownAndThroughZero) {
   RotorData rotor = bench_rotor();
   const double k = rotor.thrust_coefficient;
-  for (const double inertia_factor : {1.0, 5.0}) {  // the heavy rotor has a stretch without power on the way down
+  for (const double inertia_factor : {1.0, 5.0}) {  // while slowing down, the heavy rotor has an interval without power
     rotor.inertia_kg_m2 = 6.983466e-8 * inertia_factor;
     for (const auto& [initial, steady] :
          {std::pair{0.0, 2000.0}, {1900.0, 2000.0}, {2500.0, 2000.0}, {2500.0, 300.0}}) {
@@ -56,7 +56,7 @@ TEST(Rotor, TakesNoPowerWhileItsKineticEnergyCoversItsLosses) {
 }
 
 TEST(Rotor, EnergyBalancesBenchPowerAndKineticEnergy) {
-  // Up, down and up again, never without power: what went in is bench power plus the change of kinetic energy.
+  // Up, down and up again, never without power: the input is bench power plus the change of kinetic energy.
   const RotorData rotor = bench_rotor();
   double speed = 0;
   double in_j = 0;
@@ -92,7 +92,7 @@ TEST(Rotor, ResultDoesNotDependOnTheStep) {
 }
 
 TEST(Rotor, InertiaIsThatOfARotorSlowedByItsDragTorque) {
-  // The file says that it is derived so; this is the derivation.
+  // The file states this derivation; here it is repeated.
   const RotorData rotor = bench_rotor();
   EXPECT_NEAR(rotor.inertia_kg_m2,
               rotor.torque_per_thrust_m * rotor.thrust_coefficient / rotor.spin_down.quadratic_per_rad,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The closed form against a plain numerical integration of the same equation.
+// The closed form compared with numerical integration of the same equation.
 #include "speed_course.hpp"
 
 #include <gtest/gtest.h>

@@ -49,14 +49,14 @@ inline std::vector<BenchRow> bench_rows() {
   return rows;
 }
 
-/// Of the rotor whose bench table the tests have.
+/// Returns parameters of the rotor whose bench table the tests have.
 inline Parameters bench_parameters() {
   Parameters parameters;
   parameters.rotor_data = "crazyflie_bench";
   return parameters;
 }
 
-/// A model with its variables, as fmu.cpp holds them.
+/// A model with its variables, as in fmu.cpp.
 struct Stand {
   explicit Stand(const Parameters& parameters = bench_parameters()) : model(parameters, kParams) {
     model.start(inputs, outputs);

@@ -3,7 +3,7 @@
 
 namespace mebots::test {
 
-/// How often the program has asked operator new for memory, on all threads.
+/// Returns the number of calls of operator new on all threads.
 long allocations();
 
 }  // namespace mebots::test

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <string>
 
-/// What the tests of the battery and of the motors share.
+/// Shared by the tests of the battery and of the motors.
 namespace mebots::test {
 
 /// The folder params/ of the FMU under test.

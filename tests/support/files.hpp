@@ -7,8 +7,8 @@
 
 namespace mebots::test {
 
-/// A temporary folder of its own that goes with this object. Its name has a space, as users' folders do, unless a tool
-/// of somebody else's has to bear it.
+/// A temporary folder, deleted by the destructor. Its name contains a space, as users' folders do, unless another tool
+/// cannot handle that.
 class Folder {
  public:
   explicit Folder(std::string_view name = "mebots test");
@@ -23,10 +23,10 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// The bytes of a file; none when it cannot be read.
+/// Returns the bytes of a file; empty if it cannot be read.
 std::string read_file(const std::filesystem::path& file);
 
-/// Throws std::runtime_error when it cannot be written.
+/// Throws std::runtime_error if it cannot be written.
 void write_file(const std::filesystem::path& file, std::string_view bytes);
 
 }  // namespace mebots::test

@@ -25,7 +25,7 @@ static long seen;  // calls of the kind that fails
 static long own_counts[KINDS];
 static long* counts = own_counts;
 
-// The nth call of the kind fails.
+// Makes the nth call of the kind fail.
 void arm(const char* in, int kind, int error, long nth, int fails_on) {
   snprintf(folder, sizeof folder, "%s", in);
   fault_kind = kind;
@@ -48,7 +48,7 @@ static long number_of(const char* variable) {
   return text == NULL ? 0 : atol(text);
 }
 
-// IO_FAULTS_COUNTS names a file of KINDS numbers, which a process that ends in any way leaves behind.
+// IO_FAULTS_COUNTS names a file of KINDS numbers, which remains however the process ends.
 __attribute__((constructor)) static void read_environment(void) {
   flag = getenv("IO_FAULTS_FLAG");
   const char* in = getenv("IO_FAULTS_FOLDER");
@@ -63,7 +63,7 @@ __attribute__((constructor)) static void read_environment(void) {
       (int)number_of("IO_FAULTS_STICKY"));
 }
 
-// The lock of a folder is no result.
+// The lock of a folder is not a result.
 static int is_inside(const char* path) {
   return folder[0] != 0 && strncmp(path, folder, strlen(folder)) == 0 && strstr(path, ".mebots.lock") == NULL;
 }
@@ -79,7 +79,7 @@ static int is_of_folder(int descriptor) {
   return is_inside(path);
 }
 
-// Closing what was only read loses nothing.
+// Closing a file that was only read loses nothing.
 static int is_written(int descriptor) {
   return (fcntl(descriptor, F_GETFL) & O_ACCMODE) != O_RDONLY && is_of_folder(descriptor);
 }

@@ -13,12 +13,13 @@ KINDS = ("write", "pwrite", "fsync", "fdatasync", "rename", "link", "close", "ft
 SHORT = -1
 FAULTS = {"ENOSPC": errno.ENOSPC, "EIO": errno.EIO, "EINTR": errno.EINTR, "short write": SHORT}
 HARMLESS = ("EINTR", "short write")
-"""Faults after which the program must go on as if nothing was."""
+"""Faults after which the program must continue unaffected."""
 STICKY = " from then on"
 
 
 def faults_of(kind):
-    """The names of the faults that calls of a kind can have. A call that EINTR ends each time would never end."""
+    """Returns the names of the possible faults of a kind of calls. A call that EINTR interrupts each time would
+    never end."""
     once = [name for name in FAULTS if name != "short write" or kind in ("write", "pwrite")]
     return once + [name + STICKY for name in once if name != "EINTR"]
 
@@ -35,7 +36,8 @@ def library(folder):
 
 
 def run(preload, command, folder, kind="", fault="", nth=0):
-    """Runs a command with one fault, or without. Returns what subprocess does, and the number of calls of each kind."""
+    """Runs a command with one fault, or without. Returns the result of subprocess and the number of calls of each
+    kind."""
     counts = pathlib.Path(preload).with_suffix(".counts")
     counts.write_bytes(bytes(8 * len(KINDS)))
     environment = os.environ | {
@@ -53,12 +55,13 @@ def run(preload, command, folder, kind="", fault="", nth=0):
 
 
 def numbers(count, most):
-    """The numbers of the calls that fail: all of them, or a few that include the first and the last."""
+    """Returns the numbers of the calls to fail: all of them, or a few that include the first and the last."""
     return range(1, count + 1) if count <= most else sorted({1 + round(at * (count - 1) / (most - 1)) for at in range(most)})
 
 
 def table_row(files, kind, fault, count, ends):
-    """A row of the table of faults. ``ends``: how often a fault ended in a way; an empty text is the required one."""
+    """Returns a row of the table of faults. ``ends`` counts the outcomes of a fault; an empty text is the required
+    one."""
     others = "; ".join(f"{number}: {text}" for text, number in ends.items() if text)
     return f"| {files} | {kind} | {fault} | {ends.total()} of {count} | {ends['']} | {others} |"
 

@@ -3,8 +3,7 @@
 
 namespace mebots::test {
 
-/// The address and the thread sanitizer answer the signals of a crash before anybody else, and have heap and address
-/// space to themselves.
+/// The address and the thread sanitizer handle the signals of a crash first, and control heap and address space.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kSanitizerTakesCrashesAndMemory = true;
 #else

@@ -11,7 +11,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// A changed easy mission, which must not begin.
+/// Runs a changed easy mission, which must not start.
 Flight refused(const std::function<void(nlohmann::ordered_json&)>& change, const std::vector<std::string>& sets = {}) {
   const Folder folder;
   auto config = shipped_config("gate_easy");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The drone's missions with its firmware on GAP8's own devices: fmu_gap8_drone in the place of fmu_soc.
+// The drone's missions with its firmware on GAP8's own devices: fmu_gap8_drone in place of fmu_soc.
 #include "missions.hpp"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ std::filesystem::path shipped(const std::string& name) {
   return std::filesystem::path(MEBOTS_SOURCE_DIR) / "configs" / (name + ".json");
 }
 
-/// A shipped mission, flown as it is and judged. A decision takes its frame's 20.2 ms and less than one more frame.
+/// Runs and checks an unchanged shipped mission. A decision takes its frame's 20.2 ms and less than one more frame.
 void expect_passed(const std::string& mission, int least_pictures) {
   const Folder folder;
   const auto flight = fly(shipped(mission), folder / "out");
@@ -54,12 +54,12 @@ TEST(Gap8Drone, TheFirmwareSetsTheClocksAndTheVoltageThatTheMissionSays) {
   const auto chip_j = [](const auto& flight) {
     return flight.summary.at("chip_energy").at("total").template get<double>();
   };
-  // Nearly as many cycles: the ways to L2 are shorter by the cluster's clock.
+  // Almost proportional: the paths to L2 are shorter in cycles of the cluster's clock.
   EXPECT_NEAR(inference_s(slow) / inference_s(usual), 87.0 / 25.0, 0.25);
   EXPECT_LT(chip_j(slow), 0.8 * chip_j(usual)) << "the voltage goes in squared";
 }
 
-/// Mistakes about pictures: told before t = 0, with the place, both sizes and what to do.
+/// Errors about pictures: reported before t = 0, with the place, both sizes and the remedy.
 TEST(Gap8Drone, PicturesOfAnotherSizeThanTheSensorsAreRefusedBeforeTheFlight) {
   const Folder folder;
   const auto flight =

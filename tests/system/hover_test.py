@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies configs/hover.json, and checks its power against the weight that the rotors carry.
+"""Runs configs/hover.json, and compares its power with the weight that the rotors carry.
 
 Usage: hover_test.py MEBOTS
 """
@@ -26,7 +26,7 @@ def hover(mebots, out, *sets):
 
 
 def bench_power(mass):
-    """Electrical power [W] of four rotors that carry this mass [kg], by the rotor file's fit."""
+    """Returns the electrical power [W] of four rotors that carry this mass [kg], by the rotor file's fit."""
     rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_bench.json").read_text())
     thrust = mass * GRAVITY / 4
     speed = math.sqrt(thrust / rotor["thrust_coefficient"]["value"])
@@ -34,7 +34,7 @@ def bench_power(mass):
 
 
 def motor_power(mass, voltage):
-    """The same by the law of a rotor file with `motor`."""
+    """Returns the same by the equations of a rotor file with `motor`."""
     rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_legacy.json").read_text())
     emf, ohm, ripple = (rotor["motor"][key]["value"] for key in ("back_emf", "resistance", "ripple_conductance"))
     square = mass * GRAVITY / 4 / rotor["thrust_coefficient"]["value"]
@@ -62,7 +62,7 @@ def main():
         loaded = hover(mebots, out, *BENCH, "world.drone.dry_mass=0.0299")
         assert loaded["outcome"] == "battery_empty", loaded["outcome"]
         near(loaded["energy"]["motors"] / loaded["simulated_time"], bench_power(0.037), 0.005, "motor power with 10 g")
-        # The loss in the cell grows with the square of the current: endurance falls faster than power rises.
+        # The loss in the cell grows with the square of the current: endurance decreases faster than power increases.
         powers = [AVIONICS + bench_power(mass) for mass in (0.027, 0.037)]
         assert loaded["simulated_time"] / seconds < powers[0] / powers[1], (loaded["simulated_time"], seconds)
 

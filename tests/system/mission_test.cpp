@@ -13,14 +13,14 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A shipped config that records every communication point, for tests that look between its rows.
+/// Returns a shipped config that records every communication point, for tests that need more than its rows.
 nlohmann::ordered_json every_point(const std::string& name) {
   auto config = shipped_config(name);
   config.erase("record");
   return config;
 }
 
-/// Flies the easy mission once for all tests that look at it.
+/// Runs the easy mission once for all tests that use it.
 class GateEasy : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -48,7 +48,7 @@ TEST_F(GateEasy, DroneTakesOffPassesTheGateAndLands) {
   ASSERT_EQ(flight_->exit_code, 0) << flight_->output;
   EXPECT_EQ(flight_->summary.at("outcome"), "passed") << flight_->output;
   const auto altitude = values("world.drone.position.z");
-  // The motors start as slowly as real ones, and the reference of the climb runs ahead meanwhile.
+  // The motors start as slowly as real ones, and meanwhile the reference of the climb advances.
   EXPECT_NEAR(*std::max_element(altitude.begin(), altitude.end()), 1.0, 0.2);
   EXPECT_LT(altitude.back(), 0.05);
   EXPECT_EQ(values("world.gate.touched").back(), 0);
@@ -73,7 +73,7 @@ TEST_F(GateEasy, DroneCruisesAtTheSpeedThatItsFirmwareAsksFor) {
   double sum = 0;
   int count = 0;
   for (std::size_t i = 1500; i < speed.size(); ++i) {
-    // Three seconds after the set-point came, the stabiliser's transient is over.
+    // Three seconds after a new set-point, the stabiliser's transient is over.
     if (mode[i] != 2 || asked[i] < 0.2 || asked[i] != asked[i - 1500]) continue;
     sum += speed[i];
     ++count;
@@ -90,7 +90,7 @@ TEST_F(GateEasy, EveryJouleOfTheCellIsAccountedFor) {
 }
 
 TEST_F(GateEasy, BatteryDeliversWhatTheLoadsReportOneStepLater) {
-  // The battery sees a load's mean power of a step in the step after it: all but the last step's energy arrived.
+  // The battery receives a load's mean power of a step in the next step: all but the last step's energy has arrived.
   const double reported = values("motors.energy").back();
   const double delivered = values("battery.motors.energy").back();
   const double under_way = values("motors.power").back() * 0.002;
@@ -149,7 +149,7 @@ TEST_F(GateEasy, PicturesOfTheFlightAreKept) {
   EXPECT_GT(count, 10);
 }
 
-/// One mission that differs from the easy one in a single thing.
+/// Runs the easy mission with one change.
 Flight fly_changed(const std::vector<std::string>& sets) {
   const Folder folder;
   return fly(write(folder / "changed.json", shipped_config("gate_easy")), folder / "out", sets);
@@ -181,7 +181,7 @@ TEST(Mission, DroneThatSeesNothingDoesNotPass) {
 }
 
 TEST(Mission, DroneThatHangsOnTheFrameIsStuckHoweverItsCellEnds) {
-  // Started a metre before the left upright, with nobody steering.
+  // Started a metre in front of the left upright, without steering.
   const auto flight = fly_changed({"world.start.offset.x=4", "world.start.offset.y=0.45",
                                    "soc.mission.yaw_rate_scale=0", "battery.cell.initial_state_of_charge=0.2"});
   EXPECT_EQ(flight.exit_code, 0) << flight.output;
@@ -190,7 +190,7 @@ TEST(Mission, DroneThatHangsOnTheFrameIsStuckHoweverItsCellEnds) {
 }
 
 TEST(Mission, DroneThatComesBackThroughTheGateIsTurnedBack) {
-  // Somebody pulls it back as soon as it is behind the gate, and lands it where it started.
+  // Pulls the drone back as soon as it is behind the gate, and lands it at its start.
   auto config = shipped_config("gate_easy");
   config["scenario"] = nlohmann::ordered_json::parse(R"([
     {"variable": "world.setpoint.velocity.x", "set": -0.3,
@@ -225,7 +225,7 @@ TEST(Mission, FirmwareThatFaultsLeavesResultsAndAMessage) {
   const Folder folder;
   const auto elf = folder / "lost.elf";
   const auto source = folder / "lost.S";
-  std::ofstream(source) << ".globl _start\n_start: lui t0, 0x40000\n jr t0\n";  // a jump to where nothing is
+  std::ofstream(source) << ".globl _start\n_start: lui t0, 0x40000\n jr t0\n";  // a jump to an address without code
   const std::string build =
       "riscv64-unknown-elf-gcc -nostdlib -march=rv32imc_zicsr -mabi=ilp32 -Wl,-N,-Ttext=0x1C000000 '" +
       source.string() + "' -o '" + elf.string() + "'";

@@ -13,13 +13,13 @@ namespace mebots::system_test {
 using mebots::test::Folder;
 using mebots::test::read_file;
 
-/// A config of the repository. Programs and FMUs of one build find each other by name.
+/// Returns a config of the repository. Programs and FMUs of a build find each other by name.
 nlohmann::ordered_json shipped_config(const std::string& name);
 
 /// Writes a config and returns its path.
 std::filesystem::path write(const std::filesystem::path& path, const nlohmann::ordered_json& config);
 
-/// What one call of `mebots` left behind.
+/// The results of one call of `mebots`.
 struct Flight {
   int exit_code = -1;
   std::string output;  ///< stdout and stderr
@@ -31,10 +31,10 @@ struct Flight {
 Flight fly(const std::filesystem::path& config, const std::filesystem::path& out,
            const std::vector<std::string>& sets = {}, const std::vector<std::string>& more = {});
 
-/// The names in the header of results.csv, units left out, but for the time.
+/// Returns the names in the header of results.csv without units, except the time.
 std::vector<std::string> column_names(const std::string& results);
 
-/// A column of results.csv by "instance.variable".
+/// Returns a column of results.csv by "instance.variable".
 std::vector<double> column(const std::string& results, const std::string& name);
 
 }  // namespace mebots::system_test

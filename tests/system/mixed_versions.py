@@ -20,13 +20,13 @@ MIXTURES = [[], ["world"], ["soc"], ["soc", "world"], ["motors", "battery"], ["s
 
 
 def arrays_of(archive):
-    """The names of the variables that have dimensions."""
+    """Returns the names of the variables that have dimensions."""
     description = xml.etree.ElementTree.fromstring(zipfile.ZipFile(archive).read("modelDescription.xml"))
     return {v.get("name") for v in description.find("ModelVariables") if v.find("Dimension") is not None}
 
 
 def element_name(name, arrays):
-    """The name in FMI 3.0 of a variable of FMI 2.0."""
+    """Returns the FMI 3.0 name of a variable of FMI 2.0."""
     row = re.fullmatch(r"(.*)\[(\d)\]\.(.*)", name)
     if row and f"{row[1]}.{row[3]}" in arrays:
         return f"{row[1]}.{row[3]}[{row[2]}]"
@@ -37,7 +37,7 @@ def element_name(name, arrays):
 
 
 def renamed(value, arrays):
-    """`value` with the names of the instances in `arrays`: instance -> names of its arrays."""
+    """Returns `value` with the names of the instances in `arrays`: instance -> names of its arrays."""
     if isinstance(value, dict):
         return {renamed(k, arrays): renamed(v, arrays) for k, v in value.items()}
     if isinstance(value, list):
@@ -47,7 +47,7 @@ def renamed(value, arrays):
 
 
 def mixture(config, fmus, chosen):
-    """The config with FMUs of FMI 3.0 for the chosen instances."""
+    """Returns the config with FMUs of FMI 3.0 for the chosen instances."""
     instances = {}
     arrays = {}
     for name, instance in config["instances"].items():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies a mission with the models that were the defaults before those fitted on flights, to the bits that it had then.
+"""Runs a mission with the models that were the defaults before those fitted to flights. It must have its earlier bits.
 
 Usage: old_models_test.py MEBOTS CONFIG SHA256
 
@@ -18,7 +18,7 @@ SETS = ("motors.rotor_data=crazyflie_bench", "motors.bus.resistance=0", "battery
 
 def main():
     mebots, config, expected = sys.argv[1:]
-    energies = () if config.endswith("_gap8.json") else ("soc.energy.name=gap8",)  # the others had silicon's
+    energies = () if config.endswith("_gap8.json") else ("soc.energy.name=gap8",)  # the others had silicon's energies
     with tempfile.TemporaryDirectory() as out:
         command = [mebots, "run", ROOT / "configs" / config, "--out", out, "--quiet", "--expect", "passed", "--set", *SETS, *energies]
         subprocess.run([str(word) for word in command], check=True)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mission has the same bits on every x86-64 processor: nothing in it is computed by functions that glibc picks by the
-// processor it finds.
+// A mission has the same bits on every x86-64 processor: it uses no function that glibc selects by processor.
 #include "missions.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +12,7 @@
 namespace mebots::system_test {
 namespace {
 
-/// glibc in programs started meanwhile takes this processor for one without these parts.
+/// During its lifetime, glibc in started programs assumes that the processor lacks these features.
 class PlainProcessor {
  public:
   PlainProcessor() { ::setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX,-AVX2,-AVX512F,-FMA,-FMA4,-BMI1,-BMI2", 1); }
@@ -36,7 +35,7 @@ TEST(Processors, MissionHasTheSameBitsWithoutAvxFmaAndBmi) {
   const auto config = write(folder / "gate_easy.json", shipped_config("gate_easy"));
   const auto flight = fly(config, folder / "this");
   ASSERT_EQ(flight.exit_code, 0) << flight.output;
-  // glibc's own exp(), of which it has variants.
+  // glibc's own exp(), which has variants.
   const std::string sum =
       "python3 -c 'from math import exp; print(hash(tuple(exp(-i / 7300) for i in range(100000))))'";
   const auto exponentials = output_of(sum);

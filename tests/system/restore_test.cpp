@@ -20,7 +20,7 @@ class Silent final : public master::MessageSink {
   void message(const Message& /*message*/) override {}
 };
 
-/// The easy mission in this process, up to 5 s: take-off, and the first pictures while flying.
+/// The easy mission in this process, up to 5 s: take-off, and the first pictures during the flight.
 class Mission {
  public:
   Mission(const std::filesystem::path& config, const std::filesystem::path& results)
@@ -69,7 +69,7 @@ class Restore : public ::testing::Test {
 
 TEST_F(Restore, RunThatGoesBackToItsSavedStateGivesTheBitsOfAStraightRun) {
   Mission mission(config_, folder_ / "restored.csv");
-  mission.step(1250);  // half time
+  mission.step(1250);  // half of the time
   const auto state = mission.simulation().save_state();
   mission.step(700);
   mission.simulation().restore_state(state);
@@ -87,8 +87,8 @@ TEST_F(Restore, StateAsBytesGoesOnInFreshInstancesWithTheSameBits) {
   }
   Mission second(config_, folder_ / "second.csv");
   second.step(1);
-  const auto kept = second.simulation().save_state();  // so that the FMUs hear that they may be set back
-  second.step(1259);  // the recorder cuts its file back to where the state was saved, so it must be that long
+  const auto kept = second.simulation().save_state();  // so that the FMUs are told that they may be set back
+  second.step(1259);  // the recorder truncates its file to the place of the saved state, so it must be that long
   second.simulation().restore_state(second.simulation().deserialize(bytes));
   second.finish();
   EXPECT_TRUE(read_file(folder_ / "second.csv") == straight());

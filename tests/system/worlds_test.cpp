@@ -6,7 +6,7 @@
 namespace mebots::system_test {
 namespace {
 
-/// The first seconds of a shipped mission: take-off, and the way towards the first gate by its pictures.
+/// Runs the first seconds of a shipped mission: take-off, and the flight towards the first gate by its pictures.
 Flight first_seconds(const std::string& name, const Folder& folder, const std::vector<std::string>& sets = {}) {
   auto config = shipped_config(name);
   config["stop_time"] = 9.0;
@@ -20,7 +20,7 @@ void expect_on_the_way(const Flight& flight) {
   EXPECT_GT(flight.summary.at("pictures").get<int>(), 20);
   const auto altitude = column(flight.results, "world.drone.position.z");
   EXPECT_GT(altitude.back(), 0.7);
-  EXPECT_LT(altitude.back(), 2.0);  // the pilot climbs where it sees the gate above
+  EXPECT_LT(altitude.back(), 2.0);  // the pilot climbs if it sees the gate above
   const auto distance = column(flight.results, "world.gate.distance");
   EXPECT_LT(distance.back(), distance.front() - 0.3);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whatever cannot be meant is refused before the run: exit code 102, a reason, no result printed.
+// Invalid input is rejected before the run: exit code 102, a reason, no result printed.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ class BadInput : public testing::Test {
     EXPECT_THAT(run.out + run.err, HasSubstr(std::string(reason))) << arguments;
     EXPECT_EQ(run.out.find("instructions "), std::string::npos) << "nothing ran: " << arguments;
   }
-  /// The good program with some bytes changed.
+  /// Returns the valid program with some bytes changed.
   std::string damaged(std::size_t at, const std::string& bytes) {
     auto text = read_file(program_);
     text.replace(at, bytes.size(), bytes);

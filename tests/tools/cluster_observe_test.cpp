@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The cluster's cores in profile and trace: each has its own, and together they are what the chip did.
+// The cluster's cores in profile and trace: each has its own, and their sum is that of the chip.
 #include "board_system.hpp"
 #include "observe/profile.hpp"
 #include "observe/session.hpp"
@@ -21,7 +21,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// A program profiled: by default the self-test of the cluster's runtime (forks, barriers, DMA, off and on again), to
+/// A profiled program: by default the self-test of the cluster's runtime (forks, barriers, DMA, off and on again), to
 /// its end.
 struct ProfiledCluster {
   explicit ProfiledCluster(std::string_view file, std::string_view program = "cluster_selftest",
@@ -215,7 +215,7 @@ TEST(ClusterProfile, OfTranslatedCodeIsThatOfInterpretedCode) {
         EXPECT_EQ(other.self.cycles, node.self.cycles) << number << ": " << stack;
         EXPECT_EQ(other.self.instructions, node.self.instructions) << number << ": " << stack;
         EXPECT_EQ(other.self.time_ps, node.self.time_ps) << number << ": " << stack;
-        // Each step rounds to the same femtojoule, or to the one beside it.
+        // Each step rounds to the same femtojoule or to the next one.
         const auto most = 2.0 * static_cast<double>(steps_of(interpreted.profile, number));
         EXPECT_NEAR(static_cast<double>(other.self.energy_fj), static_cast<double>(node.self.energy_fj), most) << stack;
       }
@@ -223,7 +223,7 @@ TEST(ClusterProfile, OfTranslatedCodeIsThatOfInterpretedCode) {
   }
 }
 
-/// Instruction cache, banks, DMA, turns at devices: watched at times, the chip is at all times as it is unwatched.
+/// Instruction cache, banks, DMA, arbitration at devices: with observers at times, the chip is always as without.
 TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
   struct Case {
     bool translate;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The bytes of a debugger, however they come together.
+// The bytes of a debugger, in any division.
 #include "debug/connection.hpp"
 
 #include <arpa/inet.h>
@@ -14,7 +14,7 @@
 namespace mebots::soc::debug {
 namespace {
 
-/// Connected to it, blocking.
+/// Returns a blocking socket connected to it.
 Socket debugger_of(const Connection& connection) {
   Socket socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};
@@ -26,7 +26,7 @@ Socket debugger_of(const Connection& connection) {
 }
 
 /// Within ten seconds.
-bool hears_interrupt(Connection& connection) {
+bool receives_interrupt(Connection& connection) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (std::chrono::steady_clock::now() < end) {
     if (connection.interrupted()) return true;
@@ -47,7 +47,7 @@ TEST(GdbConnection, InterruptThatComesWithThePacketBeforeItIsHeard) {
   EXPECT_TRUE(connection.interrupted());
   EXPECT_FALSE(connection.interrupted()) << "once";
   say(debugger, "+\x03");
-  EXPECT_TRUE(hears_interrupt(connection));
+  EXPECT_TRUE(receives_interrupt(connection));
 }
 
 TEST(GdbConnection, PacketThatComesTooEarlyStopsTheProgramAndIsAnswered) {
@@ -67,7 +67,7 @@ TEST(GdbConnection, DebuggerThatHasGoneIsNotAnInterruptTwice) {
     const auto debugger = debugger_of(connection);
     ASSERT_TRUE(connection.accept(true));
   }
-  EXPECT_TRUE(hears_interrupt(connection));
+  EXPECT_TRUE(receives_interrupt(connection));
   EXPECT_FALSE(connection.connected());
   EXPECT_FALSE(connection.interrupted());
 }

@@ -50,7 +50,7 @@ counter: .word 10
     .text
 )";
 
-/// What gdb and the run say when gdb obeys these commands.
+/// The output of gdb and of the run for these gdb commands.
 class Debugged {
  public:
   explicit Debugged(std::string_view commands, std::string_view program = kProgram) {
@@ -70,7 +70,7 @@ class Debugged {
   void obey(std::string_view commands, const std::string& elf, const std::string& options) {
     const Folder folder;
     write_file(folder / "commands", commands);
-    // The tool says on stderr where it waits; gdb starts when it has.
+    // The tool prints its address to stderr; then gdb starts.
     write_file(folder / "script", fmt::format(R"(
 export RUN_FOLDER={}
 {} run {} --gdb 0 {} > {}/out 2> {}/err &
@@ -99,7 +99,7 @@ wait $tool
   }
 };
 
-/// The self-test of the cluster's runtime, on the AI-deck; as a shell takes them.
+/// The self-test of the cluster's runtime on the AI-deck, quoted for a shell.
 const std::string kClusterProgram = "'" MEBOTS_BINARY_DIR "/firmware/cluster_selftest.elf'";
 const std::string kBoard = "--board '" MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json'";
 
@@ -137,7 +137,7 @@ TEST_F(Gdb, StepsOneInstructionAtATime) {
   EXPECT_THAT(run.gdb, HasSubstr("$4 = 0x3"));
 }
 
-/// gdb itself steps through a range only where the program has lines of source. Register 0x20 is the pc.
+/// gdb itself steps through a range only if the program has source lines. Register 0x20 is the pc.
 TEST_F(Gdb, StepsUntilTheProgramIsOutOfARange) {
   const Debugged run(
       "maintenance packet vCont?\nstepi 2\nprint &add_up\n"
@@ -248,7 +248,7 @@ TEST_F(Gdb, SeesAFaultBeforeTheRunEnds) {
 }
 
 TEST_F(Gdb, InterruptsARunningProgram) {
-  // Ctrl-C by gdb's own means: `interrupt` from the background, in asynchronous mode.
+  // Ctrl-C with gdb's own means: `interrupt` from the background, in asynchronous mode.
   const Debugged run(
       "python\nimport threading, os, signal, time\n"
       "threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()\nend\n"

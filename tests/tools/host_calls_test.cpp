@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Programs that call the host: semihosting, system calls through tohost, and a C library that stands on them.
+// Programs that call the host: semihosting, system calls through tohost, and a C library that uses them.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -224,7 +224,7 @@ TEST(HostFiles, MustBeAFolder) {
   EXPECT_THAT(run.err, HasSubstr("this is not a folder"));
 }
 
-/// Debian's picolibc, with its own start, linker script and printf; optimised for size, in a memory map of its own.
+/// Debian's picolibc with its own start code, linker script and printf, optimised for size, in a separate memory map.
 TEST(CLibrary, PrintsAndKeepsFilesBySemihosting) {
   const Folder folder;
   std::filesystem::create_directory(folder / "shared");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The gate firmware inside the FMU's model: watched, it does what it does unwatched, to the last bit.
+// The gate firmware inside the FMU's model: observed, it has the same bits as without observers.
 #include "fmu/model.hpp"
 
 #include "support.hpp"
@@ -40,8 +40,8 @@ class Resources {
   Folder folder_;
 };
 
-/// Waits on the ground for a moment, or with a picture flies and sees it again and again; gives everything that the
-/// model knows at the end.
+/// Waits on the ground for a moment or, with a picture, flies and sees it repeatedly. Returns the model's state at the
+/// end.
 std::vector<std::byte> state_after(const Parameters& parameters, int steps,
                                    const std::function<void(std::string_view)>& on_message = {},
                                    std::span<const std::uint8_t> picture = {}) {
@@ -98,7 +98,7 @@ TEST(MissionObserve, AnUnwritableFileIsRefusedAtTheStart) {
   }
 }
 
-/// A debugger as far as this test needs one: says one packet, reads what comes.
+/// A minimal debugger for this test: sends one packet, reads the answer.
 class Caller {
  public:
   explicit Caller(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -120,7 +120,7 @@ class Caller {
     ::send(socket_, packet.data(), packet.size(), 0);
     return read_packet();
   }
-  /// The content of the next packet, acknowledged.
+  /// Returns the content of the next packet and acknowledges it.
   std::string read_packet() {
     std::string content;
     char c = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Power over time: its area is the energy, and states follow each other without a gap.
+// Power over time: its integral is the energy, and states follow each other without a gap.
 #include "observe/power_trace.hpp"
 
 #include "board_system.hpp"
@@ -17,7 +17,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Works, asks for a picture, changes the voltage, sleeps until the picture comes, again and again.
+/// Works, requests a picture, changes the voltage, sleeps until the picture arrives, repeatedly.
 constexpr std::string_view kProgram = R"(
 _start: la t0, handler
     csrw mtvec, t0

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Time and energy per function and call stack: the parts are where the program was, and add up to the whole exactly.
+// Time and energy per function and call stack: the parts are where the program was, and their sum is exactly the whole.
 #include "observe/profile.hpp"
 
 #include "board_system.hpp"
@@ -157,7 +157,7 @@ TEST(Profile, OfRecursionHasAFrameForEveryLevel) {
   EXPECT_EQ(run.calls.count("_start;down;down;down;down;down"), 0U);
 }
 
-/// Of 1 ms.
+/// A timer of 1 ms.
 constexpr std::string_view kSleepsUntilATimer = R"(
     .globl _start
     .type _start, @function
@@ -221,8 +221,8 @@ TEST(Profile, HearsThatACoreWokeWhichSleptInARestoredState) {
   EXPECT_NEAR(static_cast<double>(stacks.at("_start;[asleep]").time_ps), 0.5e9, 1e6) << "from 0.5 ms to 1 ms";
 }
 
-/// Calls, direct and by a register, tail calls, a jump table, code that runs on into the next function and
-/// recursion, 3000 times, with an interrupt now and then.
+/// Calls, direct and by a register, tail calls, a jump table, code that continues into the next function, and
+/// recursion, 3000 times, with occasional interrupts.
 TEST(Profile, OfTranslatedCodeIsThatOfInterpretedCode) {
   constexpr std::string_view kProgram = R"(
     .globl _start
@@ -303,12 +303,12 @@ table: .word leaf, tail
     EXPECT_EQ(other.cycles, cost.cycles) << stack;
     EXPECT_EQ(other.instructions, cost.instructions) << stack;
     EXPECT_EQ(other.time_ps, cost.time_ps) << stack;
-    // Each of some 100,000 steps rounds to the same femtojoule, or to the one beside it.
+    // Each of some 100,000 steps rounds to the same femtojoule or to the next one.
     EXPECT_NEAR(static_cast<double>(other.energy_fj), static_cast<double>(cost.energy_fj), 1e5) << stack;
   }
 }
 
-/// What is written of `steps` steps of a program that sleeps until 1 ms.
+/// The output for `steps` steps of a program that sleeps until 1 ms.
 nlohmann::json windowed(int steps, std::int64_t step_ns, Cost& total) {
   const auto text = fmt::format("{}\n{}", kSleepsUntilATimer, Profiled::kFunctions);
   const Folder folder;

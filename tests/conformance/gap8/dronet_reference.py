@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What PULP-Dronet v1 answers to a picture, as 16-bit integers, from the weights of its repository.
+"""Computes PULP-Dronet v1's outputs for a picture with 16-bit integers, from the weights of its repository.
 
     dronet_reference.py WEIGHTS PICTURE...    prints steering and collision of each picture (a 324 x 244 PGM)
 
 WEIGHTS is pulp-dronet-v1/weights/binary of a checkout of pulp-platform/pulp-dronet. Layers, formats and the checksums
-of --check are those of its src/config.h; the kernels add one input plane after the other to 16-bit sums, each time
+of --check are those of its src/config.h. The kernels add one input plane after the other to 16-bit sums, each time
 shifted and saturated, as GreenWaves' AutoTiler library does. Needs numpy.
 """
 import argparse
@@ -23,7 +23,7 @@ def saturate(values):
 
 
 def shifted(values, norm):
-    """Rounded, half up."""
+    """Rounds half up."""
     return saturate(values + (1 << (norm - 1)) >> norm)
 
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A library that an FMU brings along.
+// A library inside an FMU.
 #include "count.h"
 
 int leftover_count(void) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// FMUs that keep something outside of their instances, each at the place that LEFTOVER_KIND names. In every step
-// `sum` grows by gain times what is there, so that a run that finds the leftover of another run has another sum.
+// FMUs that keep data outside of their instances, each at the place that LEFTOVER_KIND names. In every step `sum` grows
+// by gain times that data, so that a run after another run has a different sum.
 #include "mebots/fmi2/functions.hpp"
 
 #include "count.h"
@@ -49,7 +49,7 @@ double next() {
   return kept;
 }
 #elif defined(LEFTOVER_STATIC_OBJECT)
-// The object's own bytes stay, what it points to does not.
+// The bytes of the object itself do not change; the memory to which it points does.
 std::map<std::string, int> counts{{"steps", 0}};
 void begin_instance() {}
 double next() {
@@ -120,7 +120,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real, fmi2Real, fmi2Boolean) 
   return fmi2OK;
 }
 
-// Its states hold all of the instance, and nothing of the rest.
+// Its states contain the instance and nothing else.
 fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate* state) {
   if (*state == nullptr) *state = new (std::nothrow) Instance;
   std::memcpy(*state, component, sizeof(Instance));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// y = gain u after each step. TENANT_KIND says where the gain comes from: from code or data that the loader gives to
-// another FMU of the process instead, if it can.
+// y = gain u after each step. TENANT_KIND selects the source of the gain: code or data that the loader, if it can,
+// gives to another FMU of the process instead.
 #include "mebots/fmi2/functions.hpp"
 
 #include "frame.h"
@@ -13,12 +13,13 @@
 
 #define TENANT_SHOWN [[gnu::visibility("default")]]
 
-#if defined(TENANT_NEEDS)  // of a needed library that travels with the FMU
+#if defined(TENANT_NEEDS)  // from a needed library inside the FMU
 extern "C" double tenant_gain();
 static double find_gain() {
   return tenant_gain();
 }
-#elif defined(TENANT_UNIQUE)     // of a variable of which a process keeps one: every instance counts itself there
+#elif defined(TENANT_UNIQUE)     // from a variable of which a process keeps one copy: every instance counts itself
+                                 // there
 struct Shown {
   TENANT_SHOWN static inline double gain = TENANT_GAIN;
   TENANT_SHOWN static inline int instances = 0;
@@ -26,7 +27,7 @@ struct Shown {
 static double find_gain() {
   return Shown::gain + 100 * Shown::instances++;
 }
-#elif defined(TENANT_OPENS)      // of a library that the FMU opens for the whole process
+#elif defined(TENANT_OPENS)      // from a library that the FMU opens for the whole process
 static double find_gain() {
   Dl_info info{};
   dladdr(reinterpret_cast<const void*>(&fmi2GetVersion), &info);
@@ -35,7 +36,7 @@ static double find_gain() {
   auto* const gain = reinterpret_cast<double (*)()>(dlsym(RTLD_DEFAULT, "tenant_gain"));
   return gain == nullptr ? -2 : gain();
 }
-#elif defined(TENANT_PREEMPTED)  // of a function that has the name of one in zlib, which mebots loads
+#elif defined(TENANT_PREEMPTED)  // from a function with the name of one in zlib, which mebots loads
 // NOLINTBEGIN(readability-identifier-naming): zlib's name
 extern "C" {
 TENANT_SHOWN unsigned long zlibCompileFlags();
@@ -47,7 +48,7 @@ TENANT_SHOWN unsigned long zlibCompileFlags() {
 static double find_gain() {
   return static_cast<double>(zlibCompileFlags());
 }
-#elif defined(TENANT_WEAK)       // of a template whose instances the linker merges
+#elif defined(TENANT_WEAK)       // from a template whose instances the linker merges
 template <typename T>
 TENANT_SHOWN __attribute__((noinline)) T weak_gain(T value) {
   return value * TENANT_GAIN;
@@ -71,7 +72,7 @@ Tenant& self(fmi2Component component) {
   return *static_cast<Tenant*>(component);
 }
 
-/// By an exception, so that the C++ runtime takes part.
+/// Throws an exception, so that the C++ runtime is involved.
 double thrown_gain() {
   try {
     throw std::out_of_range(std::to_string(find_gain()));

@@ -80,7 +80,7 @@ class Comparison {
     for (unsigned stop = 0; stop < stops && straight_->soc.running(); ++stop) {
       const auto longest = below(4) == 0 ? 1000 : 2 * end_ns / stops;
       now_ += 1 + static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(longest));
-      go_on(*straight_);
+      continue_run(*straight_);
       expect_same("interpreted", *interpreted_);
       expect_same("watched", *watched_);
       expect_same("restored", *restored_);
@@ -110,7 +110,7 @@ class Comparison {
   }
 
   /// Advances to the present time, in steps of its own.
-  void go_on(BoardSystem& system) {
+  void continue_run(BoardSystem& system) {
     auto time = system.soc.now() / 1000;
     for (auto cuts = below(3) == 0 ? below(20) : 0; cuts-- > 0;) {
       time += 1 + below(below(2) == 0 ? 100 : 5000);
@@ -121,7 +121,7 @@ class Comparison {
   }
 
   void expect_same(std::string_view who, BoardSystem& system) {
-    go_on(system);
+    continue_run(system);
     EXPECT_TRUE(mebots::test::same_state(straight_->soc, system.soc))
         << who << ", at " << now_ << " ns, restored at " << restored_at_ << " ns";
     EXPECT_EQ(straight_->soc.energy().total_j(), system.soc.energy().total_j()) << who << ", at " << now_ << " ns";

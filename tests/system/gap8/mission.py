@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies a program of GAP8's in configs/dronet.json, and holds what it sends to the pictures that it saw.
+"""Runs a GAP8 program in configs/dronet.json, and compares its outputs with the expected ones for its pictures.
 
 Usage: mission.py MEBOTS CONFIG FIRMWARE OUT [--dronet FOLDER] [--stop-time SECONDS]
 
-FIRMWARE is brightness.elf, or, with --dronet, PULP-Dronet v1's ELF: FOLDER is pulp-dronet-v1 of a checkout of
-pulp-platform/pulp-dronet, whose weights say what must come out.
+FIRMWARE is brightness.elf or, with --dronet, PULP-Dronet v1's ELF. FOLDER is pulp-dronet-v1 of a checkout of
+pulp-platform/pulp-dronet, whose weights determine the expected outputs.
 """
 import argparse
 import json

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A core of the cluster meets an instruction that there is not.
+// A core of the cluster executes an illegal instruction.
 #include "runtime/cluster.h"
 
 static void fail(unsigned core) {

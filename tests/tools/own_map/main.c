@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Built without optimisation, at an address of its own.
+// Built without optimisation, at a separate address.
 int main(void) {
 #ifdef __OPTIMIZE__
   return 1;

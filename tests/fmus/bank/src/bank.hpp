@@ -10,7 +10,7 @@
 
 namespace mebots::bank {
 
-/// Integrators side by side; as many as the parameter `lines` says.
+/// Independent integrators; the parameter `lines` is their number.
 class Bank {
  public:
   explicit Bank(const Parameters& parameters);

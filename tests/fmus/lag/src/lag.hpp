@@ -15,7 +15,7 @@ namespace mebots::lag {
 /// y' = (gain u - y) / time_constant, stepped by its exact solution for held u.
 class Lag {
  public:
-  /// Reads the label file. Throws mebots::Error when it is missing.
+  /// Reads the label file. Throws mebots::Error if it is missing.
   Lag(Variables& variables, const std::filesystem::path& resources);
 
   void step(std::int64_t duration_ns);
@@ -31,7 +31,8 @@ class Lag {
   std::string label_;
   std::array<double, channel::kCount> y_v_;
   std::int32_t steps_ = 0;
-  std::array<std::vector<std::uint8_t>, 2> histories_;  // by turns: a reader may keep the last one through a step
+  std::array<std::vector<std::uint8_t>, 2> histories_;  // alternating, because a reader may use the last one during a
+                                                        // step
 };
 
 }  // namespace mebots::lag

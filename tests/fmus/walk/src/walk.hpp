@@ -8,8 +8,8 @@
 
 namespace mebots::walk {
 
-/// Up one or down one in every step, as likely. The coin of a step is a function of seed and step alone: it needs no
-/// state.
+/// Moves up or down by one in every step with equal probability. The direction is a function of seed and step, so it
+/// needs no state.
 class Walk {
  public:
   explicit Walk(Variables& variables);

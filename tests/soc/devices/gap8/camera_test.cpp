@@ -514,7 +514,7 @@ TEST(Gap8Camera, WaitsAfterTheLastPictureOfTheRoll) {
 /// Runs 70 ms with an action of a scenario after each; at some time, another system continues from the state of the
 /// first.
 template <typename Scenario>
-void expect_goes_on_from_states(const Settings& settings, int mode, const Scenario& scenario) {
+void expect_same_run_from_states(const Settings& settings, int mode, const Scenario& scenario) {
   const auto run = [&](std::int64_t saved_at_ms) {
     auto system = std::make_unique<BoardSystem>(takes_a_picture(mode), settings, gap8_board_of_camera());
     *system->soc.devices().input("camera.frame_height") = Himax::kWindowHeight;
@@ -536,12 +536,12 @@ void expect_goes_on_from_states(const Settings& settings, int mode, const Scenar
 }
 
 TEST_P(Gap8CameraInMode, ContinuesFromAStateWithPicturesOfARoll) {
-  expect_goes_on_from_states(with_pictures(1), GetParam(), [](BoardSystem&, std::int64_t) {});
+  expect_same_run_from_states(with_pictures(1), GetParam(), [](BoardSystem&, std::int64_t) {});
 }
 
 TEST_P(Gap8CameraInMode, ContinuesFromAStateWithPicturesOfAWorld) {
   const auto picture = picture_of(Himax::kWindowHeight);
-  expect_goes_on_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
+  expect_same_run_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
     if (ms == 30) give(system, picture);
     if (ms == 60) {
       EXPECT_EQ(system.result(2), 0x80000000U | 18U);
@@ -551,7 +551,7 @@ TEST_P(Gap8CameraInMode, ContinuesFromAStateWithPicturesOfAWorld) {
 
 TEST_P(Gap8CameraInMode, ContinuesFromAStateBetweenAFrameAndItsLatePicture) {
   const auto picture = picture_of(Himax::kWindowHeight);
-  expect_goes_on_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
+  expect_same_run_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
     if (ms == 45) store(system, 0x4a0, 0, ms * kMs);
     if (ms == 50) give(system, picture);
     if (ms == 60) {
@@ -563,7 +563,7 @@ TEST_P(Gap8CameraInMode, ContinuesFromAStateBetweenAFrameAndItsLatePicture) {
 
 TEST_P(Gap8CameraInMode, ContinuesFromAStateBeforeAndAfterAClearedTransfer) {
   const auto picture = picture_of(Himax::kWindowHeight);
-  expect_goes_on_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
+  expect_same_run_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
     if (ms == 25) give(system, picture);
     if (ms == 30) store(system, 0x488, 0x30, ms * kMs);
     if (ms == 40) write_sensor(system, kStream, ms * kMs);  // when those of mode 3 are complete
