@@ -21,14 +21,14 @@ need() {  # need PROGRAM...: skips the proof if one is missing
   local program
   for program; do command -v "$program" >/dev/null || { skip "$program is not installed"; return; }; done
 }
-need_root() { ((EUID == 0)) || skip "needs root: it installs into a Debian of its own"; }
+need_root() { ((EUID == 0)) || skip "needs root: it installs into a separate Debian"; }
 
 clean() { [[ -z $(git status --porcelain) ]] || { git status --short; echo "the working tree differs from the last commit"; return 1; }; }
 changelog() {
   grep -qF "## [$version]" CHANGELOG.md || { echo "CHANGELOG.md has no heading '## [$version]'"; return 1; }
   ! grep -qF '## [Unreleased]' CHANGELOG.md || { echo "CHANGELOG.md still has changes under '## [Unreleased]'"; return 1; }
 }
-maintainer() { [[ -n ${MEBOTS_MAINTAINER:-} ]] || skip "MEBOTS_MAINTAINER is not set: the Debian package would name nobody"; }
+maintainer() { [[ -n ${MEBOTS_MAINTAINER:-} ]] || skip "MEBOTS_MAINTAINER is not set: the Debian package would have no maintainer"; }
 tests() { scripts/test.sh; }
 long() { cmake --preset ci && cmake --build --preset ci && ctest --preset long -j "$(nproc)"; }
 demo() { scripts/demo.sh; }

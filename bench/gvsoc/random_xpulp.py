@@ -55,7 +55,7 @@ def known(word, rs1, rs2, rd):
 
 
 def rounded_sum_overflows(word, rs1, rs2, rd):
-    """Whether accumulator and product of halves leave 32 bits, with or without half a unit.
+    """True if the sum of accumulator and product of halves exceeds 32 bits, with or without half a unit.
 
     >>> rounded_sum_overflows(0xA28E5DDB, 0xFFFFFF60, 4, 0x80000000)   # the half unit brings it back
     True

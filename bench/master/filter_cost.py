@@ -93,7 +93,7 @@ def check_the_filter(*what):
         return int(of.get("Seccomp_filters", 0))
     own = status("self")
     if "Seccomp_filters" not in own:
-        sys.exit("filter_cost.py: /proc/PID/status has no line Seccomp_filters here (Linux 5.9), so nobody can tell who has the filter")
+        sys.exit("filter_cost.py: /proc/PID/status has no line Seccomp_filters here (Linux 5.9), so the filter cannot be detected")
     run = start(*what)
     seen = set()
     while run.poll() is None:

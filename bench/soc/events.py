@@ -77,7 +77,7 @@ def measure_patches(sims, folder, repeats):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Time of mebots-soc beside instructions")
+    parser = argparse.ArgumentParser(description="Time of mebots-soc in addition to instructions")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     parser.add_argument("--repeats", type=int, default=5)
     options = parser.parse_args()

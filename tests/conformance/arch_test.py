@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""riscv-arch-test: the words that a program leaves behind, beside those that it leaves in Spike.
+"""riscv-arch-test: compares the result words of a program with those of Spike.
 
-A test says for which machines it is, in lines like
+A test states the machines that it applies to in lines like
 
     RVTEST_CASE(0,"//check ISA:=regex(.*32.*);check ISA:=regex(.*I.*C.*);def TEST_CASE_1=True;",cadd)
 
@@ -22,13 +22,13 @@ ADDRESS = "https://github.com/riscv-non-isa/riscv-arch-test"
 ISA = "RV32IMCZicsr_Zifencei"
 PROPERTIES = {"hw_data_misaligned_support": "True"}
 SUITES = ("I", "M", "C", "Zifencei", "privilege")
-SPIKE_ISA = "rv32imc_zicsr_zifencei_zicclsm"  # the last: it too loads and stores words that are not aligned
+SPIKE_ISA = "rv32imc_zicsr_zifencei_zicclsm"  # the last extension: it also loads and stores unaligned words
 LIMIT = 10_000_000
 HERE = ROOT / "tests/conformance"
 
 
 def holds(condition, isa):
-    """The macros of a test case that is for this machine, None where it is not."""
+    """Returns the macros of a test case that applies to this machine, else None."""
     macros = []
     for clause in filter(None, (part.strip() for part in condition.lstrip("/ ").split(";"))):
         kind, text = clause.split(maxsplit=1)
@@ -44,18 +44,19 @@ def holds(condition, isa):
 
 
 def cases(source, isa=ISA):
-    """Macros of all cases of a test that are for this machine."""
+    """Returns the macros of all cases of a test that apply to this machine."""
     conditions = re.findall(r'RVTEST_CASE\(\d+,\s*"([^"]*)"', source.read_text())
     return sorted({macro for condition in conditions for macro in holds(condition, isa) or ()})
 
 
 def letters(source):
-    """Compressed instructions only where a test is about them: without, an assembler would compress those of others."""
+    """Returns compressed instructions only for tests about them; otherwise an assembler would compress other tests'
+    instructions."""
     return "rv32im_zicsr_zifencei" if cases(source, ISA.replace("C", "")) == cases(source) else "rv32imc_zicsr_zifencei"
 
 
 def judge(folder, soc, work, each):
-    """Verdicts of all tests that are for this machine."""
+    """Returns verdicts of all tests that apply to this machine."""
     suite = checkout(folder, "riscv-arch-test", ADDRESS) / "riscv-test-suite"
     reference = spike()
     tests = [(name, source) for name in SUITES for source in sorted((suite / "rv32i_m" / name / "src").glob("*.S")) if cases(source)]

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Debian's Chromium on a page from the disk, without network: what the page asks for, says and gets wrong is kept.
+// Opens a page from the disk in Debian's Chromium without network, and records the page's requests, messages and
+// errors.
 import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A film of a flight: as many frames as it should have, and no two seconds of it alike. Without the programs that make
-one: an error that names what is missing.
+"""Checks a film of a flight: it has the expected number of frames, and no two seconds are equal. Without the necessary
+programs, an error names the missing one.
 
 Usage: film_check.py MEBOTS RUN_DIR OUT.mp4
 """

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Usage: live_test.mjs MEBOTS CONFIGS OUT [CHROMIUM]
-// A run that is watched, held and set by hand, beside the same run that nobody watches: over HTTP, or in a browser.
+// Compares a run that is viewed, paused and changed by hand with the same run without a viewer: over HTTP, or in a browser.
 import assert from "node:assert/strict";
 import { spawn, spawnSync } from "node:child_process";
 import { once } from "node:events";
@@ -94,10 +94,10 @@ const overHttp = {
     for (let known = ""; !over; await new Promise((done) => setTimeout(done, 20))) {
       try {
         const { rows, log } = (await header(live, known)).runs[0].live.known;
-        known = `?rows=${rows}&pictures=0&log=${log}`; // as the page asks, for what is new
+        known = `?rows=${rows}&pictures=0&log=${log}`; // like the page's request for new data
         ++looks;
       } catch {
-        // it ended meanwhile, which its exit code tells
+        // The run ended meanwhile; its exit code shows how.
       }
     }
     const code = await ended;
@@ -165,7 +165,7 @@ const overHttp = {
   async "it may wait for a browser, and then gives the same bits"() {
     const live = await runLive("awaited", system, ["--live-start", "browser"]);
     await new Promise((done) => setTimeout(done, 500));
-    assert.equal((await header(live)).runs[0].summary.steps, 1); // the step after which inputs can be set
+    assert.equal((await header(live)).runs[0].summary.steps, 1); // after this step inputs can be set
     assert.equal(await live.ended, 0);
     assert.equal(results("awaited"), results("alone"));
   },
@@ -188,7 +188,7 @@ const overHttp = {
     const live = await runLive("kept", system, ["--live-keep"]);
     await until(live, (run) => run.live.ended);
     assert.equal(results("kept"), results("alone"));
-    await new Promise((done) => setTimeout(done, 3500)); // longer than a page is kept otherwise
+    await new Promise((done) => setTimeout(done, 3500)); // longer than a page usually remains
     assert.equal((await header(live)).runs[0].summary.outcome, "completed");
     live.child.kill("SIGINT");
     assert.equal(await live.ended, 0);
@@ -221,7 +221,7 @@ const overHttp = {
     assert.equal((await ask(live.address, "control", { method: "POST", headers: { Origin: "null" }, body: "order=go" })).status, 403);
     assert.equal((await ask(live.address, "data", { headers: { Origin: live.address.origin } })).status, 200);
     live.child.kill("SIGINT");
-    assert.equal(await live.ended, 1); // interrupted while it was held
+    assert.equal(await live.ended, 1); // interrupted while it was paused
   },
 };
 
@@ -229,7 +229,8 @@ const inTheBrowser = {
   async "the page follows a flight, holds it, and shows its end"() {
     const { launch, openUrl } = await import("./browser.mjs");
     const browser = await launch(chromium); // may take longer than the flight
-    const live = await runLive("flight", resolve(configs, "gate_easy.json"), ["--stop-time", "20"]); // long enough to be caught
+    const live = await runLive("flight", resolve(configs, "gate_easy.json"), ["--stop-time", "20"]); // long enough to
+                                                                                                     // be observed
     try {
       await order(live, "hold");
       const { page, problems, requests } = await openUrl(browser, live.address.href);
@@ -241,7 +242,7 @@ const inTheBrowser = {
       await page.waitForFunction((before) => globalThis.mebots.clock.time > before, { timeout: 60000 }, stood);
       await page.waitForFunction(() => document.getElementById("live").textContent === "ended", { timeout: 300000 });
       assert.equal(await time(), 20);
-      // What came piece by piece is what the results hold.
+      // The data that arrived in parts equal the results.
       const [head, ...lines] = results("flight").trim().split("\n");
       for (const name of ["world.drone.position.z", "battery.cell.voltage", "soc.camera.trigger", "world.drone.phase"]) {
         const place = head.split(",").findIndex((title) => title.startsWith(`${name} [`));

@@ -48,7 +48,8 @@ def large(configs, designs, replicates):
 
 
 def mission(values, lot):
-    """Success, energy [J] and time [s] of one mission of a made-up drone, whose faster flights crash more often."""
+    """Returns success, energy [J] and time [s] of one mission of an invented drone, whose faster flights crash more
+    often."""
     speed, clock = values["soc.mission.cruise_speed"], values["soc.core.clock"]
     passed = lot.random() > 0.45 * max(0.0, speed - 0.8) * (1.3 if clock < 120e6 else 0.8)
     time_s = 1.5 + 7 / speed + 0.05 * lot.gauss(0, 1)
@@ -77,7 +78,7 @@ def write_study(file, content, refresh_s=None):
         study=study, factors=space.factors, designs=space.designs, evidence=evidence, answer=judge.answer(places), units=units,
         places=places, status=status, failed=[0] * len(space.designs), provenance={"mission": study.mission.name, "draws": json.dumps(study.draws)},
         replay=Replay(space, file.parent / "replays"), outcomes=(OUTCOMES, outcomes))  # fmt: skip
-    if refresh_s is not None:  # as of a study that runs
+    if refresh_s is not None:  # like a running study
         running = dataclasses.replace(judge.standings(), headlines=["96 flown, about 288 left, 2 min"])
         content = dataclasses.replace(content, answer=running, places=[""] * len(space.designs), replay=None, outcomes=None, refresh_s=refresh_s)
     report.write(file, content)

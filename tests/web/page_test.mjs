@@ -213,7 +213,7 @@ const tests = {
 
   async "the flame graph is of the span of time that the plots show"({ page }) {
     await page.click('[data-tab="Profile"]');
-    await page.click(".profile input[type=checkbox]"); // with sleep, so that it is all that the chip drew
+    await page.click(".profile input[type=checkbox]"); // with sleep, to include all of the chip's energy
     const energies = column("flight", "soc.energy.total");
     const times = column("flight", "time");
     for (const [from, to] of [[0, 4], [2.9, 3.1], [0.5, 2]]) {
@@ -222,7 +222,8 @@ const tests = {
       const note = await page.$eval("#flame-note", (text) => text.textContent);
       const [, energy, start, stop] = /^([^,]*J), .* from ([\d.]+) s to ([\d.]+) s/.exec(note);
       assert.ok(Number(start) <= from + 1e-9 && Number(stop) >= to - 1e-9 && stop - start < to - from + 0.05, note);
-      // Windows begin and end between rows: what was drawn lies between that of the rows inside and of those around.
+      // Windows start and end between rows: their energy is between that of the rows inside and that of the rows
+      // around.
       const at = (time) => energies[Math.min(times.findIndex((each) => each >= time - 0.006), times.length - 1)];
       const wanted = at(Number(stop)) - at(Number(start));
       assert.ok(Math.abs(numberOf(energy) - wanted) < 0.004 * wanted + 0.03 * 6e-3, `${note}: not ${wanted} J`);
@@ -297,7 +298,7 @@ const systemTests = {
     const text = await page.$eval(".graph svg", (graph) => graph.textContent);
     assert.match(text, /battery/);
     assert.match(text, /motors/);
-    assert.match(text, /bus\.voltage \[V\]/); // the one thing that goes there, by its name
+    assert.match(text, /bus\.voltage \[V\]/); // the only variable that changes there, by its name
     assert.match(text, /2 values: W/);
     assert.equal((await page.$$(".graph .bundle path")).length, 2);
     assert.equal((await page.$$(".connections tbody tr")).length, 3);

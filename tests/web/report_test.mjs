@@ -10,7 +10,7 @@ if (!chromium || chromium.endsWith("NOTFOUND")) {
   process.exit(77);
 }
 const MOST_OPENING_MS = 4000;
-const MOST_FRAME_MS = 50; // of a frame while a brush moves, on a busy machine without a graphics card
+const MOST_FRAME_MS = 50; // for a frame while a brush moves, on a busy machine without a graphics card
 
 /** Waits until all panels have followed the last change. */
 const frame = (page) => page.waitForFunction(() => window.mebots.selection.dirty.size === 0);
