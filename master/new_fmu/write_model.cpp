@@ -272,7 +272,7 @@ TEST(Model, StartsAtRest) {{
   const Bench bench;
 {rests}}}
 {follows}
-TEST(Model, SavedStateGoesOnAsTheStraightRun) {{
+TEST(Model, SavedStateContinuesAsTheStraightRun) {{
   Bench straight;
   Bench restored;
   straight.model.step(straight.inputs, 10'000'000, straight.outputs);

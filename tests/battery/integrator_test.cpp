@@ -192,7 +192,7 @@ std::string refusal(const Cell& cell, const Demand& demand) {
   return message;
 }
 
-TEST(Integrator, StepThatCannotBeIntegratedIsToldAndChangesNothing) {
+TEST(Integrator, StepThatCannotBeIntegratedIsReportedAndChangesNothing) {
   using testing::AllOf;
   using testing::HasSubstr;
   EXPECT_THAT(refusal(constant_cell(), {0, 0, 1e308, 1e308}),

@@ -61,7 +61,7 @@ TEST(Battery, SelfDischargeAloneEmptiesAsItsCurrentSays) {
   EXPECT_EQ(bench.outputs.cell_current_a, 0);
 }
 
-TEST(Battery, RestoredRunGoesOnWithTheSameBits) {
+TEST(Battery, RestoredRunContinuesWithTheSameBits) {
   const auto drive = [](Bench& bench, int from, int to) {
     for (int i = from; i < to; ++i) {
       bench.inputs.load_power_w = {7 + 2 * std::sin(0.1 * i), 0.08, 0.003 * (i % 3), 0.96, 0};

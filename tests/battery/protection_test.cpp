@@ -166,7 +166,7 @@ TEST(Protection, OverCurrentIsOnlyAFlag) {
   EXPECT_FALSE(bench.outputs.cell_over_current);
 }
 
-TEST(Protection, OverCurrentIsToldOnceItHasLastedASecond) {
+TEST(Protection, OverCurrentIsReportedOnceItHasLastedASecond) {
   Bench bench(parameters("bitcraze_250", 0.9));
   const auto draw = [&bench](double power_w, int milliseconds) {
     bench.inputs.load_power_w[load::motors] = power_w;

@@ -209,7 +209,7 @@ class Arithmetic(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "bytes of weights"):
             integer_network.from_bytes(packed + bytes(4), shapes)
 
-    def test_the_least_charge_for_landing_stands_between_one_that_landed_and_one_that_fell(self):
+    def test_the_least_charge_for_landing_is_between_one_that_landed_and_one_that_fell(self):
         def found(**flights):
             return {"opens": 9.0, "flights": [{"charge": float(c[1:]) / 10, "landed": ok} for c, ok in flights.items()]}
 
@@ -237,12 +237,12 @@ class Arithmetic(unittest.TestCase):
         rows = list(chips.of_starts({"a": first, "b": second}))
         self.assertEqual([row[1:4] for row in rows], [("a", "4", "3"), ("b", "4", "3")], "the fifth start was flown by one alone")
 
-    def test_the_clock_of_least_energy_is_among_those_that_came_to_the_gate(self):
+    def test_the_clock_of_least_energy_is_among_those_that_reached_the_gate(self):
         rows = [{"cores": 8, "clock_mhz": clock, "crossed": crossed, "chip_j": energy}
                 for clock, crossed, energy in ((25, 0, None), (50, 3, 0.2), (87, 4, 0.1))]
         self.assertEqual(chips.least(rows, 8), 87)
 
-    def test_what_is_told_of_two_chips_is_what_differs_in_their_data(self):
+    def test_the_listed_differences_of_two_chips_are_those_of_their_data(self):
         first = json.loads(study.PUBLISHED["ai_deck"].read_text())
         second = copy.deepcopy(first)
         self.assertEqual(chips.ends_apart(first, second), (54, []))

@@ -104,7 +104,7 @@ TEST(CheckBehaviour, AnFmuThatEndsTheProcessOrHangsIsAFinding) {
   EXPECT_THAT(of("sleep", 0.2), Contains(HasSubstr("no answer from fmi2DoStep(t = 0, h = 0.1) within 0.2 s")));
 }
 
-TEST(CheckBehaviour, LevelsDecideWhatIsTold) {
+TEST(CheckBehaviour, LevelsSelectTheReportedFindings) {
   const auto refused = HasSubstr("fmi2DoStep before initialisation was answered fmi2OK");
   EXPECT_THAT(of("order", 30, Level::pedantic), Contains(refused));
   EXPECT_THAT(of("order", 30, Level::standard), IsEmpty());
@@ -114,7 +114,7 @@ TEST(CheckBehaviour, LevelsDecideWhatIsTold) {
   EXPECT_THAT(of("nan", 30, Level::interoperable), Contains(HasSubstr("y is nan")));
 }
 
-TEST(CheckBehaviour, WhatIsNotToldIsCounted) {
+TEST(CheckBehaviour, FindingsThatAreNotReportedAreCounted) {
   Workshop workshop;
   Options options;
   options.run = false;

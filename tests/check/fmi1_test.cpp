@@ -48,7 +48,7 @@ TEST(CheckFmi1, AppliesTheGrammarOfFmi1) {
   EXPECT_THAT(of_changed_tank("<DirectDependency/>", "<Annotations/>"), Contains(HasSubstr("Annotations")));
 }
 
-TEST(CheckFmi1, NamesVariablesThatCannotBeTold) {
+TEST(CheckFmi1, ReportsFaultyVariables) {
   EXPECT_THAT(of_changed_tank(R"(name="rate")", R"(name="level")"),
               Contains(HasSubstr("a variable before has the name \"level\"")));
   EXPECT_THAT(of_changed_tank("<Name>inflow</Name>", "<Name>flow</Name>"),

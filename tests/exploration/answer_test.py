@@ -128,7 +128,7 @@ class Answers(StudyCase):
             self.assertTrue(decided(math.ceil(1 + needed / 20)).surely_better(0, 1, "out"))
             self.assertFalse(decided(1 + needed // 40).surely_better(0, 1, "out"))
 
-    def test_designs_of_a_fixed_study_are_told_apart_by_their_pairs(self):
+    def test_designs_of_a_fixed_study_are_distinguished_by_their_pairs(self):
         """Five missions each, whose differences are much larger than their spread."""
         found, _ = self.judge([[10 + one, 11 + one, 9 + one, 10.5 + one, 10.2 + one] for one in (0, 0.1, 0.2)])
         self.assertIn("All others are surely worse", found.headlines[0])

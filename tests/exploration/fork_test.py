@@ -37,7 +37,7 @@ class SavedState(StudyCase):
         mission.run()
         return result(mission)
 
-    def test_another_mission_goes_on_from_it_to_the_same_bits(self):
+    def test_another_mission_continues_from_it_with_the_same_bits(self):
         past = mebots.Mission(self.folder / "mission.json", record=["a.*"])
         past.run_until(0.5)
         state = past.save_state()

@@ -50,7 +50,7 @@ class Lines(JournalCase):
         self.assertEqual(journal.may_have([number.to_bytes(32, "big") for number in (0, 2999)]).tolist(), [True, True])
         self.assertEqual((journal.of_other_builds(BUILD), journal.of_other_builds("other")), (0, 3000))
 
-    def test_missions_whose_hashes_begin_alike_are_told_apart(self):
+    def test_missions_whose_hashes_begin_alike_are_distinguished(self):
         journal = self.opened()
         journal.append([record(0, mission=("0" * 60) + f"{number:04x}", values={"n": number}) for number in range(50)])
         for _ in range(2):

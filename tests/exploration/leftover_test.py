@@ -131,7 +131,7 @@ class InOneProcess(LeftoverCase):
         self.assertIn("leftover_rand.fmu: it imports rand", str(caught.exception))
         self.assertIn('"process": "own"', str(caught.exception))
 
-    def test_what_was_left_is_told(self):
+    def test_leftovers_are_reported(self):
         for place in PLACES:
             self.mission(a=(place, {}))
             mission = mebots.Mission(self.folder / "mission.json")

@@ -19,7 +19,7 @@ OUT = {"summary": "deep.out", "minimize": True}
 
 
 class Rounds(StudyCase):
-    def test_what_is_left_is_told_as_if_designs_went_on_to_end_as_they_did(self):
+    def test_the_estimate_of_missions_left_assumes_that_designs_continue_to_end_at_the_same_rate(self):
         study = read_study(self.study(objectives={"out": OUT}, draws={"replicates": 40, "variables": {"a.real_in": {"uniform": [0, 3]}}},
                                       rounds={"size": 10, "racing": True}))
         rounds = exploration_rounds.Rounds(study, Evidence(study, 16))
@@ -179,7 +179,7 @@ class Extras(StudyCase):
             self.sweep("--jobs", "1", out=method)
             self.assertEqual(self.bytes_of("journal.jsonl", method), journal)
 
-    def test_a_package_that_is_missing_is_told_with_the_line_that_installs_it(self):
+    def test_a_missing_package_is_reported_with_the_command_that_installs_it(self):
         self.study(design={"kind": "sobol", "points": 4, "factors": {"a.gain": {"uniform": [0, 1]}}})
         code = ("import sys; sys.modules['scipy'] = None; sys.modules['scipy.stats'] = None; from mebots.exploration.command import main; "
                 f"sys.exit(main([{str(self.folder / 'study.json')!r}, '--out', {str(self.folder / 'out')!r}]))")

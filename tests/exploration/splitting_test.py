@@ -107,7 +107,7 @@ class RareEvents(WalkCase):
         self.assertLess(float(self.rows("designs.csv")[1]["probability: low"]), chance_to_reach(14))
         self.assertGreater(float(self.rows("designs.csv")[1]["probability: high"]), chance_to_reach(14))
 
-    def test_the_next_level_is_where_the_best_fifth_came_to(self):
+    def test_the_next_level_is_the_one_that_the_best_fifth_reached(self):
         bests = [float(best) for best in range(1, 11)]
         self.assertEqual(next_level(bests, None, 99, 0), 9)
         self.assertEqual(next_level(bests, None, 8, 0), 8, "no further than the goal")
@@ -117,7 +117,7 @@ class RareEvents(WalkCase):
         self.assertEqual(next_level([], 3, 99, 2), 99)
         self.assertEqual(next_level(bests, None, 99, MOST_LEVELS - 1), 99)
 
-    def test_the_report_tells_it_and_a_single_run_repeats_a_mission_that_came_to_the_end(self):
+    def test_the_report_has_it_and_a_single_run_repeats_a_mission_that_reached_the_end(self):
         self.rare(24, 40, 4)
         self.sweep()
         (design,) = self.report()["designs"]
@@ -177,7 +177,7 @@ class RareEvents(WalkCase):
         self.assertEqual(answer["probability"], "", done)
         self.assertEqual({row["level"] for row in self.rows("levels.csv")}, {"2"})
 
-    def test_its_mistakes_are_told(self):
+    def test_its_mistakes_are_reported(self):
         self.rare([4, 4], 20, 2)
         self.assertIn("rise", self.sweep(code=2))
         self.rare([4, 8], 20, 2, below=3)

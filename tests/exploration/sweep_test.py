@@ -247,7 +247,7 @@ class SameBytes(StudyCase):
             self.assertLess(time.monotonic(), limit, "a worker outlived the program")
             time.sleep(0.05)
 
-    def test_an_interrupt_ends_with_code_1_and_the_next_call_goes_on(self):
+    def test_an_interrupt_ends_with_code_1_and_the_next_call_continues(self):
         self.mission(fault="slow", fault_time=0)
         self.study()
         command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "2"]
@@ -350,7 +350,7 @@ class BadInput(StudyCase):
         self.assertFalse((self.folder / "out" / "missions.csv").exists())
         return text
 
-    def test_all_mistakes_of_a_study_are_told_at_once_with_their_places(self):
+    def test_all_mistakes_of_a_study_are_reported_at_once_with_their_places(self):
         self.study(design={"kind": "gird", "factors": {"a.gain": []}}, objectives={"x": {"outcom": "far"}}, limit={})
         text = self.refused()
         for words in ("/design/kind", "'grid'", "/design/factors/a.gain", "/objectives/x", "'outcome'", "/limit", "'limits'"):
@@ -375,7 +375,7 @@ class BadInput(StudyCase):
         self.study(design={"kind": "grid", "factors": {"/stop/time": [1]}})
         self.assertIn("'/stop/time'", self.refused())
 
-    def test_a_refusal_names_the_study_and_who_asks_for_what_is_refused(self):
+    def test_an_error_names_the_study_and_the_part_that_causes_it(self):
         study = str(self.folder / "study.json")
         self.study(design={"kind": "grid", "factors": {"a.gain": [1, -100], "a.gian": [1]}})
         self.assertIn(f"{study}: factor 'a.gian' = 1: instance 'a'", self.refused())
@@ -423,7 +423,7 @@ class BadInput(StudyCase):
         self.assertIn("journal.jsonl: this is not a journal of `mebots sweep`", self.refused())
         self.assertEqual(journal.read_text(), "garbage\n{}\n")
 
-    def test_an_objective_whose_arithmetic_has_no_value_in_any_mission_is_told_once(self):
+    def test_an_objective_whose_arithmetic_has_no_value_in_any_mission_is_reported_once(self):
         self.study(objectives={
             "integral": {"summary": "integral"}, "none": {"expression": "integral / 0"},
             "root": {"expression": "sqrt(-1)"}, "huge": {"expression": "1e308 * 10"}})
@@ -540,7 +540,7 @@ class Reuse(StudyCase):
 
 
 class Python(StudyCase):
-    def test_values_that_a_mission_cannot_hold_are_told(self):
+    def test_values_that_a_mission_cannot_hold_are_reported(self):
         with mebots.Mission(self.folder / "mission.json") as mission:
             for value, text in ((2**70, "whole number of 64 bits"), ("\ud800", "text in Unicode")):
                 with self.assertRaises(mebots.InputError) as caught:

@@ -90,7 +90,7 @@ class Calibration(StudyCase):
         written = json.loads((self.folder / "python/summary.json").read_text())
         self.assertEqual(written["uncertainty"], found)
 
-    def test_a_mission_from_python_flies_once_if_it_is_told_to(self):
+    def test_a_mission_from_python_runs_once_if_requested(self):
         with mebots.Mission(self.folder / "mission.json", uncertainty="none") as mission:
             mission.run()
         self.assertNotIn("uncertainty", mission.summary)

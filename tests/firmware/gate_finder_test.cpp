@@ -237,7 +237,7 @@ TEST(GateFinder, GivesTheSameAnswerForTheSamePictureWhateverItSawBefore) {
   EXPECT_EQ(first.contrast, second.contrast);
 }
 
-TEST(Navigator, TurnsLeftForAGateOnTheLeftAndTellsItsDistance) {
+TEST(Navigator, TurnsLeftForAGateOnTheLeftAndReturnsItsDistance) {
   const auto scene = load_scene("gate_easy");
   Camera camera(scene);
   const Eigen::Vector3d gate = scene.gates[0].p_W_m;

@@ -293,7 +293,7 @@ TEST(Traverser, LeavesWhatDoesNotGrowWhereAGateWouldHaveFilledThePicture) {
   EXPECT_EQ(gate.phase, TRAVERSER_THROUGH);
 }
 
-TEST(Traverser, EntersAGateWhoseToldSizeFallsBeforeItsFrameIsGone) {
+TEST(Traverser, EntersAGateWhoseEstimatedSizeFallsBeforeItsFrameIsGone) {
   auto traverser = new_traverser();
   fly_to(traverser, kSizeAt1mBy50Degrees, 2.15, 0.55);
   // The outputs of a flight in the wind.
@@ -354,7 +354,7 @@ TEST(Traverser, TheHeadingThatLedAgainstSomethingIsThatBeforeItTurnedTheDrone) {
   EXPECT_EQ(traverser.dead_ends_urad[0], 0);
 }
 
-TEST(Traverser, EndsItsWayBackWhereSomethingStandsInIt) {
+TEST(Traverser, EndsItsWayBackAtAnObstacle) {
   auto traverser = leaning(10);
   see(traverser, 175, kNoGate, 0);
   EXPECT_EQ(traverser.phase, TRAVERSER_ELSEWHERE) << "5.8 s";
@@ -477,7 +477,7 @@ TEST(Traverser, ForgetsTheSizeOfAGateOnceItMustBeBehind) {
   EXPECT_EQ(traverser.phase, TRAVERSER_THROUGH) << "the next gate counts by its own size";
 }
 
-TEST(Traverser, EntersAGateWhoseFirstPicturesToldNoSize) {
+TEST(Traverser, EntersAGateWhoseFirstPicturesGaveNoSize) {
   auto traverser = new_traverser();
   see(traverser, 4, {0, 0, -20, 127}, 0);
   ASSERT_EQ(traverser.phase, TRAVERSER_APPROACH);
@@ -516,7 +516,7 @@ TEST(Traverser, FliesFartherWhereANearGateLeftThePictureSooner) {
   EXPECT_EQ(traverser.phase, TRAVERSER_DONE) << "1.44 m";
 }
 
-TEST(Traverser, StaysWithinItsAltitudesWhateverItIsTold) {
+TEST(Traverser, StaysWithinItsAltitudesForAnyInput) {
   auto traverser = new_traverser();
   see(traverser, 500, {0, 127, 1, 100});
   EXPECT_LE(traverser.altitude_um, 1700000);

@@ -97,7 +97,7 @@ TEST_F(ArchiveTest, TheSameFilesGiveTheSameBytesWhateverTheirDatesAndOrder) {
   EXPECT_EQ(read_file(folder_.path() / "1.zip"), read_file(folder_.path() / "2.zip"));
 }
 
-TEST_F(ArchiveTest, PackTellsWhatIsMissingOrThereTwice) {
+TEST_F(ArchiveTest, PackReportsMissingAndDuplicateFiles) {
   write_file(folder_.path() / "a", "x");
   const fs::path archive = folder_.path() / "x.zip";
   EXPECT_THROW(pack(archive, {{"a", folder_.path() / "missing"}}), Error);
@@ -142,7 +142,7 @@ TEST_F(ArchiveTest, NamesThatOnlyLookDangerousPass) {
   }
 }
 
-TEST_F(ArchiveTest, BackslashesAreReadAsSlashesAndTold) {
+TEST_F(ArchiveTest, BackslashesAreReadAsSlashesWithANotice) {
   const fs::path out = folder_.path() / "windows";
   const auto notices = unpack(with_entry("resources\\deep\\a.txt", "x"), out);
   EXPECT_EQ(read_file(out / "resources/deep/a.txt"), "x");

@@ -85,7 +85,7 @@ TEST(Document, KeepsEveryWholeNumberOf64Bits) {
   });
 }
 
-TEST(Document, TellsLineColumnAndPointerOfEachValue) {
+TEST(Document, ReportsLineColumnAndPointerOfEachValue) {
   Document document(
       "\xEF\xBB\xBF{\n  \"\xC3\xA9\\\"/~\": [10,\n    {\"x\" : \"a\\\\\"}, tru"
       "e]\n}",
@@ -151,13 +151,13 @@ TEST(Document, RefusesNumbersThatNoDoubleHolds) {
               ElementsAre(std::pair(ErrorCode::value_out_of_range, "f.json:2:2")));
 }
 
-TEST(Document, TellsEveryKeyThatStandsTwice) {
+TEST(Document, ReportsEveryDuplicateKey) {
   EXPECT_THAT(mistakes_of(R"({"a": {"b": 1, "b": 2}, "c": 3, "a": 4})", kReadNothing),
               ElementsAre(std::pair(ErrorCode::duplicate_key, "f.json:1:16: /a/b"),
                           std::pair(ErrorCode::duplicate_key, "f.json:1:33: /a")));
 }
 
-TEST(Document, TellsEveryKeyThatStandsTwiceAmongMany) {
+TEST(Document, ReportsEveryDuplicateKeyAmongMany) {
   std::string text = "{";
   for (int i = 0; i < 30; ++i) text.append("\"").append(std::to_string(i % 27)).append("\": {\"x\": 0},\n");
   text += R"("x": 1})";
@@ -185,7 +185,7 @@ TEST(Document, TakesTimeInProportionToItsLength) {
   EXPECT_LT(seconds(100'000), 500 * seconds(2000) + 0.1);
 }
 
-TEST(Object, TellsAllMistakesOfAFileAtOnceInTheOrderOfTheFile) {
+TEST(Object, ReportsAllMistakesOfAFileAtOnceInTheOrderOfTheFile) {
   const auto text = R"([
     {"name": "", "width": {"value": -1, "unit": "cm", "source": "", "sorce": "x"}},
     {"nmae": "b", "width": 3},
@@ -206,7 +206,7 @@ TEST(Object, TellsAllMistakesOfAFileAtOnceInTheOrderOfTheFile) {
                           std::pair(ErrorCode::wrong_type, "f.json:5:37: /3/place/2")));
 }
 
-TEST(Object, AnswersAnUnknownKeyByTheNearestThatWasAskedFor) {
+TEST(Object, SuggestsTheNearestKnownKeyForAnUnknownOne) {
   Document document(R"({"nmae": "b"})", "f.json");
   try {
     document.read(&read_gate);
@@ -280,7 +280,7 @@ TEST(Text, HoldsNoZeroByte) {
   }
 }
 
-TEST(FindFile, TellsTheNearestNameInTheFolder) {
+TEST(FindFile, SuggestsTheNearestNameInTheFolder) {
   const std::filesystem::path cells = MEBOTS_SOURCE_DIR "/fmu_battery/params/cells";
   EXPECT_EQ(find_file(cells, "ufx_250", "cell.name"), cells / "ufx_250.json");
   try {

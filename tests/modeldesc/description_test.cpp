@@ -71,7 +71,7 @@ TEST_F(DescriptionTest, RefusesNoVariablesKeysThatStandTwiceAndDeepNesting) {
   EXPECT_THAT(error_of(std::string(100'000, '[')), HasSubstr("nested more than 100 levels deep"));
 }
 
-TEST_F(DescriptionTest, TellsWhatIsWrongWithAVariable) {
+TEST_F(DescriptionTest, ReportsWhatIsWrongWithAVariable) {
   const auto expect = [this](const std::string& variable, const char* text) {
     EXPECT_THAT(error_of(variable), HasSubstr(text)) << variable;
   };
@@ -144,7 +144,7 @@ TEST_F(DescriptionTest, RefusesTheSameNameTwice) {
               HasSubstr("the name a_b_v is already taken"));
 }
 
-TEST_F(DescriptionTest, TellsAllMistakesOfOwnFileAndBoardAtOnce) {
+TEST_F(DescriptionTest, ReportsAllMistakesOfOwnFileAndBoardAtOnce) {
   const auto own = write("description.json", R"({"name": "1x", "text": 2, "namespace": "x", "step": 0, "stop_time": 1,
     "variables": [{"name": "a", "causality": "output", "unit": "V/furlong", "text": "t"},
                   {"name": "b", "causality": "input", "unit": "m3/s", "text": "t", "strat": 1}]})");
@@ -178,7 +178,7 @@ TEST_F(DescriptionTest, TakesProductsOfPowersOfKnownUnits) {
   EXPECT_EQ(base_unit_text(units[0]), "m3/s");
 }
 
-TEST_F(DescriptionTest, TellsTheLineOfBrokenJson) {
+TEST_F(DescriptionTest, ReportsTheLineOfBrokenJson) {
   const auto file = write("broken.json", "{\n  \"name\": \"x\",\n  oops\n}");
   try {
     read_description(file);

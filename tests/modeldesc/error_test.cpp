@@ -13,7 +13,7 @@ class Refusal : public Error {
   using Error::Error;
 };
 
-TEST(Error, CarriesItsCodeBesideItsTextThroughTheBaseClass) {
+TEST(Error, CarriesCodeAndTextThroughTheBaseClass) {
   try {
     throw Refusal(ErrorCode::unknown_key, "config.json: 'stp'");
   } catch (const Error& error) {

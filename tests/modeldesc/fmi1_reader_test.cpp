@@ -111,7 +111,7 @@ TEST(Fmi1Reader, LeavesOutASecondVariableOfTheSameName) {
   EXPECT_EQ(m.structure_faults.size(), 1U);
 }
 
-TEST(Fmi1Reader, TellsKindsApart) {
+TEST(Fmi1Reader, DistinguishesKinds) {
   const auto exchange = read_xml_text(fmi1_text("", ""), "m.xml");
   EXPECT_FALSE(exchange.co_simulation);
   EXPECT_EQ(exchange.model_exchange->model_identifier, "m");

@@ -148,7 +148,7 @@ TEST_F(Fmi3DescriptionTest, TerminalsNameVariablesAsTheDescriptionDoes) {
               HasSubstr("the group 'rot' is unknown"));
 }
 
-TEST_F(Fmi3DescriptionTest, WritesBothVersionsBesideEachOtherOrOneAlone) {
+TEST_F(Fmi3DescriptionTest, WritesBothVersionsOrOneAlone) {
   const auto both = read(kPosition, R"("fmi": [3, 2], )");
   generate(both, folder_.path() / "both");
   EXPECT_THAT(text_of(folder_.path() / "both/modelDescription.xml"), HasSubstr(R"(fmiVersion="2.0")"));

@@ -56,7 +56,7 @@ void expect_same_bits_after(const std::function<void(Lag& from, Lag& to)>& trans
   expect_same_bits(straight, second);
 }
 
-TEST(ShellState, SavedAndRestoredInAFreshInstanceGoesOnWithTheSameBits) {
+TEST(ShellState, SavedAndRestoredInANewInstanceContinuesWithTheSameBits) {
   expect_same_bits_after([](Lag& from, Lag& to) {
     fmi2FMUstate state = from.save();
     ASSERT_EQ(library().set_fmu_state(to.component(), state), fmi2OK) << to.last_message();
@@ -65,7 +65,7 @@ TEST(ShellState, SavedAndRestoredInAFreshInstanceGoesOnWithTheSameBits) {
   });
 }
 
-TEST(ShellState, SerialisedAndReadBackGoesOnWithTheSameBits) {
+TEST(ShellState, SerializedAndReadBackContinuesWithTheSameBits) {
   expect_same_bits_after([](Lag& from, Lag& to) {
     const std::vector<char> bytes = from.serialized();
     fmi2FMUstate state = nullptr;

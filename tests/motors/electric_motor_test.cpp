@@ -211,7 +211,7 @@ TEST(ElectricMotor, BusResistanceTakesTheSurgeOfTheFirstStepOff) {
   EXPECT_NEAR(sagging.stand.outputs.power_w, held.stand.outputs.power_w, 1e-8);
 }
 
-TEST(ElectricMotor, RestoredRunWithBusResistanceGoesOnWithTheSameBits) {
+TEST(ElectricMotor, RestoredRunWithBusResistanceContinuesWithTheSameBits) {
   Supplied straight(0.16);
   for (int i = 0; i < 20; ++i) straight.step();
   Supplied first(0.16);

@@ -110,7 +110,7 @@ TEST(Motors, PowerIsTheMeanOverTheStepWhateverTheStep) {
   EXPECT_NEAR(energy_j(kMillisecond), energy_j(100 * kMillisecond), 1e-11 * energy_j(kMillisecond));
 }
 
-TEST(Motors, RestoredRunGoesOnWithTheSameBits) {
+TEST(Motors, RestoredRunContinuesWithTheSameBits) {
   const auto drive = [](Stand& stand, int from, int to) {
     for (int i = from; i < to; ++i) {
       stand.inputs.rotor_command = {0.6 + 0.2 * std::sin(0.1 * i), 0.6, 0.5, i % 50 < 25 ? 0.7 : 0.0};

@@ -59,7 +59,7 @@ TEST(RotorData, PowerIsTheLeastSquaresFitOfTheBench) {
   EXPECT_NEAR(rotor.power_per_thrust_w_per_n, (fp * ww - wp * wf) / determinant, 1e-5 * rotor.power_per_thrust_w_per_n);
 }
 
-TEST(RotorData, SpeedGoesOnStraightBeyondTheTable) {
+TEST(RotorData, SpeedIsExtrapolatedLinearlyBeyondTheTable) {
   const RotorData rotor = bench_rotor();
   EXPECT_NEAR(rotor.steady_speed_rad_per_s(4) - rotor.steady_speed_rad_per_s(3.5), 0.5 * 696.172, 1e-9);
   EXPECT_EQ(rotor.steady_speed_rad_per_s(0), 0);
@@ -112,7 +112,7 @@ TEST_F(RotorFile, RotorThatCannotSpeedUpIsRefused) {
   EXPECT_THAT(refused(), HasSubstr("would never change its speed"));
 }
 
-TEST_F(RotorFile, MotorBesidesATableOfSpeedsIsRefused) {
+TEST_F(RotorFile, MotorTogetherWithATableOfSpeedsIsRejected) {
   json["motor"] = read_json(rotor_file("crazyflie_legacy"))["motor"];
   EXPECT_THAT(refused(), AllOf(HasSubstr("/steady_speed: 'motor' already determines this"),
                                HasSubstr("remove 'power_per_thrust' or 'motor'")));

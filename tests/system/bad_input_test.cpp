@@ -35,7 +35,7 @@ TEST(BadInput, FirmwareForAnotherMachineIsNamed) {
   EXPECT_THAT(flight.output, AllOf(HasSubstr("soc"), HasSubstr(X86_PROGRAM), HasSubstr("64-bit")));
 }
 
-TEST(BadInput, ATraceThatFindsNoRoomIsToldWithoutBeingAskedFor) {
+TEST(BadInput, ATraceOnAFullDiskIsReported) {
   const Folder folder;
   const auto flight = fly(write(folder / "easy.json", shipped_config("gate_easy")), folder / "out",
                           {"soc.observe.trace=/dev/full"}, {"--quiet", "--stop-time", "0.1"});

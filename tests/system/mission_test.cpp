@@ -54,7 +54,7 @@ TEST_F(GateEasy, DroneTakesOffPassesTheGateAndLands) {
   EXPECT_EQ(values("world.gate.touched").back(), 0);
 }
 
-TEST(Mission, EndsSoonAfterItsFirmwareCannotGoOn) {
+TEST(Mission, EndsSoonAfterItsFirmwareCannotContinue) {
   const Folder folder;
   const auto flight = fly(write(folder / "gate_easy.json", shipped_config("gate_easy")), folder / "out",
                           {std::string("soc.firmware=") + CXX_FIRMWARE});
@@ -66,7 +66,7 @@ TEST(Mission, EndsSoonAfterItsFirmwareCannotGoOn) {
   EXPECT_THAT(flight.output, HasSubstr("main.cpp:36"));
 }
 
-TEST_F(GateEasy, DroneCruisesAtTheSpeedThatItsFirmwareAsksFor) {
+TEST_F(GateEasy, DroneCruisesAtTheSpeedThatItsFirmwareCommands) {
   const auto speed = values("world.drone.forward_velocity");
   const auto mode = values("soc.setpoint.mode");
   const auto asked = values("soc.setpoint.velocity.x");

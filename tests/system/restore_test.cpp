@@ -77,7 +77,7 @@ TEST_F(Restore, RunThatGoesBackToItsSavedStateGivesTheBitsOfAStraightRun) {
   EXPECT_TRUE(read_file(folder_ / "restored.csv") == straight());
 }
 
-TEST_F(Restore, StateAsBytesGoesOnInFreshInstancesWithTheSameBits) {
+TEST_F(Restore, StateAsBytesContinuesInNewInstancesWithTheSameBits) {
   std::vector<std::byte> bytes;
   {
     Mission first(config_, folder_ / "first.csv");

@@ -153,7 +153,7 @@ TEST_F(Gdb, StepsUntilTheProgramIsOutOfARange) {
   EXPECT_EQ(run.exit_code, 2) << run.gdb << run.err;
 }
 
-TEST_F(Gdb, TellsASecondDebuggerToWait) {
+TEST_F(Gdb, MakesASecondDebuggerWait) {
   const Debugged run(
       "shell timeout 20 gdb-multiarch -nx -q -batch -ex 'set architecture riscv:rv32' -ex \"target remote 127.0.0.1:"
       "$(sed -n 's/.*127.0.0.1:\\([0-9]*\\).*/\\1/p' \"$RUN_FOLDER/err\")\" 2>&1\n"
@@ -180,14 +180,14 @@ TEST_F(Gdb, ChangesRegistersMemoryAndCode) {
   EXPECT_EQ(run.exit_code, 4) << "tohost 9\n" << run.gdb;
 }
 
-TEST_F(Gdb, TellsCyclesAndEnergy) {
+TEST_F(Gdb, ReportsCyclesAndEnergy) {
   const Debugged run("stepi\nstepi\nmonitor cycles\nmonitor energy\nmonitor help\ncontinue\n");
   EXPECT_THAT(run.gdb, HasSubstr("2 cycles, 2 instructions"));
   EXPECT_THAT(run.gdb, HasSubstr("fabric_controller "));
   EXPECT_THAT(run.gdb, HasSubstr("monitor commands: callers, cycles"));
 }
 
-TEST_F(Gdb, TellsTheCallersThatRaAndTheStackKnow) {
+TEST_F(Gdb, ReportsTheCallersFromRaAndTheStack) {
   const Debugged run("break *inner\ncontinue\nmonitor callers\nkill\n", R"(
     .globl _start, outer, inner
     .type _start, @function
@@ -214,7 +214,7 @@ inner: nop
   EXPECT_THAT(run.gdb, HasSubstr(" < _start+0x"));
 }
 
-TEST_F(Gdb, ThatGoesAwayLetsTheRunGoOnWithTheSameCounts) {
+TEST_F(Gdb, ThatDisconnectsLetsTheRunContinueWithTheSameCounts) {
   const Folder folder;
   const auto plain = run_tool("run " + folder.program(fmt::format("{}{}", kProgram, kTohost)));
   const Debugged run("break add_up\ncontinue\ndetach\n");
@@ -228,7 +228,7 @@ TEST_F(Gdb, KillsTheRun) {
   EXPECT_THAT(run.err, HasSubstr("stopped by the debugger at pc 0x"));
 }
 
-TEST_F(Gdb, KillsTheRunOfAProgramWhoseTimerTicksForEver) {
+TEST_F(Gdb, KillsTheRunOfAProgramWhoseTimerNeverStops) {
   const Folder folder;
   const auto program = folder.program(
       "_start: li a0, 0x1B200400\nli a1, 1000\nsw a1, 16(a0)\nli a1, 0x15\nsw a1, 0(a0)\nspin: j spin\n", 0x1C000000);

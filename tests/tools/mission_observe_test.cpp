@@ -137,7 +137,7 @@ class Caller {
   bool connected_ = false;
 };
 
-TEST(MissionObserve, ADebuggerHoldsTheMissionWhichThenGoesOnWithTheSameBits) {
+TEST(MissionObserve, ADebuggerPausesTheMissionWhichThenContinuesWithTheSameBits) {
   Parameters debugged;
   debugged.gdb_port = 0;
   constexpr int kSteps = 20;
@@ -163,7 +163,7 @@ TEST(MissionObserve, ADebuggerHoldsTheMissionWhichThenGoesOnWithTheSameBits) {
   EXPECT_TRUE(bytes == state_after({}, kSteps));
 }
 
-TEST(MissionObserve, ADebuggerThatVanishesLetsTheMissionGoOn) {
+TEST(MissionObserve, ADebuggerThatVanishesLetsTheMissionContinue) {
   Parameters debugged;
   debugged.gdb_port = 0;
   std::thread caller;

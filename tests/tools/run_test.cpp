@@ -224,7 +224,7 @@ TEST(Run, OfAStackThatLeavesTheMemorySaysSo) {
   EXPECT_THAT(run.err, HasSubstr("the stack pointer 0x7ffffff0 is outside the memory"));
 }
 
-TEST(Run, OfAHandlerThatFaultsItselfTellsHowItBegan) {
+TEST(Run, OfAHandlerThatFaultsItselfReportsTheFirstException) {
   const auto run = run_program(
       "_start: la t0, handler\ncsrw mtvec, t0\nli a0, 0x40000000\nculprit: lw a1, 0(a0)\n1: j 1b\n.balign 4\n"
       "handler: nop\nagain: sw a1, 8(a0)");
@@ -281,7 +281,7 @@ TEST(Run, NamesTheExtensionOfAnInstructionThatTheCoreLacks) {
   EXPECT_THAT(atomic.err, HasSubstr("the program was compiled for rv32i2p"));
 }
 
-TEST(Run, OfAHandlerThatWaitsForEverNamesTheException) {
+TEST(Run, OfAHandlerThatNeverReturnsNamesTheException) {
   const auto run =
       run_program("_start: la t0, handler\ncsrw mtvec, t0\n.word 0x0062a3af\n.balign 256\nhandler: j handler");
   EXPECT_EQ(run.exit_code, 101);

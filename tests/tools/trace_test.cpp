@@ -24,7 +24,7 @@ std::vector<std::string> trace_of(std::string_view text, const std::string& opti
   return lines;
 }
 
-TEST(Trace, AtTheLimitOfAFilesSizeIsTold) {
+TEST(Trace, AtTheLimitOfAFilesSizeIsReported) {
   const Folder folder;
   const auto program = folder.program("_start: li t0, 100000\n1: addi t0, t0, -1\nbnez t0, 1b\n2: j 2b");
   const auto command = fmt::format("ulimit -f 100; {} run {} --trace {} --max-instructions 100000 2> {}", tool_path(),
@@ -139,7 +139,7 @@ stack: .space 64
   EXPECT_THAT(read_file(folder / "said"), testing::ContainsRegex("[0-9][0-9][0-9][0-9] lines the same"));
 }
 
-TEST(Trace, HasTheCycleAsACommentWhenAskedFor) {
+TEST(Trace, HasTheCycleAsACommentIfRequested) {
   const auto lines = trace_of("_start: li a0, 3\n div a1, a0, a0\nla t0, tohost\nsw a0, 0(t0)\n", "--trace-cycles");
   ASSERT_EQ(lines.size(), 5U);
   EXPECT_THAT(lines[0], testing::EndsWith(" # 1"));

@@ -38,7 +38,7 @@ TEST(CameraDevice, AnswersARequestAtTheEndOfTheStepThatSeesIt) {
   EXPECT_EQ(rig.outputs.camera_frame.bytes().size(), 64U * 48U);
 }
 
-TEST(CameraDevice, TellsWithWhatItTookThePicture) {
+TEST(CameraDevice, ReportsTheSettingsOfThePicture) {
   FlightRig instant(shipped_scene("gate_easy"), parameters());
   EXPECT_EQ(instant.outputs.camera_frame_gain, 0.0);
   instant.inputs.camera_trigger = 1;

@@ -75,7 +75,7 @@ TEST(Flight, PathLengthIntegratesTheSpeed) {
   EXPECT_NEAR(rig.outputs.drone_path_length_m - before_m, rig.outputs.drone_position_m[0] - x_m, 1e-4);
 }
 
-TEST(Flight, BrakesAndHoldsItsPlaceWhenAskedToLandAtSpeed) {
+TEST(Flight, BrakesAndHoldsItsPlaceWhenCommandedToLandAtSpeed) {
   FlightRig rig;
   rig.take_off_and_fly();
   rig.inputs.setpoint_velocity_x_m_per_s = 0.3;

@@ -120,7 +120,7 @@ TEST(WorldAlone, AStepOfADayIsTwoOfHalfADay) {
   EXPECT_EQ(whole.outputs.imu_angular_velocity_rad_per_s, halves.outputs.imu_angular_velocity_rad_per_s);
 }
 
-TEST(WorldAlone, AskedToFlyWithoutRotorsItStaysOnTheGround) {
+TEST(WorldAlone, CommandedToFlyWithoutRotorsItStaysOnTheGround) {
   FlightRig rig(shipped_scene("gate_easy"));
   rig.inputs.setpoint_mode = FlightMode::take_off;
   for (std::int64_t t = 0; t < 5'000'000'000; t += 100'000'000) rig.world.step(t, 100'000'000);

@@ -71,7 +71,7 @@ TEST_F(Referee, ThroughBackAndThroughAgainIsPassed) {
   EXPECT_TRUE(rig.outputs.gate_passed);
 }
 
-TEST_F(Referee, ThroughAndBackBesideTheFrameIsNotPassed) {
+TEST_F(Referee, ThroughAndBackAroundTheFrameIsNotPassed) {
   FlightRig rig(shipped_scene("gate_easy"), start(0.5, 0.0));
   rig.take_off_and_fly();
   fly(rig, 0.4, 4.0);

@@ -55,7 +55,7 @@ void fly_about(FlightRig& rig, int steps) {
 
 constexpr int kSteps = 10'000;  // 20 s
 
-TEST(WorldState, ARestoredRunGoesOnWithTheSameBitsAlsoDuringContact) {
+TEST(WorldState, ARestoredRunContinuesWithTheSameBitsAlsoDuringContact) {
   FlightRig straight(shipped_scene("gate_easy"), noisy());
   // During the climb, before the gate, in contact with it, after it, during the landing, landed.
   std::vector<std::unique_ptr<FlightRig>> restored;

@@ -92,7 +92,7 @@ TEST_F(Program, AValueThatWasNotMeasuredIsLeftOutOfTheSummary) {
   EXPECT_FALSE(summary_when("10")["units"].contains("length"));
 }
 
-TEST_F(Program, TheSummaryTellsWhatTheRunStartedFrom) {
+TEST_F(Program, TheSummaryListsTheStartValuesOfTheRun) {
   run_config({"--set", "b.mode_in=both"});
   EXPECT_EQ(summary()["parameters"]["a"]["gain"], 2.0);
   EXPECT_EQ(summary()["parameters"]["b"]["mode_in"], 7);

@@ -168,7 +168,7 @@ TEST(RatioSteps, ConditionsAndScenariosCountWholeSteps) {
   EXPECT_NEAR(run.column("a.integral").back(), 2.0 / 60, 1e-15);
 }
 
-TEST(RatioSteps, ARunGoesOnFromASavedStateWithTheSameBits) {
+TEST(RatioSteps, ARunContinuesFromASavedStateWithTheSameBits) {
   const auto text = probe_system(R"("step": "3/7", "stop_time": 30)", R"(, "parameters": {"real_in": 0.7})");
   TestRun straight(text);
   straight.to_end();

@@ -119,7 +119,7 @@ TEST(Units, AnotherDimensionIsRefusedWithBothBases) {
                     HasSubstr("[C] is s.A"), HasSubstr("convert_units")));
 }
 
-TEST(Units, AUnitThatNobodyDefinesIsRefused) {
+TEST(Units, AnUndefinedUnitIsRejected) {
   EXPECT_THAT(refused(R"({"from": "a.furlong", "to": "b.speed_in"})"), HasSubstr("does not define [furlong]"));
 }
 
@@ -329,7 +329,7 @@ TEST(CouplingOrder, DerivativesMakeJacobiAndGaussSeidelSecondOrder) {
   }
 }
 
-TEST(InputDerivatives, AnInputWithTwoKnownEndsGoesOnALine) {
+TEST(InputDerivatives, AnInputWithTwoKnownEndsFollowsALine) {
   // b steps after a, so it has t^2 at both ends of its step: the trapezoidal rule, h^2/6 above 1/3.
   TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", R"(, "algorithm": "gauss-seidel")",
                    R"("step": 0.1, "stop_time": 1)"));
@@ -364,7 +364,7 @@ TEST(InputDerivatives, AnOverriddenVariableHasTheDerivativesOfItsOverride) {
   EXPECT_NEAR(area("a.ramp_out", R"("scale": 2)"), 2 * plain, 1e-12);
 }
 
-TEST(Pending, AStepThatGoesOnByItselfIsWaitedFor) {
+TEST(Pending, APendingStepIsWaitedFor) {
   for (const char* behaviour : {"callback", "poll"}) {
     TestRun run(pair(fmt::format(R"("behaviour": "{}", "pause": 0.002)", behaviour), ""));
     run.to_end();

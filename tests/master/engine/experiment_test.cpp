@@ -44,7 +44,7 @@ TEST(SetupExperiment, PassesNoStopTimeAndTheDefaultTolerance) {
             (Arguments{{"start", 1}, {"stop", 0}, {"has_stop", 0}, {"tolerance", 0.0625}, {"has_tolerance", 1}}));
 }
 
-TEST(SetupExperiment, PassesWhatTheConfigAsksFor) {
+TEST(SetupExperiment, PassesWhatTheConfigRequests) {
   EXPECT_EQ(arguments_of(R"(, "pass_stop_time": true, "tolerance": 0.03125)"),
             (Arguments{{"start", 1}, {"stop", 3}, {"has_stop", 1}, {"tolerance", 0.03125}, {"has_tolerance", 1}}));
   EXPECT_EQ(arguments_of(R"(, "pass_stop_time": false, "tolerance": false)"),

@@ -61,7 +61,7 @@ TEST(Fmi1, InitialisesWithInputsFromConnections) {
   EXPECT_EQ(run.column("c.level").back(), 2.75) << "c keeps its area";
 }
 
-TEST(Fmi1, PassesTheStopTimeOnlyIfAsked) {
+TEST(Fmi1, PassesTheStopTimeOnlyIfRequested) {
   TestRun run(tanks(tank("a")));
   run.to_end();
   EXPECT_EQ(run.column("a.has_stop").back(), 0);

@@ -81,7 +81,7 @@ TEST(FormatText, HasNoMoreConversionsThanAreSensible) {
   EXPECT_THAT(text, AllOf(StartsWith("0 1 2 "), HasSubstr(" 98 99 %d %d "), Not(HasSubstr("100"))));
 }
 
-TEST(ReadText, ATextThatEndsWithItsPageIsReadAndOneThatGoesOnIsNot) {
+TEST(ReadText, ATextThatEndsWithItsPageIsReadAndOneThatContinuesIsNot) {
   const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   auto* pages = static_cast<char*>(mmap(nullptr, 2 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
   ASSERT_NE(pages, MAP_FAILED);

@@ -188,7 +188,7 @@ TEST(Config, AnUnknownKeyIsAnsweredByPointerAndNearestKey) {
               AllOf(HasSubstr("/stop_when/0/fro"), HasSubstr("'for'")));
 }
 
-TEST(Config, AKeyThatStandsTwiceIsRefused) {
+TEST(Config, ADuplicateKeyIsRejected) {
   EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "PROBE"}, "a": {"fmu": "PROBE"})")),
               HasSubstr("'a' occurs twice"));
 }
@@ -320,7 +320,7 @@ TEST(Config, AnInstanceNameMayHoldDotsUnlessAnotherIsItsBeginning) {
       HasSubstr("'a.b.c' could be a variable of the instance 'a'"));
 }
 
-TEST(Config, AnAlgorithmThatDoesNotExistIsToldBesideOtherMistakes) {
+TEST(Config, AnUnknownAlgorithmIsReportedTogetherWithOtherMistakes) {
   EXPECT_THAT(reading_error(config_with(R"("algorithm": "gaus-seidel", "recrod": {},)", R"("a": {"fmu": "PROBE"})")),
               AllOf(HasSubstr("/algorithm: there is no algorithm 'gaus-seidel'. Did you mean 'gauss-seidel'?"),
                     HasSubstr("recrod")));

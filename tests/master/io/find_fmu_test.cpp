@@ -58,7 +58,7 @@ TEST_F(FindFmu, NameHasNeitherFolderNorSuffix) {
     EXPECT_FALSE(is_fmu_name(path)) << path;
 }
 
-TEST_F(FindFmu, NameIsFoundBesideTheConfigThenInTheSearchPathThenBesideTheProgram) {
+TEST_F(FindFmu, NameIsFoundNextToTheConfigThenInTheSearchPathThenNextToTheProgram) {
   const SearchPath search_path((folder.path() / "first").string() + "::" + (folder.path() / "second").string());
   EXPECT_EQ(find_fmu("fmu_motors", folder.path()), std::filesystem::canonical(MEBOTS_FMU_DIR "/fmu_motors.fmu"));
   const auto second = file("second/fmu_motors.fmu");
@@ -92,7 +92,7 @@ TEST_F(FindFmu, ErrorListsThePlacesLookedAtAndTheNearestNames) {
                                            HasSubstr("MEBOTS_FMU_PATH")));
 }
 
-TEST_F(FindFmu, WhatWasAskedForBeforeIsAnsweredFromMemory) {
+TEST_F(FindFmu, RepeatedQueriesAreAnsweredFromTheCache) {
   FmuSearch search(folder.path());
   const auto a = file("a.fmu");
   EXPECT_EQ(search.find("a").path, a);

@@ -705,7 +705,7 @@ TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
       HasSubstr("1 variables and the function 2 elements"));
 }
 
-TEST_F(Osp, AProxyAStepThatIsNoMultipleAndValuesOfConnectedInputsAreTold) {
+TEST_F(Osp, AProxyAStepThatIsNoMultipleAndValuesOfConnectedInputsAreReported) {
   const auto system = osp(
       R"(<VariableConnection><Variable simulator="b" name="mass_u"/><Variable simulator="a" name="mass_x"/></VariableConnection>)");
   auto text = test::read_file(system / "OspSystemStructure.xml");

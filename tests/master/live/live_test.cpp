@@ -100,7 +100,7 @@ TEST_F(LiveClients, DoNotBlockABrowser) {
   EXPECT_LT(seconds_since(start), 5);  // 1 s on an idle machine; the slow clients take 2 s each
 }
 
-TEST(LiveRun, TellsItsAddressEvenWhenQuiet) {
+TEST(LiveRun, PrintsItsAddressEvenWhenQuiet) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   write_file(folder.path() / "one.json",
              with_probe(R"({"step": 0.1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}, "connections": []})"));

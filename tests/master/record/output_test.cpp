@@ -166,7 +166,7 @@ TEST(OutputFile, AFileThatCannotBeMadeIsBadInput) {
   EXPECT_THAT(test::input_error([] { OutputFile file("/proc/nothing/results.csv"); }), HasSubstr("cannot be written"));
 }
 
-TEST(OutputFile, IsCutBackAndGoesOn) {
+TEST(OutputFile, IsTruncatedAndContinues) {
   const modeldesc::TemporaryFolder folder("mebots-test");
   OutputFile file(folder.path() / "x");
   file.append("abcdef");

@@ -364,7 +364,7 @@ TEST(InputSignals, AnIsolatedInstanceGetsTheSame) {
   EXPECT_EQ(TestRun(own).to_end().csv(), shared);
 }
 
-TEST(InputSignals, ARunFromASavedStateGoesOnToTheSameBits) {
+TEST(InputSignals, ARunFromASavedStateContinuesWithTheSameBits) {
   const Files files("time,u\n0,0\n0.33,3\n0.33,-1\n0.71,4\n1,9\n");
   auto text = test::with_probe(probe_with(files, kToReal));
   const std::string probe = "probe.fmu";  // it changes timers, so its runs cannot start from a saved state
@@ -409,7 +409,7 @@ TEST(InputSignals, ASystemThatIsConvertedKeepsItsFiles) {
   EXPECT_EQ(test::read_file(folder / "json" / "results.csv"), test::read_file(folder / "ssp" / "results.csv"));
 }
 
-TEST(InputSignals, NobodyElseSetsTheInput) {
+TEST(InputSignals, AnInputHasNoSecondSource) {
   const Files files("time,u\n0,0\n1,1\n");
   MasterRun run(files.put("c.json", test::with_probe(probe_with(files, kToReal))));
   run.start();

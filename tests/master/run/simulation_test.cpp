@@ -196,7 +196,7 @@ TEST(Faults, NotANumberIsCaughtInTheStepWhereItAppears) {
   EXPECT_THAT(failure("infinity"), AllOf(HasSubstr("instance 'a' at 0.5 s"), HasSubstr("'integral' is -inf")));
 }
 
-TEST(Faults, AWarningIsShownAndTheRunGoesOn) {
+TEST(Faults, AWarningIsShownAndTheRunContinues) {
   TestRun run(one_probe(R"("fault": "warning", "fault_time": 0.5)"));
   run.to_end();
   EXPECT_EQ(run.simulation().end().reason, EndReason::stop_time);

@@ -86,7 +86,7 @@ TEST_F(Containment, TheEndOfAProcessThatAnFmuForksIsNotTheRuns) {
   }
 }
 
-TEST_F(Containment, ACrashIsToldBeforeTheSignalTakesItsCourse) {
+TEST_F(Containment, ACrashIsReportedBeforeTheSignalsDefaultAction) {
   if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "the sanitizer handles these signals itself";
   for (const auto& [fault, signal] : {std::pair("null", "SIGSEGV"),
                                       {"division", "SIGFPE"},
@@ -118,7 +118,7 @@ TEST_F(Containment, AFaultWhenAnInstanceIsFreedFailsAndKeepsTheResults) {
   }
 }
 
-TEST_F(Containment, WhatInitialisationChangesInTheProcessIsToldAndPutBack) {
+TEST_F(Containment, ChangesOfTheProcessByInitialisationAreReportedAndReverted) {
   const auto ended = run_program({"run", "two.json", "--set", "a.fault=meddle"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.err,
@@ -178,7 +178,7 @@ TEST_F(Containment, AFileThatAnFmuOpensInItsStepsAndClosesAtTheEndIsItsOwn) {
   EXPECT_THAT(ended.err, Not(HasSubstr("changed")));
 }
 
-TEST_F(Containment, WhatAStepChangesInTheProcessIsToldAndPutBack) {
+TEST_F(Containment, ChangesOfTheProcessByAStepAreReportedAndReverted) {
   // Step 4 is a watched one, so the instance is known; after step 5 the next check, of all instances, is at step 8.
   for (const auto& [time, who] :
        {std::pair("0.4", "b: warning: the FMU probe.fmu changed the process for all, in fmi2DoStep"),
@@ -253,7 +253,7 @@ TEST(ProcessState, AnFmuMayCloseWhatItOpened) {
   EXPECT_THAT(ignorant.put_right(), testing::ElementsAre(HasSubstr("is closed")));
 }
 
-TEST(ProcessState, AConnectionThatEndsIsNobodysDoing) {
+TEST(ProcessState, AConnectionThatEndsIsNotReported) {
   const int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -275,7 +275,7 @@ TEST(ProcessState, AConnectionThatEndsIsNobodysDoing) {
   EXPECT_THAT(state.put_right(), testing::ElementsAre(HasSubstr("is closed"))) << "the socket that waits for others";
 }
 
-TEST(FloatEnvironment, IsEachInstancesOwnAndAChangeIsToldOnce) {
+TEST(FloatEnvironment, IsEachInstancesOwnAndAChangeIsReportedOnce) {
   const auto config = [](const std::string& fault) {
     return fmt::format(R"({{"step": 0.1, "stop_time": 10, "instances": {{
       "a": {{"fmu": "PROBE", "parameters": {{"real_in": 0.1}}}},

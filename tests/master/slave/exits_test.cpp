@@ -141,7 +141,7 @@ TEST(TimerState, ATimerWhoseSignalHasAHandlerStaysAndIsReportedOnce) {
   EXPECT_FALSE(timer_runs(ITIMER_VIRTUAL));
 }
 
-TEST(TimerState, ATimerOfTheProgramIsNobodysDoing) {
+TEST(TimerState, ATimerOfTheProgramIsNotReported) {
   start_timer(ITIMER_REAL);
   const master::ProcessState state;
   EXPECT_THAT(state.put_right(), IsEmpty());
@@ -230,7 +230,7 @@ TEST(ExitGuard, ASignalBetweenCallsIsKeptForTheThreadThatSteps) {
   EXPECT_FALSE(master::end_by_signal(SIGALRM));
 }
 
-TEST_F(Exits, ACancelledThreadGoesOn) {
+TEST_F(Exits, ACancelledThreadContinues) {
   ASSERT_EQ(run("none").code, 0);
   const auto csv = result("results.csv");
   const auto ended = run("cancel");

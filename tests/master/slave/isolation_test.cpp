@@ -229,7 +229,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Fault{"kill_group", "signal 9 (SIGKILL"}),
     [](const auto& fault) { return std::string(fault.param.name); });
 
-TEST_F(Isolation, AnFmuThatClosesAllFilesOrKillsItsParentHarmsNobody) {
+TEST_F(Isolation, AnFmuThatClosesAllFilesOrKillsItsParentHarmsNoOther) {
   ASSERT_EQ(run({}).code, 0);
   const auto csv = result("results.csv");
   for (const std::string fault : {"close", "kill_parent"}) {

@@ -112,7 +112,7 @@ TEST(Camera, ThreadsWithTheirOwnWorkspacesGetTheSamePictures) {
   EXPECT_EQ(wrong, 0);
 }
 
-TEST(Camera, ACopyOfARendererStandsOnItsOwn) {
+TEST(Camera, ACopyOfARendererIsIndependent) {
   const Pose from = pose({0.0, 0.0, 1.0});
   std::vector<Renderer> renderers;
   Picture expected{};

@@ -174,7 +174,7 @@ TEST(CameraSensor, ARollingShutterLeansWhatIsUprightByTheTimeOfItsRows) {
   }
 }
 
-TEST(CameraSensor, AMoverGoesOnWhileThePictureIsTaken) {
+TEST(CameraSensor, AMoverMovesWhileThePictureIsTaken) {
   scene::Scene scene = strip();
   scene.boxes.back().path.points = {{0, Vector3d::Zero(), 0.0}, {1'000'000'000, {0.0, -4.0, 0.0}, 0.0}};
   SensorSettings settings;

@@ -92,7 +92,7 @@ std::shared_ptr<const scene::Picture> quarters() {
   return std::make_shared<const scene::Picture>(picture);
 }
 
-TEST(CameraShapes, APictureStandsUprightAndFitsTheSideThatIsAsWide) {
+TEST(CameraShapes, APictureIsUprightAndFitsTheSideThatIsAsWide) {
   scene::Scene scene = testing::dark_scene();
   scene::Box board = block({2.0, 0.0, 1.0}, {0.02, 1.6, 0.8});
   board.texture.kind = scene::Texture::Kind::picture;
@@ -141,7 +141,7 @@ TEST(CameraShapes, TextureCoordinatesOfAMeshPutThePictureWhereTheySay) {
   EXPECT_EQ(grey_at(-0.1, -0.25), 255);  // u = 0.75, v = 0.6
 }
 
-TEST(CameraShapes, AMoverLooksAsAThingThatStandsWhereItIs) {
+TEST(CameraShapes, AMoverLooksLikeAThingAtRestAtItsPlace) {
   scene::Scene moving = testing::patterned_room();
   moving.boxes[3].path.points = {{0, Vector3d::Zero(), 0.0}, {3'000'000'000, {0.9, 0.6, 0.3}, 1.2}};
   Renderer of_mover(moving, {}, 0.0);

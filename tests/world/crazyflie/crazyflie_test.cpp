@@ -48,7 +48,7 @@ TEST(CrazyfliePid, AnAngleGoesTheShortWay) {
   EXPECT_NEAR(pid.update(-170.0, -179.0, 0.1), 9.0 - 0.1 * 20.0, 1e-9);
 }
 
-TEST(CrazyflieMotors, TurnTheDroneTheWayThatIsAskedFor) {
+TEST(CrazyflieMotors, TurnTheDroneInTheRequestedDirection) {
   // A positive roll (to the right) requires the left rotors, 3 and 4; nose down (positive) the rear ones, 2 and 3.
   const auto torque_of = [](const crazyflie::Demand& demand) {
     const auto drone = shipped_scene("empty").drone;
@@ -253,7 +253,7 @@ TEST(CrazyflieEstimate, TakesTheLowerBeamOfAGateForTheGround) {
   EXPECT_GT(most_m, 0.3);
 }
 
-TEST(CrazyflieController, ReachesTheVelocityAndTheYawRateAskedFor) {
+TEST(CrazyflieController, ReachesTheRequestedVelocityAndYawRate) {
   FlightRig rig(shipped_scene("empty"), knowing());
   rig.take_off_and_fly();
   rig.inputs.setpoint_velocity_x_m_per_s = 0.5;
@@ -283,7 +283,7 @@ TEST(CrazyflieController, RunsEveryTwoMilliseconds) {
   EXPECT_EQ(changes, 50);
 }
 
-TEST(CrazyflieController, ASaggingBusLeavesTheAltitudeAloneWhenItIsTold) {
+TEST(CrazyflieController, ASaggingBusDoesNotChangeTheAltitudeIfItIsMeasured) {
   FlightRig rig(shipped_scene("empty"), knowing());
   rig.inputs.bus_voltage_v = 3.9;
   rig.take_off_and_fly();
@@ -312,7 +312,7 @@ TEST(CrazyflieEstimate, StaysNearTheTruthOverAMinuteOfHover) {
   EXPECT_NEAR(rig.outputs.drone_position_m[0], rig.outputs.estimate_position_m[0], 0.5);
 }
 
-TEST(CrazyflieState, ARestoredRunGoesOnWithTheSameBits) {
+TEST(CrazyflieState, ARestoredRunContinuesWithTheSameBits) {
   FlightRig straight(shipped_scene("gate_easy"), own());
   straight.inputs.setpoint_mode = FlightMode::take_off;
   straight.run(3.001, std::int64_t{1'000'000});  // between two periods of everything

@@ -37,7 +37,7 @@ TEST(GroundContact, CountsAfterItsHoldTimeOnly) {
   EXPECT_EQ(contact.since_ns(), 100 * kMs);
 }
 
-TEST(GroundContact, GoesOnOverLowHopsAndEndsWithHigherOnes) {
+TEST(GroundContact, ContinuesOverLowHopsAndEndsWithHigherOnes) {
   GroundContact low(false, 1.0, 0, 1000 * kMs);
   low.update(true, kHeight_m, 100 * kMs);
   low.update(false, kHeight_m + 0.09, 1100 * kMs);
@@ -126,7 +126,7 @@ TEST(SinkingFlight, ThatGetsItsThrustBackFliesAndKeepsTheNote) {
   EXPECT_EQ(flight.rig.outputs.drone_grounded_time_s, came_down_s);
 }
 
-TEST(SinkingFlight, ThatIsToldToLandHasLanded) {
+TEST(SinkingFlight, ThatIsCommandedToLandHasLanded) {
   WeakFlight flight;
   flight.run(6.0, 0.97);
   flight.rig.inputs.setpoint_mode = FlightMode::land;

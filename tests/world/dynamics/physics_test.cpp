@@ -169,7 +169,7 @@ TEST(Link, LatencyShiftsAFlightInTime) {
   EXPECT_GT(delayed.altitude_m(), 0.5);
 }
 
-TEST(Link, TellsHowLongSetpointsTravelledAndWhenRotorsFollowThem) {
+TEST(Link, ReportsTheDelayOfSetpointsAndWhenRotorsFollowThem) {
   Parameters parameters = FlightRig::small_camera();
   parameters.setpoint_latency_s = 0.005;
   FlightRig rig(shipped_scene("empty"), parameters);
@@ -194,7 +194,7 @@ TEST(Imu, FeelsTheWeightAtRestAndNothingInFreeFall) {
   EXPECT_NEAR(Eigen::Map<const Vector3d>(falling.outputs.imu_acceleration_m_per_s2.data()).norm(), 0.0, 0.1);  // drag
 }
 
-TEST(Imu, HasTheNoiseAndTheBiasThatWereAskedFor) {
+TEST(Imu, HasTheRequestedNoiseAndBias) {
   Imu imu({0.3, 0.0, 0.02, 0.0}, 5);
   Imu biased({0.0, 0.5, 0.0, 0.1}, 5);
   RigidState still;
@@ -242,7 +242,7 @@ void fly(FlightRig& rig, int steps) {
   }
 }
 
-TEST(Physics, WithEveryEffectTheDroneFliesAndARestoredRunGoesOnWithTheSameBits) {
+TEST(Physics, WithEveryEffectTheDroneFliesAndARestoredRunContinuesWithTheSameBits) {
   FlightRig straight(shipped_scene("gate_easy"), everything());
   fly(straight, 1500);
   FlightRig other(shipped_scene("gate_easy"), everything());

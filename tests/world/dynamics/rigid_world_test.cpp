@@ -143,7 +143,7 @@ TEST_F(FreeFlight, RefusesAHugeMomentOfInertiaAboutAnyAxis) {
   }
 }
 
-TEST_F(FreeFlight, GoesOnWithWhatIsJustBelowTheLimit) {
+TEST_F(FreeFlight, ContinuesJustBelowTheLimit) {
   state_.w_WB_W_rad_per_s.x() = 9e39;
   for (int i = 0; i < 10; ++i) bodies_.step(state_, {9e39, 0.0, 0.0}, kNone, 1e-3);
   EXPECT_TRUE(state_.is_finite());
@@ -172,7 +172,7 @@ bool same_bits(const RigidState& a, const RigidState& b) {
          a.w_WB_W_rad_per_s == b.w_WB_W_rad_per_s;
 }
 
-TEST(Contact, GoesOnWithTheSameBitsFromAnyStateDuringImpacts) {
+TEST(Contact, ContinuesWithTheSameBitsFromAnyStateDuringImpacts) {
   const RigidState straight = tumble(1500);
   for (const int half : {120, 480, 510, 900}) {
     EXPECT_TRUE(same_bits(tumble(1500 - half, tumble(half), false), straight)) << "cut after " << half << " steps";

@@ -157,7 +157,7 @@ TEST_P(AnyPose, TremblingInThePlaneIsOneCrossing) {
   EXPECT_TRUE(drone.judge.passed());
 }
 
-TEST_P(AnyPose, BesideAboveAndBelowAreMissed) {
+TEST_P(AnyPose, LeftRightAboveAndBelowAreMissed) {
   for (const Eigen::Vector3d& side : {Eigen::Vector3d(0, 0.21, 0), Eigen::Vector3d(0, -0.4, 0),
                                       Eigen::Vector3d(0, 0, 0.21), Eigen::Vector3d(0, 0.1, -0.8)}) {
     Puppet drone = puppet();
@@ -317,7 +317,7 @@ TEST(GateJudge, ASceneWithoutGatesIsNeverPassed) {
   EXPECT_EQ(judge.distance_m({0.0, 0.0, 0.0}), 0.0);
 }
 
-TEST(GateJudge, ARestoredOneGoesOnAsIfNothingHadHappened) {
+TEST(GateJudge, ARestoredOneContinuesUnchanged) {
   // Saved during a long contact, in the plane, after one reversal.
   const auto second_half = [](GateJudge& judge) {
     const auto stuck = judge.touch(0, 12 * kSecond_ns);

@@ -15,7 +15,7 @@ Situation at_rest() {
   return {true, false, 0.0145, 0.0, 0.0};
 }
 
-TEST(Sequencer, StaysOnTheGroundWithMotorsOffUntilAsked) {
+TEST(Sequencer, StaysOnTheGroundWithMotorsOffUntilCommanded) {
   Sequencer sequencer(true);
   for (const auto mode : {FlightMode::off, FlightMode::land}) {
     sequencer.update(mode, 1.0, at_rest(), kDt_s);

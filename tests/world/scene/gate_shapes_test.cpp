@@ -57,7 +57,7 @@ bool frame_is_at(const scene::Gate& gate, double y_m, double z_m) {
 
 class GateShape : public testing::TestWithParam<Shape> {};
 
-TEST_P(GateShape, WhatCountsAsThroughIsFreeOfTheFrameAndWhatIsBesideIsNot) {
+TEST_P(GateShape, TheOpeningIsFreeOfTheFrameAndTheRestIsNot) {
   scene::Gate gate = gate_of(GetParam());
   gate.pitch_rad = 0.2;
   gate.roll_rad = -0.3;
@@ -94,7 +94,7 @@ TEST(GateShapes, ARectangleIsWideAndLow) {
   EXPECT_FALSE(crosses(gate, 0.0, 0.26));
 }
 
-TEST(GateShapes, AHexagonStandsOnASide) {
+TEST(GateShapes, AHexagonRestsOnASide) {
   const scene::Gate gate = gate_of(Shape::polygon);
   EXPECT_TRUE(crosses(gate, 0.0, -0.39));
   EXPECT_FALSE(crosses(gate, 0.0, -0.41));

@@ -176,7 +176,7 @@ TEST(Path, GoesAtEvenSpeedAndBeginsAgain) {
   EXPECT_EQ(scene::Path{}.at(5).offset_W_m, kNothing);
 }
 
-TEST(MovingObstacle, StandsWhereItsPathHasIt) {
+TEST(MovingObstacle, IsWhereItsPathPlacesIt) {
   scene::Scene scene = shipped_scene("empty");
   scene::Box box;
   box.p_W_m = {0.0, 0.0, 1.0};

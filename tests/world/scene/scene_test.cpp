@@ -62,7 +62,7 @@ TEST_F(SceneFile, AMissingFileIsNamedWithTheFolderThatItsPathIsRelativeTo) {
                                    fs::absolute(folder_).lexically_normal().string()));
 }
 
-TEST_F(SceneFile, IsReadAsItStands) {
+TEST_F(SceneFile, IsReadUnchanged) {
   const Scene read = load();
   EXPECT_EQ(read.gates.size(), 1U);
   EXPECT_EQ(read.boxes.size(), 4U);
@@ -116,7 +116,7 @@ TEST_F(SceneFile, RefusesGreysBeyondWhite) {
   EXPECT_THAT(message(), AllOf(HasSubstr("/ground/texture/light: 256"), HasSubstr("<= 255")));
 }
 
-TEST_F(SceneFile, TellsAllMistakesOfThingsWithLineAndValue) {
+TEST_F(SceneFile, ReportsAllMistakesOfThingsWithLineAndValue) {
   scene["cylinders"] = json::parse(
       R"([{"name": "c", "position": [0, 0, 1], "radius": -1, "height": 1, "texture": {"kind": "uniform", "light": 9}}])");
   scene["meshes"] = json::parse(R"([{"name": "m", "position": [0, 0, 0], "file": "nowhere.glb"}])");

@@ -64,7 +64,7 @@ TEST(RangeSensor, ANewSeedCountsFromTheNextSampleOn) {
   EXPECT_NE(changed.reading_m(), first);
 }
 
-TEST(RangeSensor, NoiseHasTheDeviationAskedFor) {
+TEST(RangeSensor, NoiseHasTheRequestedDeviation) {
   RangeSensor sensor(test::shipped_scene("empty"), {.noise_m = 0.01}, 3);
   double sum = 0.0;
   double squares = 0.0;
