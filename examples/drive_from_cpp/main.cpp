@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flies the easy gate mission from C++, switches a lamp on in mid-air, and asks what it cost.
+// Runs the easy gate mission from C++, switches a lamp on during the flight, and prints its energy.
 #include <mebots/run.hpp>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   }
   try {
     mebots::Mission mission(argv[1]);
-    mission.set("soc.core.clock", 150e6);  // [Hz], instead of the config's
+    mission.set("soc.core.clock", 150e6);  // [Hz], in place of the config's
     mission.record({"battery.cell.voltage"});
     mission.run_until(2.0);
     mission.write("battery.auxiliary.power", 0.5);  // [W], a lamp

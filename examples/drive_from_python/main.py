@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies the easy gate mission from Python, switches a lamp on in mid-air, and asks what it cost.
+"""Runs the easy gate mission from Python, switches a lamp on during the flight, and prints its energy.
 
 Usage: PYTHONPATH=build/release/python .venv/bin/python examples/drive_from_python/main.py CONFIG.json
 """
@@ -12,7 +12,7 @@ import mebots
 
 def main():
     mission = mebots.Mission(sys.argv[1])
-    mission.set("soc.core.clock", 150e6)  # [Hz], instead of the config's
+    mission.set("soc.core.clock", 150e6)  # [Hz], in place of the config's
     mission.record(["battery.cell.*", "world.drone.position.*"])
     mission.run_until(2.0)
     mission.write("battery.auxiliary.power", 0.5)  # [W], a lamp

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies the easy gate mission with a thermal model of one motor beside it, and plots the temperatures.
+"""Runs the easy gate mission together with a thermal model of one motor, and plots the temperatures.
 
 Usage: run.py [--build BUILD_FOLDER] [--out FOLDER] [--stop-time S]
 
-BUILD_FOLDER (build/release) holds a build of MEbots; the FMU is built there when it is missing.
+BUILD_FOLDER (build/release) contains a build of MEbots; the FMU is built there if it is missing.
 """
 
 import argparse
@@ -24,7 +24,7 @@ CONNECTIONS = {
 
 
 def mission(build, stop_time):
-    """The config of the easy gate mission with one instance more."""
+    """Returns the config of the easy gate mission with an additional instance."""
     config = json.loads((ROOT / "configs" / "gate_easy.json").read_text())
     config["instances"]["thermal"] = {"fmu": "motor_thermal"}
     config["connections"] += [{"from": a, "to": b} for a, b in CONNECTIONS.items()]

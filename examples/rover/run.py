@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Drives a rover whose chip exists as board.json and a firmware: alone, then as an FMU with wheels and a floor in Python.
+"""Runs a rover whose chip consists of board.json and a firmware: alone, then as an FMU with wheels and a floor in Python.
 
 Usage: .venv/bin/python examples/rover/run.py [--build BUILD_FOLDER]
 
-BUILD_FOLDER (build/release) holds a build of MEbots.
+BUILD_FOLDER (build/release) contains a build of MEbots.
 """
 
 import argparse
@@ -24,7 +24,7 @@ STUCK, BUMPED = 3, 2  # the firmware's exit codes
 
 
 class Rover:
-    """Wheels that follow the wanted speed with a lag, the right one 3 % thinner than the firmware believes."""
+    """Wheels that follow the requested speed with a lag; the right one is 3 % thinner than the firmware assumes."""
 
     LAG_S, TRACK_M, THINNER = 0.1, 0.2, 0.97
 
@@ -48,7 +48,7 @@ def require(good, complaint):
 
 
 def run_alone(build):
-    """Nobody turns the wheels: the firmware notices, with the `start` of every variable of board.json."""
+    """Runs without turning wheels: the firmware detects it, with the `start` of every variable of board.json."""
     done = subprocess.run([build / "bin/mebots-soc", "run", build / "firmware/rover.elf", "--board", HERE / "board.json"],
                           text=True, capture_output=True, check=False)
     print(done.stdout, end="")
@@ -57,7 +57,7 @@ def run_alone(build):
 
 
 def drive(archive, errand, wall_m=math.inf):
-    """The FMU with a rover around it, until the firmware ends. Gives the rover and the exit code."""
+    """Runs the FMU with a rover around it until the firmware ends. Returns the rover and the exit code."""
     description = fmpy.read_model_description(archive)
     reference = {variable.name: variable.valueReference for variable in description.modelVariables}
     folder = fmpy.extract(archive)
@@ -98,7 +98,7 @@ def main():
     rover, code = drive(build / "fmus/rover.fmu", {"errand.distance": 2.0, "errand.speed": 0.4})
     print(f"errand of 2 m at 0.4 m/s: exit code {code}, x {rover.x:.3f} m, y {rover.y:.3f} m, heading {rover.heading:.4f} rad")
     require(code == 0, "it did not arrive")
-    # A period of 20 ms late, and the lag of the wheels: 0.4 m/s x 0.13 s; the thinner wheel takes 1.5 %.
+    # A delay of one period of 20 ms, and the lag of the wheels: 0.4 m/s x 0.13 s; the thinner wheel takes 1.5 %.
     require(1.95 < rover.x < 2.06, "it did not stop where it should")
     # Without steering 3 % of 2 m over a track of 0.2 m would be a turn of 0.3 rad.
     require(abs(rover.heading) < 0.1, "the gyro does not keep its heading")

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Flies the easy gate mission undisturbed and with each of the scenarios, and draws them on top of each other.
+"""Runs the easy gate mission undisturbed and with each of the scenarios, and draws them in one picture.
 
 Usage: run.py [--build BUILD_FOLDER] [--out FOLDER]
 
-BUILD_FOLDER (build/release) holds a build of MEbots. The picture is FOLDER/scenarios.png (results/scenarios).
+BUILD_FOLDER (build/release) contains a build of MEbots. The picture is FOLDER/scenarios.png (results/scenarios).
 """
 
 import argparse
@@ -22,7 +22,7 @@ COLUMNS = ["world.drone.position.*", "motors.power"]
 
 
 def fly(build, scenario, out):
-    """Results of one flight; the config is that of the mission, with what is drawn here recorded."""
+    """Returns the results of one flight; the config is that of the mission and records the drawn variables."""
     config = json.loads((ROOT / "configs" / "gate_easy.json").read_text())
     config["record"] = COLUMNS
     config.pop("pictures")
@@ -39,7 +39,7 @@ def fly(build, scenario, out):
 
 
 def running_mean(values, count):
-    """The stabiliser works at every step: what counts is the mean over the last `count` of them."""
+    """Returns the mean over the last `count` steps, because the stabiliser works at every step."""
     total, result = 0.0, []
     for k, value in enumerate(values):
         total += value - (values[k - count] if k >= count else 0.0)

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a firmware that reads a time-of-flight sensor which exists only as an entry of board.json: alone, then in flight.
+"""Runs a firmware that reads a time-of-flight sensor defined only by an entry of board.json: alone, then in flight.
 
 Usage: run.py [--build BUILD_FOLDER] [--out FOLDER]
 
-BUILD_FOLDER (build/release) holds a build of MEbots; firmware and FMU are built there when they are missing.
+BUILD_FOLDER (build/release) contains a build of MEbots; firmware and FMU are built there if they are missing.
 """
 
 import argparse
@@ -18,7 +18,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 MEASUREMENTS = 20
-SUPPLY_V, RANGING_A, RANGING_S = 2.8, 16e-3, 0.033  # as board.json has them
+SUPPLY_V, RANGING_A, RANGING_S = 2.8, 16e-3, 0.033  # as in board.json
 
 
 def call(*command):
@@ -38,7 +38,7 @@ def require(good, complaint):
 
 
 def run_alone(build):
-    """Nobody moves: the distance is the `start` of the variable, 1.25 m."""
+    """Runs without motion: the distance is the `start` of the variable, 1.25 m."""
     report = call(build / "bin/mebots-soc", "run", build / "firmware/time_of_flight.elf", "--board", HERE / "board.json")
     print(report, end="")
     found = distances_mm(report)
@@ -46,7 +46,7 @@ def run_alone(build):
 
 
 def fly(build, out):
-    """The mission with the FMUs of this build; the columns of its results, and its summary."""
+    """Runs the mission with the FMUs of this build. Returns the columns of its results, and its summary."""
     text = call(build / "bin/mebots", "run", HERE / "mission.json", "--out", out / "flight")
     print(text, end="")
     with (out / "flight/results.csv").open(newline="") as file:
@@ -62,7 +62,7 @@ def check_flight(text, columns, summary):
     changes = [k for k in range(1, len(reported)) if reported[k] != reported[k - 1]]
     require(len(changes) > MEASUREMENTS // 2, f"the drone climbs, but only {len(changes)} different distances came")
     for k in changes:
-        # Measured in one of the last steps, from what the world said at the start of it.
+        # Measured in one of the last steps, from the world's output at its start.
         candidates = [round(below[i], 3) for i in range(max(0, k - 3), k)]
         require(any(abs(reported[k] - candidate) < 1e-9 for candidate in candidates),
                 f"row {k}: the chip reported {reported[k]} m, the world was at {candidates} m")

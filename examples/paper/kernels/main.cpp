@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-network-bench: what one inference of the navigator network costs on the cluster, by operating point and
-// number of cores. Prints a table in Markdown.
+// mebots-network-bench: the cost of an inference of the navigator network on the cluster, by operating point and number
+// of cores. Prints a table in Markdown.
 
 #include "mebots/error.hpp"
 #include "soc/soc.hpp"
@@ -24,7 +24,7 @@ struct OperatingPoint {
   double fabric_hz;
 };
 
-/// How finely the energy is looked at: its error is that of a step over all inferences.
+/// The resolution of the energy: its error is that of one step in all inferences together.
 constexpr std::int64_t kLookNs = 5'000;
 
 void measure(const OperatingPoint& point, const std::string& board_path, const mebots::soc::Elf& program) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies a few of the published flights again, and says whether they give what was published, to the last bit."""
+"""Repeats a few of the published flights, and checks that they give the published results, bit for bit."""
 
 import experiments
 from missions import BATTERIES
@@ -8,7 +8,7 @@ from run import fly_all
 
 
 def _speeds(published, count, place):
-    """The hard flights, the fastest first: they are the shortest."""
+    """Returns the hard flights, fastest (and shortest) first."""
     names = list(reversed(experiments.HARD_SPEEDS))[:count]
     flights = [flight for flight in experiments.speeds() if flight.speed_km_h in names and not flight.adaptive]
     for flight, summary in zip(flights, fly_all(flights, place).values()):
@@ -42,7 +42,8 @@ def _starts(published, count, place):
 
 
 def differences(published, count, place):
-    """Yields (flight, what of it differs from what was published: {value: (published, now)}) of each part's first flights."""
+    """Yields (flight, its differences from the published results: {value: (published, now)}) of each part's first
+    flights."""
     for part in (_speeds, _batteries, _starts):
         for name, now, stored in part(published, count, place):
             yield name, {key: (stored[key], value) for key, value in now.items() if stored[key] != value}

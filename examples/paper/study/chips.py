@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The same flights with two chips, side by side: tables and texts of the report from the data of both."""
+"""The same flights with two chips: tables and texts of the report from the data of both."""
 
 import re
 
@@ -11,7 +11,7 @@ from missions import BATTERIES, MOTORS
 from replay import READINGS
 from results import LAST_STRETCH_M, PASSED
 
-# Endurance flights: those that land at 10 % charge, and hovering until the protection opens.
+# Endurance flights: those that land at 10 % charge, and those that hover until the protection opens.
 IN_THE_AIR = ("hover", "cruise", "empty")
 
 
@@ -24,8 +24,8 @@ def plain(outcome):
 
 
 def of_targets(first, second):
-    """(target, what, paper's, first's, second's) with the bench's motors, and (target, what, reading, first's, second's) of the
-    rows that have other readings."""
+    """Returns (target, what, paper's, first's, second's) with the bench's motors, and (target, what, reading,
+    first's, second's) of the rows that have other readings."""
     pairs = list(zip(targets.rows(first), targets.rows(second), strict=True))
     bench = [(a.target, a.what, a.paper, a.texts()[0], b.texts()[0]) for a, b in pairs]
     read = [(a.target, a.what, READINGS[name][0], of_first, of_second) for a, b in pairs
@@ -35,7 +35,7 @@ def of_targets(first, second):
 
 
 def targets_apart(first, second):
-    """{unit: (how far apart a target in it is with both chips at most, which)}"""
+    """Returns {unit: (largest difference of a target between both chips, its name)}."""
     apart = dict.fromkeys(("s", "%"), (-1.0, ""))
     for a, b in zip(targets.rows(first), targets.rows(second), strict=True):
         units = [after.strip(" ,") for after in re.findall(r"{[^}]*}( [^ ,]*)?", a.form)]
@@ -47,13 +47,13 @@ def targets_apart(first, second):
 
 
 def lives_of_both(first, second):
-    """(motors, battery, kind, first's, second's) of each endurance flight."""
+    """Returns (motors, battery, kind, first's, second's) of each endurance flight."""
     return [(motors, battery, kind, first["lives"][motors][battery][kind], second["lives"][motors][battery][kind])
             for motors in MOTORS for battery in BATTERIES for kind in IN_THE_AIR]
 
 
 def ends_apart(first, second):
-    """How many flights both experiments have, and what of them ends otherwise with the second chip."""
+    """Returns the number of flights of both experiments, and those that end otherwise with the second chip."""
     ends = [(f"{kind} on {BATTERIES[battery][0]}'s cell, {MOTORS[motors]}", a["crashed"], b["crashed"])
             for motors, battery, kind, a, b in lives_of_both(first, second)]
     ends += [(f"hard, {name}", *(data["speeds"][name]["outcome"] for data in (first, second))) for name in HARD_NAMES]
@@ -62,7 +62,8 @@ def ends_apart(first, second):
 
 
 def furthest(first, second, value, kinds=IN_THE_AIR):
-    """How far a value of the endurance flights is apart at most, where both have it; none if no two have it."""
+    """Returns the largest difference of a value between endurance flights that have it with both chips; None if
+    there are none."""
     return max((abs(a[value] - b[value]) for _, _, kind, a, b in lives_of_both(first, second)
                 if kind in kinds and None not in (a[value], b[value])), default=None)
 
@@ -109,7 +110,7 @@ def describe_joules(both):
 
 
 def joules(one):
-    """Of a flight's decisions: the chip's joules, the camera's, the chip's part of the cell's."""
+    """Returns the joules of a flight's decisions: the chip's, the camera's, and the chip's share of the cell's."""
     return f"{one['chip_j']:.3f}", f"{one['camera_j']:.3f}", f"{100 * one['chip_j'] / one['cell_j']:.3f}"
 
 
@@ -132,7 +133,7 @@ def of_easy(both):
 
 
 def charge_apart(first, second):
-    """How far the charges used in the easy flights are apart at most [% of the capacity]."""
+    """Returns the largest difference of the charges used in the easy flights [% of the capacity]."""
     ours, theirs = first["batteries"]["used"], second["batteries"]["used"]
     return max(abs(ours[battery][speed][kind] - theirs[battery][speed][kind])
                for battery in ours for speed in ours[battery] for kind in ours[battery][speed])
@@ -155,7 +156,7 @@ def scenarios_of_both(first, second):
 
 
 def of_starts(both):
-    """The starts that both flew."""
+    """Returns the starts that both chips ran."""
     first, second = both
     for name in scenarios_of_both(both[first], both[second]):
         flights = min(data["robustness"][name]["flights"] for data in both.values())
@@ -168,7 +169,8 @@ def of_starts(both):
 
 
 def same_starts(first, second, name):
-    """Of the starts that both flew: [with both, with the first alone, with the second alone, with none] passed."""
+    """Returns how many of the common starts passed: [with both, with the first only, with the second only, with
+    none]."""
     ends = [{way["name"]: way["outcome"] in PASSED for way in data["robustness"][name]["ways"]} for data in (first, second)]
     pairs = [(ends[0][start], passed) for start, passed in ends[1].items() if start in ends[0]]
     return [pairs.count(pair) for pair in ((True, True), (True, False), (False, True), (False, False))]
@@ -189,7 +191,7 @@ def describe_starts(both, name):
 
 
 def bounds(data):
-    """What checks against silicon allow for the chip's joules, as parts of them."""
+    """Returns the tolerance of the chip's joules according to checks against silicon, as shares of them."""
     parts = [(one["least_j"] / one["chip_j"], one["most_j"] / one["chip_j"]) for one in data["decisions"].values()]
     return min(low for low, _ in parts), max(high for _, high in parts)
 
@@ -202,12 +204,12 @@ def of_clocks(both):
 
 
 def least(rows, cores):
-    """The clock with the least energy [MHz]."""
+    """Returns the clock with the least energy [MHz]."""
     return min((row for row in rows if row["cores"] == cores and row["crossed"]), key=lambda row: row["chip_j"])["clock_mhz"]
 
 
 def of_parts(both):
-    """(part, mJ and % with each chip) of the hard adaptive flight."""
+    """Returns (part, mJ and % with each chip) of the hard adaptive flight."""
     parts = [data["adaptive"]["chip"] for data in both.values()]
     for part in sorted(parts[1], key=lambda name: -parts[1][name]):
         cells = [(f"{1e3 * chip[part]:.1f}", f"{100 * chip[part] / sum(chip.values()):.1f}") for chip in parts]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From flights to the compact data that the report is written from: one function for each part of the study."""
+"""Converts flights to the compact data of the report: one function for each part of the study."""
 
 import base64
 import io
@@ -18,18 +18,18 @@ from results import CRUISE, PASSED, Trace, energy_by_phase
 HARD_NAMES = [*(str(speed) for speed in HARD_SPEEDS), "adaptive"]
 WAY_POINTS = {"shown": 300, "start": 60}
 COURSE_POINTS = 400
-LAST_SECONDS = 15.0  # of a flight in which the cell gives out
+LAST_SECONDS = 15.0  # of a flight whose cell becomes empty
 
 
 def costs(summaries):
-    """What flights cost the machine that flew them."""
+    """Returns the cost of flights on the machine that ran them."""
     values = list(summaries.values())
     return {"flights": len(values), "simulated_s": sum(s["simulated_time"] for s in values),
             "processor_s": sum(s["processor_s"] for s in values), "memory_mb": max(s["memory_mb"] for s in values)}
 
 
 def decisions(summaries):
-    """{flight: what its decisions took, and its joules; of the chip's, what checks against silicon allow}"""
+    """Returns {flight: times and joules of its decisions, with the tolerance according to checks against silicon}."""
     return {name: {"outcome": s["outcome"], "pictures": s["pictures"], "latency_s": s["decision"]["mean"]["latency"],
                    "read_out_s": s["decision"]["mean"]["read_out"], "inference_s": s["decision"]["mean"]["inference"],
                    "chip_j": s["chip_energy"]["total"], "least_j": s["chip_energy"]["least"], "most_j": s["chip_energy"]["most"],
@@ -44,7 +44,7 @@ def outcomes(summaries):
 
 
 def batteries(summaries):
-    """{battery: {speed: {kind: charge used in %}}} and the outcomes."""
+    """Returns {battery: {speed: {kind: charge used in %}}} and the outcomes."""
     used = {battery: {str(speed): {kind: 100 * (1 - summaries[f"a-{battery}-{speed}-{kind}"]["state_of_charge"]) for kind in ("real", "equal")}
                       for speed in EASY_SPEEDS} for battery in BATTERIES}
     phases = energy_by_phase(Trace(summaries["a-bitcraze_250-1.0-real"]["folder"]))
@@ -52,8 +52,8 @@ def batteries(summaries):
 
 
 def life(summary):
-    """How long a flight in the air lasted, told by two clocks that begin when it leaves the ground: until 10 % of the
-    charge are left and until it is on the ground [s]; and how it ended."""
+    """Returns the duration of a flight by two clocks that start when it leaves the ground: until 10 % of the charge
+    are left, and until it is on the ground [s]. Also returns how it ended."""
     trace = Trace(summary["folder"])
     start, end = trace.flown()
     charge = trace["battery.cell.state_of_charge"]
@@ -70,15 +70,15 @@ def lives(summaries, motors):
 
 
 def last_seconds(summary):
-    """The end of a flight whose landing the cell decides."""
+    """Returns the end of a flight whose landing depends on the cell."""
     trace = Trace(summary["folder"])
     return trace.course(COURSE_POINTS, trace.flown()[1] - LAST_SECONDS)
 
 
 def readings(fmu, summaries):
-    """What the battery's FMU says of the paper's motors: seconds of hovering until 10 % are left {battery: {reading: s}},
-    the hard flights' charge at the gate and at the end {speed: {reading: %}}, and how far the replay of a flight's own
-    loads is from the flight's own charge [%]."""
+    """Returns results of the battery's FMU with the paper's motors: seconds of hovering until 10 % are left
+    {battery: {reading: s}}, the hard flights' charge at the gate and at the end {speed: {reading: %}}, and the
+    deviation of the replay of a flight's own loads from the flight's own charge [%]."""
     battery = Battery(fmu)
 
     def hovering(name, kind="hover"):
@@ -104,25 +104,26 @@ def readings(fmu, summaries):
 
 
 def embedded(path, edge):
-    """A picture of a flight as a data URL, made smaller."""
+    """Returns a picture of a flight as a data URL, reduced in size."""
     out = io.BytesIO()
     Image.open(path).resize((edge, edge), Image.Resampling.BOX).save(out, "JPEG", quality=85)
     return "data:image/jpeg;base64," + base64.b64encode(out.getvalue()).decode()
 
 
 def pictures(folder):
-    """[(time s, path)] of the pictures that a flight kept."""
+    """Returns [(time s, path)] of the recorded pictures of a flight."""
     found = sorted(pathlib.Path(folder, "pictures").rglob("*.png"))
     return [(float(path.stem), path) for path in found]
 
 
 def lateral_m(summary):
-    """Offset from the opening's middle where the gate's plane was crossed [m]; none for a drone that never came there."""
+    """Returns the offset from the opening's centre where the gate's plane was crossed [m]; None if the drone did not
+    reach it."""
     return summary.get("lateral_error")
 
 
 def speeds(summaries):
-    """{speed: what the hard flight gave}"""
+    """Returns {speed: result of the hard flight}."""
     flights = {}
     for name in HARD_NAMES:
         summary = summaries[f"b-{name}"]
@@ -140,7 +141,7 @@ def speeds(summaries):
 
 
 def adaptive(summary):
-    """What is told of the hard adaptive flight alone."""
+    """Returns results of the hard adaptive flight alone."""
     trace = Trace(summary["folder"])
     shares = {name: entry["time"] for name, entry in summary["statistics"]["instances"].items()}
     return {"first_view": embedded(pictures(summary["folder"])[0][1], 240), "phases": energy_by_phase(trace),
@@ -158,9 +159,9 @@ def wilson(passed, count, z=1.96):
 
 
 def clocks(flights, summaries):
-    """A row for each of flights' {(cores, clock): flights}. Times and energies are means over the flights that crossed the
-    opening; the energy up to the gate is the flight's mean power times the time: what comes after a touch is long or
-    short by chance."""
+    """Returns a row for each entry of {(cores, clock): flights}. Times and energies are means over the flights that
+    crossed the opening. The energy up to the gate is the flight's mean power times the time, because the duration
+    after a contact is random."""
     rows = []
     for (cores, clock), group in flights.items():
         flown = [summaries[flight.name] for flight in group]
@@ -183,7 +184,8 @@ def clocks(flights, summaries):
 
 
 def straight(name, flights):
-    """Share of starts from which a drone that flies straight on meets the opening, less the drone's half width."""
+    """Returns the share of starts from which a drone that flies straight ahead meets the opening, reduced by the
+    drone's half width."""
     place = scene(scenario(name)["world.scene.name"])
     gate, (x, y, _) = place["gates"][0], place["start"]["position"]
     free = gate["inner"] / 2 - 0.046
@@ -202,7 +204,7 @@ def robustness(name, flights, summaries):
 
 
 def start_way(name, summary):
-    """Way and end of a flight from a random start, and its time just before the gate."""
+    """Returns path and end of a flight from a random start, and its time just before the gate."""
     trace = Trace(summary["folder"])
     return {"name": name, **trace.way(WAY_POINTS["start"]), "outcome": summary["outcome"],
             "crossed": bool(summary["gate"]["crossed"]), "last_stretch_s": trace.last_stretch_s()}
@@ -217,7 +219,7 @@ def start_offsets(summaries):
 
 
 def counted(ways, offsets):
-    """What is counted over the random starts of a scenario."""
+    """Returns the counts over the random starts of a scenario."""
     ends = [way["outcome"] for way in ways]
     passed, clean = sum(end in PASSED for end in ends), ends.count("passed")
     return {"flights": len(ways), "passed": passed, "interval": wilson(passed, len(ways)), "clean": clean,
@@ -227,22 +229,22 @@ def counted(ways, offsets):
 
 
 def start_rows(name, part):
-    """(way, offset) of each flight from a random start. Older rows do not say whether the opening was crossed: where the gate's
-    plane was does."""
+    """Returns (path, offset) of each flight from a random start. Older rows do not state whether the opening was
+    crossed; the position in the gate's plane shows it."""
     half = scene(scenario(name)["world.scene.name"])["gates"][0]["inner"] / 2
     return [({"crossed": offset is not None and abs(offset) < half, **way}, offset)
             for way, offset in zip(part["ways"], part["lateral_m"])]
 
 
 def flown_again(name, part, summaries):
-    """The part of a scenario with the rows of these flights in place of those that it had."""
+    """Returns the part of a scenario with the rows of these flights replaced."""
     new = dict(zip(summaries, zip(start_ways(summaries), start_offsets(summaries))))
     rows = [new.get(way["name"], (way, offset)) for way, offset in start_rows(name, part)]
     return {**part, **counted([way for way, _ in rows], [offset for _, offset in rows])}
 
 
 def failure(flight, summary):
-    """What the camera saw a metre before the gate, or at the end when the drone never came so near; and the way."""
+    """Returns the picture a metre before the gate, or at the end if the drone did not get that close, and the path."""
     trace = Trace(summary["folder"])
     near = trace.first(trace["world.gate.distance"] < 1.0)
     when = trace.time[-1] if near is None else near

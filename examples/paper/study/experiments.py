@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flights of the paper's two experiments, and of the questions beyond them."""
+"""The flights of the paper's two experiments, and of further questions."""
 
 import dataclasses
 import random
@@ -11,29 +11,29 @@ HARD_SPEEDS = (0.1, 0.2, 0.3, 0.4, 0.5)
 ADAPTIVE_SPEED = 1.0
 CLOCKS_MHZ = (25, 50, 87, 131, 175)
 CORES = (8, 1)
-# A drone that hangs on the frame is left there for so long after the referee called it stuck; some get free.
+# A drone that hangs on the frame stays there for this long after the referee reported it stuck; some get free.
 STUCK_S = 30.0
 STARTS_RECORDED = ("world.drone.position.x", "world.drone.position.y", "world.drone.position.z", "world.gate.crossed",
                    "world.gate.distance")
-# Largest offsets of a start drawn at random, each uniform to both sides: forwards and sideways [m], turned [rad].
+# Largest offsets of a random start, each uniform in both directions: forward and sideways [m], rotation [rad].
 SPREAD = {"shipped": (0.5, 0.5, 0.3), "easy": (0.5, 0.05, 0.02), "hard": (0.3, 0.1, 0.02)}
 
 
 def named(motors, name):
-    """A flight's name; those with the bench's motors have no prefix."""
+    """Returns a flight's name; those with the bench's motors have no prefix."""
     return name if motors == "bench" else f"{motors}-{name}"
 
 
 def batteries():
-    """Consumed charge of the easy flight, with real and with equal masses."""
+    """Charge used by the easy flight, with real and with equal masses."""
     return [Flight(f"a-{battery}-{speed}-{'equal' if equal else 'real'}", "easy", speed, battery=battery,
                    equal_mass=equal)
             for battery in BATTERIES for speed in EASY_SPEEDS for equal in (False, True)]
 
 
 def in_the_air(motors, battery, name, speed, landing_charge):
-    """One flight in a world without gates, from take-off until it lands at a charge. Five pictures a second: there is
-    nothing to see, but the firmware looks at its gauge once a picture."""
+    """Returns one flight in a world without gates, from take-off until it lands at a charge. It takes five pictures
+    per second: there is nothing to see, but the firmware reads its gauge once per picture."""
     extra = (("world.scene.name", "empty"), ("world.start.offset.y", 0.0), ("soc.mission.frame_period", 0.2),
              ("soc.mission.landing_charge", landing_charge))
     return Flight(named(motors, f"endurance-{battery}-{name}"), "easy", speed, battery=battery, motors=motors,
@@ -64,12 +64,12 @@ def speeds():
 
 
 def least_voltage(clock_mhz):
-    """The least of the chip's voltages, which are 50 mV apart, that allows a clock of the cluster [V]."""
+    """Returns the least of the chip's voltages, in steps of 50 mV, that permits a clock of the cluster [V]."""
     return next(v for v in (1.0, 1.05, 1.1, 1.15, 1.2) if clock_mhz <= 87 + (v - 1.0) / 0.2 * (175 - 87) + 1e-6)
 
 
 def starts(name, count, seed):
-    """Flights from starts around the scenario's own; the camera's noise differs too."""
+    """Returns flights from starts around the scenario's own; the camera's noise differs too."""
     draw = random.Random(f"{name} {seed}")
     own = scenario(name)
     forwards, sideways, turned = SPREAD[name]
@@ -84,8 +84,8 @@ def starts(name, count, seed):
 
 
 def clocks(count):
-    """{(cores, clock MHz): flights}: the same random starts of the hard scenario, with the adaptive policy, at several
-    clocks of the cluster, on eight cores and on one."""
+    """Returns {(cores, clock MHz): flights}: the same random starts of the hard scenario, with the adaptive policy,
+    at several clocks of the cluster, on eight cores and on one."""
     drawn = starts("hard", count, seed=2)
 
     def at(clock, cores):

@@ -17,13 +17,13 @@ import figure_style as style  # noqa: E402
 from figure_style import plt  # noqa: E402
 
 COLOURS = dict(zip(BATTERIES, style.PALETTE))
-SMALL = ("chip", "camera", "converters")  # consumers too small to see beside the motors
+SMALL = ("chip", "camera", "converters")  # consumers too small to be visible next to the motors
 PASSED, TOUCHED, FAILED = style.GOOD, style.MIDDLING, style.BAD
 HALF_DRONE_M = 0.046  # its half width
 
 
 def svg(figure):
-    """A figure as an SVG text for a page."""
+    """Returns a figure as SVG text for a page."""
     out = io.StringIO()
     figure.savefig(out, format="svg", metadata={"Date": None})
     text = out.getvalue()
@@ -31,7 +31,7 @@ def svg(figure):
 
 
 def batteries(used):
-    """used[battery][speed] = {real, equal}: charge used in %."""
+    """Draws used[battery][speed] = {real, equal}: charge used in %."""
     figure, axes = plt.subplots(figsize=(8, 4.2), constrained_layout=True)
     width = 0.2
     for i, (battery, (label, _, mass)) in enumerate(BATTERIES.items()):
@@ -61,7 +61,7 @@ def decoded(url):
 
 
 def trajectories(flights, titles, name, first_view):
-    """Four flights seen from above, coloured by speed, with the first view in the first plot."""
+    """Draws four flights from above, coloured by speed, with the first view in the first plot."""
     figure, axes = plt.subplots(2, 2, figsize=(10, 5.2), constrained_layout=True, sharex=True, sharey=True)
     lines = None
     for plot, flight, title in zip(axes.flat, flights, titles):
@@ -91,7 +91,8 @@ def trajectories(flights, titles, name, first_view):
 
 
 def phases(tables):
-    """Energy by phase and consumer: {flight: {phase: {consumer: J}}}. The right side shows the small ones alone."""
+    """Draws energy by phase and consumer: {flight: {phase: {consumer: J}}}. The right side shows the small ones
+    only."""
     figure, axes = plt.subplots(len(tables), 2, figsize=(10, 2.3 * len(tables)), constrained_layout=True,
                                 squeeze=False)
     for row, (flight, table) in zip(axes, tables.items()):
@@ -114,7 +115,7 @@ def phases(tables):
 
 
 def clocks(rows):
-    """The chip's mean energy up to the gate at each clock, on eight cores and on one."""
+    """Draws the chip's mean energy up to the gate at each clock, on eight cores and on one."""
     figure, axes = plt.subplots(figsize=(8, 3.6), constrained_layout=True)
     for cores, marker, colour in ((8, "o", style.BLUE), (1, "s", style.VERMILION)):
         group = [row for row in rows if row["cores"] == cores and row["crossed"]]
@@ -129,8 +130,8 @@ def clocks(rows):
 
 
 def chips(both):
-    """The same by chip, a plot for eight cores and one for one core: {chip: (rows, what checks against
-    silicon allow, as parts of it)}."""
+    """Draws the same by chip, one plot for eight cores and one for one core: {chip: (rows, tolerance according to
+    checks against silicon, as shares)}."""
     figure, plots = plt.subplots(1, 2, figsize=(8, 3.4), constrained_layout=True, sharey=True)
     for axes, cores in zip(plots, (8, 1)):
         for (chip, (rows, (low, high))), marker, colour in zip(both.items(), "os", (style.BLUE, style.VERMILION)):
@@ -146,8 +147,8 @@ def chips(both):
 
 
 def starts(part, name):
-    """Flights from random starts, seen from above: those that passed, apart from them those that did not; and where the
-    drone's centre crossed the gate's plane."""
+    """Draws flights from random starts from above: those that passed and those that did not, separately; and where
+    the drone's centre crossed the gate's plane."""
     ways, gate = part["ways"], scene(name)["gates"][0]
     groups = [("passed", [w for w in ways if w["outcome"] in ("passed", "touched_passed")], PASSED),
               ("not passed", [w for w in ways if w["outcome"] not in ("passed", "touched_passed")], FAILED)]
@@ -176,7 +177,7 @@ def starts(part, name):
 
 
 def crossings(axes, part, gate):
-    """Where the centre crossed the plane, to the left of the gate's middle: flights by centimetre."""
+    """Draws where the centre crossed the plane, to the left of the gate's centre: flights per centimetre."""
     half = gate["inner"] / 2
     places = [100 * x for x in part["lateral_m"] if x is not None and abs(x) < gate["outer"]]
     low, high = min([*places, -100 * half]) - 2, max([*places, 100 * half]) + 2
@@ -191,7 +192,7 @@ def crossings(axes, part, gate):
 
 
 def failures(found):
-    """What the camera saw a metre before the gate, of each flight that did not pass."""
+    """Draws the picture a metre before the gate for each flight that did not pass."""
     columns = min(6, len(found))
     rows = -(-len(found) // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(10, 2.3 * rows), constrained_layout=True, squeeze=False)
@@ -204,12 +205,13 @@ def failures(found):
 
 
 def short_name(name):
-    """"hard-1-002-pictures" is start 2."""
+    """Returns a short name: "hard-1-002-pictures" is start 2."""
     return f"start {int(name.split('-')[2])}"
 
 
 def landing(found):
-    """Charges at which landings began, by cell and motors, and whether the drone came down under power."""
+    """Draws the charges at which landings started, by cell and motors, and whether the drone reached the ground
+    under power."""
     figure, axes = plt.subplots(figsize=(8, 3.6), constrained_layout=True)
     places = {}
     for i, (battery, (label, _, _)) in enumerate(BATTERIES.items()):
@@ -243,14 +245,14 @@ def draw_course(column, course, quantities, colour=style.BLUE):
 
 
 def course(values):
-    """Altitude, speed, voltage and power of a flight over time."""
+    """Draws altitude, speed, voltage and power of a flight over time."""
     figure, axes = plt.subplots(len(COURSE), 1, figsize=(8, 6), constrained_layout=True, sharex=True)
     draw_course(axes, values, COURSE)
     return figure
 
 
 def ends(flights):
-    """The last seconds of flights, side by side: [{charge at which the landing begins [%], landed, course}]."""
+    """Draws the last seconds of flights: [{charge at which the landing starts [%], landed, course}]."""
     quantities = [q for q in COURSE if q[0] != "km_h"]
     figure, axes = plt.subplots(len(quantities), len(flights), figsize=(8, 5), constrained_layout=True, sharex="col",
                                 sharey="row", squeeze=False)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""At which charge a landing must begin so that the drone reaches the ground under power. Flights that begin to land at
-charges STEP apart, for each cell and motor model, until one that lands stands beside one that falls."""
+"""Determines the charge at which a landing must start so that the drone reaches the ground under power. Runs flights
+that start to land at charges STEP apart, for each cell and motor model, until one that lands is adjacent to one
+that falls."""
 
 import experiments
 from missions import BATTERIES
@@ -8,23 +9,23 @@ from results import Trace
 from run import fly_all
 
 STEP = 0.5  # % of charge
-DESCENT = 1.5  # %: where the search begins, above the charge at which the protection opens; decides nothing but its length
+DESCENT = 1.5  # %: where the search starts, above the charge at which the protection opens; affects only its length
 
 
 def under_power(summary):
-    """Landed upright, and the protection had not opened."""
+    """True if the drone landed upright before the protection opened."""
     return bool(summary["landed"] and not summary["crashed"] and Trace(summary["folder"])["battery.cell.connected"][-1] > 0)
 
 
 def opening_charge(summary):
-    """Charge at which the protection opened [%]; none if it did not."""
+    """Returns the charge at which the protection opened [%]; None if it did not."""
     trace = Trace(summary["folder"])
     open_ = trace["battery.cell.connected"] < 0.5
     return float(100 * trace["battery.cell.state_of_charge"][open_.argmax()]) if open_.any() else None
 
 
 class Search:
-    """Of one cell and motor model: counts STEPs from where landing began."""
+    """The search for one cell and motor model: counts STEPs from its first landing."""
 
     def __init__(self, motors, battery, empty):
         self.motors, self.battery = motors, battery
@@ -33,7 +34,7 @@ class Search:
         self.flown = {}
 
     def flight(self):
-        """The next flight to fly; none when the answer is known."""
+        """Returns the next flight to run; None when the answer is known."""
         landed = [at for at, ok in self.flown.items() if ok]
         fell = [at for at, ok in self.flown.items() if not ok]
         if landed and fell:
@@ -49,14 +50,15 @@ class Search:
 
 
 def least(found):
-    """The least charge from which a flight landed, when one from a step less fell [%]; none if that is not known."""
+    """Returns the least charge from which a flight landed, if one from a step less fell [%]; None if that is not
+    known."""
     landed = [f["charge"] for f in found["flights"] if f["landed"]]
     fell = [f["charge"] for f in found["flights"] if not f["landed"]]
     return min(landed) if landed and fell and min(landed) - max(fell) <= STEP + 1e-9 else None
 
 
 def fly(place, motors):
-    """{battery: {opens: %, flights: [{charge: %, landed}]}}"""
+    """Returns {battery: {opens: %, flights: [{charge: %, landed}]}}."""
     empty = fly_all(experiments.empties(motors), place)
     searches = [Search(motors, battery, empty[experiments.named(motors, f"endurance-{battery}-empty")])
                 for battery in BATTERIES]

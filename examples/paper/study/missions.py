@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flights of the study: what differs from flight to flight, and how a flight becomes a config of `mebots run`."""
+"""The flights of the study: the differences between flights, and the conversion of a flight to a config of `mebots
+run`."""
 
 import copy
 import dataclasses
@@ -17,23 +18,25 @@ BATTERIES = {  # name in fmu_battery/params/cells -> (label, capacity mAh, mass 
     "lipol_350": ("Lipol", 350, 9.2),
 }
 CELLS = {"bitcraze_250": "bitcraze_250_flights", **{name: f"{name}_scaled" for name in ("ufx_250", "cyclone_300", "lipol_350")}}
-"""The cell files that fly, by battery."""
+"""The cell files of the flights, by battery."""
 MODELS = "fitted on flights"
-"""Of rotors, cells and the chip's energies in the experiments. Data without it were flown with those of 2015."""
+"""The models of rotors, cells and the chip's energies in the experiments. Data without this entry used those of
+2015."""
 HEAVIEST_G = max(mass for _, _, mass in BATTERIES.values())
 
-# The chips that fly: the ends of their shipped missions' names in configs/. Those missions say what a chip changes.
+# The chips of the flights: the endings of their shipped missions' names in configs/. Those missions define what a chip
+# changes.
 CHIPS = {"ai_deck": "", "gap8_drone": "_gap8"}
-FIRST_CHIP, SECOND_CHIP = CHIPS  # the report is the first's and has the second beside it
+FIRST_CHIP, SECOND_CHIP = CHIPS  # the report is about the first chip and compares it with the second
 SHIPPED = ("gate_easy", "gate_hard")
 LENS = "world.camera.field_of_view"
 
-# Both motor models are flown; what else the paper may leave out is computed from the loads of a flight (replay.py).
+# Both motor models are run; other omissions of the paper are computed from the loads of a flight (replay.py).
 MOTORS = {"bench": "bench motors", "paper": "paper's motors"}
 
 
 def merged(value, patch):
-    """A JSON value with a patch laid over it, as RFC 7396 says; so does `extends` of a config."""
+    """Returns a JSON value with a patch applied according to RFC 7396, as `extends` of a config does."""
     if not isinstance(patch, dict):
         return patch
     result = dict(value) if isinstance(value, dict) else {}
@@ -47,7 +50,7 @@ def merged(value, patch):
 
 @functools.cache
 def shipped(name, chip):
-    """The shipped mission of this name on a chip."""
+    """Returns the shipped mission of this name for a chip."""
     mission = json.loads((ROOT / f"configs/{name}{CHIPS[chip]}.json").read_text())
     if "extends" not in mission:
         return mission
@@ -55,26 +58,27 @@ def shipped(name, chip):
 
 
 def lens(field_of_view, chip):
-    """The field of view of a chip's camera [rad] whose middle sees what this one sees: that of the shipped mission which has it."""
+    """Returns the field of view of a chip's camera [rad] whose centre sees the same as this one: that of the shipped
+    mission which has it."""
     def of(name, on):
         return shipped(name, on)["instances"]["world"]["parameters"].get(LENS.removeprefix("world."))
     return {of(name, FIRST_CHIP): of(name, chip) for name in SHIPPED}[field_of_view]
 
 
 def scene(name):
-    """What fmu_world builds its world from."""
+    """Returns the parameters from which fmu_world builds its world."""
     return json.loads((ROOT / f"fmu_world/params/scenes/{name}.json").read_text())
 
 
 def scenario(name):
-    """What describes a scenario: the parameters in scenarios.json, without their sources."""
+    """Returns the parameters of a scenario in scenarios.json, without their sources."""
     data = json.loads((ROOT / "examples/paper/scenarios.json").read_text())[name]
     return {key: entry["value"] for key, entry in data.items()}
 
 
 @dataclasses.dataclass(frozen=True)
 class Flight:
-    """One flight. Speeds in km/h, as the paper gives them."""
+    """A flight. Speeds in km/h, as in the paper."""
     name: str
     scenario: str
     speed_km_h: float
@@ -84,10 +88,10 @@ class Flight:
     motors: str = "bench"
     extra: tuple = ()       # more (variable, value) pairs
     stop_time: float = 600.0
-    stuck_s: float = None   # ends so long after the referee said that it is stuck; none: goes on
-    record: tuple = ()      # variables to record; none: the usual ones
+    stuck_s: float = None   # end this long after the referee reported it stuck; None: no end
+    record: tuple = ()      # variables to record; None: the usual ones
     pictures: bool = False
-    replay: bool = False    # with all that a page of the flight shows
+    replay: bool = False    # record everything that the page of the flight shows
 
     def parameters(self, chip):
         values = dict(scenario(self.scenario))
@@ -122,7 +126,7 @@ CHIP_PARTS = [f"soc.energy.{part}" for part in ("fabric_controller", "cluster_co
 
 
 def config(flight, chip):
-    """The config of a flight: that of the easy gate on this chip, changed."""
+    """Returns the config of a flight: that of the easy gate on this chip, changed."""
     system = copy.deepcopy(shipped("gate_easy", chip))
     system["text"] = flight.name
     system["stop_time"] = flight.stop_time
@@ -135,7 +139,7 @@ def config(flight, chip):
     system["record"] = {"variables": list(flight.record) or RECORDED, "interval": 0.1}
     if flight.replay:
         system["record"] = {"interval": 0.03}
-        system["pictures"][0]["interval"] = 3  # a flight that is stuck is a long one
+        system["pictures"][0]["interval"] = 3  # a stuck flight is long
     elif not flight.pictures:
         del system["pictures"]
     return system

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A flight's loads on another cell. What the battery's FMU says of the powers that a flight recorded, with the paper's motors,
-with or without the flight controller's power and the cell's resistance. Where the drone flew is the flight's own."""
+"""Replays a flight's loads with another cell. Computes the results of the battery's FMU for the recorded powers of a
+flight, with the paper's motors, with or without the flight controller's power and the cell's resistance. The path
+is that of the flight."""
 
 import functools
 import json
@@ -14,20 +15,20 @@ from fmpy.fmi2 import FMU2Slave
 from missions import CELLS, ROOT
 from results import CRUISE
 
-# The columns beside the bench's, one thing less from left to right: label, whether the flight controller's power and the
-# cell's resistance count.
+# The columns next to the bench's, each with one effect less than the one before: label, whether the flight controller's
+# power counts, whether the cell's resistance counts.
 READINGS = {"paper": ("paper's motors", True, True), "no_avionics": ("without flight controller", False, True),
             "no_losses": ("nor cell resistance", False, False)}
 LOADS = {"motors.power": "motors.power", "soc.power": "soc.power", "camera.power": "soc.camera.power",
-         "avionics.power": "motors.avionics.power"}  # the battery's input -> what a flight records
-RESISTANCE = 1e-3  # of the cell's own, where it shall not count; the time constants stay
+         "avionics.power": "motors.avionics.power"}  # maps inputs of the battery to recorded variables of a flight
+RESISTANCE = 1e-3  # share of the cell's own resistance if it must not count; the time constants are kept
 TEN = 0.10
 LONGEST_S = 1800.0
 
 
 @functools.cache
 def cell(name, resistance):
-    """What to name as cell for a battery: its file's name, or the path of a copy that has hardly any resistance."""
+    """Returns the cell parameter for a battery: its file's name, or the path of a copy with almost no resistance."""
     name = CELLS[name]
     if resistance:
         return name
@@ -41,8 +42,8 @@ def cell(name, resistance):
 
 
 def paper_power(trace, hover, cruise):
-    """Power of the motors by the paper's model over a bench flight [W]: it has a part for hovering, which two flights in
-    the air tell, and one in proportion to speed. Nothing when the motors are off."""
+    """Returns the power of the motors by the paper's model over a bench flight [W]: a part for hovering, determined
+    by two flights, and a part proportional to speed. 0 when the motors are off."""
     def settled(flight):
         chosen = flight["world.drone.phase"] == CRUISE
         half = chosen & (np.cumsum(chosen) > chosen.sum() / 2)
@@ -54,7 +55,7 @@ def paper_power(trace, hover, cruise):
 
 
 class Battery:
-    """The battery's FMU, one instance of it at a time."""
+    """The battery's FMU, with one instance at a time."""
 
     def __init__(self, fmu):
         self.folder = fmpy.extract(str(fmu))
@@ -63,7 +64,8 @@ class Battery:
         self.references = {v.name: v.valueReference for v in description.modelVariables}
 
     def charges(self, name, loads, steps, enough):
-        """Charge after each of so many steps [s] of the loads {input: W}, an array each; ends when `enough(charge)`."""
+        """Returns the charge after each of `steps` [s] of the loads {input: W}, an array each; ends when
+        `enough(charge)`."""
         fmu = FMU2Slave(guid=self.guid, unzipDirectory=self.folder, instanceName="replay", modelIdentifier=self.model)
         fmu.instantiate()
         fmu.setupExperiment(startTime=0.0)
@@ -85,14 +87,15 @@ class Battery:
         return np.array(found)
 
     def of_flight(self, trace, motors_w, name, avionics, resistance):
-        """Charge at the flight's samples, with another power of the motors."""
+        """Returns the charge at the flight's samples, with another power of the motors."""
         loads = {load: trace[column] * (avionics or load != "avionics.power") for load, column in LOADS.items()}
         loads["motors.power"] = motors_w
         means = {load: (values[1:] + values[:-1]) / 2 for load, values in loads.items()}
         return self.charges(cell(name, resistance), means, np.diff(trace.time), lambda charge: False)
 
     def to_ten_s(self, trace, name, avionics, resistance):
-        """How long after leaving the ground 10 % would be left, had the loads of the flight's cruise gone on."""
+        """Returns the time after leaving the ground at which 10 % would be left if the loads of the flight's cruise
+        continued."""
         cruise = np.flatnonzero(trace["world.drone.phase"] == CRUISE)
         settled = cruise[len(cruise) // 2]
         step = float(np.median(np.diff(trace.time)))

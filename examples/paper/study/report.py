@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The report, twice from the same parts: one HTML file that needs nothing else, and REPORT.md beside its pictures."""
+"""Writes the report in two forms from the same parts: one HTML file without dependencies, and REPORT.md with its
+pictures."""
 
 import html
 import json
@@ -24,7 +25,7 @@ figure{display:inline-block;margin:.3rem .6rem .3rem 0;width:200px;font-size:.8e
 
 
 class Number(str):
-    """A text of a table that stands to the right."""
+    """A right-aligned text in a table."""
 
 
 def n(value, digits=1):
@@ -36,7 +37,7 @@ def plain(outcome):
 
 
 class Page:
-    """Collects the parts of the page in both forms, and keeps each figure as a picture beside it."""
+    """Collects the parts of the page in both forms, and stores each figure as a picture next to it."""
 
     def __init__(self, out):
         self.folder = out / "figures"
@@ -67,7 +68,8 @@ class Page:
         self.markdown.append((f"{caption}:\n\n" if caption else "") + "\n".join(lines))
 
     def picture(self, url, text, link=None):
-        """Only in the HTML file, which holds it. `link`: the page to see the flight, beside the report."""
+        """Adds a picture to the HTML file only, which contains it. `link` is the page of the flight, next to the
+        report."""
         picture = f"<img src='{url}' alt='view near the gate'>"
         linked = f"<a href='{html.escape(link)}'>{picture}</a>" if link else picture
         more = f" <a href='{html.escape(link)}'>See it fly</a>" if link else ""
@@ -235,12 +237,12 @@ def what_it_rests_on(page, data):
 
 
 def numbers(rows, texts):
-    """Rows whose cells behind the first `texts` stand to the right."""
+    """Right-aligns the cells after the first `texts`."""
     return [(*row[:texts], *map(Number, row[texts:])) for row in map(tuple, rows)]
 
 
 def on_both_chips(page, data, beside):
-    """`beside`: what the second chip gave."""
+    """`beside` contains the results of the second chip."""
     first, second = FIRST_CHIP, SECOND_CHIP
     both = {first: data, second: beside}
     page.heading("The same flights on GAP8's own devices")
@@ -297,8 +299,8 @@ def starts_of_both(page, both):
 
 
 def write(data, out, beside=None):
-    """Writes report.html, REPORT.md and their figures; returns the table of targets as lines of text. `beside`: what the
-    second of CHIPS gave, where `data` is the first's."""
+    """Writes report.html, REPORT.md and their figures; returns the table of targets as lines of text. `data`
+    contains the results of the first of CHIPS, `beside` those of the second."""
     page = Page(out)
     page.heading("The paper's study, flown again", 1)
     page.text("The drone's firmware on the simulated chip, its network on every picture, instruction by instruction; world, motors "

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads what a flight left behind."""
+"""Reads the results of a flight."""
 
 import csv
 import pathlib
@@ -7,10 +7,10 @@ import pathlib
 import numpy as np
 
 TAKE_OFF, CRUISE, LANDING = 1, 2, 3  # world.drone.phase
-# The gate's part of a flight: from so far before its plane until the landing [m].
+# The gate's part of a flight: from this distance before its plane to the landing [m].
 NEAR_GATE_M = 0.5
 PASSED = ("passed", "touched_passed")
-# Just before the gate: from so far before its plane to so far before it [m].
+# Just before the gate: from this distance before its plane to this one [m].
 LAST_STRETCH_M = (1.4, 0.2)
 
 
@@ -29,42 +29,42 @@ class Trace:
         return self.columns[name]
 
     def first(self, condition):
-        """When a condition first held [s]; none if it never did."""
+        """Returns the time at which a condition first held [s]; None if it never did."""
         return float(self.time[np.argmax(condition)]) if condition.any() else None
 
     def time_at_gate(self):
-        """When the gate's plane was crossed [s]; none if it was not."""
+        """Returns the time at which the gate's plane was crossed [s]; None if it was not."""
         return self.first(self["world.gate.distance"] <= 0)
 
     def last_stretch_s(self):
-        """How long the last stretch before the gate took [s]; none for a drone that never came to its end."""
+        """Returns the duration of the last stretch before the gate [s]; None if the drone did not reach its end."""
         begin, end = (self.first(self["world.gate.distance"] <= left) for left in LAST_STRETCH_M)
         return None if end is None else round(end - begin, 3)
 
     def flown(self):
-        """First and last time in the air [s]."""
+        """Returns the first and last time in the air [s]."""
         air = (self["world.drone.phase"] >= TAKE_OFF) & (self["world.drone.phase"] <= LANDING)
         return float(self.time[air][0]), float(self.time[air][-1])
 
     def path_to(self, end_s):
-        """Horizontal length flown up to a time [m]."""
+        """Returns the horizontal distance flown up to a time [m]."""
         chosen = self.time <= end_s
         x, y = self["world.drone.position.x"][chosen], self["world.drone.position.y"][chosen]
         return float(np.hypot(np.diff(x), np.diff(y)).sum())
 
     def distance_in_20_s(self):
-        """Distance flown in 20 s in the middle of the cruise [m]."""
+        """Returns the distance flown in 20 s in the middle of the cruise [m]."""
         cruise = self["world.drone.phase"] == CRUISE
         middle = (self.time[cruise][0] + (self.time_at_gate() or self.time[cruise][-1])) / 2
         return self.path_to(middle + 10) - self.path_to(middle - 10)
 
     def thinned(self, points, start_s=0.0):
-        """Places in the columns of so many times, evenly apart, from a time on."""
+        """Returns indices of `points` samples, evenly spaced from a time on."""
         first = int(np.searchsorted(self.time, start_s))
         return np.unique(np.linspace(first, len(self.time) - 1, points).astype(int))
 
     def way(self, points):
-        """Where the drone was and how fast [km/h], at so many times, rounded for a report."""
+        """Returns positions and speeds [km/h] at `points` times, rounded for a report."""
         chosen = self.thinned(points)
         way = {axis: np.round(self[f"world.drone.position.{axis}"][chosen], 3).tolist() for axis in "xyz"}
         if "world.drone.speed" in self.columns:
@@ -72,7 +72,8 @@ class Trace:
         return way
 
     def course(self, points, start_s=0.0):
-        """Altitude [m], speed [km/h], voltage [V], power [W] and charge [%] over time [s], rounded for a report."""
+        """Returns altitude [m], speed [km/h], voltage [V], power [W] and charge [%] over time [s], rounded for a
+        report."""
         chosen = self.thinned(points, start_s)
         power = sum(self[name] for name in ("motors.power", "motors.avionics.power", "soc.power", "soc.camera.power"))
         columns = {"s": self.time, "z_m": self["world.drone.position.z"], "km_h": 3.6 * self["world.drone.speed"],
@@ -80,7 +81,7 @@ class Trace:
         return {name: np.round(values[chosen], 3).tolist() for name, values in columns.items()}
 
 
-ENERGIES = {  # what a joule of the cell became -> recorded energies
+ENERGIES = {  # uses of the cell's energy -> recorded energies
     "motors": ["battery.motors.energy"], "flight controller": ["battery.avionics.energy"],
     "chip": ["battery.soc.energy"], "camera": ["battery.camera.energy"], "converters": ["battery.energy.converters"],
     "cell": ["battery.energy.ohmic", "battery.energy.polarisation"],
@@ -88,7 +89,8 @@ ENERGIES = {  # what a joule of the cell became -> recorded energies
 
 
 def energy_by_phase(trace):
-    """{phase: {consumer: J}}: take-off, cruise up to the gate, the gate, landing. Every sample counts in one."""
+    """Returns {phase: {consumer: J}}: take-off, cruise up to the gate, the gate, landing. Every sample belongs to
+    one phase."""
     phase = trace["world.drone.phase"]
     near = np.maximum.accumulate(trace["world.gate.distance"] < NEAR_GATE_M)
     masks = {"take-off": phase <= TAKE_OFF, "cruise": (phase == CRUISE) & ~near, "gate": (phase == CRUISE) & near,

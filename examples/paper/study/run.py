@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies flights on `mebots sweep`: each kind of flight becomes a study with its files, whose journal knows what was flown
-already."""
+"""Runs flights with `mebots sweep`: each kind of flight becomes a study with its files, whose journal records the
+completed flights."""
 
 import collections
 import csv
@@ -17,14 +17,14 @@ from results import PASSED
 
 @dataclasses.dataclass(frozen=True)
 class Place:
-    """Where the programs are, where results go, how many flights may fly at a time, and with which chip."""
+    """The folders of programs and results, the number of parallel flights, and the chip."""
     build: pathlib.Path
     results: pathlib.Path
     jobs: int
     chip: str = FIRST_CHIP
 
     def sweep(self, *arguments, **options):
-        """mebots.sweep of this build, in this process."""
+        """Calls mebots.sweep of this build in this process."""
         sys.path.insert(0, str(self.build / "python"))
         import mebots
 
@@ -32,8 +32,8 @@ class Place:
 
 
 def write_study(name, flights, folder, chip):
-    """Files of a study whose designs are these flights, which differ in parameters alone: `mebots sweep` takes them, too.
-    Returns the study's."""
+    """Writes the files of a study whose designs are these flights, which differ in parameters only; `mebots sweep`
+    accepts them too. Returns the study's file."""
     folder.mkdir(parents=True, exist_ok=True)
     mission = config(flights[0], chip)
     mission["text"] = name
@@ -58,7 +58,7 @@ def write_study(name, flights, folder, chip):
 
 
 def studies(flights, chip):
-    """{name of its first flight: flights that one study can fly}: the same but for the values of parameters."""
+    """Returns {name of the first flight: flights that one study can run}: equal except for the values of parameters."""
     groups = collections.defaultdict(list)
     for flight in flights:
         system = config(flight, chip)
@@ -70,9 +70,9 @@ def studies(flights, chip):
 
 
 def fly_all(flights, place):
-    """Flies all flights; returns {name: summary} in their order, each with the place of its files, what it cost and
-    whether it was flown now. What the place holds from the same programs is not flown again. Raises RuntimeError for a
-    flight that failed."""
+    """Runs all flights. Returns {name: summary} in their order, each with the folder of its files, its cost, and
+    whether it was run now. Results of the same programs in the folder are reused. Raises RuntimeError for a
+    failed flight."""
     flown = {}
     for name, group in studies(flights, place.chip).items():
         folder = place.results / "studies" / name
@@ -80,7 +80,7 @@ def fly_all(flights, place):
         started = time.monotonic()
         place.sweep(write_study(name, group, folder, place.chip), place.results, progress=lambda now, name=name: _tell(name, now))
         print(f"\r\033[K{name}: {len(group)} flights, {time.monotonic() - started:.0f} s", file=sys.stderr)
-        for table in ("missions.csv", "report.html"):  # the next study of this place writes its own
+        for table in ("missions.csv", "report.html"):  # the next study in this folder writes its own
             shutil.copyfile(place.results / table, folder / table)
         costs = _costs(place.results)
         with open(folder / "missions.csv", newline="") as file:
@@ -96,12 +96,12 @@ def fly_all(flights, place):
 
 
 def fly(flight, place):
-    """The same of one flight."""
+    """Runs one flight."""
     return fly_all([flight], place)[flight.name]
 
 
 def _costs(folder):
-    """{mission: seconds of processor, and most memory [MB] that the process held which flew it}"""
+    """Returns {mission: seconds of processor time, and peak memory [MB] of its process}."""
     journal = folder / "journal.jsonl"
     records = map(json.loads, journal.read_text().splitlines() if journal.exists() else [])
     return {one["mission"]: {"processor_s": one["processor_time"], "memory_mb": one.get("memory_mb", 0.0)} for one in records}

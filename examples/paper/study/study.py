@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flies the paper's two experiments, and what goes beyond them when asked for, and writes the report.
+"""Runs the paper's two experiments, and further parts if requested, and writes the report.
 
-What was flown before with the same programs is not flown again, so a study that was interrupted goes on where it was.
+Results of earlier runs with the same programs are reused, so an interrupted study continues.
 """
 
 import argparse
@@ -26,11 +26,11 @@ from run import Place, fly_all
 
 PARTS = ("experiments", "landing", "clocks", *experiments.SPREAD)
 PUBLISHED = {FIRST_CHIP: ROOT / "examples/paper/results.json", SECOND_CHIP: ROOT / "examples/paper/results_gap8.json"}
-STARTS_PER_CLOCK = 20  # a clock flies one in so many of the random starts of a scenario
+STARTS_PER_CLOCK = 20  # a clock runs one in this many of the random starts of a scenario
 
 
 def fly_experiments(place, data):
-    """Both experiments of the paper. The time they took is kept when none was left over from an earlier run."""
+    """Runs both experiments of the paper. Their time is kept if no results were reused."""
     in_the_air = {motors: experiments.endurance(motors) + experiments.empties(motors) for motors in MOTORS}
     started = time.monotonic()
     summaries = fly_all(experiments.speeds() + sum(in_the_air.values(), []) + experiments.batteries(), place)
@@ -48,7 +48,7 @@ def fly_experiments(place, data):
 
 def fly_landings(place, data):
     data["landing"] = {motors: landing.fly(place, motors) for motors in MOTORS}
-    # The standard battery's last landing that failed beside the first that did not.
+    # The standard battery's last failed landing and the first successful one.
     charges = [landing.least(data["landing"]["bench"]["bitcraze_250"]) - landing.STEP * too_low for too_low in (1, 0)]
     flights = [experiments.landing("bench", "bitcraze_250", charge) for charge in charges]
     flown = fly_all(flights, place)
@@ -62,7 +62,7 @@ def fly_clocks(place, data, count):
 
 
 def replay(place, name, summary):
-    """Writes the page of a flight; its address beside the report."""
+    """Writes the page of a flight; returns its address relative to the report."""
     file = place.results.parent / "replays" / f"{name}.html"
     file.parent.mkdir(exist_ok=True)
     subprocess.run([place.build / "bin/mebots", "report", summary["folder"], "--out", file], check=True, stdout=subprocess.DEVNULL)
@@ -70,7 +70,7 @@ def replay(place, name, summary):
 
 
 def fly_starts(place, data, name, count, pages):
-    """Random starts of a scenario; so many of those that fail are flown again, each for a page of its own."""
+    """Runs random starts of a scenario; repeats the first `pages` that fail, each for a separate page."""
     flights = experiments.starts(name, count, seed=1)
     summaries = fly_all(flights, place)
     part = collect.robustness(name, flights, summaries)
@@ -83,8 +83,8 @@ def fly_starts(place, data, name, count, pages):
 
 
 def fly_failed_again(place, data, name, count):
-    """The first so many starts of a scenario that did not pass in what was found, flown by this build; the others stay.
-    Tells what changed."""
+    """Repeats the first `count` starts of a scenario that did not pass with this build; keeps the others. Prints the
+    changes."""
     part = data["robustness"][name]
     before = {way["name"]: way["outcome"] for way in part["ways"]}
     flights = [f for f in experiments.starts(name, part["flights"], seed=1) if before[f.name] not in PASSED][:count]
@@ -95,7 +95,7 @@ def fly_failed_again(place, data, name, count):
 
 
 def check_published(count, place):
-    """Exit code 1 where a flight differs from what is published."""
+    """Returns exit code 1 if a flight differs from the published one."""
     published = json.loads(PUBLISHED[place.chip].read_text())
     differ = 0
     for name, found in check.differences(published, count, place):
@@ -106,7 +106,7 @@ def check_published(count, place):
 
 
 def published_beside(chip):
-    """Returns the second chip's published data for the first chip's report; None if other models flew them."""
+    """Returns the second chip's published data for the first chip's report; None if other models were used."""
     if chip != FIRST_CHIP:
         return None
     first, second = (json.loads(PUBLISHED[one].read_text()) for one in (FIRST_CHIP, SECOND_CHIP))
@@ -114,7 +114,7 @@ def published_beside(chip):
 
 
 def publish(chip, data, folder):
-    """Puts what a chip's flights gave where the README shows it, with the report of both chips."""
+    """Stores the results of a chip's flights where the README shows them, with the report of both chips."""
     PUBLISHED[chip].write_text(json.dumps(data) + "\n")
     folder.mkdir(exist_ok=True)
     report.write(json.loads(PUBLISHED[FIRST_CHIP].read_text()), folder, published_beside(FIRST_CHIP))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the paper reports beside what was found, for each reading of what the paper leaves unsaid: a row a target."""
+"""Compares the paper's results with ours, for each interpretation of what the paper does not state: one row per
+target."""
 
 import dataclasses
 
@@ -7,12 +8,12 @@ from experiments import EASY_SPEEDS
 from missions import BATTERIES
 
 COLUMNS = ("bench", "paper", "no_avionics", "no_losses")
-NOTHING = "-"  # not flown with these motors
+NOTHING = "-"  # not run with these motors
 
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """`values`: what `form` shows, for each of COLUMNS or for the first alone."""
+    """`values` are the arguments of `form`, for each of COLUMNS or for the first only."""
     target: str
     what: str
     paper: str
@@ -21,12 +22,12 @@ class Row:
     tells: str
 
     def texts(self):
-        """A text for each of COLUMNS."""
+        """Returns a text for each of COLUMNS."""
         return [self.form.format(*shown) for shown in self.values] + [NOTHING] * (len(COLUMNS) - len(self.values))
 
 
 def row(target, what, paper, form, values, tells):
-    """`values`: a list of what is shown in each column; of a column, several as a tuple."""
+    """`values` is a list of the displayed values in each column; several in one column as a tuple."""
     return Row(target, what, paper, form, [shown if isinstance(shown, tuple) else (shown,) for shown in values], tells)
 
 

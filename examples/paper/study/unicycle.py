@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a flawless network would do in the hard scenario: a unicycle that gets the expert's command, and the policy.
+"""A perfect network in the hard scenario: a unicycle that gets the expert's command, and the policy.
 
-Tells apart what the network, what the expert's fading near the gate, and what the yaw-rate scale is to blame for. No
-contact, no noise; the speed follows its set-point with a time constant.
+Separates the effects of the network, of the expert's fading near the gate, and of the yaw-rate scale. No contact, no noise;
+the speed follows its set-point with a time constant.
 """
 
 import math
@@ -13,7 +13,8 @@ from missions import KM_H, scene, scenario
 SPEED_LAG_S = 0.6          # of the stabiliser, read from the flights
 POLICY_STEP = 0.05 * KM_H  # fmu_soc/firmware/app/policy.c
 WINDOW = 10
-# Apparent edges of the frame over half the picture's width between which the command fades: dataset/expert.cpp.
+# Apparent edges of the frame, relative to half the picture's width, between which the command fades:
+# dataset/expert.cpp.
 FULL_EDGE, NO_EDGE = 1.05, 2.1
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads what mebots-dataset writes."""
+"""Reads the files of mebots-dataset."""
 
 import pathlib
 
@@ -9,7 +9,7 @@ from network import EDGE
 
 
 class Pictures:
-    """Pictures (grey levels less 128) and what the expert says to each."""
+    """Pictures (grey levels minus 128) and the expert's command for each."""
 
     def __init__(self, path):
         path = pathlib.Path(path)
@@ -26,7 +26,7 @@ class Pictures:
 
 
 def batches(pictures, size, random=None):
-    """Batches as (pixels, yaw); with a random generator in random order, half of them mirrored."""
+    """Yields batches as (pixels, yaw); with a random generator in random order, half of them mirrored."""
     order = np.arange(len(pictures)) if random is None else random.permutation(len(pictures))
     for begin in range(0, len(order), size):
         chosen = order[begin:begin + size]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes what the firmware and its tests need of a trained network: the weights file and the golden vectors."""
+"""Writes the files of a trained network for the firmware and its tests: the weights file and the golden vectors."""
 
 import argparse
 import hashlib
@@ -11,13 +11,13 @@ import integer_network
 from data import Pictures
 from sight import OUTPUTS, Sights
 
-# Of each network: what reads its pictures, its outputs, and how many pictures of each set are among the golden ones.
+# For each network: the reader of its pictures, its outputs, and the number of golden pictures from each set.
 NETWORKS = {"navigator": (Pictures, ("yaw",), {"test": 20, "easy": 6, "hard": 6}),
             "sight": (Sights, OUTPUTS, {"test": 8, "easy": 2, "hard": 2})}
 
 
 def shrunk_pattern(width, height):
-    """Checksum of a shrunk picture that a formula gives; tests/firmware/network_test.cpp has the same."""
+    """Returns the checksum of a shrunk picture given by a formula; tests/firmware/network_test.cpp has the same."""
     y, x = np.mgrid[:height, :width]
     return integer_network.checksum(integer_network.shrink((3 * x * x + 7 * y + x * y) % 256).astype(np.int8))
 

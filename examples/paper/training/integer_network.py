@@ -12,8 +12,8 @@ EDGE = 168
 
 
 def shrink(picture):
-    """The network's picture (168 x 168, grey level less 128) from the camera's: rounded means of 2 x 2 pixels whose
-    places are spread evenly from edge to edge. As fmu_soc/firmware/nn/shrink.c."""
+    """Returns the network's picture (168 x 168, grey level minus 128) from the camera's: rounded means of 2 x 2
+    pixels, evenly spaced from edge to edge. The same as fmu_soc/firmware/nn/shrink.c."""
     picture = np.asarray(picture).astype(np.int32)
     rows, columns = (np.arange(EDGE) * (length - 2) // (EDGE - 1) for length in picture.shape)
     total = sum(picture[np.ix_(rows + i, columns + j)] for i in (0, 1) for j in (0, 1))
@@ -21,7 +21,7 @@ def shrink(picture):
 
 
 def convolution(values, weights, stride):
-    """values[row][column][in] -> sums[row][column][out], zeros around."""
+    """Computes values[row][column][in] -> sums[row][column][out], with zero padding."""
     kernel = weights.shape[1]
     padded = np.pad(values.astype(np.int64), ((kernel // 2,) * 2, (kernel // 2,) * 2, (0, 0)))
     windows = np.lib.stride_tricks.sliding_window_view(padded, (kernel, kernel), axis=(0, 1))[::stride, ::stride]
@@ -34,8 +34,8 @@ def requantise(sums, biases, shifts, low, high):
 
 
 def infer(layers, picture):
-    """The network's outputs for a picture (168 x 168, grey level less 128), and the outputs of all convolutions, the
-    first one's pooled."""
+    """Returns the network's outputs for a picture (168 x 168, grey level minus 128), and the outputs of all
+    convolutions, the first one's pooled."""
     values = np.asarray(picture).reshape(EDGE, EDGE, 1)
     activations = []
     for i, stride in enumerate(STRIDES):
@@ -51,7 +51,7 @@ def infer(layers, picture):
 
 
 def checksum(array, start=2166136261):
-    """FNV-1a over the array's bytes, 32 bits."""
+    """Returns FNV-1a over the array's bytes, 32 bits."""
     value = start
     for byte in np.ascontiguousarray(array).tobytes():
         value = ((value ^ byte) * 16777619) & 0xFFFFFFFF
@@ -59,14 +59,14 @@ def checksum(array, start=2166136261):
 
 
 def load(path):
-    """Layers from the .npz that train.py writes."""
+    """Reads layers from the .npz of train.py."""
     with np.load(path) as file:
         return [tuple(file[f"{what}{i}"] for what in ("weights", "biases", "shifts")) for i in range(len(STRIDES) + 1)]
 
 
 def to_bytes(layers):
-    """The file that the firmware links: for each layer biases with the rounding half added, shifts, weights, each
-    part filled up with zeros to whole words."""
+    """Returns the file that the firmware links: for each layer biases with the rounding half added, shifts, weights,
+    each part padded with zeros to whole words."""
     out = bytearray()
     for weights, biases, shifts in layers:
         rounded = biases.astype(np.int64) + (np.int64(1) << (shifts.astype(np.int64) - 1))
@@ -77,7 +77,7 @@ def to_bytes(layers):
 
 
 def from_bytes(packed, like):
-    """Layers from such a file; `like` are the shapes of the layers' weights."""
+    """Reads layers from such a file; `like` contains the shapes of the layers' weights."""
     layers, at = [], 0
 
     def take(kind, count):

@@ -25,7 +25,7 @@ NAVIGATOR = Shape(((1, 4, 5, 2, True),
                    (4, 4, 3, 2, False), (4, 4, 3, 1, False),
                    (4, 16, 3, 2, False), (16, 16, 3, 1, False),
                    (16, 32, 3, 2, False), (32, 32, 3, 1, False)), 1)
-# Where the gate is: yaw, rise, size, visible (sight.py). 1.7 times the navigator's products.
+# The position of the gate: yaw, rise, size, visible (sight.py). 1.7 times the navigator's products.
 SIGHT = Shape(((1, 8, 5, 2, True),
                (8, 8, 3, 2, False), (8, 8, 3, 1, False),
                (8, 16, 3, 2, False), (16, 16, 3, 1, False),
@@ -37,8 +37,8 @@ OUTPUT_STEP = 1.0 / 127     # of one count of an output
 
 
 class Navigator(nn.Module):
-    """Floating point, with batch normalisation. Takes pictures in grey levels less 128, gives the outputs of each; a
-    single one without a dimension of its own."""
+    """Floating point, with batch normalisation. Takes pictures in grey levels minus 128, returns the outputs of
+    each; a single output without its own dimension."""
 
     def __init__(self, shape=NAVIGATOR):
         super().__init__()
@@ -54,10 +54,11 @@ class Navigator(nn.Module):
             x = functional.relu6(norm(convolution(x)))
             if pooled:
                 x = functional.max_pool2d(x, 2)
-        return self.dense(x.flatten(1)).squeeze(1)  # takes off a dimension of 1 alone
+        return self.dense(x.flatten(1)).squeeze(1)  # removes a dimension of 1 only
 
     def folded(self):
-        """Weights and biases with the batch normalisation multiplied in, layer by layer; the last is the dense one."""
+        """Returns weights and biases with the batch normalisation included, layer by layer; the last is the dense
+        one."""
         layers = []
         for convolution, norm in zip(self.convolutions, self.norms):
             gain = norm.weight / torch.sqrt(norm.running_var + norm.eps)
@@ -67,7 +68,7 @@ class Navigator(nn.Module):
 
 
 class _Round(torch.autograd.Function):
-    """Rounds half up; the gradient passes as if it did not."""
+    """Rounds half up; the gradient passes unchanged."""
 
     @staticmethod
     def forward(_, x):
@@ -79,9 +80,10 @@ class _Round(torch.autograd.Function):
 
 
 class IntegerNavigator(nn.Module):
-    """The network as the chip computes it, trainable: every value is a whole number held in a float, every sum below
-    2^24 and so exact. An output count is clip((sum of weight x input + bias + half) >> shift), with one shift for
-    each output channel: the weights' scale is a power of two times the steps' ratio, so no multiplier is needed."""
+    """The network as computed by the chip, trainable: every value is a whole number in a float, every sum is below
+    2^24 and therefore exact. An output count is clip((sum of weight x input + bias + half) >> shift), with one
+    shift per output channel: the scale of the weights is a power of two times the ratio of the steps, so no
+    multiplier is needed."""
 
     def __init__(self, navigator):
         super().__init__()
@@ -95,7 +97,7 @@ class IntegerNavigator(nn.Module):
             self.biases.append(nn.Parameter((bias / step_out).detach().clone()))
 
     def layer(self, i):
-        """Whole-numbered weights and biases and the shifts of layer i."""
+        """Returns integer weights and biases and the shifts of layer i."""
         weight, bias = self.weights[i], self.biases[i]
         largest = weight.detach().abs().flatten(1).amax(1).clamp(min=1e-6)
         shift = torch.floor(torch.log2(127.0 / largest)).clamp(1, 15)
@@ -117,7 +119,7 @@ class IntegerNavigator(nn.Module):
         return _Round.apply(x * 2.0 ** -shift).squeeze(1)
 
     def take(self, layers):
-        """Goes on from layers as exported() gives them."""
+        """Continues from layers as exported() returns them."""
         for i, (weights, biases, shifts) in enumerate(layers):
             scale = 2.0 ** -torch.tensor(shifts.astype("float32"))
             weight = torch.tensor(weights.astype("float32")).permute(0, 3, 1, 2)
@@ -127,8 +129,8 @@ class IntegerNavigator(nn.Module):
             self.biases[i].data = torch.tensor(biases.astype("float32")) * scale
 
     def exported(self):
-        """(weights, biases, shifts) of every layer as integer arrays in the chip's order: output channel, row,
-        column, input channel."""
+        """Returns (weights, biases, shifts) of every layer as integer arrays in the chip's order: output channel,
+        row, column, input channel."""
         layers = []
         last = len(self.shape.convolutions)
         for i in range(last + 1):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the sight network tells of a picture, and the pictures to learn it from."""
+"""The outputs of the sight network for a picture, and its training pictures."""
 
 import copy
 import pathlib
@@ -8,14 +8,15 @@ import numpy as np
 
 from network import EDGE
 
-# The network's outputs, each in [-1, 1]. yaw, rise: the opening's middle, left and up of the picture's middle, over half
-# the picture. size: half the frame's edge over half the picture's width, over MOST_SIZE; visible: above 0 with a gate.
+# The network's outputs, each in [-1, 1]. yaw, rise: the opening's centre, to the left of and above the picture's
+# centre, relative to half the picture. size: half the frame's edge over half the picture's width, over MOST_SIZE;
+# visible: above 0 with a gate.
 OUTPUTS = ("yaw", "rise", "size", "visible")
 MOST_SIZE = 2.0
 
 
 class Sights:
-    """Pictures (grey levels less 128) and what is to be told of each: outputs, and whether there is a gate."""
+    """Pictures (grey levels minus 128) and the target of each: outputs, and whether there is a gate."""
 
     def __init__(self, path):
         path = pathlib.Path(path)
@@ -31,7 +32,7 @@ class Sights:
         return len(self.pixels)
 
     def with_first(self, count, others):
-        """These and the first pictures of others, without their labels."""
+        """Returns these and the first pictures of others, without their labels."""
         both = copy.copy(self)
         for name in ("pixels", "visible", "wanted"):
             setattr(both, name, np.concatenate([getattr(self, name), getattr(others, name)[:count]]))
@@ -39,7 +40,7 @@ class Sights:
 
 
 def batches(sights, size, random=None):
-    """Batches as (pixels, wanted); with a random generator in random order, half of them mirrored."""
+    """Yields batches as (pixels, wanted); with a random generator in random order, half of them mirrored."""
     order = np.arange(len(sights)) if random is None else random.permutation(len(sights))
     for begin in range(0, len(order), size):
         chosen = order[begin:begin + size]

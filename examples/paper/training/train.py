@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trains the navigator in floating point, then goes on with the integers that the chip computes with."""
+"""Trains the navigator in floating point, then continues with the integers of the chip."""
 
 import argparse
 import json
@@ -25,7 +25,7 @@ def answers(model, pictures, device, scale):
 
 
 def metrics(yaw, pictures):
-    """Errors in units of the output, over all pictures and over those with a gate ahead."""
+    """Returns errors in units of the output, over all pictures and over those with a gate ahead."""
     error = np.abs(yaw - pictures.yaw)
     seen = pictures.visible & (pictures.strength == 1)
     return {"mean_error": float(error.mean()), "median_error_gate": float(np.median(error[seen])),
@@ -35,7 +35,7 @@ def metrics(yaw, pictures):
 
 
 def fit(model, train, validation, epochs, rate, decay, scale, device, name, batch=BATCH):
-    """Adam with a rate that rises and falls once. Prints a line per epoch."""
+    """Trains with Adam and a rate that rises and falls once. Prints a line per epoch."""
     random = np.random.default_rng(SEED)
     optimizer = torch.optim.Adam(model.parameters(), lr=rate, weight_decay=decay)
     steps = epochs * -(-len(train) // batch)

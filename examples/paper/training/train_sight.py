@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Trains the sight network in floating point, goes on with the integers that the chip computes with; with
---begin instead goes on with a trained one among clutter."""
+"""Trains the sight network in floating point, then continues with the integers of the chip; with --begin, instead
+continues with a trained one among clutter."""
 
 import argparse
 import json
@@ -17,17 +17,18 @@ from sight import Sights, batches
 
 SEED = 20261123
 BATCH = 64
-# Logit of the output `visible`: steep enough that 0.5 is as good as sure.
+# Logit of the output `visible`: steep enough that 0.5 is nearly certain.
 LOGIT = 6.0
 VISIBLE_WEIGHT = 0.08
-# Among clutter, whether there is a gate is the question.
+# Among clutter, the main question is whether there is a gate.
 CLUTTER_VISIBLE_WEIGHT = 0.15
-# Pictures of the first training that the one among clutter has, so that it keeps what it can do.
+# The number of pictures of the first training that the one among clutter includes, so that the network keeps its
+# abilities.
 KEPT = 10000
 
 
 def loss_of(outputs, wanted, visible_weight):
-    """Errors of place and size where there is a gate, and whether there is one."""
+    """Returns errors of place and size if there is a gate, and of its detection."""
     there = wanted[:, 3:]
     place = functional.smooth_l1_loss(outputs[:, :3] * there, wanted[:, :3] * there, beta=0.05)
     return place + visible_weight * functional.binary_cross_entropy_with_logits(LOGIT * outputs[:, 3:], there)
@@ -41,7 +42,7 @@ def answers(model, sights, scale):
 
 
 def metrics(outputs, sights):
-    """Errors in units of the outputs where there is a gate; shares of gates missed and of gates seen where none are."""
+    """Returns errors in units of the outputs if there is a gate, and the shares of missed gates and of false ones."""
     there = sights.visible
     error = np.abs(outputs - sights.wanted)[there]
     result = {"missed": float((outputs[there, 3] <= 0).mean()),
@@ -53,7 +54,7 @@ def metrics(outputs, sights):
 
 
 def fit(model, train, validation, epochs, rate, decay, scale, name, keep, visible_weight=VISIBLE_WEIGHT):
-    """Adam with a rate that rises and falls once. Prints a line and keeps the weights after each epoch."""
+    """Trains with Adam and a rate that rises and falls once. Prints a line and saves the weights after each epoch."""
     random = np.random.default_rng(SEED)
     optimizer = torch.optim.Adam(model.parameters(), lr=rate, weight_decay=decay)
     steps = epochs * -(-len(train) // BATCH)
@@ -82,7 +83,7 @@ def save(integer, path):
 
 
 def read(weights):
-    """The network of a weights file."""
+    """Returns the network of a weights file."""
     integer = IntegerNavigator(Navigator(SIGHT))
     shapes = [layer[0].shape for layer in integer.exported()]
     integer.take(integer_network.from_bytes(weights.read_bytes(), shapes))
@@ -90,8 +91,8 @@ def read(weights):
 
 
 def train_among_clutter(arguments):
-    """Goes on with the network of a weights file, on clutter_train and the first pictures of train; clutter_val and
-    clutter_test say what it is good for."""
+    """Continues with the network of a weights file, on clutter_train and the first pictures of train; evaluates on
+    clutter_val and clutter_test."""
     integer = read(arguments.begin)
     data = {name: Sights(arguments.data / name) for name in ("train", "clutter_train", "clutter_val", "clutter_test")}
     print("before:", metrics(answers(integer, data["clutter_val"], OUTPUT_STEP), data["clutter_val"]), flush=True)
@@ -114,7 +115,7 @@ def main():
     parser.add_argument("--clutter-rate", type=float, default=8e-4, help="highest learning rate among clutter")
     arguments = parser.parse_args()
     torch.manual_seed(SEED)
-    torch.set_num_threads(1)  # sums in one order, whatever the machine
+    torch.set_num_threads(1)  # sums in one order on any machine
     arguments.out.mkdir(parents=True, exist_ok=True)
     if arguments.begin:
         train_among_clutter(arguments)

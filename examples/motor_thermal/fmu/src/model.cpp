@@ -13,11 +13,11 @@ namespace {
 /// Temperature coefficient of copper's resistance at 20 degrees Celsius [1/K]: IEC 60028, annealed copper.
 constexpr double kCopper_per_k = 0.00393;
 constexpr double kReference_k = 293.15;
-/// Far above where insulation and magnet end: something is wrong with the parameters.
+/// Far above the limits of insulation and magnet: the parameters must be wrong.
 constexpr double kRunaway_k = 1000;
 constexpr double kMotors = 4;
 
-/// What one eigenvalue does over the step: exp(l t), and its integrals once and twice over the step.
+/// The functions of one eigenvalue over the step: exp(l t), and its first and second integrals.
 struct Mode {
   double grown;
   double once;
@@ -27,7 +27,7 @@ struct Mode {
 Mode mode(double l, double t) {
   const double x = l * t;
   const double once = std::abs(x) < 1e-8 ? t * (1 + x / 2) : std::expm1(x) / l;
-  // (once - t) / l loses its digits for small x: there the series does.
+  // For small x, (once - t) / l loses digits, so the series is used.
   const double twice = std::abs(x) < 1e-3 ? t * t * (0.5 + x / 6 + x * x / 24 + x * x * x / 120) : (once - t) / l;
   return {std::exp(x), once, twice};
 }
@@ -44,7 +44,7 @@ void Model::start(const Inputs& /*inputs*/, Outputs& outputs) {
 void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs) {
   const double t = 1e-9 * static_cast<double>(duration_ns);
   const auto& p = parameters_;
-  // The driver chops: the winding carries its current all the time, the battery only for the duty's part of it.
+  // The driver switches: the winding conducts all the time, the battery only for the duty's share.
   const double effective_v = inputs.motor_command * inputs.bus_voltage_v;
   current_a_ = effective_v > 0 ? inputs.motor_power_w / kMotors / effective_v : 0;
   const double loss_w = current_a_ * current_a_ * p.winding_resistance_ohm;

@@ -9,20 +9,21 @@
 
 namespace mebots::motor_thermal {
 
-/// Two bodies that store heat, one in the other:
+/// Two heat capacities, one inside the other:
 ///
 ///     C_w dT_w/dt = I^2 R (1 + a (T_w - 20 degC)) - G_w (T_w - T_c)
 ///     C_c dT_c/dt = G_w (T_w - T_c) - G_c (T_c - T_air)
 ///
-/// For inputs held over a step this is linear in (T_w, T_c), so a step is the exact solution, whatever its length.
+/// For constant inputs this is linear in (T_w, T_c), so a step of any length is the exact solution.
 class Model {
  public:
-  /// `resources` is not used. Every parameter is checked by its limits in the description.
+  /// `resources` is not used. Each parameter is checked against its limits in the description.
   Model(const Parameters& parameters, const std::filesystem::path& resources);
 
   /// Writes the outputs at the start.
   void start(const Inputs& inputs, Outputs& outputs);
-  /// Moves on by duration_ns > 0 with the inputs held. Throws mebots::Error when the winding runs away.
+  /// Advances by duration_ns > 0 with constant inputs. Throws mebots::Error if the temperature of the winding runs
+  /// away.
   void step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs);
 
   void visit(state::Visitor& v);

@@ -25,7 +25,7 @@ using world::scene::Picture;
 using world::scene::Scene;
 using world::scene::Texture;
 
-/// A place on the floor with a heading: the parts of a thing stand around it.
+/// A place on the floor with a heading, around which the parts of a thing are placed.
 struct Stand {
   Vector3d p_W_m;
   double yaw_rad = 0.0;
@@ -53,19 +53,19 @@ Box part(const Stand& stand, const Vector3d& middle, const Vector3d& size, const
   return box;
 }
 
-/// A frame around a filled inside, upright in the stand's y and z around `middle`. The inside stands out of the frame
-/// by 5 mm to both sides, so that it is what is seen.
+/// Adds a frame around a filled inside, upright in the stand's y and z around `middle`. The inside protrudes from the
+/// frame by 5 mm on both sides, so that it is visible.
 void add_framed(Random& random, const Stand& stand, const Vector3d& middle, double width_m, double height_m,
                 Scene& scene) {
   const double level = random.chance(0.5) ? random.between(200.0, 255.0) : random.between(0.0, 255.0);
-  // A small frame keeps an inside, two fifths of its shorter edge at least.
+  // A small frame keeps an inside of at least two fifths of its shorter edge.
   const double border = std::min(random.between(0.03, 0.17), 0.3 * std::min(width_m, height_m));
   scene.boxes.push_back(part(stand, middle, {0.02, width_m, height_m}, plain(level)));
   const auto inside = random.chance(0.5) ? random_paint(random, random.between(20.0, 235.0)) : drawn_paint(random);
   scene.boxes.push_back(part(stand, middle, {0.03, width_m - 2.0 * border, height_m - 2.0 * border}, inside));
 }
 
-/// On a wall, or free in the room as a board on a stand.
+/// Adds a picture on a wall, or in the room as a board on a stand.
 void framed_picture(Random& random, const Floor& floor, Scene& scene) {
   Stand stand = somewhere(random, floor);
   if (random.chance(0.6)) {
@@ -102,7 +102,7 @@ void crate(Random& random, const Stand& stand, double edge_m, double bottom_m, S
   }
 }
 
-/// Two posts or four legs with something across.
+/// Adds two posts or four legs with a bar or board across.
 void table_or_doorway(Random& random, const Floor& floor, Scene& scene) {
   const Stand stand = somewhere(random, floor);
   const auto paint = random_paint(random, random.between(20.0, 235.0));
@@ -166,7 +166,7 @@ Mesh lathed(const std::vector<Vector2d>& profile_m, int sides, double wobble, co
   return mesh;
 }
 
-/// A trunk with a crown of skirts, or a round one.
+/// Adds a trunk with a crown, conical or round.
 void tree(Random& random, const Floor& floor, Scene& scene) {
   const Stand stand = somewhere(random, floor);
   const double height = random.between(1.5, 5.0);

@@ -13,11 +13,11 @@ struct Floor {
   double half_width_m = 4.0;
 };
 
-/// Adds one thing that is not a gate and looks somewhat like one, or stands around where gates stand: a framed picture
-/// on a wall or a stand, a crate with framed sides, a table, a doorway, a shelf, a tree, a pillar with a bumper.
+/// Adds a thing that is not a gate but resembles one or is typical near gates: a framed picture on a wall or a stand, a
+/// crate with framed sides, a table, a doorway, a shelf, a tree, a pillar with a bumper.
 void add_clutter(Random& random, const Floor& floor, world::scene::Scene& scene);
 
-/// A texture of rectangles, filled and hollow, as a poster, a crate or a sheet has them.
+/// Returns a texture of rectangles, filled and hollow, as on a poster, a crate or a sheet.
 world::scene::Texture drawn_paint(Random& random);
 
 }  // namespace mebots::training

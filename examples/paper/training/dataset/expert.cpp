@@ -9,13 +9,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Apparent edges of the frame, over half the picture's width, between which the command fades.
+/// Apparent edges of the frame, relative to half the picture's width, between which the command fades.
 constexpr double kFullCommandEdge = 1.05;
 constexpr double kNoCommandEdge = 2.1;
 constexpr double kLeastVisiblePart = 0.25;
 /// A gate seen at a flatter angle than this is a beam, not an opening.
 constexpr double kLeastCosine = 0.3;
-/// Nearer along the optical axis, a point is beside the camera.
+/// A point that is nearer along the optical axis is outside of the picture.
 constexpr double kLeastDepth_m = 0.05;
 constexpr double kBeside = 100.0;
 
@@ -31,7 +31,8 @@ Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics&
   const Vector3d to_gate_W = gate.p_W_m - camera.p_WC_m;
   advice.distance_m = ahead_W.dot(to_gate_W);
   const double tangent = std::tan(0.5 * intrinsics.horizontal_field_of_view_rad);
-  // Offset of a point in half widths of the picture; beyond any edge if it lies beside or behind the camera.
+  // Offset of a point in half widths of the picture; outside of every edge if it is to the side of the camera or behind
+  // it.
   const auto offset_of = [&](const Vector3d& p_W) {
     const Vector3d p_C = camera.R_WC.transpose() * (p_W - camera.p_WC_m);
     return p_C.x() > kLeastDepth_m ? p_C.y() / p_C.x() / tangent : std::copysign(kBeside, p_C.y());
@@ -43,7 +44,7 @@ Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics&
   const double high = std::max(a, b);
   const double seen = std::min(high, 1.0) - std::max(low, -1.0);
   if (seen <= 0.0) return advice;
-  // Inside the fading distance a frame may be out of view on both sides, with its middle still ahead.
+  // Inside the fading distance a frame may extend beyond the picture on both sides while its centre is ahead.
   const bool through = advice.distance_m > 0.0 && low < -1.0 && high > 1.0 && std::abs(advice.offset) < 1.0;
   const bool flat = advice.distance_m < kLeastCosine * to_gate_W.norm();
   if (!through && (flat || seen < kLeastVisiblePart * (high - low))) {
@@ -51,7 +52,7 @@ Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics&
     return advice;
   }
   advice.visibility = Visibility::enough;
-  // Fades evenly over the distance, which is one over the apparent edge.
+  // Fades linearly over the distance, which is the inverse of the apparent edge.
   const double near = advice.distance_m * tangent / gate.outer_m;
   advice.strength =
       std::clamp((near - 1.0 / kNoCommandEdge) / (1.0 / kFullCommandEdge - 1.0 / kNoCommandEdge), 0.0, 1.0);

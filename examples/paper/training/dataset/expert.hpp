@@ -6,29 +6,30 @@
 
 namespace mebots::training {
 
-/// How much of a gate is in the picture, across.
+/// The visible part of a gate's width.
 enum class Visibility {
   none,
-  sliver,  ///< too little of it, or seen from the side or from behind: no right answer
+  sliver,  ///< too little of it, or seen from the side or from behind: no correct answer
   enough
 };
 
-/// What the expert says to a picture.
+/// The expert's answer to a picture.
 struct Advice {
   Visibility visibility = Visibility::none;
   /// Yaw command in [-1, 1], positive = left.
   double yaw = 0.0;
   double distance_m = 0.0;  ///< from the camera to the gate's plane; 0 without a gate
-  double strength = 0.0;    ///< 1 far from the gate, 0 where the command has faded
-  double offset = 0.0;      ///< middle of the opening, left of the picture's middle, over half the picture's width
+  double strength = 0.0;    ///< 1 far from the gate, 0 after fading
+  double offset = 0.0;      ///< centre of the opening, to the left of the picture's centre, relative to half the
+                            ///< picture's width
 };
 
-/// The expert steers at the middle of the opening: yaw = its offset from the picture's middle over half the
-/// picture's width, 1 = the left edge, limited to [-1, 1]. Near the gate the command fades,
-/// from where the frame's edge looks 1.05 half widths long (0.6 m away with a lens of 87 degrees) and is 0 from 2.1 on.
-/// The frame leaves the picture there, and the drone flies straight on. Without a gate in the
-/// picture the command is 0 too. A gate of which less than a quarter is in the picture, across, or that is seen at
-/// less than 17 degrees to its plane or from behind, is a `sliver`, which has no right answer.
+/// The expert steers towards the centre of the opening: yaw is its offset from the picture's centre, relative to half
+/// the picture's width (1 = the left edge), limited to [-1, 1]. Near the gate the command fades: from an apparent edge
+/// of the frame of 1.05 half widths (0.6 m away with a lens of 87 degrees) to 0 at 2.1. There the frame leaves the
+/// picture, and the drone flies straight ahead. Without a gate in the picture the command is 0 too. A gate is a
+/// `sliver` without a correct answer if less than a quarter of its width is in the picture, or if it is seen at less
+/// than 17 degrees to its plane or from behind.
 Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics& intrinsics,
               const world::camera::Pose& camera);
 

@@ -22,9 +22,9 @@ constexpr int kMostThings = 11;
 constexpr double kClearOfGate_m = 0.8;
 
 constexpr int kMostClutter = 9;
-/// Clutter may stand beside a gate, but not in it.
+/// Clutter may be next to a gate, but not in it.
 constexpr double kClutterClearOfGate_m = 0.55;
-/// Part of the cluttered halls whose walls are hedges, with the sky above.
+/// The share of cluttered halls whose walls are hedges under the sky.
 constexpr double kOutdoors = 0.2;
 
 Texture frame_paint(Random& random) {
@@ -46,7 +46,7 @@ Texture frame_paint(Random& random) {
   return texture;
 }
 
-/// More than half of the gates stay squares.
+/// More than half of the gates are squares.
 void random_shape(Random& random, Gate& gate) {
   const double kind = random.unit();
   if (kind < 0.55) return;
@@ -90,13 +90,13 @@ Cylinder column(Random& random, double length_m, double half_width_m) {
   return cylinder;
 }
 
-/// Whether a thing of that half diagonal keeps away from the gates, so that it does not hide one from every side.
+/// True if a thing with that half diagonal is far enough from the gates not to hide one from every side.
 bool keeps_away(const Scene& scene, const Vector3d& p_W, double reach_m, double clear_m = kClearOfGate_m) {
   return std::all_of(scene.gates.begin(), scene.gates.end(),
                      [&](const Gate& gate) { return (p_W - gate.p_W_m).head<2>().norm() >= clear_m + reach_m; });
 }
 
-/// A gate behind the first one, to be flown in about the same direction.
+/// Returns a gate behind the first one, in about the same direction.
 Gate next_gate(Random& random, const Gate& first, double length_m, double half_width_m) {
   Gate gate = random_gate(random, true, length_m, half_width_m);
   gate.yaw_rad = first.yaw_rad + random.between(-0.4, 0.4);
@@ -107,14 +107,14 @@ Gate next_gate(Random& random, const Gate& first, double length_m, double half_w
   return gate;
 }
 
-/// The most that a thing of triangles reaches from the upright line through its place.
+/// Returns the largest distance of a mesh from the vertical line through its place.
 double reach_m(const world::scene::MeshThing& thing) {
   double reach = 0.0;
   for (const auto& point : thing.mesh->points_m) reach = std::max(reach, point.head<2>().norm());
   return reach;
 }
 
-/// Whether everything that `with` has and `before` had not keeps away from the gates.
+/// True if everything that was added to `before` is far enough from the gates.
 bool clear_of_gates(const Scene& before, const Scene& with) {
   const auto boxes_keep = std::all_of(
       with.boxes.begin() + static_cast<std::ptrdiff_t>(before.boxes.size()), with.boxes.end(), [&](const auto& box) {

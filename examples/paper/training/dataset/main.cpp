@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-dataset: pictures as the drone's network gets them, with the command that the expert gives to each, or with
-// where the gate is (--task sight).
+// mebots-dataset: writes pictures in the form of the drone's network, with the expert's command for each or with the
+// position of the gate (--task sight).
 //
-// Every picture is taken by the camera of fmu_world, disturbed, and made small by the firmware's own code. Writes
-// two files: <out>.pictures, 168 x 168 bytes each (signed, grey level less 128), and <out>.labels.csv.
+// Every picture is taken by fmu_world's camera, disturbed, and reduced by the firmware's own code. Writes two files:
+// <out>.pictures, 168 x 168 bytes each (signed, grey level minus 128), and <out>.labels.csv.
 
 #include "camera/renderer.hpp"
 #include "expert.hpp"
@@ -39,7 +39,7 @@ using mebots::training::Random;
 using mebots::training::Sight;
 using mebots::training::Visibility;
 
-/// What the network is to say: the expert's command, or where the gate is.
+/// The output of the network: the expert's command, or the position of the gate.
 enum class Task { command, sight };
 
 struct Options {
@@ -49,17 +49,17 @@ struct Options {
   std::uint64_t seed = 1;
   int scenes = 100;
   int pictures = 16;
-  double field_of_view_rad = 0.0;  ///< 0 = another one in each room
-  bool clutter = false;            ///< views among clutter, in random rooms that have much of it
+  double field_of_view_rad = 0.0;  ///< 0 = different in each room
+  bool clutter = false;            ///< views in random rooms with much clutter
 };
 
-/// How a picture is spoilt on its way from the renderer to the network.
+/// Disturbances of a picture between the renderer and the network.
 struct Disturbance {
-  int blur_px = 1;    // width of a level box blur, as a turning drone's exposure makes it
-  int blur_rows = 1;  // height of an upright one, as a climbing or nodding drone's makes it
+  int blur_px = 1;    // width of a horizontal box blur, from the exposure of a turning drone
+  int blur_rows = 1;  // height of a vertical one, from a climbing or pitching drone
   double gain = 1.0;
   double offset = 0.0;
-  double vignetting = 0.0;  // light that a corner lacks
+  double vignetting = 0.0;  // loss of light in a corner
 };
 
 Disturbance random_disturbance(Random& random) {
@@ -72,7 +72,7 @@ Disturbance random_disturbance(Random& random) {
   return d;
 }
 
-/// The same for the sight network: more of everything.
+/// Stronger disturbances for the sight network.
 Disturbance strong_disturbance(Random& random) {
   Disturbance d;
   if (random.chance(0.4)) d.blur_px = 2 + random.below(6);
@@ -127,13 +127,13 @@ void disturb(const Disturbance& d, int width, std::vector<std::uint8_t>& pixels)
   }
 }
 
-/// A place and attitude of the drone, most often with the gate ahead.
+/// Position and attitude of the drone, usually with the gate ahead.
 struct BodyPose {
   Vector3d p_WB_m;
   Eigen::Matrix3d R_WB;
 };
 
-/// A drone at this place and heading that pitches and rolls by about so much.
+/// Returns a drone at this position and heading with random pitch and roll of about this size.
 BodyPose tilted(Random& random, const Vector3d& p, double yaw, double spread_rad) {
   const Eigen::Matrix3d R =
       (AngleAxisd(yaw, Vector3d::UnitZ()) * AngleAxisd(random.normal(spread_rad), Vector3d::UnitY()) *
@@ -147,7 +147,8 @@ BodyPose random_pose(Random& random, const mebots::world::scene::Scene& scene, d
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), 1.0 + random.normal(0.06)};
   if (!scene.gates.empty() && random.chance(0.9)) {
     const auto& gate = scene.gates[0];
-    // Far places more often than a uniform logarithm has them: there the picture says least.
+    // Large distances are more frequent than in a uniform logarithm, because such pictures contain the least
+    // information.
     const double distance = random.chance(0.6) ? random.between(0.8, 7.5) : random.log_between(0.15, 2.0);
     const double off_axis = random.chance(0.5) ? random.normal(0.25) : random.between(-1.05, 1.05);
     const double towards = gate.yaw_rad + off_axis;
@@ -159,7 +160,7 @@ BodyPose random_pose(Random& random, const mebots::world::scene::Scene& scene, d
   return tilted(random, p, yaw, 0.035);
 }
 
-/// Where a camera of the sight network is that has the gate in view, or nearly so.
+/// Places a camera of the sight network so that the gate is in view or nearly so.
 void place_before(Random& random, const mebots::world::scene::Gate& gate, double half_view_rad, Vector3d& p,
                   double& yaw) {
   const double distance = random.chance(0.6) ? random.between(0.5, 7.5) : random.log_between(0.3, 2.5);
@@ -172,7 +173,7 @@ void place_before(Random& random, const mebots::world::scene::Gate& gate, double
   yaw = towards - bearing;
 }
 
-/// As the view before, for the sight network: other heights, stronger tilt, and more pictures without a gate.
+/// Like the view above, for the sight network: other heights, stronger tilt, and more pictures without a gate.
 BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
   double yaw = random.between(-M_PI, M_PI);
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
@@ -183,7 +184,7 @@ BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, d
   return tilted(random, p, yaw, 0.045);
 }
 
-/// What a camera is turned to that looks for what is not a gate: any wall or thing.
+/// Returns the target of a camera that looks at anything but a gate: any wall or thing.
 Vector3d random_thing(Random& random, const mebots::world::scene::Scene& scene) {
   const int boxes = static_cast<int>(scene.boxes.size());
   const int cylinders = static_cast<int>(scene.cylinders.size());
@@ -193,7 +194,7 @@ Vector3d random_thing(Random& random, const mebots::world::scene::Scene& scene) 
   return scene.meshes[static_cast<std::size_t>(which - boxes - cylinders)].p_W_m;
 }
 
-/// As random_view(), in a cluttered hall: any of its gates, and many pictures of what is not a gate.
+/// Like random_view(), in a cluttered hall: any of its gates, and many pictures without a gate.
 BodyPose view_of_clutter(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
   double yaw = random.between(-M_PI, M_PI);
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
@@ -211,7 +212,7 @@ BodyPose view_of_clutter(Random& random, const mebots::world::scene::Scene& scen
   return tilted(random, p, yaw, 0.045);
 }
 
-/// Everything that can hide a gate, as boxes; a cylinder as the one around it.
+/// Returns everything that can hide a gate as boxes; a cylinder as its bounding box.
 std::vector<mebots::world::scene::Box> obstacles(const mebots::world::scene::Scene& scene) {
   auto boxes = scene.boxes;
   for (const auto& cylinder : scene.cylinders) {
@@ -239,7 +240,7 @@ bool inside(const mebots::world::scene::Box& box, const Vector3d& p_W, double ma
   return (p.cwiseAbs() - 0.5 * box.size_m).maxCoeff() < margin_m;
 }
 
-/// Whether the drone can be at `p` and nothing stands between it and the gate.
+/// True if the drone can be at `p` and nothing is between it and the gate.
 bool free_view(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
   for (const auto& box : obstacles(scene)) {
     if (inside(box, p_W, 0.1)) return false;
@@ -257,7 +258,7 @@ bool free_view(const mebots::world::scene::Scene& scene, const Vector3d& p_W) {
   return true;
 }
 
-/// Whether the straight line from `from` to `to` meets the box.
+/// True if the straight line from `from` to `to` intersects the box.
 bool meets(const mebots::world::scene::Box& box, const Vector3d& from_W, const Vector3d& to_W) {
   const AngleAxisd turn(-box.yaw_rad, Vector3d::UnitZ());
   const Vector3d from = turn * (from_W - box.p_W_m);
@@ -278,7 +279,7 @@ bool meets(const mebots::world::scene::Box& box, const Vector3d& from_W, const V
   return enter < leave;
 }
 
-/// The part of a gate's frame that the things hide from `p`, along the middle of its beams.
+/// Returns the share of a gate's frame that the things hide from `p`, along the middle of its beams.
 double hidden_part(const std::vector<mebots::world::scene::Box>& things, const mebots::world::scene::Gate& gate,
                    const Vector3d& p_W) {
   return mebots::training::part_of_frame(gate, 0.5, [&](const Vector3d& point_W) {
@@ -286,10 +287,10 @@ double hidden_part(const std::vector<mebots::world::scene::Box>& things, const m
   });
 }
 
-/// The most that things may hide of a gate which the sight network is to see.
+/// The largest hidden share of a gate that the sight network must detect.
 constexpr double kMostHidden = 0.35;
 
-/// Whether the drone can be at `p`, and the gate that it is to see is not hidden.
+/// True if the drone can be at `p` and the gate to detect is not hidden.
 bool has_answer(const mebots::world::scene::Scene& scene, const std::vector<mebots::world::scene::Box>& things,
                 const Sight& seen, const Vector3d& p_W) {
   if (std::any_of(things.begin(), things.end(), [&](const auto& box) { return inside(box, p_W, 0.1); })) return false;
@@ -342,11 +343,11 @@ class Writer {
   std::string path_;
 };
 
-/// Lenses between that of Webots' Crazyflie and that of Stargate's recordings.
+/// Lenses between those of Webots' Crazyflie and of Stargate's recordings.
 constexpr double kNarrowest_rad = 0.87;
 constexpr double kWidest_rad = 1.51844;
 
-/// For the sight network, those two lie within what it sees.
+/// For the sight network, a wider range that includes both.
 constexpr double kNarrowestSight_rad = 0.82;
 constexpr double kWidestSight_rad = 1.56;
 
@@ -403,7 +404,7 @@ mebots::world::scene::Scene room_of(const Options& options, Random& random) {
                                      : mebots::training::random_room(random);
 }
 
-/// Ends the program where options contradict each other, before a file is written.
+/// Ends the program before a file is written if options contradict each other.
 void refuse_contradictions(const Options& options) {
   const char* why = nullptr;
   if (options.clutter && options.task != Task::sight) {
@@ -449,7 +450,7 @@ int main(int argc, char** argv) {
   try {
     Writer writer(options.out, options.task);
     for (int i = 0; i < options.scenes; ++i) {
-      // Each room has its own numbers, so that a room does not depend on those before it.
+      // Each room has its own random numbers, independent of earlier rooms.
       Random random(options.seed * 1000003U + static_cast<std::uint64_t>(i));
       take_pictures(room_of(options, random), i, options, random, writer);
     }

@@ -6,13 +6,13 @@
 
 namespace mebots::training {
 
-/// Any paint whose grey levels lie about `middle`.
+/// Returns a random paint whose grey levels are around `middle`.
 world::scene::Texture random_paint(Random& random, double middle);
 
-/// An upright wall in random paint whose middle lies between 50 and 210.
+/// Returns an upright wall in random paint whose middle is between 50 and 210.
 world::scene::Box wall(Random& random, const char* name, const Eigen::Vector3d& centre, const Eigen::Vector3d& size);
 
-/// A pillar, a crate or a board of about a gate's size.
+/// Returns a pillar, a crate or a board of about a gate's size.
 world::scene::Box distractor(Random& random, double length_m, double half_width_m);
 
 }  // namespace mebots::training

@@ -20,7 +20,7 @@ class Random {
   bool chance(double probability) { return unit() < probability; }
   /// Uniform in the logarithm.
   double log_between(double low, double high) { return low * std::pow(high / low, unit()); }
-  /// Normal with mean 0, cut at three standard deviations.
+  /// Normal with mean 0, limited to three standard deviations.
   double normal(double deviation) {
     for (;;) {
       const double x = std::sqrt(-2.0 * std::log(1.0 - unit())) * std::cos(2.0 * M_PI * unit());

@@ -16,7 +16,7 @@ using world::scene::Gate;
 using world::scene::Scene;
 using world::scene::Texture;
 
-/// How far the things that are not gates keep away from it, so that they do not hide it from every side.
+/// The distance between the gate and other things, so that they do not hide it from every side.
 constexpr double kFreeAroundGate_m = 0.9;
 
 Texture gate_paint(Random& random) {

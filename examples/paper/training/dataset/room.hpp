@@ -6,8 +6,8 @@
 
 namespace mebots::training {
 
-/// A room with at most one gate and some things that are none: sizes, places, paint and light at random.
-/// The gate's opening faces along its own x, as everywhere in fmu_world.
+/// Returns a room with at most one gate and some other things: random sizes, places, paint and light. The gate's
+/// opening faces along its own x, as everywhere in fmu_world.
 world::scene::Scene random_room(Random& random);
 
 }  // namespace mebots::training

@@ -13,11 +13,11 @@ using Eigen::Vector3d;
 
 /// A gate seen at a flatter angle than this is a beam, not an opening.
 constexpr double kFlatCosine = 0.3;
-/// Nearer along the optical axis, a point is beside the camera.
+/// A point that is nearer along the optical axis is outside of the picture.
 constexpr double kBesideDepth_m = 0.05;
-/// Of the points along the opening's edge, this part must be in the picture.
+/// The share of the points along the opening's edge that must be in the picture.
 constexpr double kLeastInnerPart = 0.15;
-/// How far into the beams those points lie, from the inner edge to the outer one.
+/// The depth of these points in the beams, from the inner edge to the outer one.
 constexpr double kIntoBeam = 0.2;
 
 Sight sight_of_gate(const world::scene::Gate& gate, const world::camera::Intrinsics& intrinsics,

@@ -7,17 +7,18 @@
 
 namespace mebots::training {
 
-/// Where a picture has the nearest gate that is in it: what the sight network learns to tell.
+/// The position of the nearest gate in a picture, which the sight network learns.
 struct Sight {
-  /// enough: in the picture. none: not even a corner of it. sliver: too little, or too flat, to have a right answer;
-  /// so is a gate that the camera is about to fly through, whose inner edges are all out of the picture.
+  /// enough: in the picture. none: not even a corner of it. sliver: too little or too flat for a correct answer; also a
+  /// gate that the camera is about to fly through, whose inner edges are all outside of the picture.
   Visibility visibility = Visibility::none;
-  /// Middle of the opening from the picture's middle: left over half the width, up over half the height, in [-1, 1].
+  /// Centre of the opening relative to the picture's centre: left over half the width, up over half the height, in [-1,
+  /// 1].
   double yaw = 0.0;
   double rise = 0.0;
-  double size = 0.0;        ///< half the frame's width at the gate's depth over half the picture's width
+  double size = 0.0;        ///< half the frame's width at the gate's depth, relative to half the picture's width
   double distance_m = 0.0;  ///< from the camera to the gate's plane
-  int gate = -1;            ///< which gate of the scene; negative without one
+  int gate = -1;            ///< index of the gate in the scene; negative if there is none
 };
 
 Sight sight_of(const world::scene::Scene& scene, const world::camera::Intrinsics& intrinsics,
