@@ -13,7 +13,6 @@ from mebots.errors import InputError
 ALIGNMENT = 4
 GROUP = 4  # output channels that a kernel computes together
 GROUP_HEADER = 60  # layer_group_t
-LONG_RUN = 32  # bytes
 CORES = 8
 SLACK = 16  # bytes that kernels may read after a buffer
 ROWS_KINDS = ("convolution", "max_pool", "average_pool")
@@ -145,11 +144,21 @@ def gathered_stride(layer: Layer) -> int:
 
 
 def gathers(layer: Layer) -> bool:
-    """True if patches are copied first: their runs of contiguous bytes are short."""
+    """True if patches are copied first: their runs of contiguous bytes are short, and many channels share the copy."""
     if layer.kind != "convolution" or layer.groups > 1:
         return False
     rows, columns, run = _patch_runs(layer)
-    return rows * columns > 1 and run < LONG_RUN
+    runs, words = rows * columns, math.ceil(run / 4)
+    if runs == 1:
+        return False
+    in_place = runs * (_CYCLES_PER_WORD * words + _CYCLES_PER_RUN)
+    copied = 2 * runs * (8 if run <= 8 else 7 * words + 8)  # of two patches
+    gathered = _CYCLES_PER_WORD * math.ceil(patch_bytes(layer) / 4) + _CYCLES_PER_RUN
+    return gathered + copied / math.ceil(layer.weight.shape[0] / GROUP) < in_place
+
+
+_CYCLES_PER_WORD = 14
+_CYCLES_PER_RUN = 14
 
 
 def _patch_runs(layer: Layer) -> tuple[int, int, int]:
