@@ -10,6 +10,7 @@ import onnxruntime
 from networks import DeployCase, Maker, objects
 from onnx import helper
 
+import mebots
 from mebots.deploy import layers as integers
 from mebots.deploy.deployed import Options
 from mebots.deploy.deploying import check_and_measure, lower
@@ -84,6 +85,16 @@ class WholeNumbers(DeployCase):
             for name, content in deployed.sources.files.items():
                 (library / name).write_bytes(content)
             check_and_measure(library, self.folder, deployed, Options(), objects(), with_cost=False)
+
+    def test_broken_requantising_is_refused(self):
+        maker = IntegerMaker(1, (2, 10, 10), shifts=True)
+        maker.output(maker.requantise(maker.node("Conv", "x", maker.whole(-20, 20, 5, 2, 6, 2), kernel_shape=[6, 2]), 3))
+        model = self.unchecked(maker)
+        del model.graph.node[-1].attribute[:]
+        with self.assertRaisesRegex(mebots.InputError, "RequantShift lacks"):
+            self.deployed(maker, model.SerializeToString())
+        with self.assertRaises(mebots.InputError):
+            self.deployed(maker, self.unchecked(maker).SerializeToString())
 
     def test_every_width_of_the_product_is_exact(self):
         random = np.random.default_rng(3)

@@ -8,10 +8,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-import onnx
 
 from mebots.deploy.graph import Graph, Node, Tensor
-from mebots.deploy.model_file import Model, label
+from mebots.deploy.model_file import Model, label, onnx_package
 from mebots.errors import InputError
 
 MOST_ELEMENTS = 8 << 20
@@ -110,7 +109,7 @@ class Importer:
             raise self.refuse(f"operators of domain {node.domain} are not supported", "Export with the operators of ONNX alone")
         if node.op_type not in self._operators:
             raise self.refuse("this operator is not supported", f"Supported are {', '.join(sorted(self._operators))}. Replace it by these, or write a kernel for it")
-        self.attributes = {one.name: onnx.helper.get_attribute_value(one) for one in node.attribute}
+        self.attributes = {one.name: onnx_package().helper.get_attribute_value(one) for one in node.attribute}
         for name in node.output[1:]:
             if name and any(name in other.input for other in self.model.nodes):
                 raise self.refuse(f"its second output {name} is used", "Only the first output can be")

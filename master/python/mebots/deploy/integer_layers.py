@@ -107,6 +107,8 @@ class IntegerLayers:
             self._zeros[output] = 0
             return self.layer("convolution", node, op, output, **fields)
         zero, low, high = self._limits(node, numbers, output)
+        if any(one.size not in (1, bias.size) for one in (numbers.multiplier, numbers.addend)):
+            raise self._refuse(node, f"it has {bias.size} channels, and is requantised by {numbers.multiplier.size} and {numbers.addend.size} numbers", "Export it again")
         multiplier, addend = (np.broadcast_to(one, bias.shape) for one in (numbers.multiplier, numbers.addend))
         try:
             scaling = exact_requantisation(multiplier, addend + (zero << numbers.shift), numbers.shift, bounds)

@@ -8,10 +8,8 @@ import dataclasses
 from typing import Any
 
 import numpy as np
-import onnx
-from onnx import helper, numpy_helper
 
-from mebots.deploy.model_file import Model, label
+from mebots.deploy.model_file import Model, label, onnx_package
 
 OP = "Requantise"
 _CHAIN = ("Mul", "Add", "Cast", "Div", "Floor", "Clip")
@@ -34,6 +32,7 @@ class Requantising:
 
 def expand_shifts(model: Any) -> None:
     """Replaces RequantShift, which rounds and which ONNX does not know, by Mul, Add, Div, Floor and Clip."""
+    helper, numpy_helper = onnx_package().helper, onnx_package().numpy_helper
     nodes = []
     for node in model.graph.node:
         if node.op_type != "RequantShift":
@@ -65,8 +64,9 @@ def expand_shifts(model: Any) -> None:
 
 
 def _number(attribute: Any) -> float:
-    value = helper.get_attribute_value(attribute)
-    return float(numpy_helper.to_array(value).ravel()[0] if isinstance(value, onnx.TensorProto) else np.ravel(value)[0])
+    onnx = onnx_package()
+    value = onnx.helper.get_attribute_value(attribute)
+    return float(onnx.numpy_helper.to_array(value).ravel()[0] if isinstance(value, onnx.TensorProto) else np.ravel(value)[0])
 
 
 def _opset(model: Any) -> int:
@@ -105,7 +105,7 @@ def collapse(model: Model) -> None:
         source = next(name for name in chain[0].input if name not in model.constants)
         result = chain[-1].output[0]
         model.requantising[result] = _numbers(model, chain)
-        nodes.append(helper.make_node(OP, [source], [result], name=label(chain[-1])))
+        nodes.append(onnx_package().helper.make_node(OP, [source], [result], name=label(chain[-1])))
     model.nodes = nodes
 
 

@@ -20,7 +20,8 @@ LARGEST_CONSTANT = 1 << 26  # elements
 _NEVER_CONSTANT = {"RandomNormal", "RandomNormalLike", "RandomUniform", "RandomUniformLike", "Bernoulli", "Multinomial", "If", "Loop", "Scan"}
 
 
-def _onnx() -> Any:
+def onnx_package() -> Any:
+    """Returns the package onnx, which only a deployment needs."""
     extra("onnx.reference", "`mebots deploy`", "onnx", "deploy")
     return extra("onnx", "`mebots deploy`", "onnx", "deploy")
 
@@ -33,7 +34,10 @@ class Model:
         self.path = pathlib.Path(path)
         self.proto = _load(self.path)
         if rewrite is not None:
-            rewrite(self.proto)
+            try:
+                rewrite(self.proto)
+            except (LookupError, TypeError, ValueError) as error:
+                raise self.fail(f"a RequantShift lacks an input or an attribute: {error}") from error
         self.requantising: dict[str, Any] = {}
         self.weight_steps: dict[str, np.ndarray] = {}  # of weights that the model has in bytes
         self.scales: dict[str, Any] = {}  # of tensors that the model quantises
@@ -48,7 +52,7 @@ class Model:
         return InputError(f"{self.path}: {text}", "invalid_model")
 
     def _initialisers(self) -> dict[str, np.ndarray]:
-        onnx = _onnx()
+        onnx = onnx_package()
         constants = {}
         for one in self.proto.graph.initializer:
             if math.prod(one.dims) > LARGEST_CONSTANT:
@@ -106,7 +110,7 @@ class Model:
         return True
 
     def _evaluate(self, node: Any) -> None:
-        onnx = _onnx()
+        onnx = onnx_package()
         if node.op_type in ("ConstantOfShape", "Expand", "Tile"):
             size = math.prod(int(one) for one in self.constants[node.input[min(1, len(node.input) - 1)]].ravel())
             if size < 0 or size > LARGEST_CONSTANT:
@@ -132,7 +136,7 @@ label = _label
 
 
 def _load(path: pathlib.Path) -> Any:
-    onnx = _onnx()
+    onnx = onnx_package()
     try:
         size = path.stat().st_size
     except OSError as error:
@@ -185,7 +189,7 @@ def _fix_batch(model: Any, path: pathlib.Path) -> None:
 
 
 def _with_shapes(model: Any, path: pathlib.Path) -> Any:
-    onnx = _onnx()
+    onnx = onnx_package()
     try:
         onnx.checker.check_model(model)
         return onnx.shape_inference.infer_shapes(model, strict_mode=True, data_prop=True)
