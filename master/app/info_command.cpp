@@ -170,6 +170,10 @@ void print_terminals(const std::vector<DeclaredTerminal>& terminals) {
 
 void print_system(const master::SystemDescription& system) {
   print_field("step", fmt::format("{} s", master::time_text(system.step)));
+  if (const auto& control = system.step_control) {
+    print_field("step control", fmt::format("{} to {} s", master::time_text(system.length_of(control->min_steps)),
+                                            master::time_text(system.length_of(control->max_steps))));
+  }
   if (system.start_time_ns != 0)
     print_field("start time", fmt::format("{} s", master::to_seconds(system.start_time_ns)));
   print_field("stop time", fmt::format("{} s", master::to_seconds(system.stop_time_ns)));

@@ -19,7 +19,7 @@ struct Experiment {
 
 /// A communication point that all slaves have reached.
 struct Point {
-  std::int64_t step = 0;
+  std::int64_t step = 0;  ///< its place on the grid
   std::int64_t time_ns = 0;
 };
 

@@ -8,7 +8,7 @@
 
 namespace mebots::master {
 
-/// What the coupling may be wrong by in one communication step.
+/// Limits the error of the coupling in one communication step, relative to a step of the greatest length.
 struct CouplingTolerance {
   double relative = 1e-3;  ///< of the largest magnitude so far: of the source's value, or of a bond's power
   double absolute = 1e-6;  ///< of an input times its nominal value; of a bond in the unit of its power

@@ -32,13 +32,12 @@ void check_instances(const ResolvedSystem& system) {
     if (!takes_variable_steps(instance)) names.push_back(instance_text(instance));
   }
   if (names.empty()) return;
-  throw InputError(
-      ErrorCode::not_offered,
-      fmt::format("{}: these instances cannot change their communication step "
-                  "(canHandleVariableCommunicationStepSize is false): {}. Give each a \"step\" of its own, "
-                  "a multiple of the system's step {} s, or remove \"step_control\"",
-                  system.description->step_control->place, fmt::join(names, ", "),
-                  time_text(system.description->step)));
+  throw InputError(ErrorCode::not_offered,
+                   fmt::format("{}: these instances cannot change their communication step "
+                               "(canHandleVariableCommunicationStepSize is false): {}. Give each a \"step\" that is "
+                               "longer than the system's step {} s, or remove \"step_control\"",
+                               system.description->step_control->place, fmt::join(names, ", "),
+                               time_text(system.description->step)));
 }
 
 std::span<const BondDescription> bonds_of(const SystemDescription& system) {

@@ -18,14 +18,14 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-/// What differs between the tests, as JSON.
+/// Parts of a config, as JSON.
 struct Settings {
   std::string control = R"({"max_step": 0.1})";
   std::string of_a = {};  ///< more keys of an instance
   std::string of_b = {};
   std::string of_record = {};
   std::string more = {};  ///< of the config
-  std::string tick = "0.0001";
+  std::string step = "0.0001";
   int seconds = 5;
 };
 
@@ -36,7 +36,7 @@ std::string masses(const Settings& settings) {
       "a": {{"fmu": "{4}", "parameters": {{"mass_x": 1}} {5}}}, "b": {{"fmu": "{4}" {6}}}}},
     "connections": [{{"from": "a.mass_x", "to": "b.mass_u"}}, {{"from": "b.mass_x", "to": "a.mass_u"}}],
     "record": {{"variables": ["*.mass_x", "*.mass_v"] {7}}}}})",
-                     settings.tick, settings.seconds,
+                     settings.step, settings.seconds,
                      settings.control.empty() ? "" : ", \"step_control\": " + settings.control, settings.more,
                      held.path().string(), settings.of_a, settings.of_b, settings.of_record);
 }
@@ -66,7 +66,7 @@ TEST(StepControl, TheErrorFallsWithTheTolerance) {
     TestRun run(masses({.control = fmt::format(R"({{"max_step": 0.1, "relative_tolerance": {},
       "absolute_tolerance": 1e-12}})",
                                                tolerance),
-                        .tick = "0.000001"}));
+                        .step = "0.000001"}));
     const double error = error_of(run.to_end());
     if (before > 0) {
       EXPECT_NEAR(before / error, 10, 2.5) << tolerance;
@@ -78,15 +78,15 @@ TEST(StepControl, TheErrorFallsWithTheTolerance) {
 }
 
 TEST(StepControl, TimeIsExact) {
-  Settings settings{.of_record = R"(, "step": true)", .tick = R"("1/3000")"};
+  Settings settings{.of_record = R"(, "step": true)", .step = R"("1/3000")"};
   TestRun run(masses(settings));
   const auto times = run.to_end().column("time");
   const auto steps = run.column("step");
   EXPECT_EQ(times.back(), 5);
   EXPECT_EQ(steps.front(), 0);
   for (std::size_t i = 1; i < times.size(); ++i) {
-    const double tick = std::round(times[i] * 3000);
-    EXPECT_EQ(times[i], tick / 3000) << "a double nearest to k / 3000, never a sum";
+    const double point = std::round(times[i] * 3000);
+    EXPECT_EQ(times[i], point / 3000) << "a double nearest to k / 3000, never a sum";
     EXPECT_NEAR(steps[i], times[i] - times[i - 1], 1e-15);
   }
   EXPECT_GT(*std::ranges::max_element(steps), 3 / 3000.);
@@ -109,13 +109,13 @@ TEST(StepControl, StatisticsCountWhatHappened) {
 TEST(StepControl, NeedsFewerStepsThanAFixedStepWhenTheSystemComesToRest) {
   // Two bodies with a damper between them (fmus/oscillator.c): their transient takes the first of 20 s.
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
-  const auto config = [](const std::string& tick, const std::string& control) {
+  const auto config = [](const std::string& step, const std::string& control) {
     return fmt::format(R"({{"step": {0}, "stop_time": 20 {2}, "instances": {{
         "a": {{"fmu": "{1}", "parameters": {{"stiffness": 0, "x": 1}}}},
         "b": {{"fmu": "{1}", "parameters": {{"stiffness": 1000, "grip": 50, "damping": 10, "y": 1}}}}}},
       "connections": [{{"from": "a.velocity", "to": "b.other_velocity"}}, {{"from": "b.pull", "to": "a.force"}}],
       "record": ["a.x"]}})",
-                       tick, held.path().string(), control);
+                       step, held.path().string(), control);
   };
   TestRun exact(config("0.00001", ""));
   const auto reference = exact.to_end().column("a.x");
@@ -222,7 +222,7 @@ TEST(StepControl, RowsOfSignalsAreForcedPoints) {
 }
 
 TEST(StepControl, OthersSeeATickAtTheNextPointOfTheGrid) {
-  // A countdown of 0.17 s (fmus/metronome.cpp) beside masses that would take longer steps.
+  // A countdown of 0.17 s (fmus/metronome.cpp), and masses that allow longer steps.
   static const test::ChangedFmu held("coupling", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="2")", "");
   TestRun run(
       fmt::format(R"({{"step": 0.01, "stop_time": 1, "step_control": {{"max_step": 0.5, "relative_tolerance": 1}},
@@ -360,7 +360,7 @@ TEST(StepControl, UnknownNamesOfTolerancesAreRefusedWithTheNearest) {
               HasSubstr("there is nothing to measure"));
 }
 
-TEST(StepControl, ATolerancesOfOneInputCountsForItAlone) {
+TEST(StepControl, AToleranceOfOneInputCountsForItAlone) {
   const auto steps = [](const std::string& tolerances) {
     TestRun run(masses({.control = R"({"max_step": 0.1, "tolerances": )" + tolerances + "}"}));
     return run.to_end().simulation().steps_done();
@@ -381,7 +381,8 @@ TEST(StepControl, InstancesThatCannotChangeTheirStepAreNamed) {
   };
   EXPECT_THAT(test::input_error([&] { TestRun run(config("")); }),
               AllOf(HasSubstr("/step_control: these instances cannot change their communication step"),
-                    HasSubstr("'b' (oscillator). Give each a \"step\" of its own"), Not(HasSubstr("'a'"))));
+                    HasSubstr("'b' (oscillator). Give each a \"step\" that is longer than the system's step 0.01 s"),
+                    Not(HasSubstr("'a'"))));
   TestRun run(config(R"(, "step": 0.05)"));
   EXPECT_EQ(run.to_end().column("time").back(), 1);
 }

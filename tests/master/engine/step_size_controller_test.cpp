@@ -59,8 +59,8 @@ TEST(StepSizeController, StaysWithinItsLimits) {
   EXPECT_EQ(controller.next(kNoLimit), 20);
 }
 
-TEST(StepSizeController, GrowsFromASingleTick) {
-  // A factor of 1.5 of one tick is no whole number of ticks; it must not be lost.
+TEST(StepSizeController, GrowsFromTheShortestStep) {
+  // 1.5 times the shortest step is no whole number of steps of the grid; the rest must not be lost.
   StepSizeController controller(description());
   std::vector<std::int64_t> lengths;
   for (int i = 0; i < 5; ++i) {

@@ -110,9 +110,7 @@ NamedTolerance read_named_tolerance(const std::string& name, const Node& node, c
 }
 
 void read_controller(Object& object, StepControlDescription& control) {
-  const auto within = [](double least, double most) {
-    return [least, most](const Node& node) { return node.number({.min = least, .max = most}); };
-  };
+  const auto within = [](double least, double most) { return data::number(data::Limits::between(least, most)); };
   constexpr double kMostFactor = 100;
   object.read_if("safety", control.safety, within(0.01, 1));
   object.read_if("min_factor", control.min_factor, within(0.001, 1));
@@ -160,7 +158,7 @@ void read_step_control(const Node& node, SystemDescription& system) {
           {{"never", Rollback::never}, {"if_possible", Rollback::if_possible}, {"required", Rollback::required}}));
   read_controller(object, control);
   object.finish();
-  check_order(node, control, system);
+  if (object.sound()) check_order(node, control, system);
   system.step_control = std::move(control);
 }
 
