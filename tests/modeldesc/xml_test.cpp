@@ -146,7 +146,7 @@ TEST(Xml, ErrorsNameFileLineElementAttributeAndValue) {
   expect_error("", "not well-formed XML");
   expect_error("<a>\n\n<b></a>", "line 3: not well-formed XML");
   expect_error("<other/>", "the root element must be <fmiModelDescription>");
-  expect_error("<fmiModelDescription fmiVersion=\"1.0\"/>", "the FMU is of FMI version 1.0; only 2.0 and 3.0 can");
+  expect_error("<fmiModelDescription fmiVersion=\"4.0\"/>", "of FMI version 4.0; only 1.0, 2.0 and 3.0 can");
   expect_error("<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\"/>", "the attribute guid is missing");
   expect_error("<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"/>", "neither <CoSimulation> nor");
   expect_error(variable("valueReference=\"1\"", "<Real/>"), "line 11, <ScalarVariable>: the attribute name is missing");

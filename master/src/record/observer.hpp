@@ -18,7 +18,9 @@ class Observer {
   virtual ~Observer() = default;
 
   /// Called at t = 0 and after every communication step. If it returns a text, the run ends here for that reason.
-  virtual std::optional<std::string> reached(const Point& point) = 0;
+  virtual std::optional<std::string> reached(const Point& /*point*/) { return std::nullopt; }
+  /// Called at the same points after reached() of all observers, unless the run ends at this point.
+  virtual void continues(const Point& /*point*/) {}
   /// Called when the run ends at `point`, which was reached. Not called if the run fails.
   virtual void ended(const Point& /*point*/) {}
 

@@ -112,8 +112,8 @@ Checkpointer::Checkpointer(Simulation& simulation, std::filesystem::path folder,
       results_(&results),
       log_(&log) {}
 
-std::optional<std::string> Checkpointer::reached(const Point& point) {
-  if (point.time_ns < next_ns_) return std::nullopt;
+void Checkpointer::continues(const Point& point) {
+  if (point.time_ns < next_ns_) return;
   const auto every_ns = nanoseconds_of(*checkpoint_.options.checkpoint_every_s, "time from checkpoint to checkpoint");
   const auto passed = point.time_ns / every_ns - (point.time_ns % every_ns < 0 ? 1 : 0);  // round down
   next_ns_ = (passed + 1) * every_ns;
@@ -128,7 +128,6 @@ std::optional<std::string> Checkpointer::reached(const Point& point) {
   checkpoint_.results_hash = results_hash_.up_to(results_->path(), checkpoint_.results_bytes);
   checkpoint_.log_hash = log_hash_.up_to(log_->path(), checkpoint_.log_bytes);
   write_checkpoint(folder_, checkpoint_);
-  return std::nullopt;
 }
 
 namespace {

@@ -61,8 +61,9 @@ void check_can_checkpoint(const ResolvedSystem& system);
 /// Throws InputError that lists the changes since `what` ("the checkpoint") was written.
 void check_inputs(const std::string& inputs_then, const std::string& inputs_now, std::string_view what);
 
-/// Writes a checkpoint at t = 0 and then at the first communication point after each interval of simulated time. It
-/// must be the last observer, because the others must write their data of a point to their files first.
+/// Writes a checkpoint at t = 0 and then at the first communication point after each interval of simulated time, but
+/// not at the end of the run: a run resumed there would step beyond it. All observers have written their data of the
+/// point to their files before.
 class Checkpointer final : public Observer {
  public:
   /// `blank` contains everything that does not change during the run. All other arguments must outlive the
@@ -70,7 +71,7 @@ class Checkpointer final : public Observer {
   Checkpointer(Simulation& simulation, std::filesystem::path folder, Checkpoint blank, OutputFile& results,
                OutputFile& log);
 
-  std::optional<std::string> reached(const Point& point) override;
+  void continues(const Point& point) override;
   void visit(state::Visitor& v) override { v("next_ns", next_ns_); }
   std::string_view state_name() const override { return "checkpoints"; }
 

@@ -53,6 +53,8 @@ void Simulation::reach_point() {
     finish({EndReason::stop_condition, *wish});
   } else if (point.time_ns >= stop_ns_) {
     finish({EndReason::stop_time, fmt::format("the stop time {} s was reached", grid_.time_s(point.time_ns))});
+  } else {
+    for (auto* observer : observers_) observer->continues(point);
   }
 }
 

@@ -227,6 +227,29 @@ TEST(StopWhen, TheRunEndsAtTheFirstPointWhereAConditionHolds) {
   EXPECT_EQ(run.column("time").back(), 0.4);
 }
 
+/// Records the points for which each method was called.
+class PointsOfRun final : public Observer {
+ public:
+  std::optional<std::string> reached(const Point& point) override {
+    reached_points.push_back(point.step);
+    return std::nullopt;
+  }
+  void continues(const Point& point) override { continued_points.push_back(point.step); }
+
+  std::vector<std::int64_t> reached_points;
+  std::vector<std::int64_t> continued_points;
+};
+
+TEST(Simulation, ARunDoesNotContinueAtItsEnd) {
+  PointsOfRun points;
+  TestRun run(R"({"step": 0.5, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}, "connections": []})");
+  run.simulation().add(points);
+  run.to_end();
+  EXPECT_THAT(points.reached_points, testing::ElementsAre(0, 1, 2));
+  EXPECT_THAT(points.continued_points, testing::ElementsAre(0, 1))
+      << "a checkpoint at 2 would be resumed beyond the end";
+}
+
 TEST(StopWhen, AConditionMayHaveToHoldForATime) {
   TestRun run(one_probe("", R"(, "stop_when": [{"variable": "a.steps", "above": 3, "for": 0.3}])"));
   run.to_end();
