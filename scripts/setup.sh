@@ -28,6 +28,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev                      # tests, benchmarks
   gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf            # the drone's firmware
   gdb-multiarch libclang-rt-14-dev xz-utils                       # its debugger; fuzzing
+  libomp-14-dev                                                   # without it, clang does not find SUNDIALS (fuzzing)
   python3 python3-venv                                            # interoperability tests, plots
   python3-dev pybind11-dev                                        # the Python package; foreign FMUs written in Python
   chromium                                                        # tests of the page

@@ -125,8 +125,7 @@ std::vector<FmiVersion> read_fmi_versions(const Node& node) {
   auto versions = data::list_of(version)(node);
   if (versions.empty()) node.fail(ErrorCode::invalid_value, "the list is empty; it needs 2, 3 or both");
   std::ranges::sort(versions);
-  const auto twice = std::ranges::unique(versions);
-  versions.erase(twice.begin(), twice.end());
+  versions.erase(std::unique(versions.begin(), versions.end()), versions.end());
   return versions;
 }
 
