@@ -291,6 +291,9 @@ void Ensemble::connect_real(const ResolvedConnection& connection, SignalId from,
 void Ensemble::connect_mapped(const ResolvedConnection& connection, SignalId from, std::size_t to) {
   const auto type = connection.to.variable->type;
   members_[connection.to.instance].mappings.push_back({{.signal = from, .slot = to}, kind_of(type), &connection.map});
+  const bool is_whole = type != Type::boolean && type != Type::enumeration;
+  if (is_whole && connection.from.variable->type != type)  // values that the map leaves as they are
+    members_[connection.to.instance].range_checks.push_back({&connection, to});
   if (type == Type::enumeration) check_items_of(connection, to);  // for values that the map does not change
 }
 

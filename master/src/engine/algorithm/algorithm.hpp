@@ -22,7 +22,7 @@ class Algorithm {
   virtual ~Algorithm() = default;
 
   /// Performs one communication step. Afterwards the ensemble's outputs are those of its end, and nothing is returned.
-  /// If a slave discards the step, returns an end; after an interrupt, throws InterruptedError. In both cases the
+  /// If a slave ends the simulation, returns an end; after an interrupt, throws InterruptedError. In both cases the
   /// outputs are still those of the step's start, the last point that all slaves reached. Also throws the slaves'
   /// exceptions.
   virtual std::optional<End> step(const GridStep& span) = 0;

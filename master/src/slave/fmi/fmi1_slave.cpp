@@ -135,6 +135,7 @@ int Fmi1Slave::step_status() {
   if (functions_->get_status == nullptr) return fmiPending;
   fmiStatus status = fmiPending;
   const int answer = calls_.call("fmiGetStatus", functions_->get_status, fmiDoStepStatus, &status);
+  if (answer == fmiError || answer == fmiFatal) calls_.check(answer, "fmiGetStatus");
   return answer == fmiOK ? status : fmiPending;
 }
 

@@ -101,6 +101,7 @@ int Fmi2Slave::step_status() {
   if (functions_->get_status == nullptr) return fmi2Pending;
   fmi2Status status = fmi2Pending;
   const int answer = calls_.call("fmi2GetStatus", functions_->get_status, fmi2DoStepStatus, &status);
+  if (answer == fmi2Error || answer == fmi2Fatal) calls_.check(answer, "fmi2GetStatus");
   return answer == fmi2OK ? status : fmi2Pending;
 }
 
