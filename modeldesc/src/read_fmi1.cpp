@@ -89,9 +89,7 @@ class Fmi1Reader {
         type.items.push_back({item.required_text("name"), value, item.text("description")});
       });
     });
-    if (!types_.emplace(type.name, result_.types.size()).second)
-      element.fail(fmt::format("the type \"{}\" is defined twice", type.name));
-    result_.types.push_back(std::move(type));
+    types_.add(element, std::move(type), result_.types);
   }
 
   /// Returns false and reports the variable if an earlier one has its name: public FMUs of this version have such
@@ -122,13 +120,7 @@ class Fmi1Reader {
     variable.declared_type = details.text("declaredType");
     read_quantities(details, variable);
     variable.relative_quantity = details.flag("relativeQuantity", false);
-    if (!variable.declared_type.empty()) {
-      const auto known = types_.find(variable.declared_type);
-      if (known == types_.end())
-        element.fail(fmt::format("\"{}\" is of declared type \"{}\", which <TypeDefinitions> does not define",
-                                 variable.name, variable.declared_type));
-      take_declared_type(element, result_.types[known->second], variable);
-    }
+    types_.apply(element, result_.types, variable);
     if (element.word<Alias>("alias", fmi::kAliasWords1) != Alias::negated) return;
     if (type == Type::string || type == Type::enumeration)
       element.fail(fmt::format("\"{}\" is a negated alias, but a value of type {} has no negative", variable.name,
@@ -200,7 +192,7 @@ class Fmi1Reader {
   ModelDescription result_;
   std::vector<std::pair<std::size_t, Element>> outputs_;  // index of the variable
   std::unordered_set<std::string> names_;
-  std::unordered_map<std::string, std::size_t> types_;
+  DeclaredTypes types_;
 };
 
 }  // namespace

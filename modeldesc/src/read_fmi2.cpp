@@ -95,9 +95,7 @@ class Fmi2Reader {
                             *item.number<std::int32_t>("value", "a whole number of 32 bits"),
                             item.text("description")});
     });
-    if (!types_.emplace(type.name, result_.types.size()).second)
-      element.fail(fmt::format("the type \"{}\" is defined twice", type.name));
-    result_.types.push_back(std::move(type));
+    types_.add(element, std::move(type), result_.types);
   }
 
   void read_variable(const Element& element) {
@@ -129,7 +127,7 @@ class Fmi2Reader {
       if (*derivative == 0) details.fail("derivative is 0, but indices count from 1");
       variable.derivative_of = *derivative - 1;
     }
-    if (!variable.declared_type.empty()) take_declared_type(element, variable);
+    types_.apply(element, result_.types, variable);
     read_osmp(element, variable);
   }
 
@@ -137,14 +135,6 @@ class Fmi2Reader {
     if (variable.causality == Causality::parameter || variable.causality == Causality::calculated_parameter)
       return Variability::fixed;
     return variable.type == Type::real ? Variability::continuous : Variability::discrete;
-  }
-
-  void take_declared_type(const Element& element, Variable& variable) const {
-    const auto known = types_.find(variable.declared_type);
-    if (known == types_.end())
-      element.fail(fmt::format("\"{}\" is of declared type \"{}\", which <TypeDefinitions> does not define",
-                               variable.name, variable.declared_type));
-    modeldesc::take_declared_type(element, result_.types[known->second], variable);
   }
 
   static void read_osmp(const Element& element, Variable& variable) {
@@ -191,8 +181,8 @@ class Fmi2Reader {
 
   Element root_;
   ModelDescription result_;
-  std::unordered_set<std::string_view> names_;          // of the variables, whose addresses do not change
-  std::unordered_map<std::string, std::size_t> types_;  // maps names to indices; descriptions may have thousands
+  std::unordered_set<std::string_view> names_;  // of the variables, whose addresses do not change
+  DeclaredTypes types_;
 };
 
 }  // namespace

@@ -110,9 +110,7 @@ class Fmi3Reader {
                                   *item.number<std::int64_t>("value", "a whole number of 64 bits"),
                                   item.text("description")});
     });
-    if (!types_.emplace(definition.name, result_.types.size()).second)
-      element.fail(fmt::format("the type \"{}\" is defined twice", definition.name));
-    result_.types.push_back(std::move(definition));
+    types_.add(element, std::move(definition), result_.types);
   }
 
   void read_variables() {
@@ -191,12 +189,7 @@ class Fmi3Reader {
     read_quantities(element, variable);
     variable.relative_quantity = element.flag("relativeQuantity", false);
     variable.reinit = element.flag("reinit", false);
-    if (variable.declared_type.empty()) return;
-    const auto known = types_.find(variable.declared_type);
-    if (known == types_.end())
-      element.fail(fmt::format("\"{}\" is of declared type \"{}\", which <TypeDefinitions> does not define",
-                               variable.name, variable.declared_type));
-    take_declared_type(element, result_.types[known->second], variable);
+    types_.apply(element, result_.types, variable);
   }
 
   static void read_dimensions(const Element& element, Fmi3Part& part) {
@@ -331,7 +324,7 @@ class Fmi3Reader {
   ModelDescription result_;
   std::unordered_set<std::string> names_;  // of the variables
   std::unordered_map<std::uint32_t, std::size_t> by_reference_;
-  std::unordered_map<std::string, std::size_t> types_;
+  DeclaredTypes types_;
   std::vector<std::pair<std::size_t, std::uint32_t>> derivatives_;  // index of the variable, value reference of its
                                                                     // state
 };

@@ -118,7 +118,19 @@ Value read_start(const Element& details, Type type) {
   return std::int64_t{*details.number<std::int32_t>("start", "a whole number of 32 bits")};
 }
 
-void take_declared_type(const Element& element, const TypeDefinition& type, Variable& variable) {
+void DeclaredTypes::add(const Element& element, TypeDefinition type, std::vector<TypeDefinition>& types) {
+  if (!places_.emplace(type.name, types.size()).second)
+    element.fail(fmt::format("the type \"{}\" is defined twice", type.name));
+  types.push_back(std::move(type));
+}
+
+void DeclaredTypes::apply(const Element& element, const std::vector<TypeDefinition>& types, Variable& variable) const {
+  if (variable.declared_type.empty()) return;
+  const auto known = places_.find(variable.declared_type);
+  if (known == places_.end())
+    element.fail(fmt::format("\"{}\" is of declared type \"{}\", which <TypeDefinitions> does not define",
+                             variable.name, variable.declared_type));
+  const TypeDefinition& type = types[known->second];
   if (type.type != variable.type)
     element.fail(fmt::format("\"{}\" is of type {}, but its declared type \"{}\" is of type {}", variable.name,
                              to_string(variable.type), type.name, to_string(type.type)));

@@ -16,6 +16,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -203,8 +204,18 @@ std::pair<Type, Element> type_child(const Element& variable);
 /// Reads the start value from that child; empty if there is none.
 Value read_start(const Element& details, Type type);
 
-/// Fills in attributes that the variable leaves out from its declared type. Throws Error if the types differ.
-void take_declared_type(const Element& element, const TypeDefinition& type, Variable& variable);
+/// The types of <TypeDefinitions> by name. A description may have thousands.
+class DeclaredTypes {
+ public:
+  /// Appends a type to `types`, always the same list. Throws Error if the list has one of that name.
+  void add(const Element& element, TypeDefinition type, std::vector<TypeDefinition>& types);
+  /// Fills in what a variable does not state and its declared type does; no effect if it has no declared type. Throws
+  /// Error if the type is unknown, or of another type than the variable.
+  void apply(const Element& element, const std::vector<TypeDefinition>& types, Variable& variable) const;
+
+ private:
+  std::unordered_map<std::string, std::size_t> places_;
+};
 
 ModelDescription read_fmi1(const Document& document);
 ModelDescription read_fmi2(const Document& document);
