@@ -158,6 +158,12 @@ install(FILES ${PROJECT_BINARY_DIR}/mebotsConfig.cmake ${PROJECT_BINARY_DIR}/meb
   cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/MebotsTarget.cmake cmake/fmi2.map cmake/fmi3.map
   DESTINATION ${package_dir})
 
+# find_package(mebots COMPONENTS firmware) also finds a build folder, whose bin/ is in PATH or which is in CMAKE_PREFIX_PATH.
+set(build_package ${PROJECT_BINARY_DIR}/lib/cmake/mebots)
+export(TARGETS ${programs} NAMESPACE mebots:: FILE ${build_package}/mebotsPrograms.cmake)
+configure_file(cmake/mebotsBuildConfig.cmake.in ${build_package}/mebotsConfig.cmake @ONLY)
+file(COPY_FILE ${PROJECT_BINARY_DIR}/mebotsConfigVersion.cmake ${build_package}/mebotsConfigVersion.cmake)
+
 include(MebotsManual)
 include(MebotsPackage)
 

@@ -29,6 +29,16 @@ function(mebots_find_riscv_gcc)
   set(MEBOTS_RISCV_LIBGCC ${libgcc} CACHE INTERNAL "GCC's own library for rv32im")
 endfunction()
 
+# mebots_require_picolibc()
+# Stops with the name of the package if the RISC-V compiler has no picolibc.
+function(mebots_require_picolibc)
+  execute_process(COMMAND ${MEBOTS_RISCV_GCC} --specs=picolibc.specs -E -x c /dev/null
+    OUTPUT_QUIET ERROR_QUIET RESULT_VARIABLE result)
+  if(result)
+    message(FATAL_ERROR "picolibc is missing: install Debian's picolibc-riscv64-unknown-elf, or remove C_LIBRARY")
+  endif()
+endfunction()
+
 # mebots_soc_board(<name> <board file>)
 # Target <name>_headers: board.h for the firmware and board.hpp for device models in C++, in generated/<name>.
 function(mebots_soc_board name file)
@@ -46,15 +56,16 @@ function(mebots_soc_board name file)
 endfunction()
 
 # mebots_add_firmware(<name> SOURCES <file>... [DRIVERS <name>...] [DATA <file>...] [BOARD <name of mebots_soc_board>]
-#   [NO_CLUSTER] [OPTIONS <compiler option>...] [LINKER_SCRIPT <file>])
+#   [NO_CLUSTER] [C_LIBRARY] [OPTIONS <compiler option>...] [LINKER_SCRIPT <file>])
 # Compiles C, C++ (.cpp: C++20 without exceptions, RTTI and heap) and assembler sources, links them with the runtime of fmu_soc/firmware, and makes
 # ${PROJECT_BINARY_DIR}/firmware/<name>.elf as target <name>_firmware. DRIVERS are those of fmu_soc/firmware/drivers;
 # DATA are files that assembler sources bring in. BOARD is the AI-deck when not said; NO_CLUSTER is for a board without
-# one. On a board with GAP8's own event unit, files of fmu_soc/firmware/gap8 take the places of those of the same names.
+# one. C_LIBRARY links picolibc (Debian's picolibc-riscv64-unknown-elf): printf(), malloc(), <math.h> on the fabric controller
+# (fmu_soc/firmware/runtime/c_library.c). On a board with GAP8's own event unit, files of fmu_soc/firmware/gap8 take the places of those of the same names.
 # OPTIONS come behind the usual ones, so that -Os or -O3 holds in place of -O2. LINKER_SCRIPT takes the place of the
 # runtime's (firmware/runtime/link.ld.in, whose symbols it must define); the C preprocessor fills in the board's memory map.
 function(mebots_add_firmware name)
-  cmake_parse_arguments(ARG "NO_CLUSTER" "BOARD;LINKER_SCRIPT" "SOURCES;DRIVERS;DATA;OPTIONS" ${ARGN})
+  cmake_parse_arguments(ARG "NO_CLUSTER;C_LIBRARY" "BOARD;LINKER_SCRIPT" "SOURCES;DRIVERS;DATA;OPTIONS" ${ARGN})
   mebots_find_riscv_gcc()
   get_property(root GLOBAL PROPERTY MEBOTS_ROOT)
   set(firmware_dir ${root}/fmu_soc/firmware)
@@ -83,6 +94,16 @@ function(mebots_add_firmware name)
   if(MEBOTS_WARNINGS_AS_ERRORS)
     list(APPEND options -Werror)
   endif()
+  set(of_layout)
+  set(link_with -nostdlib)
+  set(libraries ${MEBOTS_RISCV_LIBGCC})
+  if(ARG_C_LIBRARY)
+    mebots_require_picolibc()
+    list(APPEND options --specs=picolibc.specs -DWITH_C_LIBRARY)
+    set(of_layout -DWITH_C_LIBRARY)
+    set(link_with --specs=picolibc.specs -nostartfiles)
+    set(libraries)  # those of GCC and picolibc that the specs name
+  endif()
   list(APPEND options ${ARG_OPTIONS})
   set(script_source ${firmware_dir}/runtime/link.ld.in)
   if(ARG_LINKER_SCRIPT)
@@ -91,6 +112,9 @@ function(mebots_add_firmware name)
 
   # The order is that of the code in memory: another one costs other refills of the instruction cache.
   set(sources crt0.S console.c exit.c memory.c sleep.c trap.c)
+  if(ARG_C_LIBRARY)
+    list(APPEND sources c_library.c)
+  endif()
   if(NOT ARG_NO_CLUSTER)
     list(PREPEND sources cluster.c cluster_start.S)
   endif()
@@ -164,10 +188,10 @@ function(mebots_add_firmware name)
   set(elf ${out_dir}/${name}.elf)
   add_custom_command(
     OUTPUT ${elf} ${script}
-    COMMAND ${MEBOTS_RISCV_GCC} -E -P -x assembler-with-cpp -include ${board_dir}/board.h
+    COMMAND ${MEBOTS_RISCV_GCC} -E -P -x assembler-with-cpp ${of_layout} -include ${board_dir}/board.h
             ${script_source} -o ${script}
-    COMMAND ${MEBOTS_RISCV_GCC} -march=rv32imc -mabi=ilp32 -nostdlib -Wl,--gc-sections -Wl,--fatal-warnings
-            -T ${script} -Wl,-Map=${out_dir}/${name}.map ${objects} ${MEBOTS_RISCV_LIBGCC} -o ${elf}
+    COMMAND ${MEBOTS_RISCV_GCC} -march=rv32imc -mabi=ilp32 ${link_with} -Wl,--gc-sections -Wl,--fatal-warnings
+            -T ${script} -Wl,-Map=${out_dir}/${name}.map ${objects} ${libraries} -o ${elf}
     DEPENDS ${objects} ${script_source} ${ARG_BOARD}_headers ${board_file}
     COMMENT "Linking ${name}.elf"
     VERBATIM)

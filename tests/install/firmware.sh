@@ -9,3 +9,36 @@ cmake --build build --target run | tee run.log
 mebots demo --out flight --stop-time 0.1 --set soc.firmware="$PWD/build/firmware/napper.elf" | tee flight.log
 [[ $(grep -c 'awake at' flight.log) == 5 ]] || { echo "FAILED: the mission did not run this firmware"; exit 1; }
 if mebots new-firmware Napper 2>refused.log; then echo "FAILED: a name that is not a C identifier"; exit 1; fi
+
+# printf() and malloc() of picolibc, and C++: here with objects that need constructors.
+mkdir library
+cat >library/CMakeLists.txt <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(library LANGUAGES NONE)
+find_package(mebots REQUIRED COMPONENTS firmware)
+mebots_soc_board(gap8 ${MEBOTS_ROOT}/configs/boards/gap8.json)
+mebots_add_firmware(ai_deck SOURCES main.cpp C_LIBRARY)
+mebots_add_firmware(gap8 BOARD gap8 SOURCES main.cpp C_LIBRARY)
+END
+cat >library/main.cpp <<'END'
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+struct Start { double value; Start() : value(sqrt(2.0)) {} };
+static Start start;
+int main() {
+  char* text = static_cast<char*>(malloc(64));
+  sprintf(text, "root %.6f", start.value);
+  printf("%s, too large: %d\n", text, strtol("99999999999", nullptr, 10) == 2147483647 && errno == ERANGE);
+  exit(malloc(1 << 24) == nullptr ? 3 : 4);
+}
+END
+cmake -S library -B library/build -G Ninja >configure.log
+cmake --build library/build >build.log || { cat build.log; exit 1; }
+for board in ai_deck gap8; do
+  code=0
+  mebots-soc run library/build/firmware/$board.elf --board $board >library.log || code=$?
+  [[ $code == 3 ]] || { echo "FAILED: $board ended with $code, not 3"; exit 1; }
+  grep -q '^root 1.414214, too large: 1$' library.log || { cat library.log; echo "FAILED: printf on $board"; exit 1; }
+done

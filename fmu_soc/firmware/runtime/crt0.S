@@ -11,6 +11,9 @@ _start:
     la      gp, __global_pointer$
     .option pop
     la      sp, __stack_top
+#ifdef WITH_C_LIBRARY
+    la      tp, __tls_base
+#endif
     la      t0, TRAP_VECTORS
     csrw    mtvec, t0
     NO_INTERRUPT

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What picolibc needs from the chip: characters out, and the end of the program. Only for the fabric controller: the library has one
+// thread, and its heap is the rest of L2. Standard input is empty.
+#include <stdio.h>
+#include <unistd.h>
+
+#include "runtime/character.h"
+#include "runtime/exit.h"
+
+static int put(char c, FILE* stream) {
+  (void)stream;
+  put_char(c);
+  return (unsigned char)c;
+}
+
+static int get(FILE* stream) {
+  (void)stream;
+  return EOF;
+}
+
+static FILE console = FDEV_SETUP_STREAM(put, get, NULL, _FDEV_SETUP_RW);
+
+FILE* const stdin = &console;
+FILE* const stdout = &console;
+FILE* const stderr = &console;
+
+// exit() and abort() end here.
+void _exit(int code) {
+  firmware_exit(code);
+  __builtin_unreachable();
+}
