@@ -10,8 +10,10 @@
 //   behaviour nan_slope -> all derivatives of outputs are NaN
 //   kelvin_out and so on repeat their inputs (direct)
 //   behaviour: "" | callback | poll | never | late_discard  -> the step is fmi2Pending and takes pause wall seconds
+//              stale   -> like poll, but calls stepFinished for the step before when a step begins
 //              short   -> steps longer than max_step stop at t + max_step with fmi2Discard
 //              refuse  -> every step of any length is discarded
+//   COUPLING_WITHOUT_CANCEL: the library lacks fmi2CancelStep
 #include "fmi2.h"
 
 #include "frame.h"
@@ -210,7 +212,8 @@ static void* later(void* argument) {
     advance(m, m->state.reals[TIME], m->h);
   }
   m->status = status;
-  if (strcmp(behaviour, "poll") != 0) m->callbacks.stepFinished(m->callbacks.componentEnvironment, status);
+  const int calls_back = strcmp(behaviour, "poll") != 0 && strcmp(behaviour, "stale") != 0;
+  if (calls_back) m->callbacks.stepFinished(m->callbacks.componentEnvironment, status);
   return NULL;
 }
 
@@ -231,12 +234,14 @@ FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2B
     return fmi2OK;
   }
   m->state.reals[TIME] = t;
+  if (strcmp(behaviour, "stale") == 0) m->callbacks.stepFinished(m->callbacks.componentEnvironment, fmi2OK);
   m->status = fmi2Pending;
   m->running = 1;
   pthread_create(&m->thread, NULL, later, m);
   return fmi2Pending;
 }
 
+#ifndef COUPLING_WITHOUT_CANCEL
 FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component c) {
   Model* m = c;
   m->cancelled = 1;
@@ -244,6 +249,7 @@ FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component c) {
   m->state.integers[CANCELLED] += 1;
   return fmi2OK;
 }
+#endif
 
 FMI2_EXPORT fmi2Status fmi2GetStatus(fmi2Component c, fmi2StatusKind kind, fmi2Status* value) {
   if (kind != fmi2DoStepStatus) return fmi2Discard;

@@ -5,9 +5,13 @@
 //   drain = -rate, unsteps = -steps, and not_full is the opposite of full: negated aliases
 //   offset_seen is the number that the FMU was given for `offset`, whose negated alias is minus_offset
 //   start, stop and has_stop are the arguments of fmiInitializeSlave, location that of fmiInstantiateSlave
-//   behaviour: "discard" ends at 0.5 s, "pending" finishes its steps later, "fatal" fails at 0.5 s, "wordy" logs
+//   behaviour: "discard" ends at 0.5 s, "pending" finishes its steps later, "fatal" fails at 0.5 s, "wordy" logs,
+//     "callback" reports the end of its steps from a thread; so does "unknown_callback", with an unknown component
+//   TANK1_WITHOUT_STATUS: the library lacks fmiGetStatus and fmiCancelStep
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define EXPORT __attribute__((visibility("default")))
 
@@ -34,6 +38,8 @@ typedef struct {
   char* name;
   Callbacks callbacks;
   int asked;  // number of status queries for a pending step
+  pthread_t thread;
+  int running;
 } Tank;
 
 static char* copy(const char* text) {
@@ -44,6 +50,18 @@ static char* copy(const char* text) {
 
 static int behaves(const Tank* m, const char* word) {
   return strcmp(m->strings[BEHAVIOUR], word) == 0;
+}
+
+static void* finish_later(void* argument) {
+  Tank* m = argument;
+  usleep(1000);
+  m->callbacks.step_finished(behaves(m, "callback") ? m : NULL, OK);
+  return NULL;
+}
+
+static void join(Tank* m) {
+  if (m->running) pthread_join(m->thread, NULL);
+  m->running = 0;
 }
 
 static void compute(Tank* m) {
@@ -77,6 +95,7 @@ EXPORT void* tank1_fmiInstantiateSlave(const char* name, const char* guid, const
 
 EXPORT void tank1_fmiFreeSlaveInstance(void* instance) {
   Tank* m = instance;
+  join(m);
   free(m->strings[BEHAVIOUR]);
   free(m->strings[LOCATION]);
   free(m->name);
@@ -111,6 +130,7 @@ EXPORT int tank1_fmiResetSlave(void* instance) {
 
 EXPORT int tank1_fmiDoStep(void* instance, double time, double step, char new_step) {
   Tank* m = instance;
+  join(m);
   if (!new_step) return ERROR;
   if (time + step / 2 > 0.5 && behaves(m, "discard")) return DISCARD;
   if (time + step / 2 > 0.5 && behaves(m, "fatal")) return FATAL;
@@ -118,9 +138,15 @@ EXPORT int tank1_fmiDoStep(void* instance, double time, double step, char new_st
   ++m->integers[STEPS];
   compute(m);
   m->asked = 0;
+  if (behaves(m, "callback") || behaves(m, "unknown_callback")) {
+    m->running = 1;
+    pthread_create(&m->thread, NULL, finish_later, m);
+    return PENDING;
+  }
   return behaves(m, "pending") ? PENDING : OK;
 }
 
+#ifndef TANK1_WITHOUT_STATUS
 EXPORT int tank1_fmiCancelStep(void* instance) {
   (void)instance;
   return OK;
@@ -130,6 +156,7 @@ EXPORT int tank1_fmiGetStatus(void* instance, int kind, int* value) {
   *value = ++((Tank*)instance)->asked < 3 ? PENDING : OK;
   return OK;
 }
+#endif
 EXPORT int tank1_fmiGetRealStatus(void* instance, int kind, double* value) {
   (void)instance, (void)kind;
   *value = 0.5;

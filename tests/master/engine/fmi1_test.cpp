@@ -77,14 +77,41 @@ TEST(Fmi1, WaitsForPendingSteps) {
   EXPECT_EQ(run.column("a.level").back(), 0.75);
 }
 
+std::string without_status(const std::string& name, const std::string& behaviour) {
+  return fmt::format(R"("{}": {{"fmu": "{}", "parameters": {{"behaviour": "{}"}}}})", name, TANK1_WITHOUT_STATUS_FMU,
+                     behaviour);
+}
+
+TEST(Fmi1, WaitsForTheCallbackOfEachInstance) {
+  TestRun run(tanks(without_status("a", "callback") + ", " + without_status("b", "callback")));
+  run.to_end();
+  EXPECT_EQ(run.column("a.steps").back(), 8);
+  EXPECT_EQ(run.column("b.steps").back(), 8);
+}
+
+TEST(Fmi1, TakesACallbackWithAnUnknownComponentIfThereIsOneInstance) {
+  TestRun run(tanks(without_status("a", "unknown_callback")));
+  run.to_end();
+  EXPECT_EQ(run.column("a.steps").back(), 8);
+}
+
+TEST(Fmi1, RefusesACallbackWithAnUnknownComponentIfThereAreSeveralInstances) {
+  EXPECT_THAT([] { TestRun(tanks(without_status("a", "unknown_callback") + ", " + tank("b"))).to_end(); },
+              testing::ThrowsMessage<Error>(
+                  AllOf(HasSubstr("'a'"), HasSubstr("unknown instance"), HasSubstr("\"process\": \"own\""))));
+}
+
 TEST(Fmi1, ReportsHowFarADiscardedStepCame) {
-  EXPECT_THAT([] { TestRun(tanks(tank("a", R"("behaviour": "discard")"))).to_end(); },
-              testing::ThrowsMessage<Error>(AllOf(HasSubstr("'a'"), HasSubstr("0.5 s"))));
+  EXPECT_THAT(
+      [] { TestRun(tanks(tank("a", R"("behaviour": "discard")"))).to_end(); },
+      testing::ThrowsMessage<Error>(
+          AllOf(HasSubstr("'a'"), HasSubstr("fmiDoStep discarded a step of 0.125 s (fmiDiscard) after reaching 0.5 s"),
+                testing::Not(HasSubstr("on_discard")))));
 }
 
 TEST(Fmi1, NamesAFatalStatus) {
   EXPECT_THAT([] { TestRun(tanks(tank("a", R"("behaviour": "fatal")"))).to_end(); },
-              testing::ThrowsMessage<Error>(AllOf(HasSubstr("'a'"), HasSubstr("fmiDoStep answered fmiFatal"))));
+              testing::ThrowsMessage<Error>(AllOf(HasSubstr("'a'"), HasSubstr("fmiDoStep returned fmiFatal"))));
 }
 
 TEST(Fmi1, PassesMessagesOn) {
@@ -113,7 +140,7 @@ TEST(Fmi1, SaysThatItHasNoStates) {
 TEST(Fmi1, RefusesModelExchangeByName) {
   const test::ChangedFmu fmu("tank1", R"(<Implementation>
     <CoSimulation_StandAlone>
-      <Capabilities canHandleVariableCommunicationStepSize="true"/>
+      <Capabilities canHandleVariableCommunicationStepSize="true" canRunAsynchronuously="true"/>
     </CoSimulation_StandAlone>
   </Implementation>)",
                              "");

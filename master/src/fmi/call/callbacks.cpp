@@ -22,6 +22,7 @@ constinit thread_local CurrentCallback callback{};        // the callback from t
 constinit thread_local CurrentCall of_library{};          // the library call on this thread, outside of calls to
                                                           // instances
 constinit std::atomic<bool> callbacks_ignored{false};
+constinit std::atomic<std::uint64_t> dropped_ends{0};  // calls of stepFinished that belong to no instance
 
 class InCallback {
  public:
@@ -45,29 +46,43 @@ Registry& registry() {
   return all;
 }
 
+/// Returns the target that satisfies the predicate; null if there is none, or more than one.
+template <typename Predicate>
+CallbackTarget* find_only(const std::unordered_set<CallbackTarget*>& targets, Predicate predicate) {
+  const auto found = std::ranges::find_if(targets, predicate);
+  if (found == targets.end() || std::find_if(std::next(found), targets.end(), predicate) != targets.end())
+    return nullptr;
+  return *found;
+}
+
 /// Compares the FMU's pointer with known targets and never dereferences it.
 CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const void* environment,
                      const std::optional<std::string>& name) {
   const auto by_address = targets.find(static_cast<CallbackTarget*>(const_cast<void*>(environment)));
   if (by_address != targets.end()) return *by_address;
+  const auto has_component = [&](const CallbackTarget* target) { return target->component() == environment; };
+  if (environment != nullptr) {
+    if (auto* found = find_only(targets, has_component)) return found;
+  }
+  const auto has_name = [&](const CallbackTarget* target) { return target->instance_name() == *name; };
   if (name) {
-    const auto named = [&](const CallbackTarget* target) { return target->instance_name() == *name; };
-    const auto by_name = std::ranges::find_if(targets, named);
-    if (by_name != targets.end() && std::find_if(std::next(by_name), targets.end(), named) == targets.end())
-      return *by_name;
+    if (auto* found = find_only(targets, has_name)) return found;
   }
   return targets.size() == 1 ? *targets.begin() : nullptr;
 }
 
+/// Returns false if the callback belongs to no instance.
 template <typename Work>
-void with_target(const void* environment, const std::optional<std::string>& name, Work work) {
+bool with_target(const void* environment, const std::optional<std::string>& name, Work work) {
   if (current != nullptr) {
     work(current->target(), true);
-    return;
+    return true;
   }
   auto& all = registry();
   const std::lock_guard lock(all.mutex);  // keeps the target alive during the call
-  if (auto* target = find(all.targets, environment, name)) work(*target, false);
+  auto* target = find(all.targets, environment, name);
+  if (target != nullptr) work(*target, false);
+  return target != nullptr;
 }
 
 std::optional<std::string> clean_text(const char* address) {
@@ -160,15 +175,17 @@ void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3Str
 void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
   const InCallback here({"stepFinished", false});
   try {
-    with_target(environment, std::nullopt,
-                [&](CallbackTarget& target, bool /*in_call*/) { target.listener().step_finished(status); });
+    const bool is_known = with_target(environment, std::nullopt, [&](CallbackTarget& target, bool /*in_call*/) {
+      target.listener().step_finished(status);
+    });
+    if (!is_known) ++dropped_ends;
   } catch (...) {  // NOLINT(bugprone-empty-catch): the master asks fmi2GetStatus too
   }
 }
 
-/// Works as log_fmi1(), but has no name: if there are several instances, fmiGetStatus reports the end.
-void step_finished_fmi1(fmiComponent /*component*/, fmiStatus status) {
-  step_finished(nullptr, static_cast<fmi2Status>(status));
+/// FMI 1.0 has no environment: the component identifies the instance.
+void step_finished_fmi1(fmiComponent component, fmiStatus status) {
+  step_finished(component, static_cast<fmi2Status>(status));
 }
 
 void* allocate_memory(std::size_t count, std::size_t size) {
@@ -196,12 +213,21 @@ CallbackTarget::~CallbackTarget() {
   all.targets.erase(this);
 }
 
+void CallbackTarget::set_component(const void* component) {
+  const std::lock_guard lock(registry().mutex);
+  component_ = component;
+}
+
 fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
   return {&log, &allocate_memory, &free_memory, asynchronous ? &step_finished : nullptr, this};
 }
 
 fmiCallbackFunctions CallbackTarget::fmi1_functions(bool asynchronous) {
   return {&log_fmi1, &allocate_memory, &free_memory, asynchronous ? &step_finished_fmi1 : nullptr};
+}
+
+std::uint64_t CallbackTarget::dropped_step_ends() {
+  return dropped_ends;
 }
 
 Fmi3Callbacks CallbackTarget::fmi3_callbacks() {

@@ -41,8 +41,8 @@ struct Fmi3Callbacks {
 };
 
 /// Registers a listener for callbacks during its lifetime. A callback belongs to the instance whose call this thread is
-/// in. On a thread of the FMU, it belongs to the instance with the passed environment, else to the one with the passed
-/// name, else to the only instance if there is just one. Other callbacks are dropped.
+/// in. On a thread of the FMU, it belongs to the instance with the passed environment (FMI 1.0: component), else to the
+/// one with the passed name, else to the only instance if there is just one. Other callbacks are dropped.
 class CallbackTarget {
  public:
   /// `listener` must outlive this object.
@@ -56,15 +56,24 @@ class CallbackTarget {
   static fmiCallbackFunctions fmi1_functions(bool asynchronous);
   /// For fmi2Instantiate; must not be used after this object is destroyed.
   fmi2CallbackFunctions functions(bool asynchronous);
+  /// Returns how often an FMU of this process called stepFinished for no known instance.
+  static std::uint64_t dropped_step_ends();
   /// For fmi3Instantiate...; must not be used after this object is destroyed.
   Fmi3Callbacks fmi3_callbacks();
 
+  /// Sets what the FMU's instantiating function returned. Callbacks of FMI 1.0 pass it, because they have no
+  /// environment.
+  void set_component(const void* component);
+
   CallbackListener& listener() const { return *listener_; }
   const std::string& instance_name() const { return instance_name_; }
+  /// Requires the registry's mutex.
+  const void* component() const { return component_; }
 
  private:
   CallbackListener* listener_;
   std::string instance_name_;
+  const void* component_ = nullptr;
 };
 
 /// A call to an FMU. The texts are valid during the call.

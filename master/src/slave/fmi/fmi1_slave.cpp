@@ -32,7 +32,8 @@ Fmi1Slave::Fmi1Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std
     : functions_(&fmu->functions<Fmi1Functions>()),
       callbacks_(CallbackTarget::fmi1_functions(fmu->description().co_simulation->can_run_asynchronuously)),
       negated_(fmu->description()),
-      calls_(std::move(name), std::move(fmu), std::move(log_categories), messages, grid, fmi1::status_name) {
+      calls_(std::move(name), std::move(fmu), std::move(log_categories), messages, grid, fmi1::status_name),
+      steps_(calls_, pending_, *functions_, callbacks_.stepFinished != nullptr) {
   calls_.on_step_finished([this](int status) { pending_.finished(status); });
   calls_.instantiate("fmiInstantiateSlave", [this] { return instantiate(); });
 }
@@ -49,9 +50,8 @@ Fmi1Slave::~Fmi1Slave() {
 
 std::optional<std::string> Fmi1Slave::free_instance() {
   return calls_.free_instance("fmiFreeSlaveInstance", [&] {
-    if (pending_.is_under_way() && functions_->cancel_step != nullptr)
-      calls_.call("fmiCancelStep", functions_->cancel_step);
-    calls_.call("fmiFreeSlaveInstance", functions_->free_slave_instance);
+    steps_.end();
+    if (calls_.usable()) calls_.call("fmiFreeSlaveInstance", functions_->free_slave_instance);
   });
 }
 
@@ -118,54 +118,11 @@ bool Fmi1Slave::keep(std::map<ValueReference, Value>& kept, std::span<const Valu
 }
 
 StepResult Fmi1Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
-  calls_.set_time_ns(start_ns);
-  step_end_ns_ = start_ns + duration_ns;
-  if (callbacks_.stepFinished != nullptr) pending_.begin();
-  const int status = calls_.watched_step("fmiDoStep", [&]() -> int {
-    return calls_.call("fmiDoStep", functions_->do_step, calls_.grid().time_s(start_ns),
-                       calls_.grid().length_s(start_ns, step_end_ns_), fmiTrue);
-  });
-  if (status != fmiPending) return step_ended(status);
-  if (functions_->get_status == nullptr && callbacks_.stepFinished == nullptr)
-    calls_.fail("fmiDoStep", "answered fmiPending, but the FMU has no fmiGetStatus to ask when the step is over");
-  return pending_.continues();
-}
-
-int Fmi1Slave::step_status() {
-  if (functions_->get_status == nullptr) return fmiPending;
-  fmiStatus status = fmiPending;
-  const int answer = calls_.call("fmiGetStatus", functions_->get_status, fmiDoStepStatus, &status);
-  if (answer == fmiError || answer == fmiFatal) calls_.check(answer, "fmiGetStatus");
-  return answer == fmiOK ? status : fmiPending;
-}
-
-StepResult Fmi1Slave::finish_step(const std::atomic<bool>& cancel) {
-  if (!pending_.is_under_way()) return Slave::finish_step(cancel);
-  const int status = pending_.wait(cancel, [this] { return step_status(); });
-  if (status != fmiPending) return step_ended(status);
-  if (functions_->cancel_step != nullptr) calls_.require("fmiCancelStep", functions_->cancel_step);
-  return PendingStep::cancelled();
-}
-
-StepResult Fmi1Slave::step_ended(int status) {
-  if (status != fmiDiscard) {
-    calls_.check(status, "fmiDoStep");
-    calls_.set_time_ns(step_end_ns_);  // of later messages
-    return {};
-  }
-  calls_.deliver_held();
-  StepResult result;
-  result.done = false;
-  fmiReal last_successful_s = 0;
-  if (functions_->get_real_status != nullptr && calls_.call("fmiGetRealStatus", functions_->get_real_status,
-                                                            fmiLastSuccessfulTime, &last_successful_s) == fmiOK) {
-    result.last_successful_s = last_successful_s;
-  }
-  result.messages = calls_.last_messages();
-  return result;
+  return steps_.step(start_ns, duration_ns, fmiTrue);
 }
 
 void Fmi1Slave::terminate() {
+  if (!calls_.usable()) return;  // its step could not be cancelled
   calls_.watched("fmiTerminateSlave", [&] { calls_.require("fmiTerminateSlave", functions_->terminate_slave); });
 }
 

@@ -5,6 +5,7 @@
 #include "slave/fmi/instance_calls.hpp"
 #include "slave/fmi/negated_values.hpp"
 #include "slave/fmi/pending_step.hpp"
+#include "slave/fmi/step_calls.hpp"
 #include "slave/slave.hpp"
 
 #include <atomic>
@@ -35,7 +36,9 @@ class Fmi1Slave final : public Slave {
   void enter_initialization() override;
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
-  StepResult finish_step(const std::atomic<bool>& cancel) override;
+  StepResult finish_step(const std::atomic<bool>& cancel) override {
+    return steps_.is_under_way() ? steps_.finish(cancel) : Slave::finish_step(cancel);
+  }
   void terminate() override;
   std::optional<std::string> free_instance() override;
 
@@ -81,8 +84,6 @@ class Fmi1Slave final : public Slave {
             std::span<const Value> values, Get get);
   template <typename Value, typename Function>
   Value present(const char* name, Function* function, ValueReference reference);
-  StepResult step_ended(int status);
-  int step_status();
 
   const Fmi1Functions* functions_;
   fmiCallbackFunctions callbacks_{};
@@ -90,7 +91,6 @@ class Fmi1Slave final : public Slave {
   Phase phase_ = Phase::instantiated;
   StartValues start_;
   bool is_stale_ = false;  // start_ has values with which the FMU was not initialised
-  std::int64_t step_end_ns_ = 0;
   NegatedValues negated_;
 
   // Buffers of the current call.
@@ -101,6 +101,7 @@ class Fmi1Slave final : public Slave {
 
   PendingStep pending_;
   InstanceCalls calls_;  // after all members that callbacks use
+  StepCalls<Fmi1StepTypes> steps_;
 };
 
 }  // namespace mebots::master

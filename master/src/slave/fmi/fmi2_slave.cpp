@@ -26,17 +26,22 @@ std::string_view fmi2_status_name(int status) {
   return fmi2::status_name(static_cast<fmi2Status>(status));
 }
 
+bool runs_asynchronously(const modeldesc::ModelDescription& description, FmuKind kind) {
+  return kind == FmuKind::co_simulation && description.co_simulation->can_run_asynchronuously;
+}
+
 }  // namespace
 
 Fmi2Slave::Fmi2Slave(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
                      MessageSink& messages, const TimeGrid& grid)
     : functions_(&fmu->functions<Fmi2Functions>()),
       calls_(std::move(name), std::move(fmu), std::move(log_categories), messages, grid, fmi2_status_name),
+      steps_(calls_, pending_, *functions_, runs_asynchronously(calls_.description(), kind)),
       states_(calls_, *functions_, kFmi2StateNames,
               implementation_of(calls_.description(), kind)->can_get_and_set_fmu_state,
               implementation_of(calls_.description(), kind)->can_serialize_fmu_state) {
   const bool is_stepped = kind == FmuKind::co_simulation;
-  callbacks_ = calls_.target().functions(is_stepped && description().co_simulation->can_run_asynchronuously);
+  callbacks_ = calls_.target().functions(runs_asynchronously(description(), kind));
   calls_.on_step_finished([this](int status) { pending_.finished(status); });
   // Switches logging on from the start: many FMUs otherwise log nothing if instantiation fails.
   calls_.instantiate("fmi2Instantiate", [&] {
@@ -55,18 +60,18 @@ Fmi2Slave::~Fmi2Slave() {
 
 std::optional<std::string> Fmi2Slave::free_instance() {
   return calls_.free_instance("fmi2FreeInstance", [&] {
-    if (pending_.is_under_way() && functions_->cancel_step != nullptr)
-      calls_.call("fmi2CancelStep", functions_->cancel_step);
-    calls_.call("fmi2FreeInstance", functions_->free_instance);
+    steps_.end();
+    if (calls_.usable()) calls_.call("fmi2FreeInstance", functions_->free_instance);
   });
 }
 
 void Fmi2Slave::setup_experiment(const Experiment& experiment) {
   calls_.set_time_ns(experiment.start_ns);
-  const auto& [start_ns, stop_ns, tolerance] = experiment;
+  const auto& stop_ns = experiment.stop_ns;
+  const auto& tolerance = experiment.tolerance;
   calls_.watched("fmi2SetupExperiment", [&] {
     calls_.require("fmi2SetupExperiment", functions_->setup_experiment, tolerance ? fmi2True : fmi2False,
-                   tolerance.value_or(0), to_seconds(start_ns), stop_ns ? fmi2True : fmi2False,
+                   tolerance.value_or(0), to_seconds(experiment.start_ns), stop_ns ? fmi2True : fmi2False,
                    calls_.grid().time_s(stop_ns.value_or(0)));
   });
 }
@@ -82,61 +87,11 @@ void Fmi2Slave::exit_initialization() {
 }
 
 StepResult Fmi2Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
-  calls_.set_time_ns(start_ns);
-  step_end_ns_ = start_ns + duration_ns;
-  if (callbacks_.stepFinished != nullptr) pending_.begin();
-  const bool never_back = states_.promise_at(start_ns);
-  const int status = calls_.watched_step("fmi2DoStep", [&]() -> int {
-    return calls_.call("fmi2DoStep", functions_->do_step, calls_.grid().time_s(start_ns),
-                       calls_.grid().length_s(start_ns, step_end_ns_), never_back ? fmi2True : fmi2False);
-  });
-  if (status != fmi2Pending) return step_ended(status);
-  if (functions_->get_status == nullptr && callbacks_.stepFinished == nullptr) {
-    calls_.fail("fmi2DoStep", "answered fmi2Pending, but the FMU has no fmi2GetStatus to ask when the step is over");
-  }
-  return pending_.continues();
-}
-
-int Fmi2Slave::step_status() {
-  if (functions_->get_status == nullptr) return fmi2Pending;
-  fmi2Status status = fmi2Pending;
-  const int answer = calls_.call("fmi2GetStatus", functions_->get_status, fmi2DoStepStatus, &status);
-  if (answer == fmi2Error || answer == fmi2Fatal) calls_.check(answer, "fmi2GetStatus");
-  return answer == fmi2OK ? status : fmi2Pending;
-}
-
-StepResult Fmi2Slave::finish_step(const std::atomic<bool>& cancel) {
-  if (!pending_.is_under_way()) return Slave::finish_step(cancel);
-  const int status = pending_.wait(cancel, [this] { return step_status(); });
-  if (status != fmi2Pending) return step_ended(status);
-  if (functions_->cancel_step != nullptr) calls_.require("fmi2CancelStep", functions_->cancel_step);
-  return PendingStep::cancelled();
-}
-
-StepResult Fmi2Slave::step_ended(int status) {
-  if (status != fmi2Discard) {
-    calls_.check(status, "fmi2DoStep");
-    calls_.set_time_ns(step_end_ns_);  // of later messages
-    return {};
-  }
-  calls_.deliver_held();
-  StepResult result;
-  result.done = false;
-  fmi2Boolean terminated = fmi2False;
-  if (functions_->get_boolean_status != nullptr &&
-      calls_.call("fmi2GetBooleanStatus", functions_->get_boolean_status, fmi2Terminated, &terminated) == fmi2OK) {
-    result.terminated = terminated != fmi2False;
-  }
-  fmi2Real last_successful_s = 0;
-  if (functions_->get_real_status != nullptr && calls_.call("fmi2GetRealStatus", functions_->get_real_status,
-                                                            fmi2LastSuccessfulTime, &last_successful_s) == fmi2OK) {
-    result.last_successful_s = last_successful_s;
-  }
-  result.messages = calls_.last_messages();
-  return result;
+  return steps_.step(start_ns, duration_ns, states_.promise_at(start_ns) ? fmi2True : fmi2False);
 }
 
 void Fmi2Slave::terminate() {
+  if (!calls_.usable()) return;  // its step could not be cancelled
   calls_.watched("fmi2Terminate", [&] { calls_.require("fmi2Terminate", functions_->terminate); });
 }
 

@@ -5,6 +5,7 @@
 #include "slave/fmi/fmu_states.hpp"
 #include "slave/fmi/instance_calls.hpp"
 #include "slave/fmi/pending_step.hpp"
+#include "slave/fmi/step_calls.hpp"
 #include "slave/slave.hpp"
 
 #include <atomic>
@@ -33,7 +34,9 @@ class Fmi2Slave : public Slave {
   void enter_initialization() override;
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
-  StepResult finish_step(const std::atomic<bool>& cancel) override;
+  StepResult finish_step(const std::atomic<bool>& cancel) override {
+    return steps_.is_under_way() ? steps_.finish(cancel) : Slave::finish_step(cancel);
+  }
   void terminate() override;
   std::optional<std::string> free_instance() override;
 
@@ -69,19 +72,17 @@ class Fmi2Slave : public Slave {
   FmuStates<Fmi2Functions>& states() { return states_; }
 
  private:
-  StepResult step_ended(int status);
-  int step_status();
   std::span<const std::int32_t> narrowed(std::span<const std::int64_t> values);
 
   const Fmi2Functions* functions_;
   fmi2CallbackFunctions callbacks_{};
-  std::int64_t step_end_ns_ = 0;
   std::vector<const char*> texts_;
   std::vector<std::int32_t> numbers_;  // of the current call
 
   PendingStep pending_;
 
   InstanceCalls calls_;  // after all members that callbacks use
+  StepCalls<Fmi2StepTypes> steps_;
   FmuStates<Fmi2Functions> states_;
 };
 

@@ -84,11 +84,12 @@ void Fmi3Instance::configure(const modeldesc::StructuralValues& structural) {
 }
 
 void Fmi3Instance::enter_initialization() {
-  const auto& [start_ns, stop_ns, tolerance] = experiment_;
-  calls_.set_time_ns(start_ns);
+  const auto& stop_ns = experiment_.stop_ns;
+  const auto& tolerance = experiment_.tolerance;
+  calls_.set_time_ns(experiment_.start_ns);
   calls_.watched("fmi3EnterInitializationMode", [&] {
     calls_.require("fmi3EnterInitializationMode", functions_->enter_initialization_mode, tolerance.has_value(),
-                   tolerance.value_or(0), calls_.grid().time_s(start_ns), stop_ns.has_value(),
+                   tolerance.value_or(0), calls_.grid().time_s(experiment_.start_ns), stop_ns.has_value(),
                    calls_.grid().time_s(stop_ns.value_or(0)));
   });
 }

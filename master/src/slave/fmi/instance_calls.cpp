@@ -63,6 +63,7 @@ void InstanceCalls::instantiate(const char* function, const std::function<void*(
 void InstanceCalls::instantiate_again(const char* function, const std::function<void*()>& make) {
   watched(function, [&] { instance_ = in_scope(function, [&] { return make(); }); });
   if (instance_ == nullptr) fail(function, "returned no instance");
+  target_.set_component(instance_);
 }
 
 /// A crash here ends the whole process.
@@ -95,16 +96,17 @@ void InstanceCalls::leave_by_exception(const char* name, const ForeignException&
 
 void InstanceCalls::report_floats(const FloatEnvironment& found, const char* where) {
   if (!fmu_->claim_float_report()) return;
-  const auto text =
-      fmt::format("the FMU {} changed how its thread computes, in {}: {}; this holds for calls to the instance only",
-                  fmu_->archive().filename().string(), where, difference_text(found, floats_));
+  const auto text = fmt::format(
+      "the FMU {} changed the floating-point environment of its thread in {}: {}; the change applies to calls of the "
+      "instance only",
+      fmu_->archive().filename().string(), where, difference_text(found, floats_));
   sink_->message({name_, Severity::warning, "notice", text, time_ns_});
 }
 
 void InstanceCalls::report_process_changes(const std::vector<std::string>& changes, const char* where) {
   if (changes.empty()) return;
-  const auto text = fmt::format("the FMU {} changed the process for all, in {}: {}",
-                                fmu_->archive().filename().string(), where, fmt::join(changes, "; "));
+  const auto text = fmt::format("the FMU {} changed the whole process in {}: {}", fmu_->archive().filename().string(),
+                                where, fmt::join(changes, "; "));
   sink_->message({name_, Severity::warning, "notice", text, time_ns_});
 }
 
@@ -199,7 +201,7 @@ void InstanceCalls::copy_texts(const char* function, std::span<const std::uint32
   for (std::size_t i = 0; i < addresses.size(); ++i) {
     const auto text = read_text(addresses[i], std::numeric_limits<std::size_t>::max());
     if (!text && addresses[i] != nullptr) {
-      fail(function, fmt::format("gave the address {} for the text of {}, and nothing can be read there",
+      fail(function, fmt::format("returned the address {} for the text of {}, and this memory cannot be read",
                                  fmt::ptr(addresses[i]), string_name(references[i])));
     }
     values[i] = text.value_or("");
@@ -222,7 +224,7 @@ void InstanceCalls::deliver_all_but(std::size_t last) {
 
 std::string InstanceCalls::last_messages() const {
   if (last_messages_.empty()) return "The FMU logged nothing about it.";
-  return fmt::format("The FMU said: {}", fmt::join(last_messages_, "; "));
+  return fmt::format("The FMU logged: {}", fmt::join(last_messages_, "; "));
 }
 
 void InstanceCalls::fail(const char* function, std::string_view what) {
@@ -245,7 +247,7 @@ void InstanceCalls::check(int status, const char* function) {
     unusable_ = true;
     fmu_->set_corrupted();  // by the standard, this applies to all instances of the FMU
   }
-  fail(function, fmt::format("answered {}", status_name_(status)));
+  fail(function, fmt::format("returned {}", status_name_(status)));
 }
 
 }  // namespace mebots::master

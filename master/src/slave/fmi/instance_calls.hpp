@@ -53,6 +53,10 @@ class InstanceCalls final : public CallbackListener {
   /// Returns the environment for the FMU's callbacks.
   CallbackTarget& target() { return target_; }
   bool usable() const { return !unusable_; }
+  /// Makes no further call to the instance, not even to free it.
+  void abandon() { unusable_ = true; }
+  /// Returns the standard's name of a status.
+  std::string_view name_of_status(int status) const { return status_name_(status); }
 
   /// Returns the time of messages and errors.
   std::int64_t time_ns() const { return time_ns_; }
@@ -137,7 +141,7 @@ class InstanceCalls final : public CallbackListener {
   StatusName status_name_;
   void* instance_ = nullptr;
   std::int64_t time_ns_ = 0;
-  bool unusable_ = false;    // after a fatal status no call is allowed, not even to free it
+  bool unusable_ = false;    // no call is allowed, not even to free it: after a fatal status, or a step that continues
   bool is_watched_ = false;  // changes of the process by its calls are reported and reverted
   bool freed_ = false;
   std::int64_t steps_ = 0;         // number of steps so far

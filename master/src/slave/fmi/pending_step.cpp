@@ -4,28 +4,13 @@
 #include "slave/fmi/instance_calls.hpp"
 
 #include <algorithm>
-#include <chrono>
+#include <utility>
 
 namespace mebots::master {
 
 void PendingStep::begin() {
   const std::lock_guard lock(mutex_);
   status_.reset();
-}
-
-StepResult PendingStep::continues() {
-  is_under_way_ = true;
-  StepResult result;
-  result.done = false;
-  result.pending = true;
-  return result;
-}
-
-StepResult PendingStep::cancelled() {
-  StepResult result;
-  result.done = false;
-  result.cancelled = true;
-  return result;
 }
 
 void PendingStep::finished(int status) {
@@ -36,23 +21,21 @@ void PendingStep::finished(int status) {
   over_.notify_all();
 }
 
-int PendingStep::wait(const std::atomic<bool>& cancel, const std::function<int()>& ask) {
-  const int status = wait_for_status(cancel, ask);
-  is_under_way_ = false;
-  return status;
-}
-
-int PendingStep::wait_for_status(const std::atomic<bool>& cancel, const std::function<int()>& ask) {
+int PendingStep::wait(const std::atomic<bool>& cancel, const std::function<std::optional<int>()>& status_of_fmu,
+                      Clock::time_point until) {
   constexpr std::chrono::microseconds kLongestPause{2000};
   std::chrono::microseconds pause{20};
-  while (!cancel.load(std::memory_order_relaxed)) {
+  std::optional<int> called_back;
+  while (!cancel.load(std::memory_order_relaxed) && Clock::now() < until) {
     {
       std::unique_lock lock(mutex_);
-      if (over_.wait_for(lock, pause, [this] { return status_.has_value(); })) return *status_;
+      over_.wait_for(lock, pause, [this] { return status_.has_value(); });
+      if (const auto status = std::exchange(status_, std::nullopt)) called_back = status;
     }
     pause = std::min(2 * pause, kLongestPause);
-    const int status = ask();
-    if (status != InstanceCalls::kPending) return status;
+    const auto queried = status_of_fmu();
+    if (queried.value_or(InstanceCalls::kPending) != InstanceCalls::kPending) return *queried;
+    if (!queried && called_back) return *called_back;
   }
   return InstanceCalls::kPending;
 }

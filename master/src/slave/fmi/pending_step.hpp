@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "slave/slave.hpp"
-
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
@@ -15,23 +14,19 @@ namespace mebots::master {
 /// the callback stepFinished, by GetStatus, or by both.
 class PendingStep {
  public:
+  using Clock = std::chrono::steady_clock;
+
   /// Resets the state. Call it before DoStep, because the callback may precede its return.
   void begin();
-  /// Notes that the step continues, and returns the result of Slave::step().
-  StepResult continues();
-  bool is_under_way() const { return is_under_way_; }
-  /// The callback. From any thread.
+  /// The callback stepFinished. From any thread.
   void finished(int status);
-  /// Waits for the end of the step and returns its status; fmiPending if `cancel` becomes true first. Queries the
-  /// status by `ask`, every 20 us at first and every 2 ms later.
-  int wait(const std::atomic<bool>& cancel, const std::function<int()>& ask);
-  /// Returns the result of Slave::finish_step() for a cancelled step.
-  static StepResult cancelled();
+  /// Waits for the end of the step and returns its status; fmiPending if `cancel` becomes true, or `until` is reached.
+  /// Queries the FMU by `status_of_fmu`, every 20 us at first and every 2 ms later. The query decides: a callback that
+  /// arrives late belongs to an earlier step. The callback decides only if the query returns nothing.
+  int wait(const std::atomic<bool>& cancel, const std::function<std::optional<int>()>& status_of_fmu,
+           Clock::time_point until = Clock::time_point::max());
 
  private:
-  int wait_for_status(const std::atomic<bool>& cancel, const std::function<int()>& ask);
-
-  bool is_under_way_ = false;
   std::mutex mutex_;
   std::condition_variable over_;
   std::optional<int> status_;
