@@ -28,7 +28,8 @@ double tolerance_of(const ResolvedSystem& system, const std::vector<std::size_t>
   return smallest.value_or(kUsualTolerance);
 }
 
-/// Returns the inputs on which an output depends directly, according to ModelStructure; empty if it may be all.
+/// Returns the inputs on which an output depends directly, according to ModelStructure; nullopt if it may be
+/// all of them.
 std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::ModelDescription& model,
                                                            const modeldesc::Variable& output) {
   const auto index = static_cast<std::size_t>(&output - model.variables.data());

@@ -121,7 +121,7 @@ Ensemble::Ensemble(const ResolvedSystem& system, MessageSink& messages, const Sl
   reserve_descriptors(system);
   ProcessWatch watch(system, messages);
   auto slaves = as_input([&] { return make_slaves(system, messages, options); });
-  watch.look("in fmi2Instantiate", system.description->start_time_ns);
+  watch.look("while instances were created", system.description->start_time_ns);
   for (std::size_t i = 0; i < slaves.size(); ++i) {
     Member member;
     member.slave = std::move(slaves[i]);
@@ -217,17 +217,18 @@ void Ensemble::connect_binary(const ResolvedConnection& connection) {
 }
 
 void Ensemble::convert_binaries(Member& member) const {
-  for (const auto& [parts, slot] : member.bytes_of_triples) {
+  for (const auto& triple : member.bytes_of_triples) {
+    const auto& parts = triple.parts;
     const auto part = [&](std::size_t i) { return static_cast<std::int32_t>(integer(parts[i])); };
     const auto bytes = fmu::BinaryRef{part(0), part(1), part(2)}.bytes();
     if (!is_readable(bytes)) {
       throw SlaveError(
-          fmt::format("instance '{}' gives the address {} for {} bytes of the input '{}' of '{}', which "
+          fmt::format("instance '{}' returned the address {} for {} bytes of the input '{}' of '{}', and this memory "
                       "cannot be read",
                       members_[parts[0].instance].slave->name(), fmt::ptr(bytes.data()), bytes.size(),
-                      member.inputs.binaries.variables[slot]->name, member.slave->name()));
+                      member.inputs.binaries.variables[triple.slot]->name, member.slave->name()));
     }
-    member.inputs.binaries.values[slot].assign(bytes.begin(), bytes.end());
+    member.inputs.binaries.values[triple.slot].assign(bytes.begin(), bytes.end());
   }
   for (auto& triple : member.triples_of_bytes) {
     triple.bytes = string(triple.binary);
@@ -545,8 +546,8 @@ void Ensemble::check_finite(const Member& member, std::int64_t time_ns) const {
   for (std::size_t i = 0; i < bank.values.size(); ++i) {
     if (std::isfinite(bank.values[i])) continue;
     throw NotFiniteError(fmt::format(
-        "instance '{}' at {} s: the variable '{}' is {}; nothing sensible can follow. Check the "
-        "inputs and parameters of '{}', or take a smaller step",
+        "instance '{}' at {} s: the variable '{}' is {}; the run cannot continue. Check the inputs and parameters of "
+        "'{}', or use a smaller step",
         member.slave->name(), to_seconds(time_ns), bank.variables[i]->name, bank.values[i], member.slave->name()));
   }
 }
@@ -719,8 +720,8 @@ void Ensemble::hold_from_bad(DerivativeLink& link, std::int64_t time_ns, std::sp
   if (bad == values.end()) return;
   if (!link.nan_reported) {
     const auto text = fmt::format(
-        "{} -> {}: the derivative of order {} that the FMU of '{}' gives is {} at {} s; the input is held where that "
-        "is so",
+        "{} -> {}: the derivative of order {} from the FMU of '{}' is {} at {} s; the input is held constant in such "
+        "steps",
         system_->text(link.connection->from), system_->text(link.connection->to), bad - values.begin() + 1,
         members_[link.from.instance].slave->name(), *bad, to_seconds(time_ns));
     messages_->message({{}, Severity::info, "notice", text, time_ns});

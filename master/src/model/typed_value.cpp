@@ -54,23 +54,21 @@ double real_value(const WrittenValue& written, const Complaint& complaint) {
   return *value;
 }
 
-/// Checks the range of the variable's type. A UInt64 above 2^63 is stored by its bits; only an untyped text can contain
-/// one.
-std::int64_t whole_value(Type type, const WrittenValue& written, const Complaint& complaint, std::string_view wanted) {
-  std::optional<std::int64_t> value;
-  if (const auto* number = std::get_if<std::int64_t>(&written)) value = *number;
-  if (const auto* text = std::get_if<UntypedText>(&written)) {
-    value = parsed<std::int64_t>(text->text);
-    if (!value && type == Type::uint64) {
-      if (const auto large = parsed<std::uint64_t>(text->text)) return static_cast<std::int64_t>(*large);
-    }
+std::optional<std::int64_t> signed_value(const WrittenValue& written) {
+  if (const auto* number = std::get_if<std::int64_t>(&written)) return *number;
+  if (const auto* text = std::get_if<UntypedText>(&written)) return parsed<std::int64_t>(text->text);
+  return std::nullopt;
+}
+
+/// Checks the range of the variable's type. A UInt64 of 2^63 and more is stored by its bits.
+std::int64_t whole_value(Type type, const WrittenValue& written, const Complaint& complaint) {
+  const auto value = signed_value(written);
+  if (const auto* text = std::get_if<UntypedText>(&written); text != nullptr && !value && type == Type::uint64) {
+    if (const auto large = parsed<std::uint64_t>(text->text)) return static_cast<std::int64_t>(*large);
   }
-  if (!value) complaint.wrong_type(wanted);
   const auto limits = fmi::limits_of(type);
-  if (*value < limits.low || (*value > 0 && static_cast<std::uint64_t>(*value) > limits.high)) {
-    complaint.wrong_type(type == Type::integer ? std::string("a whole number of 32 bits")
-                                               : fmt::format("a whole number from {} to {}", limits.low, limits.high));
-  }
+  if (!value || *value < limits.low || (*value > 0 && static_cast<std::uint64_t>(*value) > limits.high))
+    complaint.wrong_type(fmt::format("a whole number from {} to {}", limits.low, limits.high));
   return *value;
 }
 
@@ -104,13 +102,14 @@ std::int64_t enumeration_value(const modeldesc::ModelDescription& description, c
                    fmt::format("'{}' is not an item of the enumeration '{}' of '{}'. {}", *name, variable.declared_type,
                                variable.name, suggest(*name, names)));
   }
-  const auto number = whole_value(Type::int64, written, complaint, "the name or the number of an item");
+  const auto number = signed_value(written);
+  if (!number) complaint.wrong_type("the name or the number of an item");
   for (const auto& item : items) {
-    if (item.value == number) return number;
+    if (item.value == *number) return *number;
   }
   complaint.fail(ErrorCode::unknown_name,
-                 fmt::format("{} is the number of no item of the enumeration '{}' of '{}'. {}", number,
-                             variable.declared_type, variable.name, suggest("", names)));
+                 fmt::format("the enumeration '{}' of '{}' has no item with the number {}. {}", variable.declared_type,
+                             variable.name, *number, suggest("", names)));
 }
 
 /// Reads pairs of hexadecimal digits.
@@ -146,7 +145,7 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
       return value;
     }
     case ValueKind::integer: {
-      const auto value = whole_value(variable.type, written, complaint, "a whole number");
+      const auto value = whole_value(variable.type, written, complaint);
       check_limits(static_cast<double>(value));
       return value;
     }
@@ -163,8 +162,9 @@ modeldesc::Value typed_value(const modeldesc::ModelDescription& description, con
   if (const auto* untyped = std::get_if<UntypedText>(&written)) text = &untyped->text;
   if (text == nullptr) complaint.wrong_type("a text");
   if (text->find('\0') != std::string::npos) {
-    complaint.fail(ErrorCode::unknown_name,
-                   fmt::format("the text for '{}' holds a zero byte, which ends a text in FMI", variable.name));
+    complaint.fail(
+        ErrorCode::unknown_name,
+        fmt::format("the text for '{}' contains a zero byte, where a text ends in FMI; remove it", variable.name));
   }
   return *text;
 }

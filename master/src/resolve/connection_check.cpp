@@ -57,11 +57,7 @@ class ConnectionCheck {
     check_clocks();
     check_causalities();
     check_types();
-    if (description_.narrow && !connection_.narrows) {
-      fail(
-          "\"narrow\" is for an input whose type lacks values of the output's type, and this one has them all. Leave "
-          "it out");
-    }
+    check_narrow();
     check_units();
     apply_transformation();
     return connection_;
@@ -99,7 +95,7 @@ class ConnectionCheck {
                        from_.type == Type::clock ? to_.name : from_.name));
     }
     if (to_.fmi3->timing->is_time_based()) {
-      fail(fmt::format("'{}' ticks by a timing of its own; connect a triggered Clock", to_.name));
+      fail(fmt::format("'{}' has a timing of its own and takes no ticks; connect a triggered Clock", to_.name));
     }
     if (from_.fmi3->element || to_.fmi3->element) fail("arrays of Clocks are not supported");
   }
@@ -112,13 +108,21 @@ class ConnectionCheck {
 
   void check_causalities() const {
     if (!is_source()) {
-      fail(fmt::format("a connection starts at an output, and '{}' is of causality {}", from_.name,
+      fail(fmt::format("a connection must start at an output, but '{}' has causality {}", from_.name,
                        modeldesc::to_string(from_.causality)));
     }
     if (to_.causality != Causality::input) {
-      fail(fmt::format("a connection ends at an input, and '{}' is of causality {}", to_.name,
+      fail(fmt::format("a connection must end at an input, but '{}' has causality {}", to_.name,
                        modeldesc::to_string(to_.causality)));
     }
+  }
+
+  void check_narrow() const {
+    if (!description_.narrow || connection_.narrows) return;
+    if (!description_.map.empty()) {
+      fail("\"narrow\" has no effect on a connection with a \"map\", whose values are checked. Remove \"narrow\"");
+    }
+    fail("\"narrow\" has no effect, because the input's type has all values of the output's type. Remove \"narrow\"");
   }
 
   void check_types() {
@@ -132,9 +136,13 @@ class ConnectionCheck {
       connection_.narrows = !is_wider && description_.narrow && can_narrow();
       if (!is_wider && !connection_.narrows) {
         fail(fmt::format(
-            "the types differ: {} and {}; an input must have every value of the output's type: Boolean and "
-            "Enumeration go into an Integer, Integer into an Enumeration, all of these into a Real{}",
-            from_type, to_type, can_narrow() ? ". \"narrow\": true takes the nearest value of the input's type" : ""));
+            "the types differ: {} and {}; the input's type must have every value of the output's type: Boolean and "
+            "Enumeration connect to Integer, Integer to Enumeration, and all of these to Real{}",
+            from_type, to_type,
+            can_narrow()
+                ? ". \"narrow\": true rounds to the nearest value of the input's type, and ends the run at a value "
+                  "out of its range"
+                : ""));
       }
       notice_ = fmt::format("{}: {} becomes {}", names(), from_type, to_type);
     } else if (from_.type == Type::enumeration && items(connection_.from) != items(connection_.to)) {
@@ -173,9 +181,8 @@ class ConnectionCheck {
   void read_map() {
     const bool flags = from_.type == Type::boolean && to_.type == Type::boolean;
     if (connection_.pointer || (!flags && !(fmi::is_whole(from_.type) && fmi::is_whole(to_.type)))) {
-      fail(
-          fmt::format("a map goes from Boolean to Boolean, or between Integer and Enumeration, and these are {} and {}",
-                      modeldesc::to_string(from_.type), modeldesc::to_string(to_.type)));
+      fail(fmt::format("a map needs two Booleans, or Integers and Enumerations, but these are {} and {}",
+                       modeldesc::to_string(from_.type), modeldesc::to_string(to_.type)));
     }
     for (const auto& entry : description_.map) {
       const ValuePair pair{number(typed_value(model(connection_.from), from_, UntypedText{entry.from}, entry.place)),
@@ -215,7 +222,8 @@ class ConnectionCheck {
   /// If a variable has no unit, numbers are not converted. Otherwise they are.
   void check_units() {
     if (!description_.convert_units || from_.unit.empty() || to_.unit.empty()) return;
-    constexpr const char* kRemedy = "Connect others, or give factor and offset yourself with \"convert_units\": false";
+    constexpr const char* kRemedy =
+        "Connect other variables, or set factor and offset together with \"convert_units\": false";
     modeldesc::UnitConversion conversion;
     try {
       conversion = conversion_between(unit_of(connection_.from), unit_of(connection_.to),
@@ -238,12 +246,12 @@ class ConnectionCheck {
   void apply_transformation() {
     connection_.sum = description_.sum;
     if (description_.sum && !fmi::is_float(to_.type)) {
-      fail(fmt::format("a sum needs an input of type Real, and '{}' is of type {}", to_.name,
+      fail(fmt::format("a sum needs an input of type Real, but '{}' is of type {}", to_.name,
                        modeldesc::to_string(to_.type)));
     }
     if (description_.factor == 1 && description_.offset == 0) return;
     if (!fmi::is_float(to_.type)) {
-      fail(fmt::format("factor and offset need an input of type Real, and '{}' is of type {}", to_.name,
+      fail(fmt::format("factor and offset need an input of type Real, but '{}' is of type {}", to_.name,
                        modeldesc::to_string(to_.type)));
     }
     connection_.factor *= description_.factor;

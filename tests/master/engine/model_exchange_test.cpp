@@ -210,10 +210,10 @@ TEST(ModelExchange, ReportsThatStepsCannotBeRepeated) {
   const auto instances = mass("a", R"("x": 1, "impure": true)") + ", " + mass("b", R"("grip": 3)");
   std::vector<std::string> messages;
   csv_with_stops(system_of(instances, kPairConnections), {7}, &messages);
-  EXPECT_THAT(messages, testing::Contains(HasSubstr("the solver starts anew at 0.7")));
+  EXPECT_THAT(messages, testing::Contains(HasSubstr("the solver restarts at 0.7")));
   const auto exact = R"(, "solver": {"restart_at_points": true})";
   csv_with_stops(system_of(instances, kPairConnections, exact), {7}, &messages);
-  EXPECT_THAT(messages, Each(testing::Not(HasSubstr("starts anew"))));
+  EXPECT_THAT(messages, Each(testing::Not(HasSubstr("the solver restarts"))));
 }
 
 TEST(ModelExchange, PutsTheSolversWorkIntoTheSummary) {

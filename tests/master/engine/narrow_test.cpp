@@ -55,12 +55,29 @@ TEST(Narrow, EndsTheRunAtAValueOutOfRange) {
   EXPECT_THAT(narrowing_error("", "huge_out", "long"), HasSubstr("'long' would be 18446744073709551615"));
 }
 
+TEST(WholeNumbers, HaveAllValuesOfUInt64InAConfig) {
+  const auto config = [](const std::string& value) { return widths(R"("huge": )" + value, "huge_out", "huge", ""); };
+  for (const auto* value : {"0", "9223372036854775807", "9223372036854775808", "18446744073709551615"}) {
+    TestRun run(config(value));
+    EXPECT_THAT(run.to_end().csv(), HasSubstr(fmt::format(",{},", value)));
+  }
+  const auto refusal = [&](const std::string& value) { return test::input_error([&] { TestRun run(config(value)); }); };
+  for (const auto* value : {"18446744073709551616", "-1", "9223372036854775808.5", "\"9223372036854775808\""}) {
+    EXPECT_THAT(refusal(value), HasSubstr("a whole number from 0 to 18446744073709551615")) << value;
+  }
+  EXPECT_THAT(test::input_error([] { TestRun run(widths(R"("long": 9223372036854775808)", "long_out", "long", "")); }),
+              AllOf(HasSubstr("'long' is of type Int64"), HasSubstr("not '9223372036854775808'")));
+}
+
 TEST(Narrow, IsNamedWhereItWouldHelpAndRefusedWhereItWouldNot) {
   const auto refusal = [](const std::string& config) { return test::input_error([&] { TestRun run(config); }); };
-  EXPECT_THAT(refusal(widths("", "wide_out", "single", "")), HasSubstr("\"narrow\": true takes the nearest value"));
+  EXPECT_THAT(refusal(widths("", "wide_out", "single", "")),
+              AllOf(HasSubstr("\"narrow\": true rounds to the nearest value"), HasSubstr("ends the run")));
   EXPECT_THAT(refusal(widths("", "wide_out", "long")), HasSubstr("the types differ"));
   EXPECT_THAT(refusal(widths("", "huge_out", "wide")), HasSubstr("the types differ"));
-  EXPECT_THAT(refusal(widths("", "single_out", "wide")), HasSubstr("Leave it out"));
+  EXPECT_THAT(refusal(widths("", "single_out", "wide")), HasSubstr("Remove \"narrow\""));
+  EXPECT_THAT(refusal(widths("", "long_out", "byte", R"(, "narrow": true, "map": {"300": 3})")),
+              HasSubstr("no effect on a connection with a \"map\""));
 }
 
 }  // namespace

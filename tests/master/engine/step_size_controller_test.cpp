@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace mebots::master {
@@ -42,6 +43,22 @@ TEST(StepSizeController, SettlesAtTheToleranceWithoutASafetyFactor) {
   auto exact = description();
   exact.safety = 1;
   EXPECT_NEAR(static_cast<double>(settled(exact, 50'000, 2)), 50'000, 2);
+}
+
+TEST(StepSizeController, RecoversFromErrorsThatAreNotFinite) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double error : {kInfinity, std::numeric_limits<double>::quiet_NaN()}) {
+    auto limited = description(400);
+    limited.min_steps = 20;
+    limited.initial_steps = 400;
+    StepSizeController controller(limited);
+    controller.accept({400, error});
+    EXPECT_EQ(controller.next(kNoLimit), 80) << "min_factor";
+    controller.accept({80, error});
+    EXPECT_EQ(controller.next(kNoLimit), 20);
+    for (int i = 0; i < 100; ++i) controller.accept({controller.next(kNoLimit), 0});
+    EXPECT_EQ(controller.next(kNoLimit), 400);
+  }
 }
 
 TEST(StepSizeController, StaysWithinItsLimits) {

@@ -234,12 +234,16 @@ TEST(Config, MissingKeysAreNamed) {
   EXPECT_THAT(reading_error(R"({"stop_time": 1, "instances": {}, "connections": []})"), HasSubstr("'step' is missing"));
   EXPECT_THAT(reading_error(R"({"step": 1, "instances": {}, "connections": []})"), HasSubstr("'stop_time' is missing"));
   EXPECT_THAT(reading_error(R"({"step": 1, "stop_time": 1, "connections": []})"), HasSubstr("'instances' is missing"));
-  EXPECT_THAT(reading_error(R"({"step": 1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}})"),
-              HasSubstr("'connections' is missing"));
   EXPECT_THAT(reading_error(R"({"step": 1, "stop_time": 1, "instances": {}, "connections": []})"),
               HasSubstr("at least one instance"));
   EXPECT_THAT(reading_error(config_with("", R"("a": {})")),
               AllOf(HasSubstr("/instances/a"), HasSubstr("'fmu' is missing")));
+}
+
+TEST(Config, ConnectionsMayBeMissing) {
+  const auto system = read(R"({"step": 1, "stop_time": 1, "instances": {"a": {"fmu": "PROBE"}}})");
+  EXPECT_EQ(system.instances.size(), 1U);
+  EXPECT_TRUE(system.connections.empty());
 }
 
 TEST(Config, ValuesOfAnotherKindAreNamed) {
@@ -275,7 +279,7 @@ TEST(Config, AStepIsReadAsARatio) {
   const auto meant = read(with_times(R"("step": 0.016666666666666666, "stop_time": "7/60")"));
   EXPECT_EQ(meant.step, (ExactTime{1, 60}));
   EXPECT_EQ(meant.stop_time_ns, 116'666'667);
-  EXPECT_THAT(meant.notices, testing::ElementsAre(AllOf(HasSubstr("/step"), HasSubstr("means 1/60 s"))));
+  EXPECT_THAT(meant.notices, testing::ElementsAre(AllOf(HasSubstr("/step"), HasSubstr("is read as 1/60 s"))));
   const auto multiple = read(with_times(R"("step": "1/60", "stop_time": 1)", R"("a": {"fmu": "PROBE", "step": 0.05})"));
   EXPECT_EQ(multiple.instances[0].steps, 3);
 
@@ -391,7 +395,7 @@ TEST(CommandLine, StopTimeReplacesTheConfigsAndMustFitTheStep) {
   EXPECT_EQ(system.stop_time_ns, 500'000'000);
   EXPECT_THAT(test::input_error([&] { set_stop_time(system, 550'000'000, "--stop-time"); }),
               HasSubstr("not a multiple"));
-  EXPECT_THAT(test::input_error([&] { read_duration("--stop-time", "soon"); }), HasSubstr("not a number"));
+  EXPECT_THAT(test::input_error([&] { read_duration("--stop-time", "soon"); }), HasSubstr("neither a number"));
   EXPECT_THAT(test::input_error([&] { read_duration("--stop-time", "-1"); }), HasSubstr("greater than 0"));
 }
 

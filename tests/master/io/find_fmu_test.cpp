@@ -87,9 +87,10 @@ TEST_F(FindFmu, FileWithoutSuffixIsAPathAsEver) {
 TEST_F(FindFmu, ErrorListsThePlacesLookedAtAndTheNearestNames) {
   const SearchPath search_path((folder.path() / "nowhere").string());
   file("my_battery.fmu");
-  EXPECT_THAT(error_of("my_batery"), AllOf(HasSubstr(folder.path().string()), HasSubstr("nowhere (which is not there)"),
-                                           HasSubstr(data_places("fmus").front().string()), HasSubstr("'my_battery'"),
-                                           HasSubstr("MEBOTS_FMU_PATH")));
+  EXPECT_THAT(
+      error_of("my_batery"),
+      AllOf(HasSubstr(folder.path().string()), HasSubstr("nowhere (which does not exist)"),
+            HasSubstr(data_places("fmus").front().string()), HasSubstr("'my_battery'"), HasSubstr("MEBOTS_FMU_PATH")));
 }
 
 TEST_F(FindFmu, RepeatedQueriesAreAnsweredFromTheCache) {
@@ -110,7 +111,7 @@ TEST_F(FindFmu, OnlyTheFirstOfManyThatAreMissingAreComparedWithThoseThatAreThere
     EXPECT_THAT(search.find(fmt::format("my_batery{}", i)).problem, HasSubstr("Did you mean 'my_battery'"));
   }
   EXPECT_THAT(search.find("my_batery").problem,
-              AllOf(Not(HasSubstr("Did you mean")), HasSubstr("Folders with your own FMUs go into MEBOTS_FMU_PATH.")));
+              AllOf(Not(HasSubstr("Did you mean")), HasSubstr("Add folders with your own FMUs to MEBOTS_FMU_PATH.")));
 }
 
 TEST_F(FindFmu, OneThatIsThereIsFoundAfterManyThatAreNot) {

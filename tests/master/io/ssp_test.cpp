@@ -171,13 +171,13 @@ TEST_F(Ssp, WhatCannotBeUsedIsSaidWithFileAndLine) {
   EXPECT_THAT(error_of(R"(<ssd:Elements><ssd:Component name="a" source="file:///etc/passwd"/></ssd:Elements>)"),
               HasSubstr("is absolute"));
   EXPECT_THAT(error_of(R"(<ssd:Elements><ssd:Component name="a" source="resources/none.fmu"/></ssd:Elements>)"),
-              HasSubstr("holds no file \"resources/none.fmu\""));
+              HasSubstr("contains no file \"resources/none.fmu\""));
   EXPECT_THAT(
       error_of(
           two() +
           R"(<ssd:Connections><ssd:Connection startElement="c" startConnector="y" endElement="a" endConnector="u"/></ssd:Connections>)"),
       HasSubstr("no element \"c\""));
-  EXPECT_THAT(error_of(two(), R"(</ssd:System></ssd:SystemStructureDescription>)"), HasSubstr("give it with --step"));
+  EXPECT_THAT(error_of(two(), R"(</ssd:System></ssd:SystemStructureDescription>)"), HasSubstr("set it with --step"));
   EXPECT_THAT(error_of("<broken"), HasSubstr("not well-formed"));
   EXPECT_THAT(
       error_of(
@@ -342,9 +342,10 @@ TEST_F(Ssp, ValuesAreConvertedFromTheUnitOfTheirFile) {  // 6.2.1, 7.1.1
   // Units that no file defines: usual names are known; for others the number is unchanged. Both give a notice.
   EXPECT_DOUBLE_EQ(given(real("speed_in", "36", "[km/h]"))["speed_in"].get<double>(), 10);
   EXPECT_EQ(given(real("speed_in", "36", "bananas"))["speed_in"], 36.0);
-  EXPECT_THAT(load("<ssd:Elements>" + part("a", "", binding(real("speed_in", "36", "bananas"))) + "</ssd:Elements>")
-                  .system.notices,
-              testing::Contains(AllOf(HasSubstr("[bananas]"), HasSubstr("taken as they are (1): a.speed_in"))));
+  EXPECT_THAT(
+      load("<ssd:Elements>" + part("a", "", binding(real("speed_in", "36", "bananas"))) + "</ssd:Elements>")
+          .system.notices,
+      testing::Contains(AllOf(HasSubstr("[bananas]"), HasSubstr("so the numbers are not converted (1): a.speed_in"))));
 }
 
 TEST_F(Ssp, OnlyMappedParametersAreAppliedAndOnlyByTheirNewNames) {  // 7.1
@@ -507,7 +508,7 @@ TEST_F(Ssp, ValuesMayLieInsideAnFmu) {  // sourceBase="component", 5.3.3
   };
   EXPECT_EQ(load_system(with("resources/set.ssv")).config["instances"]["a"]["parameters"]["celsius"], 6.0);
   EXPECT_THAT(test::input_error([&] { load_system(with("resources/none.ssv")); }),
-              HasSubstr("own.fmu holds no file \"resources/none.ssv\""));
+              HasSubstr("own.fmu contains no file \"resources/none.ssv\""));
 }
 
 TEST_F(Ssp, AComponentMayBeAnotherSsd) {  // 5.5
@@ -598,7 +599,7 @@ TEST_F(Osp, SimulatorsInitialValuesStepsAndConnectionsBecomeASystem) {
   EXPECT_EQ(loaded.system.connections[0].to.text(), "b.mass_u");
   EXPECT_EQ(loaded.system.connections[1].from.text(), "b.mass_x");
   EXPECT_EQ(loaded.system.connections[2].to.text(), "a.level_in");
-  EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("\"ecco\" is left out")));
+  EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("\"ecco\" is ignored")));
   EXPECT_EQ(run({"run", "truck"}).code, 0);
   EXPECT_EQ(run({"info", "truck/OspSystemStructure.xml"}).code, 0);
   EXPECT_EQ(run({"convert", "truck", "truck.json"}).code, 0);
@@ -609,7 +610,7 @@ TEST_F(Osp, WhatCannotBeUsedIsSaidWithItsLine) {
   EXPECT_THAT(
       refused(
           R"(<VariableConnection><Variable simulator="a" name="mass_x"/><Variable simulator="b" name="mass_x"/></VariableConnection>)"),
-      AllOf(HasSubstr("OspSystemStructure.xml, line 11"), HasSubstr("one must be an output and the other an input")));
+      AllOf(HasSubstr("OspSystemStructure.xml, line 11"), HasSubstr("must be an output, and the other one an input")));
   EXPECT_THAT(
       refused(
           R"(<VariableConnection><Variable simulator="c" name="mass_x"/><Variable simulator="b" name="mass_u"/></VariableConnection>)"),
@@ -618,8 +619,8 @@ TEST_F(Osp, WhatCannotBeUsedIsSaidWithItsLine) {
       refused(
           R"(<VariableGroupConnection><VariableGroup simulator="a" name="on"/><VariableGroup simulator="b" name="in"/></VariableGroupConnection>)"),
       HasSubstr("has no group \"on\""));
-  EXPECT_THAT(refused("<OtherConnection/>"), HasSubstr("OtherConnection is no connection"));
-  EXPECT_THAT(test::input_error([&] { load_system(osp("", "")); }), HasSubstr("give it with --stop-time"));
+  EXPECT_THAT(refused("<OtherConnection/>"), HasSubstr("OtherConnection is not a connection"));
+  EXPECT_THAT(test::input_error([&] { load_system(osp("", "")); }), HasSubstr("set it with --stop-time"));
 }
 
 /// Connections from outputs of `a` through functions to inputs of `b`.
@@ -696,7 +697,7 @@ TEST_F(Osp, FunctionsAreComputedAtTheCommunicationPoints) {
   EXPECT_THAT(mistaken(joined(variable("a", "mass_x"), signal("lime", "in"))), HasSubstr("no function \"lime\""));
   EXPECT_THAT(mistaken(joined(variable("a", "mass_x"), signal("sum", "in[3]"))), HasSubstr("no signal \"in[3]\""));
   EXPECT_THAT(mistaken(good + joined(variable("a", "now"), signal("line", "in"))),
-              HasSubstr("from \"a.mass_x\" already"));
+              HasSubstr("already gets its value from \"a.mass_x\""));
   EXPECT_THAT(mistaken(joined(variable("a", "mass_x"), signal("line", "in"))),
               HasSubstr("its input in[0] is not connected"));
   EXPECT_THAT(
@@ -718,9 +719,9 @@ TEST_F(Osp, AProxyAStepThatIsNoMultipleAndValuesOfConnectedInputsAreReported) {
   EXPECT_EQ(loaded.config["instances"]["b"]["process"], "own");
   EXPECT_EQ(loaded.system.instances.at(1).steps, 2);
   EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("the proxy at localhost is not used")));
-  EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("no multiple of the base step")));
+  EXPECT_THAT(loaded.system.notices, testing::Contains(HasSubstr("not a multiple of the base step")));
   EXPECT_THAT(loaded.system.notices,
-              testing::Contains(AllOf(HasSubstr("\"b.mass_u\" is left out"), HasSubstr("line 10"))));
+              testing::Contains(AllOf(HasSubstr("\"b.mass_u\" is ignored"), HasSubstr("line 10"))));
   EXPECT_EQ(run({"run", "truck"}).code, 0);
 }
 

@@ -39,12 +39,22 @@ StepResult SlaveSteps::step(std::size_t slave, const GridStep& span) {
 StepResult SlaveSteps::finish(std::size_t slave, const GridStep& span, StepResult result) {
   if (result.pending) result = ensemble_->slave(slave).finish_step(*interrupted_);
   if (result.done || result.terminated || result.cancelled) return result;
-  throw SlaveError(fmt::format(
-      "instance '{}' at {} s: fmi2DoStep refused a step of {} s (fmi2Discard; it came to {} s). Take a smaller step, "
-      "or set \"on_discard\": \"divide\" for the instance. {}",
-      ensemble_->name(slave), to_seconds(time_ns(span.from)),
-      time_text(system_->description->length_of(std::max(steps_[slave].multiple, span.to - span.from))),
-      result.last_successful_s.value_or(to_seconds(time_ns(span.from))), result.messages));
+  throw discarded(slave, span, result);
+}
+
+SlaveError SlaveSteps::discarded(std::size_t slave, const GridStep& span, const StepResult& result) const {
+  const auto& model = *system_->instances[slave].model;
+  const char* version = model.is_fmi1() ? "" : model.is_fmi3() ? "3" : "2";
+  const bool can_divide = !steps_[slave].is_divided && model.co_simulation &&
+                          model.co_simulation->can_get_and_set_fmu_state &&
+                          model.co_simulation->can_handle_variable_communication_step_size;
+  return SlaveError(
+      fmt::format("instance '{}' at {} s: fmi{}DoStep discarded a step of {} s (fmi{}Discard) after reaching {} s. Use "
+                  "a smaller step{}. {}",
+                  ensemble_->name(slave), to_seconds(time_ns(span.from)), version,
+                  time_text(system_->description->length_of(std::max(steps_[slave].multiple, span.to - span.from))),
+                  version, result.last_successful_s.value_or(to_seconds(time_ns(span.from))),
+                  can_divide ? ", or set \"on_discard\": \"divide\" for the instance" : "", result.messages));
 }
 
 void SlaveSteps::read_outputs(std::size_t slave, std::int64_t k) {

@@ -49,6 +49,8 @@ class SlaveSteps {
   std::optional<End> end_of(std::size_t slave, std::int64_t k, const StepResult& result) const;
 
  private:
+  SlaveError discarded(std::size_t slave, const GridStep& span, const StepResult& result) const;
+
   struct Step {
     std::int64_t multiple = 1;  // of h; 1: its step is the communication step
     bool is_divided = false;    // into parts, if the slave discards it

@@ -9,9 +9,16 @@
 namespace mebots::master {
 namespace {
 
-/// Smaller errors count as this one; the factor reaches its upper limit long before.
+/// Smaller and larger errors count as these; the factor reaches its limits long before. Without an upper limit, two
+/// infinite errors in a row would give 0 times infinity.
 constexpr double kSmallestError = 1e-12;
+constexpr double kLargestError = 1e12;
 constexpr double kOrderOfGains = 2;
+
+/// NaN counts as the largest error.
+double bounded(double error) {
+  return error < kLargestError ? std::max(error, kSmallestError) : kLargestError;
+}
 
 }  // namespace
 
@@ -27,7 +34,7 @@ std::int64_t StepSizeController::next(std::int64_t limit) const {
 
 void StepSizeController::accept(const Step& step) {
   const auto& limits = *description_;
-  const double error = std::pow(std::max(step.error, kSmallestError), kOrderOfGains / step.order);
+  const double error = std::pow(bounded(step.error), kOrderOfGains / step.order);
   const double exact = limits.safety * std::pow(error, -limits.integral_gain - limits.proportional_gain) *
                        std::pow(error_before_, limits.proportional_gain);
   const double factor = std::clamp(exact, limits.min_factor, step.was_repeated ? 1 : limits.max_factor);

@@ -23,14 +23,15 @@ TypedTime read_typed(const std::string& option, const std::string& text) {
   const auto result = std::from_chars(text.data(), text.data() + text.size(), seconds);
   if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) {
     throw InputError(ErrorCode::syntax_error,
-                     fmt::format("{}: this is not a number of seconds, nor a ratio such as 1/60", place));
+                     fmt::format("{}: this is neither a number of seconds nor a ratio such as 1/60", place));
   }
   const auto time = exact_time(seconds);
   if (!time) {
-    throw InputError(ErrorCode::value_out_of_range,
-                     fmt::format("{}: this is not a whole number of nanoseconds (or longer than {} s); a ratio such as "
-                                 "1/60 is possible",
-                                 place, kLongestTimeS));
+    throw InputError(
+        ErrorCode::value_out_of_range,
+        fmt::format(
+            "{}: this is not a whole number of nanoseconds, or it is longer than {} s; a ratio such as 1/60 is allowed",
+            place, kLongestTimeS));
   }
   return {seconds, *time};
 }

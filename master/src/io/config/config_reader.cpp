@@ -40,7 +40,7 @@ constexpr Section kSections[] = {
     {"instances", true, &config::read_instances},
     {"start_time", false, &config::read_start_time},
     {"stop_time", true, &config::read_stop_time},
-    {"connections", true, &config::read_connections, true},
+    {"connections", false, &config::read_connections, true},
     {"algorithm", false, &config::read_algorithm, true},
     {"step_control", false, &config::read_step_control},
     {"solver", false, &config::read_solver},
@@ -62,8 +62,9 @@ void refuse_archive(std::string_view text, const std::filesystem::path& file) {
   if (!text.starts_with("PK\x03\x04")) return;
   throw InputError(
       ErrorCode::wrong_type,
-      fmt::format("{}: this is an archive, and not a config; the name of an FMU ends in .fmu, that of an SSP in .ssp",
-                  file.string()));
+      fmt::format(
+          "{}: this is an archive, not a config; the name of an FMU must end in .fmu, the name of an SSP in .ssp",
+          file.string()));
 }
 
 /// Builds JSON as ordered_json::parse() does, but does not search for an earlier member of the same name at every
@@ -165,7 +166,8 @@ void read_sections(const data::Node& root, SystemDescription& system) {
 /// FMI's texts are UTF-8. A path, and a value made from one, may contain any bytes.
 void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
   if (json.is_string() && !is_utf8(json.get_ref<const std::string&>())) {
-    throw InputError(ErrorCode::syntax_error, fmt::format("{}: a text in it is not UTF-8", file));
+    throw InputError(ErrorCode::syntax_error,
+                     fmt::format("{}: a text in this file is not UTF-8; save the file as UTF-8", file));
   }
   if (!json.is_structured()) return;
   for (const auto& [key, value] : json.items()) {
@@ -233,7 +235,7 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
   for (const auto* key : {"step", "stop_time"}) {
     if (loaded.config.contains(key)) continue;
     throw InputError(ErrorCode::missing_key,
-                     fmt::format("{}: the system has no {}; give it with --{}", file,
+                     fmt::format("{}: the system specifies no {}; set it with --{}", file,
                                  key == std::string_view("step") ? "communication step" : "stop time",
                                  key == std::string_view("step") ? "step" : "stop-time"));
   }

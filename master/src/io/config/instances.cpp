@@ -40,7 +40,7 @@ void check_name(const std::string& name, const Node& node, const std::set<std::s
   }
   const bool control =
       std::any_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; });
-  if (control) node.complain(ErrorCode::invalid_value, "the instance name holds a control character");
+  if (control) node.complain(ErrorCode::invalid_value, "the instance name contains a control character");
 }
 
 void read_fmu(const Node& node, InstanceDescription& instance, const Surroundings& around) {

@@ -24,7 +24,7 @@ SystemFile find_system(const std::filesystem::path& path) {
     if (is_there(path / kOsp)) return {path / kOsp, SystemForm::osp};
     throw InputError(
         ErrorCode::file_not_found,
-        fmt::format("{}: this folder holds neither {} nor {}; name a config (.json), an FMU (.fmu), an SSP (.ssp, "
+        fmt::format("{}: this folder contains neither {} nor {}; name a config (.json), an FMU (.fmu), an SSP (.ssp, "
                     ".ssd, or its folder), or an {}",
                     path.string(), kSsd, kOsp, kOsp));
   }

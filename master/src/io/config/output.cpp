@@ -87,7 +87,7 @@ CurveDescription read_curve(const Node& node, const SystemDescription& system) {
   curve.place = node.place();
   curve.rate = object.has("rate_of");
   if (curve.rate && object.has("variable")) {
-    node.complain(ErrorCode::invalid_value, "a curve is either a 'variable' or the 'rate_of' one");
+    node.complain(ErrorCode::invalid_value, "a curve needs exactly one of 'variable' and 'rate_of'");
   }
   object.read(curve.rate ? "rate_of" : "variable", curve.variable, variable_of(system));
   object.read_if("label", curve.label, &Node::readable_text);

@@ -16,10 +16,10 @@ WrittenValue written_value(const Node& node) {
     case data::Kind::boolean:
       return node.flag();
     case data::Kind::whole_number:
-      if (node.is_integer_literal() && node.number() < static_cast<double>(kLargest)) {
-        return node.whole_number(std::numeric_limits<std::int64_t>::min(), kLargest);
-      }
-      return node.number();
+      if (!node.is_integer_literal()) return node.number();
+      if (node.number() > 0 && node.natural_number() > static_cast<std::uint64_t>(kLargest))
+        return UntypedText{std::to_string(node.natural_number())};
+      return node.whole_number(std::numeric_limits<std::int64_t>::min(), kLargest);
     case data::Kind::number:
       return node.number();
     case data::Kind::text:

@@ -29,11 +29,13 @@ void read_action(Object& object, OverrideDescription& override) {
       } else if (action.action == OverrideAction::signal) {
         override.column = value.readable_text();
       } else if (action.action == OverrideAction::freeze) {
-        if (!value.flag()) value.fail(ErrorCode::invalid_value, "write true, or leave this entry out");
+        if (!value.flag())
+          value.fail(ErrorCode::invalid_value,
+                     "'freeze' must be true; remove the entry if the variable must not be overridden");
       } else {
         override.number = value.number();
         if (action.action == OverrideAction::noise && override.number < 0) {
-          value.fail(ErrorCode::value_out_of_range, "a standard deviation is not negative");
+          value.fail(ErrorCode::value_out_of_range, "a standard deviation must not be negative");
         }
       }
     });
@@ -54,7 +56,7 @@ void read_with(Object& object, std::string_view key, T& into, bool wanted, std::
     return;
   }
   object.visit_if(key, [&](const Node& node) {
-    node.fail(ErrorCode::invalid_value, fmt::format("this belongs to '{}' only", action));
+    node.fail(ErrorCode::invalid_value, fmt::format("this key is allowed only together with '{}'", action));
   });
 }
 
@@ -63,13 +65,13 @@ void read_times(Object& object, const SystemDescription& system, OverrideDescrip
   object.read_if("from", override.from_ns, &time_ns);
   object.read_if("until", override.until_ns, [&](const Node& node) {
     const auto until_ns = time_ns(node);
-    if (until_ns <= override.from_ns) node.fail(ErrorCode::invalid_value, "this is not after 'from'");
+    if (until_ns <= override.from_ns) node.fail(ErrorCode::invalid_value, "this time must be after 'from'");
     return until_ns;
   });
   object.read_if("when", override.when, [&](const Node& node) { return read_lasting_condition(node, system); });
   object.read_if("duration", override.duration_ns, [](const Node& node) {
     const auto duration = duration_ns(node);
-    if (duration == 0) node.fail(ErrorCode::value_out_of_range, "a duration is longer than 0 s");
+    if (duration == 0) node.fail(ErrorCode::value_out_of_range, "a duration must be longer than 0 s");
     return duration;
   });
 }

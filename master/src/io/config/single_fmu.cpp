@@ -102,7 +102,7 @@ nlohmann::ordered_json single_fmu_config(const std::filesystem::path& fmu,
   const auto step = step_of(experiment, times, std::max<std::int64_t>(stop_ns - start_ns, 1));
   const TimeGrid grid(start_ns, step.time);
   if (!times.stop_time_s && !grid.is_point(stop_ns)) {
-    stop_text += fmt::format(", there {} s, here after a whole number of steps", to_seconds(stop_ns));
+    stop_text += fmt::format(", {} s rounded to a whole number of steps", to_seconds(stop_ns));
     stop_ns = grid.time_ns(std::max<std::int64_t>(grid.point_at(stop_ns), 1));
   }
   const auto name = system_name(fmu);

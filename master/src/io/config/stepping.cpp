@@ -20,7 +20,8 @@ void read_text(const Node& node, SystemDescription& /*system*/) {
 void read_step(const Node& node, SystemDescription& system) {
   const auto step = step_time(node);
   if (node.kind() != data::Kind::text && !step.is_whole_nanoseconds()) {
-    system.notices.push_back(fmt::format("{}: the step {} s means {} s", node.place(), node.shown(), time_text(step)));
+    system.notices.push_back(
+        fmt::format("{}: the step {} s is read as {} s", node.place(), node.shown(), time_text(step)));
   }
   system.step = step;
 }
@@ -53,7 +54,7 @@ std::vector<std::string> read_order(const Node& node, const SystemDescription& s
     element.attempt([&] {
       auto name = instance_name(element.text(), element, system);
       if (!named.insert(name).second) {
-        element.fail(ErrorCode::duplicate_name, fmt::format("the instance '{}' is there twice", name));
+        element.fail(ErrorCode::duplicate_name, fmt::format("the instance '{}' occurs twice", name));
       }
       order.push_back(std::move(name));
     });
