@@ -107,6 +107,16 @@ class WholeNumbers(DeployCase):
             expected = [[min(max((int(one) * multiplier + addend) >> shift, 0), 255) for one in row] for row in sums]
             np.testing.assert_array_equal(made.apply(sums, 0, 255), expected)
 
+    def test_numbers_with_too_many_bits_are_refused(self):
+        from mebots.deploy.arithmetic import exact_requantisation
+
+        bounds = np.full(1, 1 << 20)
+        widest = exact_requantisation(np.full(1, (1 << 30) - 1), np.zeros(1), 43, bounds)
+        np.testing.assert_array_equal(widest.apply(np.full((1, 1), 1 << 20), 0, 255), [[((1 << 20) * ((1 << 30) - 1)) >> 43]])
+        for multiplier, addend in ((1 << 30, 0), ((1 << 31) - 1, 0), (1, 1 << 62)):
+            with self.assertRaisesRegex(OverflowError, "64 bits"):
+                exact_requantisation(np.full(1, multiplier), np.full(1, addend), 40, bounds)
+
 
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[1:]])

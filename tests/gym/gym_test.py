@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`mebots.gym`: Gymnasium's own checker, seeds, saved states and ends of episodes."""
 
+import json
 import os
 import pathlib
 import pickle
@@ -121,6 +122,24 @@ class Environments(unittest.TestCase):
         env.reset()
         with self.assertRaisesRegex(mebots.InputError, "rotor"):  # it has a connection
             env.step(np.array([1], np.float32))
+
+    def test_options_that_would_have_no_effect_are_refused(self):
+        env = hover()
+        env.reset(seed=1)
+        state = env.save_state()
+        with self.assertRaisesRegex(mebots.InputError, "'set' \\('world.start.offset.x'\\) cannot change"):
+            env.reset(options={"state": state, "set": {"world.start.offset.x": 0.1}})
+        with self.assertRaisesRegex(mebots.InputError, "no option 'sets'"):
+            env.reset(options={"sets": {}})
+
+    def test_steps_past_the_end_of_a_period_are_refused(self):
+        config = json.loads(ROTORS.read_text()) | {"step_control": {"max_step": 0.05}}
+        env = mebots.gym.MissionEnv(config, actions={f"motors.rotor[{i}].command": (0, 1) for i in range(1, 5)},
+                                    observations=["battery.bus.voltage"], reward=lambda before, after: 0.0, period=0.02)
+        env.reset(seed=1)
+        with self.assertRaisesRegex(mebots.InputError, "step_control"):
+            for _ in range(100):
+                env.step(np.full(4, 0.5, np.float32))
 
     def test_it_is_fast_enough_for_learning(self):
         env = gymnasium.make("mebots/Mission-v0", config=ROTORS, actions={f"motors.rotor[{i}].command": (0, 1) for i in range(1, 5)},

@@ -105,14 +105,17 @@ class MissionEnv(gymnasium.Env):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         """Starts an episode. ``options``: {"state": State} continues from ``save_state`` of this config, in this
-        process or another; {"set": {...}} are values for this episode only."""
+        process or another; {"set": {...}} are values for this episode only. Raises InputError for both together,
+        because a state has its values, and for other options."""
         super().reset(seed=seed)
-        state = (options or {}).get("state")
+        options = options or {}
+        state = options.get("state")
+        _check_options(options)
         self.mission.reset()
         if self._stop_time_s is not None:
             self.mission.set_stop_time(self._stop_time_s)
         drawn = {name: chance.value(spread, self.np_random.random()) for name, spread in self._draws.items()}
-        self._settings = state.settings if state is not None else self._set | drawn | (options or {}).get("set", {})
+        self._settings = state.settings if state is not None else self._set | drawn | options.get("set", {})
         for name, value in self._settings.items():
             self.mission.set(name, value)
         if state is not None:
@@ -125,11 +128,11 @@ class MissionEnv(gymnasium.Env):
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Writes the action and simulates one period."""
+        """Writes the action and simulates one period. Raises InputError if ``step_control`` steps past its end."""
         for name, value in zip(self._actions, self._inputs(action), strict=True):
             self.mission.write(name, value)
         self._steps += 1
-        self.mission.run_until(self._begin_s + self._steps * (self._period_s or self.mission.step_size))
+        self._run_until(self._begin_s + self._steps * (self._period_s or self.mission.step_size))
         before, self._values = self._values, self._read()
         terminated = self.mission.ended and self.mission.end_reason in _ENDS
         truncated = self.mission.ended and not terminated
@@ -142,6 +145,15 @@ class MissionEnv(gymnasium.Env):
     def close(self) -> None:
         """Ends the mission."""
         self.mission.close()
+
+    def _run_until(self, time_s: float) -> None:
+        self.mission.run_until(time_s)
+        if self.mission.time - time_s > 0.99 * self.mission.step_size:
+            raise InputError(
+                f"period: the mission stepped to {self.mission.time:g} s, past the end of the period at {time_s:g} s, because its "
+                "config has 'step_control'. Remove 'step_control' from the config",
+                "invalid_value",
+            )
 
     def _inputs(self, action: Any) -> list[float]:
         if isinstance(self.action_space, gymnasium.spaces.Box):
@@ -156,6 +168,17 @@ class MissionEnv(gymnasium.Env):
 
     def _info(self) -> dict[str, Any]:
         return {"time": self.mission.time, "outcome": self.mission.outcome}
+
+
+def _check_options(options: Mapping[str, Any]) -> None:
+    for key in options:
+        if key not in ("state", "set"):
+            raise InputError(f"options: there is no option '{key}'; 'state' and 'set' can be given", "unknown_name")
+    if options.get("state") is not None and options.get("set"):
+        names = ", ".join(f"'{name}'" for name in options["set"])
+        raise InputError(
+            f"options: 'set' ({names}) cannot change an episode that continues from a 'state'. Give one of the two", "invalid_value"
+        )
 
 
 def _action_space(actions: Mapping[str, tuple[float, float] | Sequence[float]]) -> gymnasium.spaces.Space:

@@ -101,13 +101,14 @@ def _narrow(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisatio
 
 
 def exact_requantisation(multipliers: np.ndarray, addends: np.ndarray, shift: int, bounds: np.ndarray) -> Requantisation:
-    """Returns the integers for given ones: (sum x multiplier + addend) >> shift, without rounding."""
+    """Returns the integers for given ones: (sum x multiplier + addend) >> shift, without rounding. Raises OverflowError
+    if multipliers need more than 30 bits, or the products more than 63."""
     m, a = (np.asarray(one, dtype=np.int64) for one in (multipliers, addends))
     if shift < 31 and (bounds * np.abs(m) + np.abs(a) <= LARGEST_SUM).all():
         return Requantisation(m, a, np.full_like(m, shift), "narrow")
     more = 30 - int(np.abs(m).max()).bit_length()
     more = min(more, 62 - int(np.abs(a).max()).bit_length())
-    if shift + more < 32 or (bounds > LARGEST_SUM).any():
+    if more < 0 or shift + more < 32 or (bounds > LARGEST_SUM).any():
         raise OverflowError(f"multipliers up to {int(np.abs(m).max())} with a shift of {shift} do not fit into 64 bits")
     m, a = m << more, a << more
     upper, lower = a >> 32, a & 0xFFFFFFFF
