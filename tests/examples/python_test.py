@@ -126,7 +126,7 @@ def main():
         early.interrupt()
         early.start()
         assert early.state == "ended" and early.outcome == "interrupted"
-        raises(mebots.InputError, lambda: early.value("battery.cell.voltage"), "has not come to t = 0")
+        raises(mebots.InputError, lambda: early.value("battery.cell.voltage"), "has not reached t = 0")
 
         # Any numeric type is accepted; changes are reported in one order, whatever the order of the calls.
         changed = mebots.Mission(path, out=out)

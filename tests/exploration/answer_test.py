@@ -194,7 +194,7 @@ class Answers(StudyCase):
         self.study(objectives={"a": {"outcome": "far", "percentile": 5}, "b": {"summary": "integral", "percentile": 100}, "c": {"end_reason": "tired"}})
         said = self.sweep(code=2)
         self.assertIn("an objective that is a share has no percentile", said)
-        self.assertIn("a percentile is above 0 and below 100, not 100", said)
+        self.assertIn("a percentile must be above 0 and below 100, not 100", said)
         self.assertIn("tired", said)
 
 

@@ -107,7 +107,7 @@ class Calibration(StudyCase):
         with mebots.Mission(self.folder / "mission.json") as mission:
             mission.start_from(state)
             mission.run()
-        self.assertIn("began in its middle", mission.summary["uncertainty"]["skipped"])
+        self.assertIn("started from a saved state", mission.summary["uncertainty"]["skipped"])
 
     def test_a_summary_names_parameters_without_an_interval(self):
         self.mission(**{"battery.cell.name": "bitcraze_250"})

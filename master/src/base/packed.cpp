@@ -24,7 +24,7 @@ std::string packed(std::string_view bytes, Packing packing, Bound bound, Compres
   constexpr int kSmallLevel = 9;  // higher levels take four times as long for 5 % less
   const Compressor compressor(libdeflate_alloc_compressor(packing == Packing::fast ? kFastLevel : kSmallLevel),
                               &libdeflate_free_compressor);
-  if (compressor == nullptr) throw Error(ErrorCode::system_failure, "no memory is left to deflate anything");
+  if (compressor == nullptr) throw Error(ErrorCode::system_failure, "out of memory while compressing");
   std::string result(bound(compressor.get(), bytes.size()), '\0');
   result.resize(compress(compressor.get(), bytes.data(), bytes.size(), result.data(), result.size()));
   return result;
@@ -51,12 +51,12 @@ std::string gzipped(std::string_view bytes, Packing packing) {
 
 std::string gunzipped(std::string_view bytes) {
   constexpr std::size_t kLeastBytes = 18;  // of header and trailer
-  const auto damaged = [] { return Error(ErrorCode::syntax_error, "this is not a file of gzip, or it is damaged"); };
+  const auto damaged = [] { return Error(ErrorCode::syntax_error, "this is not a gzip file, or it is damaged"); };
   if (bytes.size() < kLeastBytes) throw damaged();
   const auto size = size_at_end_of(bytes);
   if (size > kMostBytes) throw damaged();
   const Decompressor decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
-  if (decompressor == nullptr) throw Error(ErrorCode::system_failure, "no memory is left to inflate anything");
+  if (decompressor == nullptr) throw Error(ErrorCode::system_failure, "out of memory while decompressing");
   std::string result(size, '\0');
   constexpr std::size_t* kExactly = nullptr;  // fewer bytes are an error too
   if (libdeflate_gzip_decompress(decompressor.get(), bytes.data(), bytes.size(), result.data(), size, kExactly) !=

@@ -41,8 +41,8 @@ std::string_view platform_folder(const modeldesc::ModelDescription& description)
 std::string_view way_out(std::string_view why) {
   if (why.find("undefined symbol: Py") != std::string_view::npos ||
       why.find("undefined symbol: _Py") != std::string_view::npos) {
-    return "The FMU expects the library of a Python interpreter, and none was found: install libpython3-dev, or let "
-           "MEBOTS_PYTHON name a Python that has a shared library";
+    return "The FMU expects the library of a Python interpreter, and none was found: install libpython3-dev, or set "
+           "MEBOTS_PYTHON to a Python that has a shared library";
   }
   return "Install the missing library, or put it into binaries/linux64 of the FMU";
 }

@@ -185,7 +185,7 @@ std::optional<std::string> LibraryImports::reason() const {
     const auto& first = *functions.front();
     return fmt::format("it imports {}, which changes {}", readable_name(first), first.what);
   }
-  if (!unknown.empty()) return fmt::format("it needs {}, which it does not bring", unknown.front());
+  if (!unknown.empty()) return fmt::format("it needs {}, which its archive does not contain", unknown.front());
   return std::nullopt;
 }
 
@@ -340,7 +340,7 @@ std::optional<std::string> LibraryState::difference_in(bool (*is_chosen)(const O
       return fmt::format("thread-local variables of {} changed", object.name);
   }
   if (imports_.opens_libraries && foreign_loads() != loads_)
-    return "it may have opened a library that it did not bring";
+    return "it may have opened a library that its archive does not contain";
   return std::nullopt;
 }
 

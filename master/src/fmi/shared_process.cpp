@@ -119,9 +119,9 @@ class ProcessComparison {
         if (name.empty() || is_c_library(name)) continue;
         const auto* const owner = archive_of(library.file);
         if (needs_->brought.contains(name)) {
-          return certain(owner == nullptr
-                             ? fmt::format("it brings {}, and this process has loaded {}", name, library.file.string())
-                             : other_library(name, *owner));
+          return certain(owner == nullptr ? fmt::format("its archive contains {}, and this process has loaded {}", name,
+                                                        library.file.string())
+                                          : other_library(name, *owner));
         }
         if (owner != nullptr && needs_->names.contains(name)) return certain(library_of_system(name, *owner));
       }
@@ -139,12 +139,14 @@ class ProcessComparison {
         if (needs_->brought.contains(name)) return certain(other_library(name, resident.archive));
         if (needs_->names.contains(name)) return certain(library_of_system(name, resident.archive));
         if (mentioned_here.contains(name))
-          return certain(fmt::format("it uses {}, and {} brings a library of that name", name, resident.archive));
+          return certain(
+              fmt::format("it uses {}, and the archive of {} contains a library of that name", name, resident.archive));
       }
       for (const auto& [name, file] : needs_->brought) {
         if (is_c_library(name)) continue;
         if (resident.needs.names.contains(name) || mentioned_there.contains(name))
-          return certain(fmt::format("it brings {}, and {} uses a library of that name", name, resident.archive));
+          return certain(
+              fmt::format("its archive contains {}, and {} uses a library of that name", name, resident.archive));
       }
     }
     return std::nullopt;
@@ -225,10 +227,10 @@ class ProcessComparison {
   }
 
   static std::string other_library(const std::string& name, const std::string& archive) {
-    return fmt::format("it brings {}, and {} has another library of that name", name, archive);
+    return fmt::format("its archive contains {}, and {} has another library of that name", name, archive);
   }
   static std::string library_of_system(const std::string& name, const std::string& archive) {
-    return fmt::format("it needs {}, and {} brings its own library of that name", name, archive);
+    return fmt::format("it needs {}, and the archive of {} contains another library of that name", name, archive);
   }
   static std::string shown(const fs::path& file) { return file.empty() ? "the program itself" : file.string(); }
 

@@ -50,7 +50,7 @@ std::string listed(const std::vector<fs::path>& folders) {
   std::vector<std::string> texts;
   texts.reserve(folders.size());
   for (const auto& folder : folders) {
-    texts.push_back(folder.string() + (is_folder(folder) ? "" : " (which is not there)"));
+    texts.push_back(folder.string() + (is_folder(folder) ? "" : " (which does not exist)"));
   }
   return fmt::format("{}", fmt::join(texts, ", "));
 }
@@ -106,7 +106,7 @@ std::string FmuSearch::problem_of_name(std::string_view name) {
     listed_ = listed(*folders_);
     names_ = names_in(*folders_);
   }
-  return fmt::format("there is no FMU '{}' ({}{}) in {}. {}Folders with your own FMUs go into MEBOTS_FMU_PATH.", name,
+  return fmt::format("there is no FMU '{}' ({}{}) in {}. {}Add folders with your own FMUs to MEBOTS_FMU_PATH.", name,
                      name, kSuffix, listed_, problems_ < kFullyAnswered ? suggest(name, names_) + " " : "");
 }
 

@@ -156,9 +156,9 @@ void SignalFile::read_time(std::vector<double>& times_s) {
   if (times_s.size() < 3) return;
   const auto ns = [&](std::size_t back) { return std::llround(times_s[times_s.size() - back] * 1e9); };
   if (ns(1) == ns(3)) {
-    fail(ErrorCode::invalid_value,
-         fmt::format("a third row at {} s; at most two rows, the values before and after a jump, have one time",
-                     time_s));
+    fail(ErrorCode::invalid_value, fmt::format("this is the third row at {} s; at most two rows may have the same "
+                                               "time: the values before and after a jump",
+                                               time_s));
   }
 }
 

@@ -113,7 +113,7 @@ class MessageLimit {
     bytes_ = 0;
     const auto dropped = std::exchange(dropped_, 0);
     if (dropped == 0) return std::nullopt;
-    return fmt::format("{} more messages of this call were dropped: one call may leave {} MiB of messages", dropped,
+    return fmt::format("{} more messages of this call were dropped: one call may log at most {} MiB", dropped,
                        most_bytes_ >> 20);
   }
 

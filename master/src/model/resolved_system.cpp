@@ -57,7 +57,7 @@ std::string why_not_settable(const Variable& variable) {
     case Causality::dependent:
       return "it is calculated from other parameters";
     case Causality::independent:
-      return "it is the FMU's time";
+      return "it is the independent variable (time), which the master sets";
     case Causality::output:
     case Causality::local:
       break;

@@ -127,10 +127,10 @@ void Coupling::visit(state::Visitor& v) {
 }
 
 std::string Coupling::advice(double relative, double limit, int order) const {
-  if (system_->step_control) return "smaller tolerances or a smaller \"max_step\" in \"step_control\" would do";
+  if (system_->step_control) return "smaller tolerances or a smaller \"max_step\" in \"step_control\" would suffice";
   const double step_s = to_seconds(system_->step);
-  return fmt::format("a communication step of {} s instead of {} s would do", step_for(relative, limit, order, step_s),
-                     step_s);
+  return fmt::format("a communication step of {} s instead of {} s would suffice",
+                     step_for(relative, limit, order, step_s), step_s);
 }
 
 std::vector<std::string> Coupling::warnings() const {
@@ -146,8 +146,7 @@ std::vector<std::string> Coupling::warnings() const {
   for (const auto& input : inputs_) {
     if (!input_limit_ || input.relative() <= *input_limit_) continue;
     warnings.push_back(fmt::format(
-        "the input {} was {:.2g} of its range from what it would have been (root mean square), more than "
-        "the limit {:g}; {}",
+        "the input {} differed from its source by {:.2g} of its range (root mean square), more than the limit {:g}; {}",
         input.input(), input.relative(), *input_limit_, advice(input.relative(), *input_limit_, input.order())));
   }
   return warnings;

@@ -44,10 +44,10 @@ void check_pictures(const ResolvedSystem& system, const PictureDescription& pict
   find_source(system, pictures);
   const auto width = picture_width(system, pictures.frame);
   if (!width || width->pixels == pictures.width) return;
-  throw InputError(ErrorCode::invalid_value,
-                   fmt::format("{0}/width: {1}, but {2} is {3}: pictures cut at another width would be garbled; let it "
-                               "be {3}",
-                               pictures.place, pictures.width, width->parameter, width->pixels));
+  throw InputError(
+      ErrorCode::invalid_value,
+      fmt::format("{0}/width: {1}, but {2} is {3}: pictures cut at another width would be garbled; set it to {3}",
+                  pictures.place, pictures.width, width->parameter, width->pixels));
 }
 
 PictureRecorder::PictureRecorder(const ResolvedSystem& system, Ensemble& ensemble, const PictureDescription& pictures,
@@ -63,7 +63,7 @@ void PictureRecorder::make_folder() const {
   std::filesystem::create_directories(folder_, error);
   if (error)
     throw InputError(ErrorCode::file_unwritable,
-                     fmt::format("{}: this folder cannot be made: {}", folder_.string(), error.message()));
+                     fmt::format("{}: this folder cannot be created: {}", folder_.string(), error.message()));
 }
 
 void PictureRecorder::remove_pictures() const {
@@ -103,14 +103,16 @@ void PictureRecorder::write(const Point& point) const {
   if (pixels.empty()) return;
   const auto width = static_cast<std::size_t>(pictures_.width);
   if (pixels.size() % width != 0) {
-    throw Error(ErrorCode::invalid_value,
-                fmt::format("{}: {} holds {} bytes at {} s, which are not whole rows of {} pixels; correct 'width'",
-                            pictures_.place, pictures_.frame.text(), pixels.size(), to_seconds(point.time_ns), width));
+    throw Error(
+        ErrorCode::invalid_value,
+        fmt::format("{}: {} has {} bytes at {} s, which is not a whole number of rows of {} pixels; correct 'width'",
+                    pictures_.place, pictures_.frame.text(), pixels.size(), to_seconds(point.time_ns), width));
   }
   if (!is_readable(pixels)) {
-    throw SlaveError(fmt::format("instance '{}' at {} s: {} gives the address {} for {} bytes, which cannot be read",
-                                 pictures_.frame.instance, to_seconds(point.time_ns), pictures_.frame.text(),
-                                 fmt::ptr(pixels.data()), pixels.size()));
+    throw SlaveError(
+        fmt::format("instance '{}' at {} s: {} returned the address {} for {} bytes, and this memory cannot be read",
+                    pictures_.frame.instance, to_seconds(point.time_ns), pictures_.frame.text(),
+                    fmt::ptr(pixels.data()), pixels.size()));
   }
   write_png(folder_ / fmt::format("{:011.6f}.png", to_seconds(point.time_ns)), pixels, width);
 }

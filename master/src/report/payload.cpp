@@ -96,7 +96,7 @@ std::string payload_of(std::span<const RunFolder> runs) {
 
 std::string base64(std::string_view bytes) {
   constexpr std::size_t kMost = std::numeric_limits<int>::max();
-  if (bytes.size() > kMost) throw Error(ErrorCode::value_out_of_range, "a page holds at most 2 GiB");
+  if (bytes.size() > kMost) throw Error(ErrorCode::value_out_of_range, "a page can contain at most 2 GiB");
   std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL appends a zero
   EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), reinterpret_cast<const unsigned char*>(bytes.data()),
                   static_cast<int>(bytes.size()));

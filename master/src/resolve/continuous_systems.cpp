@@ -76,9 +76,10 @@ class Grouping {
       const auto& description = *system_.instances[member].description;
       if (!description.solver) continue;
       if (namer != nullptr) {
-        refuse_key(system_, member, "solver",
-                   fmt::format("'{}' and '{}' are in one continuous system, which has one solver; keep one of both",
-                               namer->name, description.name));
+        refuse_key(
+            system_, member, "solver",
+            fmt::format("'{}' and '{}' are in one continuous system, which has one solver; keep one of the two entries",
+                        namer->name, description.name));
       }
       namer = &description;
     }

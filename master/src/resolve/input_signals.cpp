@@ -159,7 +159,7 @@ class SignalReader {
     const auto name = system_.text(input);
     if (input.variable->causality != Causality::input) {
       fail(place, ErrorCode::invalid_value,
-           fmt::format("'{}' is of causality {}, and the column of a file becomes an input", name,
+           fmt::format("'{}' has causality {}, but a column of a file can only be the source of an input", name,
                        to_string(input.variable->causality)));
     }
     const auto& model = *system_.instances[input.instance].model;
@@ -169,7 +169,7 @@ class SignalReader {
     const auto connection = std::ranges::lower_bound(system_.connections, input, {}, &ResolvedConnection::to);
     if (connection != system_.connections.end() && connection->to == input) {
       fail(place, ErrorCode::invalid_connection,
-           fmt::format("'{}' gets its value from {}, so the column would do nothing; remove the connection, or use "
+           fmt::format("'{}' gets its value from {}, so the column would have no effect; remove the connection, or use "
                        "\"signal\" in a scenario",
                        name, system_.text(connection->from)));
     }
@@ -182,8 +182,7 @@ class SignalReader {
     const auto value = std::ranges::find(given, input.variable->name, &Assignment::variable);
     if (value != given.end()) {
       fail(value->place, ErrorCode::invalid_value,
-           fmt::format("'{}' gets its value from {}, so the one that is given here would do nothing; remove one of "
-                       "them",
+           fmt::format("'{}' gets its value from {}, so the value given here would have no effect; remove one of them",
                        name, place));
     }
   }

@@ -56,10 +56,11 @@ void check_members(const ResolvedSystem& system, const std::vector<std::size_t>&
                              description.name, words.member));
     }
     if (description.steps != first.steps) {
-      refuse_key(system, member, "step",
-                 fmt::format("'{}' and '{}' are in one {}, so they need the same step, and theirs are {} s and {} s",
-                             first.name, description.name, words.group, time_text(system.description->step_of(first)),
-                             time_text(system.description->step_of(description))));
+      refuse_key(
+          system, member, "step",
+          fmt::format("'{}' and '{}' are in one {}, so they need the same step, but their steps are {} s and {} s",
+                      first.name, description.name, words.group, time_text(system.description->step_of(first)),
+                      time_text(system.description->step_of(description))));
     }
     if (instance.isolation.continue_without && members.size() > 1) {
       refuse_key(

@@ -84,7 +84,7 @@ void load(ResolvedSystem& system, const Group& group) {
   for (auto* instance : group.instances) (demands_shared(instance) ? staying : leaving).push_back(instance);
   if (!leaving.empty()) isolate(system, leaving, admission.reason);
   if (staying.empty()) return;
-  system.notices.push_back(fmt::format("{}: {} shares the master's process, as the config demands, although {}",
+  system.notices.push_back(fmt::format("{}: {} shares the master's process, as the config requires, although {}",
                                        listed_names(staying), group.fmu->archive().filename().string(),
                                        admission.reason));
 }
@@ -97,10 +97,9 @@ void part_single_instances(ResolvedSystem& system) {
     if (!instance.implementation().can_be_instantiated_only_once_per_process) continue;
     const auto [user, first] = users.emplace(instance.fmu.get(), &instance);
     if (first) continue;
-    const auto reason = fmt::format(
-        "it allows one instance per process (canBeInstantiatedOnlyOncePerProcess), and '{}' "
-        "is one already",
-        user->second->description->name);
+    const auto reason =
+        fmt::format("it allows one instance per process (canBeInstantiatedOnlyOncePerProcess), and '{}' is already one",
+                    user->second->description->name);
     if (demands_shared(&instance)) refuse(instance, reason);
     isolate(system, {&instance}, reason);
   }

@@ -114,7 +114,7 @@ void check_division(const ResolvedInstance& instance) {
   if (flags.can_get_and_set_fmu_state && flags.can_handle_variable_communication_step_size) return;
   throw InputError(
       ErrorCode::not_offered,
-      fmt::format("{}/on_discard: a step of '{}' cannot be divided: its FMU says {} = false",
+      fmt::format("{}/on_discard: a step of '{}' cannot be divided: its FMU declares {} = false",
                   instance.description->place, instance.description->name,
                   flags.can_get_and_set_fmu_state ? "canHandleVariableCommunicationStepSize" : "canGetAndSetFMUstate"));
 }
@@ -151,8 +151,8 @@ void refuse_values_of_connected_inputs(const ResolvedSystem& system) {
     const auto found = given.find(Target(connection.to.instance, connection.to.variable->name));
     if (found == given.end()) continue;
     throw InputError(ErrorCode::invalid_value,
-                     fmt::format("{}: '{}' gets its value from {}, so the one that is given here would do nothing. "
-                                 "Leave out the value or the connection",
+                     fmt::format("{}: '{}' gets its value from {}, so the value given here would have no effect. "
+                                 "Remove the value or the connection",
                                  found->second->place, system.text(connection.to), system.text(connection.from)));
   }
 }

@@ -126,7 +126,7 @@ void choose_rollback(ResolvedSystem& system) {
       fmt::join(names, ", "));
   if (control.rollback == Rollback::required) {
     throw InputError(ErrorCode::not_offered,
-                     fmt::format("{}/rollback: {}. Let \"rollback\" be \"never\"", control.place, reason));
+                     fmt::format("{}/rollback: {}. Set \"rollback\" to \"never\"", control.place, reason));
   }
   system.notices.push_back(fmt::format("step_control repeats no steps: {}", reason));
 }

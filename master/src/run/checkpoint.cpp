@@ -48,12 +48,10 @@ Checkpoint read_checkpoint(const std::filesystem::path& folder) {
   const auto path = folder / kCheckpointFile;
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) {
-    throw InputError(
-        ErrorCode::file_not_found,
-        fmt::format("{}: there is no checkpoint to go on from. A run writes them with --checkpoint-every, from t = 0 "
-                    "until it comes to "
-                    "its end; run the config again",
-                    path.string()));
+    throw InputError(ErrorCode::file_not_found,
+                     fmt::format("{}: there is no checkpoint to resume from. A run writes checkpoints with "
+                                 "--checkpoint-every, from t = 0 until shortly before its end; run the config again",
+                                 path.string()));
   }
   const auto all = input_text(path);
   constexpr std::size_t kHashSize = 64;
@@ -98,10 +96,10 @@ void check_inputs(const std::string& inputs_then, const std::string& inputs_now,
     const bool listed = std::find(changed.begin(), changed.end(), name) != changed.end();
     if (!listed && std::find(before.begin(), before.end(), line) == before.end()) changed.push_back(name);
   }
-  throw InputError(ErrorCode::state_of_other_fmu,
-                   fmt::format("the inputs are not those of {} any more: {}. Put them back as they were, or "
-                               "run the config again",
-                               what, fmt::join(changed, ", ")));
+  throw InputError(
+      ErrorCode::state_of_other_fmu,
+      fmt::format("the inputs have changed since {} was written: {}. Restore them, or run the config again", what,
+                  fmt::join(changed, ", ")));
 }
 
 Checkpointer::Checkpointer(Simulation& simulation, std::filesystem::path folder, Checkpoint blank, OutputFile& results,

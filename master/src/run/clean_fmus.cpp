@@ -63,8 +63,8 @@ std::vector<Leftover> leftovers_of(const ResolvedSystem& system) {
 std::optional<std::string> fmu_without_whole_state(const ResolvedSystem& system) {
   for (const auto& instance : system.instances) {
     if (const auto why = instance.fmu->state_elsewhere())
-      return fmt::format("instance '{}': the state of {} is not all that it computes with: {}",
-                         instance.description->name, name_of(*instance.fmu), *why);
+      return fmt::format("instance '{}': the saved state of {} is incomplete: {}", instance.description->name,
+                         name_of(*instance.fmu), *why);
   }
   return std::nullopt;
 }

@@ -141,7 +141,7 @@ void add_draws(Run& run) {
     run.report_uncertainty({{"kind", "calibration"}, {"skipped", reason}});
   };
   if (!run.report().writes.empty()) return skip("a program wrote variables during the run, which the draws would lack");
-  if (run.began_later()) return skip("the run began in its middle, where no draw can begin");
+  if (run.began_later()) return skip("the run started from a saved state, where no draw can start");
   DrawnFlights draws(run);
   if (!draws.fly([](int) {})) return skip("interrupted");
   run.report_uncertainty(draws.json());

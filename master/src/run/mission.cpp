@@ -196,7 +196,7 @@ double Mission::value(std::string_view variable) {
   const ValueReference reference[] = {found->value_reference};
   const auto kind = kind_of(found->type);
   if (kind == ValueKind::string) {
-    throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is a String: ask for its text", variable));
+    throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is a String; read it with text()", variable));
   }
   double real[1] = {};
   std::int64_t number[1] = {};
@@ -212,7 +212,7 @@ double Mission::value(std::string_view variable) {
 std::string Mission::text(std::string_view variable) {
   const auto [instance, found] = impl_->find(variable);
   if (found->type != Type::string) {
-    throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is not a String: ask for its value", variable));
+    throw InputError(ErrorCode::wrong_type, fmt::format("'{}' is not a String; read it with value()", variable));
   }
   const ValueReference reference[] = {found->value_reference};
   std::string value[1];
@@ -239,7 +239,7 @@ Series Mission::series(std::string_view variable) {
   const auto* found = impl_->run->memory().find(variable);
   if (found == nullptr) {
     throw InputError(ErrorCode::unknown_name,
-                     fmt::format("'{}' is not recorded. {}; record() chooses what is, before the start", variable,
+                     fmt::format("'{}' is not recorded. {}; choose variables with record() before the start", variable,
                                  suggest(variable, variables())));
   }
   return *found;

@@ -23,7 +23,7 @@ void refuse_as_input(const std::filesystem::path& folder, const std::filesystem:
     std::error_code none;  // usually there is no such file
     if (!std::filesystem::equivalent(folder / name, config, none)) continue;
     throw InputError(ErrorCode::invalid_argument,
-                     fmt::format("{}: the run would replace this file, which is its config, by its own {}. Choose "
+                     fmt::format("{}: the run would replace this file, its config, with its own {}. Choose "
                                  "another folder with --out",
                                  config.string(), name));
   }

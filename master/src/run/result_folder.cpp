@@ -28,7 +28,7 @@ ResultFolder::ResultFolder(std::filesystem::path path) : path_(std::move(path)) 
   std::filesystem::create_directories(path_, error);
   if (error || !std::filesystem::is_directory(path_)) {
     throw InputError(ErrorCode::file_unwritable,
-                     fmt::format("{}: the results folder cannot be made: {}. Choose another one with --out",
+                     fmt::format("{}: the results folder cannot be created: {}. Choose another one with --out",
                                  path_.string(), error ? error.message() : "there is a file of this name"));
   }
   lock_.emplace(path_);
@@ -115,7 +115,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / ".m
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
       throw InputError(ErrorCode::file_unwritable,
-                       fmt::format("{}: this file cannot be made: {}", file_.string(), std::strerror(errno)));
+                       fmt::format("{}: this file cannot be created: {}", file_.string(), std::strerror(errno)));
     }
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
       const auto owner = owner_of(descriptor_);

@@ -126,10 +126,10 @@ void Run::require_open(std::string_view what) const {
 void Run::require_alive(std::string_view what) const {
   if (state_ == RunState::failed) {
     throw InputError(ErrorCode::wrong_call_order,
-                     fmt::format("{}: the run failed, and its FMUs are not called any more: {}", what, report_.error));
+                     fmt::format("{}: the run failed, so its FMUs can no longer be called: {}", what, report_.error));
   }
   if (!initialised_) {
-    throw InputError(ErrorCode::wrong_call_order, fmt::format("{}: the run has not come to t = 0", what));
+    throw InputError(ErrorCode::wrong_call_order, fmt::format("{}: the run has not reached t = 0", what));
   }
 }
 
@@ -227,10 +227,9 @@ void Run::load() {
 void Run::start_from(std::span<const std::byte> state) {
   require_open("start_from()");
   if (!options_.out.empty()) {
-    throw InputError(
-        ErrorCode::invalid_argument,
-        "start_from(): a run that begins in its middle has no results of the time before; do not name a folder for "
-        "results");
+    throw InputError(ErrorCode::invalid_argument,
+                     "start_from(): a run that starts from a saved state has no results of the time before it; remove "
+                     "the results folder");
   }
   past_ = saved_run(state);
 }
@@ -239,12 +238,13 @@ std::vector<std::byte> Run::save_state() {
   require_alive("save_state()");
   const Busy busy(*this, "save_state()");
   if (state_ == RunState::ended) {
-    throw InputError(ErrorCode::wrong_call_order, "save_state(): the run has ended, and nothing can begin there");
+    throw InputError(ErrorCode::wrong_call_order,
+                     "save_state(): the run has ended, so no run can start from its state");
   }
   if (!options_.out.empty()) {
     throw InputError(ErrorCode::invalid_argument,
-                     "save_state(): this run writes files, which its state counts on; leave the folder for the results "
-                     "out, or let it write checkpoints");
+                     "save_state(): this run writes files, and its state is incomplete without them; remove the "
+                     "results folder, or write checkpoints instead");
   }
   require_whole_states(resolved_, "save_state()");
   SavedRun saved;
@@ -333,7 +333,7 @@ void Run::open() {
       throw InputError(ErrorCode::invalid_argument, "checkpoints need a folder for the results");
     if (!system_.record.csv) {
       throw InputError(ErrorCode::invalid_value,
-                       "checkpoints count on results.csv; let \"format\" under \"record\" be \"both\"");
+                       "checkpoints need results.csv; set \"format\" under \"record\" to \"both\"");
     }
   }
   if (checkpoint_) check_inputs(checkpoint_->inputs, hash_.lines, "the checkpoint");
@@ -377,7 +377,7 @@ void Run::initialise() {
       if (past_->rows.empty()) {
         throw InputError(
             ErrorCode::invalid_argument,
-            "the saved state has no rows, since its run kept none in memory, but this run is to keep them");
+            "the saved state has no rows, because its run recorded none in memory, but this run records in memory");
       }
       state::Reader reader(past_->rows);
       state::Restorer restorer(reader);
@@ -527,7 +527,7 @@ void Run::finish() {
       if (lost) report_.faults.emplace_back(error.what());
     }
   }
-  watch.look("in fmi2Terminate", time_ns());
+  watch.look("while instances were terminated", time_ns());
   if (const auto text = copies_ ? copies_->returned() : std::nullopt) report_fault(*text);
   if (const auto text = take_kept_signal()) report_fault(*text);
   process_use_.reset();  // the FMUs compute nothing more
@@ -686,7 +686,7 @@ std::vector<InstanceLoss> Run::losses() const {
 }
 
 const ResolvedSystem& Run::resolved() const {
-  require_alive("a variable is asked for");
+  require_alive("reading a variable");
   return resolved_;
 }
 

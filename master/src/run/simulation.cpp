@@ -111,12 +111,13 @@ void Simulation::visit(state::Visitor& v) {
 void Simulation::restore_state(const SimulationState& state) {
   if (state.slaves.size() != ensemble_.size()) {
     throw Error(ErrorCode::state_of_other_fmu,
-                "a saved state belongs to another ensemble: its instances are of another number");
+                "a saved state belongs to another system: it has another number of instances");
   }
   if (state.layout != state::layout_of(*this)) {
-    throw Error(ErrorCode::state_of_other_build,
-                "a saved state holds other values than this run, or was written by another version of mebots; run the "
-                "config again");
+    throw Error(
+        ErrorCode::state_of_other_build,
+        "a saved state contains other values than this run, or was written by another version of mebots; run the "
+        "config again");
   }
   for (std::size_t i = 0; i < ensemble_.size(); ++i) ensemble_.slave(i).restore_state(*state.slaves[i]);
   step_ = state.step;
@@ -150,7 +151,7 @@ SimulationState Simulation::deserialize(std::span<const std::byte> bytes) {
   }
   if (!reader.at_end())
     throw Error(ErrorCode::state_of_other_fmu,
-                "a saved state belongs to another ensemble: it is longer than this one's");
+                "a saved state belongs to another system: it is longer than the state of this one");
   return state;
 }
 

@@ -57,7 +57,7 @@ void ProcessWatch::look(const std::string& during, std::int64_t time_ns) {
   const auto changes = before_->put_right();
   if (changes.empty()) return;
   const auto fmus = fmus_here(*system_);
-  const auto text = fmt::format("{} {} changed the process for all, {}: {}; instances of {}: {}",
+  const auto text = fmt::format("{} {} changed the whole process {}: {}; instances of {}: {}",
                                 fmus.size() == 1 ? "the FMU" : "one of the FMUs", fmt::join(fmus, ", "), during,
                                 fmt::join(changes, "; "), fmus.size() == 1 ? "it" : "them", instances_here(*system_));
   messages_->message({{}, Severity::warning, "notice", text, time_ns});

@@ -11,12 +11,12 @@ StepResult Slave::finish_step(const std::atomic<bool>& /*cancel*/) {
 
 void Slave::get_output_derivatives(std::span<const ValueReference> /*references*/,
                                    std::span<const std::int32_t> /*orders*/, std::span<double> /*values*/) {
-  throw Error(ErrorCode::not_offered, fmt::format("instance '{}': its FMU gives no derivatives of outputs", name()));
+  throw Error(ErrorCode::not_offered, fmt::format("instance '{}': its FMU provides no derivatives of outputs", name()));
 }
 
 void Slave::set_input_derivatives(std::span<const ValueReference> /*references*/,
                                   std::span<const std::int32_t> /*orders*/, std::span<const double> /*values*/) {
-  throw Error(ErrorCode::not_offered, fmt::format("instance '{}': its FMU takes no derivatives of inputs", name()));
+  throw Error(ErrorCode::not_offered, fmt::format("instance '{}': its FMU does not use derivatives of inputs", name()));
 }
 
 void Slave::get_binaries(std::span<const ValueReference> /*references*/, std::span<std::string> /*values*/) {

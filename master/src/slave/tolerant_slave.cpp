@@ -33,9 +33,10 @@ void TolerantSlave::attempt(Work work) {
   } catch (const Error& error) {
     loss_->at_ns = time_ns_;
     loss_->text = error.what();
-    messages_->message({name(), Severity::error, "",
-                        fmt::format("{}. The other instances go on; its outputs keep their last values", error.what()),
-                        time_ns_});
+    messages_->message(
+        {name(), Severity::error, "",
+         fmt::format("{}. The other instances continue, and its outputs keep their last values", error.what()),
+         time_ns_});
   }
 }
 
@@ -140,7 +141,7 @@ void TolerantSlave::restore_state(const SlaveState& state) {
   if (tolerant.inner != nullptr) {
     if (lost())
       throw Error(ErrorCode::fmu_lost,
-                  fmt::format("instance '{}' is lost and cannot go back: {}", name(), loss_->text));
+                  fmt::format("instance '{}' is lost and cannot be restored: {}", name(), loss_->text));
     inner().restore_state(*tolerant.inner);
     return;
   }

@@ -275,12 +275,12 @@ TEST_F(Program, MistakesOnTheCommandLineAreNamedWithTheWayOut) {
   };
   expect({"rnu", "two.json"}, "there is no command 'rnu'. Did you mean 'run'?");
   std::filesystem::copy(PROBE_FMU, folder.path() / "probe.zip");
-  expect({"run", "probe.zip"}, "the name of an FMU ends in .fmu");
+  expect({"run", "probe.zip"}, "the name of an FMU must end in .fmu");
   expect({"run", "/dev/zero"}, "/dev/zero: cannot be read: it is a device");
   expect({"run", "two.json", "--scenario", "/dev/zero"}, "it is a device");
   expect({"run", "two.json", "--out", ""}, "--out: the name is empty");
   expect({"run", "two.json", "--expect", "complted"}, "cannot have the outcome 'complted'. Did you mean 'completed'?");
-  expect({"run", "two.json", "--junit", "nowhere/two.xml"}, "there is no folder nowhere; make it first");
+  expect({"run", "two.json", "--junit", "nowhere/two.xml"}, "there is no folder nowhere; create it first");
   expect({"check", PROBE_FMU, "--deadline", "nan"}, "--deadline: nan is not a number greater than 0");
   expect({"convert", "two.json", "two.json"}, "both files are .json");
   expect({"convert", "two.json", "nowhere/two.ssp"}, "there is no folder nowhere");
@@ -365,7 +365,7 @@ TEST_F(Program, AFolderThatCannotBeMadeIsBadInput) {
   for (const char* out : {"file", "file/deeper", "/proc/nothing"}) {
     const auto result = run_config({"--out", out});
     EXPECT_EQ(result.code, 2) << out;
-    EXPECT_THAT(result.err, HasSubstr("the results folder cannot be made")) << out;
+    EXPECT_THAT(result.err, HasSubstr("the results folder cannot be created")) << out;
   }
 }
 

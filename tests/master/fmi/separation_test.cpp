@@ -104,8 +104,9 @@ TEST_F(Separation, AnFmuMayBringALibraryThatMebotsHas) {
   const auto ended = run(config_of({"fmt_5"}));
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_EQ(last_row(), "0.5,2.5");
-  EXPECT_THAT(read_file(folder.path() / "results" / "some" / "log.txt"),
-              HasSubstr("tenant_fmt_5.fmu runs in its own process: it brings libfmt.so.9, and this process has"));
+  EXPECT_THAT(
+      read_file(folder.path() / "results" / "some" / "log.txt"),
+      HasSubstr("tenant_fmt_5.fmu runs in its own process: its archive contains libfmt.so.9, and this process has"));
 }
 
 TEST_F(Separation, AnFmuMayBringTheCxxRuntimeAndThrow) {

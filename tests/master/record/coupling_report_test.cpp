@@ -138,8 +138,9 @@ TEST(InputDeviation, OnALineBetweenTwoKnownEndsThereIsNone) {
 }
 
 TEST(InputDeviation, AboveTheLimitItWarnsWithAStepThatDoes) {
-  EXPECT_THAT(summary_of(ramp(R"({"input_limit": 0.01})", false))["notices"].dump(),
-              AllOf(HasSubstr("the input b.ramp_in was"), HasSubstr("a communication step of")));
+  EXPECT_THAT(
+      summary_of(ramp(R"({"input_limit": 0.01})", false))["notices"].dump(),
+      AllOf(HasSubstr("the input b.ramp_in differed from its source by"), HasSubstr("a communication step of")));
   EXPECT_THAT(summary_of(ramp(R"({"input_limit": 0.5})", false))["notices"].dump(), Not(HasSubstr("the input")));
 }
 

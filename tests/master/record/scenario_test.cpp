@@ -144,8 +144,10 @@ TEST(Scenario, WhatMakesNoSenseIsRefusedBeforeTheFirstStep) {
   EXPECT_THAT(refused(R"({"variable": "a.buffer.size", "set": 1})"), HasSubstr("binary variable"));
   EXPECT_THAT(refused(R"({"variable": "a.real_out", "noise": 1})"), HasSubstr("'seed' is missing"));
   EXPECT_THAT(refused(R"({"variable": "a.real_out", "set": 1, "freeze": true})"), HasSubstr("exactly one of"));
-  EXPECT_THAT(refused(R"({"variable": "a.real_out", "set": 1, "over": 1})"), HasSubstr("belongs to 'ramp' only"));
-  EXPECT_THAT(refused(R"({"variable": "a.real_out", "set": 1, "from": 2, "until": 1})"), HasSubstr("not after 'from'"));
+  EXPECT_THAT(refused(R"({"variable": "a.real_out", "set": 1, "over": 1})"),
+              HasSubstr("allowed only together with 'ramp'"));
+  EXPECT_THAT(refused(R"({"variable": "a.real_out", "set": 1, "from": 2, "until": 1})"),
+              HasSubstr("must be after 'from'"));
 }
 
 TEST(Scenario, ReportSaysWhatActedWhen) {

@@ -196,7 +196,8 @@ TEST_F(Checkpoints, ChangedInputsAreRefusedByName) {
   write_file(folder.path() / "program.elf", "two");
   auto refused = run({"resume", "killed"});
   EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.err, AllOf(HasSubstr("not those of the checkpoint"), HasSubstr("file b.string_in")));
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("the inputs have changed since the checkpoint was written"),
+                                 HasSubstr("file b.string_in")));
   write_file(folder.path() / "program.elf", "one");
   write_file(folder.path() / "two.json", with_probe(kSavedSystem) + "\n");
   refused = run({"resume", "killed"});

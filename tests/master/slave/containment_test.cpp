@@ -121,11 +121,10 @@ TEST_F(Containment, AFaultWhenAnInstanceIsFreedFailsAndKeepsTheResults) {
 TEST_F(Containment, ChangesOfTheProcessByInitialisationAreReportedAndReverted) {
   const auto ended = run_program({"run", "two.json", "--set", "a.fault=meddle"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
-  EXPECT_THAT(ended.err,
-              AllOf(HasSubstr("the FMU probe.fmu changed the process for all, in fmi2EnterInitializationMode"),
-                    HasSubstr("file modes became 000 (put back to"), HasSubstr("working directory became / (put back)"),
-                    HasSubstr("of core files"), HasSubstr("descriptor 0 is closed (put back)"),
-                    HasSubstr("signal 10 (SIGUSR1)")));
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("the FMU probe.fmu changed the whole process in fmi2EnterInitializationMode"),
+                               HasSubstr("file modes became 000 (put back to"),
+                               HasSubstr("working directory became / (put back)"), HasSubstr("of core files"),
+                               HasSubstr("descriptor 0 is closed (put back)"), HasSubstr("signal 10 (SIGUSR1)")));
   EXPECT_THAT(result("results.csv"), HasSubstr("\n1,")) << "the folder is relative to the working directory";
 }
 
@@ -141,7 +140,7 @@ TEST_F(Containment, ReportsAndUndoesChangesOfTheEnvironment) {
     const auto ended = run_program({"run", "environment.json"}, folder.path());
     unsetenv("PROBE_HOME");
     EXPECT_EQ(ended.code, 0) << ended.err;
-    EXPECT_THAT(ended.err, AllOf(HasSubstr("changed the process for all, in fmi2EnterInitializationMode"),
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("changed the whole process in fmi2EnterInitializationMode"),
                                  HasSubstr("environment variable PROBE_INTEGRAL became '7' (removed again)"),
                                  HasSubstr("environment variable TZ became 'PST8PDT'"),
                                  HasSubstr("environment variable PROBE_HOME was removed (put back)"),
@@ -168,7 +167,7 @@ TEST_F(Containment, EveryInstanceIsWatched) {
   const auto ended = run_program({"run", "two.json", "--set", "b.fault=meddle"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.err,
-              AllOf(HasSubstr("b: warning: the FMU probe.fmu changed the process for all, in fmi2EnterInitialization"),
+              AllOf(HasSubstr("b: warning: the FMU probe.fmu changed the whole process in fmi2EnterInitialization"),
                     HasSubstr("file modes became 000")));
 }
 
@@ -181,8 +180,8 @@ TEST_F(Containment, AFileThatAnFmuOpensInItsStepsAndClosesAtTheEndIsItsOwn) {
 TEST_F(Containment, ChangesOfTheProcessByAStepAreReportedAndReverted) {
   // Step 4 is a watched one, so the instance is known; after step 5 the next check, of all instances, is at step 8.
   for (const auto& [time, who] :
-       {std::pair("0.4", "b: warning: the FMU probe.fmu changed the process for all, in fmi2DoStep"),
-        {"0.5", "the FMU probe.fmu changed the process for all, in steps from 0.4 s to 0.8 s"}}) {
+       {std::pair("0.4", "b: warning: the FMU probe.fmu changed the whole process in fmi2DoStep"),
+        {"0.5", "the FMU probe.fmu changed the whole process in steps from 0.4 s to 0.8 s"}}) {
     const auto ended =
         run_program({"run", "two.json", "--set", "b.fault=open_masks", "--set", std::string("b.fault_time=") + time},
                     folder.path());
@@ -201,12 +200,12 @@ TEST_F(Containment, OfManyInstancesTheFmuIsKnownWhereTheInstanceIsNot) {
                  instances + "}}"));
   const auto ended = run_program({"run", "two.json", "--set", "i59.fault=meddle"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
-  EXPECT_THAT(ended.err, AllOf(HasSubstr("the FMU probe.fmu changed the process for all, in initialisation"),
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("the FMU probe.fmu changed the whole process in initialisation"),
                                HasSubstr("working directory became / (put back)")));
   EXPECT_THAT(result("results.csv"), HasSubstr("\n1,"));
   const auto freed = run_program({"run", "two.json", "--set", "i59.fault=free_meddle"}, folder.path());
   EXPECT_EQ(freed.code, 0) << freed.err;
-  EXPECT_THAT(freed.err, AllOf(HasSubstr("the FMU probe.fmu changed the process for all, when it was freed"),
+  EXPECT_THAT(freed.err, AllOf(HasSubstr("the FMU probe.fmu changed the whole process when it was freed"),
                                HasSubstr("file modes became 000 (put back to")));
 }
 

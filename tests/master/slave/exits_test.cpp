@@ -98,7 +98,7 @@ TEST(ThreadState, PriorityAffinityStackAndParentDeathSignalAreReported) {
         prctl(PR_GET_PDEATHSIG, &signal);
         EXPECT_EQ(signal, 0);
       });
-  EXPECT_THAT(texts, Contains("the alternate signal stack is another (put back)"));
+  EXPECT_THAT(texts, Contains("the alternate signal stack changed (put back)"));
   EXPECT_THAT(texts, Contains("the parent-death signal became SIGUSR2 (put back)"));
   EXPECT_THAT(texts, Contains(HasSubstr(fmt::format("the priority (nice value) became {}", nice_before + 3))));
 }
@@ -289,12 +289,12 @@ TEST_F(Exits, WhatIsChangedOfTheThreadAndTimersIsReportedWithTheInstance) {
   const auto ended = run("meddle_thread");
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.err,
-              AllOf(HasSubstr("b: warning: the FMU probe.fmu changed the process for all, in fmi2EnterInitialization"),
+              AllOf(HasSubstr("b: warning: the FMU probe.fmu changed the whole process in fmi2EnterInitialization"),
                     HasSubstr("the signal mask blocks SIGINT, SIGTERM (put back)"),
                     HasSubstr("the handler of signal 2 (SIGINT) is another (put back)"),
                     HasSubstr("ITIMER_REAL, as by alarm(), runs (stopped)"), HasSubstr("ITIMER_PROF runs (stopped)"),
                     HasSubstr("the priority (nice value) became"), HasSubstr("the parent-death signal became SIGUSR2"),
-                    HasSubstr("the alternate signal stack is another (put back)")));
+                    HasSubstr("the alternate signal stack changed (put back)")));
   EXPECT_THAT(result("results.csv"), HasSubstr("\n1,"));
 }
 

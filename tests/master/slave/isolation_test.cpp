@@ -328,8 +328,8 @@ TEST_F(Isolation, WhatGoesWrongWhenAnInstanceIsFreedFailsAndKeepsTheResults) {
   ASSERT_EQ(run({}).code, 0);
   const auto csv = result("results.csv");
   for (const auto& [fault, message] :
-       {std::pair("free_crash", "died of signal 11 (SIGSEGV, invalid memory access) in fmi2FreeInstance"),
-        {"free_hang", "fmi2FreeInstance did not come back within 3 s"},
+       {std::pair("free_crash", "was ended by signal 11 (SIGSEGV, invalid memory access) in fmi2FreeInstance"),
+        {"free_hang", "fmi2FreeInstance did not return within 3 s"},
         {"free_exit", "ended itself with exit code 0 in fmi2FreeInstance"},
         {"destructor", "in the destructors of its library"}}) {
     const auto run_result = run({"--set", fmt::format("b.fault={}", fault), "--set", "b.fault_time=9"});

@@ -28,7 +28,7 @@ std::string_view name_of(int signal) {
     case SIGSEGV:
       return "SIGSEGV (invalid memory access)";
     case SIGBUS:
-      return "SIGBUS (memory that is not there)";
+      return "SIGBUS (access to memory that does not exist)";
     case SIGFPE:
       return "SIGFPE (arithmetic error)";
     case SIGILL:
@@ -45,7 +45,7 @@ std::string_view name_of(int signal) {
 /// Reports a crash on a thread that is not in a call: a thread of an FMU, of the embedding program, or of mebots.
 void report_other_thread(int signal) {
   SignalLine line;
-  line << "mebots: error: " << name_of(signal) << " ended the process, on a thread that is in no call to an FMU. ";
+  line << "mebots: error: " << name_of(signal) << " ended the process on a thread outside of calls to FMUs. ";
   bool any = false;
   for_each_instance([&](const char* name) {
     line << (any ? ", '" : "FMUs may have threads of their own; the instances in this process: '") << name << "'";
@@ -66,14 +66,17 @@ void on_crash(int signal) {
     line << "mebots: error: instance '" << call.instance << "' at " << call.time_ns / kPerMillisecond
          << " ms: mebots failed by " << name_of(signal) << " in its callback " << entered.name << ", called from "
          << call.function
-         << ". This is a mistake in mebots, unless the FMU damaged the memory of both: mebots check can tell. Please "
+         << ". This is a mistake in mebots, unless the FMU damaged memory of mebots: `mebots check` can find out. "
+            "Please "
             "report it\n";
     line.write_to(STDERR_FILENO);
   } else if (call.instance != nullptr) {
     SignalLine line;
     line << "mebots: error: instance '" << call.instance << "' at " << call.time_ns / kPerMillisecond
          << " ms: its FMU ended the process by " << name_of(signal) << " in " << call.function;
-    if (entered.name != nullptr) line << ", by what it handed to " << entered.name << " or had damaged before";
+    if (entered.name != nullptr)
+      line << ", because of a pointer that it passed to " << entered.name
+           << ", or of memory that it had damaged before";
     line << kRemedy;
     line.write_to(STDERR_FILENO);
   } else if (call.library != nullptr) {

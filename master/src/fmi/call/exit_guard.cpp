@@ -138,8 +138,8 @@ bool end_by_signal(int signal) {
 std::optional<std::string> take_kept_signal() {
   if (kept_signal.load(std::memory_order_relaxed) == 0) return std::nullopt;
   return fmt::format(
-      "the process got the signal {}, of a timer or sent by itself, which has no handler: one "
-      "of the FMUs in it (instances: {}) let it be sent, {}",
+      "the process received the signal {} from a timer or from itself, and has no handler for it: one of its FMUs "
+      "(instances: {}) caused it, {}",
       signal_name(kept_signal.exchange(0)), fmt::join(instances_here(), ", "), kRemedy);
 }
 

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::string_view kRandom = "random numbers";
 constexpr std::string_view kDrand48 = "random numbers of drand48()";
-constexpr std::string_view kTokens = "the text that strtok() is in";
-constexpr std::string_view kOptions = "the place of getopt()";
+constexpr std::string_view kTokens = "the position of strtok()";
+constexpr std::string_view kOptions = "the position of getopt()";
 constexpr std::string_view kCharacters = "the shift state of characters";
 constexpr std::string_view kSign = "the sign of lgamma()";
 constexpr std::string_view kEnvironment = "environment variables";
@@ -33,12 +33,12 @@ constexpr std::string_view kThreads = "threads";
 constexpr std::string_view kThreadData = "data of threads";
 constexpr std::string_view kProcesses = "other processes";
 constexpr std::string_view kFiles = "standard input, output and errors";
-constexpr std::string_view kInput = "the place in standard input";
+constexpr std::string_view kInput = "the position in standard input";
 constexpr std::string_view kAttributes = "users, groups and attributes of the process";
-constexpr std::string_view kMemory = "how memory is handed out";
-constexpr std::string_view kExit = "what is called at the end of the process";
+constexpr std::string_view kMemory = "the settings of malloc()";
+constexpr std::string_view kExit = "the functions that run at exit";
 constexpr std::string_view kTable = "the hash table of hsearch()";
-constexpr std::string_view kLog = "how the system's log is written";
+constexpr std::string_view kLog = "the settings of syslog()";
 constexpr std::string_view kHandlers = "handlers of the C++ library";
 constexpr std::string_view kStreams = "streams of the C++ library";
 

@@ -188,7 +188,7 @@ void ProcessState::Rest::compare_handlers(std::vector<std::string>& texts) const
     if (now == SIG_DFL && (before.sa_flags & static_cast<int>(SA_RESETHAND)) != 0) continue;
     const bool back = ends_a_run(signal) && sigaction(signal, &before, nullptr) == 0;
     if (!back && !is_new_change(fmt::format("handler {}: {}", signal, reinterpret_cast<std::uintptr_t>(now)))) continue;
-    texts.push_back(fmt::format("the handler of signal {} ({}) is another ({})", signal, signal_name(signal),
+    texts.push_back(fmt::format("the handler of signal {} ({}) changed ({})", signal, signal_name(signal),
                                 back ? "put back" : "left as it is"));
   }
 }

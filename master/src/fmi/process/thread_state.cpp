@@ -102,7 +102,7 @@ void ThreadState::compare_stack(std::vector<std::string>& texts) const {
   const bool same_place = now.ss_sp == stack_.ss_sp && now.ss_size == stack_.ss_size;
   const bool both_off = (now.ss_flags & stack_.ss_flags & SS_DISABLE) != 0;
   if (both_off || (same_place && now.ss_flags == stack_.ss_flags)) return;
-  report(texts, "the alternate signal stack is another", sigaltstack(&stack_, nullptr) == 0);
+  report(texts, "the alternate signal stack changed", sigaltstack(&stack_, nullptr) == 0);
 }
 
 void ThreadState::compare_scheduling(std::vector<std::string>& texts) const {

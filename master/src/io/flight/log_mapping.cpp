@@ -76,14 +76,15 @@ void check_column(const Node& node, std::set<std::string>& taken) {
   const bool known = column.read("signal", unit, [&](const Node& member) {
     const auto& signal = find_signal(member);
     if (!taken.insert(std::string(signal.name)).second) {
-      member.fail(ErrorCode::duplicate_name, fmt::format("another column is the signal {} already", signal.name));
+      member.fail(ErrorCode::duplicate_name, fmt::format("the signal {} already has a column", signal.name));
     }
     return signal.unit;
   });
   column.read("unit", text, [&](const Node& member) { return known ? convertible_to(unit)(member) : member.text(); });
   column.read_if("scale", scale, data::number());
   column.finish();
-  if (column.sound() && scale == 0) node.at("scale").complain(ErrorCode::invalid_value, "0 would erase the signal");
+  if (column.sound() && scale == 0)
+    node.at("scale").complain(ErrorCode::invalid_value, "a scale of 0 would make every value 0; use another number");
 }
 
 void check_clock(const Node& node) {

@@ -53,13 +53,13 @@ void Functions::read(pugi::xml_node functions) {
       inputs = count(node, "inputCount");
       if (function.is_vector) elements = count(node, "dimension");
     } else {
-      file_->fail(node, fmt::format("{} is no function; LinearTransformation, Sum and VectorSum are", kind));
+      file_->fail(node, fmt::format("{} is not a function; use LinearTransformation, Sum or VectorSum", kind));
     }
     function.inputs.assign(inputs, std::vector<OspVariable>(elements));
     function.outputs.resize(elements);
     const auto name = file_->required(node, "name");
     if (!functions_.emplace(name, std::move(function)).second) {
-      file_->fail(node, fmt::format("the function \"{}\" is there twice", name));
+      file_->fail(node, fmt::format("the function \"{}\" occurs twice", name));
     }
     order_.push_back(name);
   }
@@ -117,7 +117,7 @@ void Functions::connect(pugi::xml_node signal, const std::vector<OspVariable>& v
     }
     auto& input = function.inputs[found.input][element];
     if (!input.simulator.empty()) {
-      file_->fail(signal, fmt::format("this signal gets its value from \"{}\" already", input.text()));
+      file_->fail(signal, fmt::format("this signal already gets its value from \"{}\"", input.text()));
     }
     input = variables[i];
   }

@@ -76,17 +76,17 @@ class OspReader {
     const auto algorithm = child(root, "Algorithm");
     const std::string_view name = algorithm.text().get();
     if (algorithm && name != "fixedStep") {
-      result_.notices.push_back(fmt::format(
-          "{}: the algorithm \"{}\" is left out; all simulators step with the base step. \"step_control\" in a "
-          "config lets the step vary: mebots convert writes one",
-          file_.place(algorithm), name));
+      result_.notices.push_back(
+          fmt::format("{}: the algorithm \"{}\" is ignored; all simulators step with the base step. For steps of "
+                      "variable length, write a config with `mebots convert` and add \"step_control\"",
+                      file_.place(algorithm), name));
     }
   }
 
   void read_simulator(pugi::xml_node node) {
     const auto name = file_.required(node, "name");
     auto& instance = result_.config["instances"][name];
-    if (!instance.is_null()) file_.fail(node, fmt::format("the simulator \"{}\" is there twice", name));
+    if (!instance.is_null()) file_.fail(node, fmt::format("the simulator \"{}\" occurs twice", name));
     const auto pointer = "/instances" + data::pointer_step(name);
     result_.places[pointer] = file_.place(node);
     const auto path = read_source(node, name, instance);
@@ -133,8 +133,8 @@ class OspReader {
     const auto multiple = std::max(1.0, std::floor(step / base + kRounding));
     if (!(step > 0) || !(base > 0) || std::abs(step - multiple * base) <= kRounding * base) return step;
     result_.notices.push_back(
-        fmt::format("{}: the step {} s of \"{}\" is no multiple of the base step {} s; {} s is used", file_.place(node),
-                    step, name, base, multiple * base));
+        fmt::format("{}: the step {} s of \"{}\" is not a multiple of the base step {} s; {} s is used",
+                    file_.place(node), step, name, base, multiple * base));
     return multiple * base;
   }
 
@@ -189,14 +189,14 @@ class OspReader {
     } else if (kind == "SignalGroupConnection") {
       functions_.connect(one(node, "SignalGroup"), group(one(node, "VariableGroup")), osp::Ends::group);
     } else {
-      file_.fail(node, fmt::format("{} is no connection", kind));
+      file_.fail(node, fmt::format("{} is not a connection", kind));
     }
   }
 
   pugi::xml_node one(pugi::xml_node node, const char* element) const {
     const auto ends = children(node, element);
     if (ends.size() != 1) {
-      file_.fail(node, fmt::format("one element {} is expected here, and there are {}", element, ends.size()));
+      file_.fail(node, fmt::format("one element {} is expected here, but there are {}", element, ends.size()));
     }
     return ends.front();
   }
@@ -204,7 +204,7 @@ class OspReader {
   std::vector<pugi::xml_node> two(pugi::xml_node node, const char* element) const {
     auto ends = children(node, element);
     if (ends.size() != 2)
-      file_.fail(node, fmt::format("two elements {} are expected here, and there are {}", element, ends.size()));
+      file_.fail(node, fmt::format("two elements {} are expected here, but there are {}", element, ends.size()));
     return ends;
   }
 
@@ -229,7 +229,7 @@ class OspReader {
     const bool onwards = causality(node, one) == Causality::output && causality(node, other) == Causality::input;
     const bool back = causality(node, one) == Causality::input && causality(node, other) == Causality::output;
     if (!onwards && !back) {
-      file_.fail(node, fmt::format("of \"{}\" and \"{}\" one must be an output and the other an input", one.text(),
+      file_.fail(node, fmt::format("one of \"{}\" and \"{}\" must be an output, and the other one an input", one.text(),
                                    other.text()));
     }
     add(node, {{"from", (onwards ? one : other).text()}, {"to", (onwards ? other : one).text()}},
@@ -248,7 +248,7 @@ class OspReader {
     for (const auto& [variable, wanted] :
          {std::pair(&link.from, Causality::output), std::pair(&link.to, Causality::input)}) {
       if (causality(link.node, *variable) == wanted) continue;
-      file_.fail(link.node, fmt::format("\"{}\" must be an {} of its FMU, to be connected so with a function",
+      file_.fail(link.node, fmt::format("\"{}\" must be an {} of its FMU for this connection with a function",
                                         variable->text(), to_string(wanted)));
     }
     if (link.factor == 0) return set(link.node, link.to, link.offset);
@@ -271,7 +271,7 @@ class OspReader {
       auto& instance = result_.config["instances"][end.simulator];
       if (!instance.contains("parameters") || instance["parameters"].erase(end.variable) == 0) continue;
       result_.notices.push_back(
-          fmt::format("{}: the initial value of \"{}\" is left out, since the variable is connected",
+          fmt::format("{}: the initial value of \"{}\" is ignored, because the variable is connected",
                       result_.places["/instances" + data::pointer_step(end.simulator) + "/parameters" +
                                      data::pointer_step(end.variable)],
                       end.text()));

@@ -98,7 +98,7 @@ void Course::transform(const ValueMap& map, const std::string& place) {
 
 void Course::check_range(const std::string& place) const {
   if (std::isfinite(factor_) && std::isfinite(offset_)) return;
-  throw InputError(fmt::format("{}: the transformations on the way leave the range of numbers", place));
+  throw InputError(fmt::format("{}: a transformation of this connection leaves the range of numbers", place));
 }
 
 Json Course::apply(const Json& value, const std::string& name) const {
@@ -120,7 +120,7 @@ Json Course::apply(const Json& value, const std::string& name) const {
   }
   const double result = factor_ * value.get<double>() + offset_;
   if (!std::isfinite(result)) {
-    throw InputError(fmt::format("{}: the transformations on the way leave the range of numbers", name));
+    throw InputError(fmt::format("{}: a transformation of this connection leaves the range of numbers", name));
   }
   return result;
 }

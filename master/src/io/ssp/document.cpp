@@ -56,7 +56,7 @@ class SystemReader {
       if (child_node.type() != pugi::node_element) continue;
       auto element = read_element(child_node);
       if (!names.insert(element.name).second) {
-        file_.fail(child_node, fmt::format("the name \"{}\" is there twice", element.name));
+        file_.fail(child_node, fmt::format("the name \"{}\" occurs twice", element.name));
       }
       system.elements.push_back(std::move(element));
     }
@@ -73,7 +73,7 @@ class SystemReader {
     if (file_.required(node, "name").empty()) file_.fail(node, "the name is empty");
     if (kind == "System") return read_system(node);
     if (kind == "Component") return read_component(node);
-    file_.fail(node, fmt::format("{} cannot be used; components and systems can", kind));
+    file_.fail(node, fmt::format("{} is not supported; use components and systems", kind));
   }
 
   Element read_common(pugi::xml_node node, Element::Kind kind) const {
@@ -110,7 +110,7 @@ class SystemReader {
       if (implementation == element_of(kind)) return std::string(word_of(kind));
     }
     if (implementation == "any") return {};
-    file_.fail(node, fmt::format("the implementation {} is not supported; CoSimulation, ModelExchange and any are",
+    file_.fail(node, fmt::format("the implementation {} is not supported; use CoSimulation, ModelExchange or any",
                                  implementation));
   }
 
@@ -149,7 +149,7 @@ class SystemReader {
       file_.fail(node, fmt::format("the SSD {} refers to itself", path.string()));
     }
     if (++nesting_.read > kMostDefinitions || nesting_.open.size() >= kDeepestDefinition) {
-      file_.fail(node, fmt::format("more than {} references to other SSDs, or more than {} in each other",
+      file_.fail(node, fmt::format("there are more than {} references to other SSDs, or more than {} nested ones",
                                    kMostDefinitions, kDeepestDefinition));
     }
     const Source inner{source_.files, source_.archive, path.parent_path(), source_.notices};
@@ -195,7 +195,7 @@ class SystemReader {
     }
     const auto version = file->required(root, "version");
     if (version != "1.0" && version != "2.0") {
-      file->fail(root, fmt::format("this is SSP {}; 1.0 and 2.0 can be read", version));
+      file->fail(root, fmt::format("this is SSP {}; only 1.0 and 2.0 are supported", version));
     }
     const auto system = child(root, "System");
     if (!system) file->fail(root, "the element System is missing");

@@ -43,7 +43,7 @@ std::string read_from_fmu(const BindingContext& context, pugi::xml_node node, co
   } catch (const Error& error) {
     context.ssd.fail(node, error.what());
   }
-  context.ssd.fail(node, fmt::format("the FMU {} holds no file \"{}\"", context.fmu.string(), uri));
+  context.ssd.fail(node, fmt::format("the FMU {} contains no file \"{}\"", context.fmu.string(), uri));
 }
 
 std::string read_source(const BindingContext& context, pugi::xml_node node, const std::string& uri) {
@@ -69,7 +69,7 @@ Part part(const BindingContext& context, pugi::xml_node node, const char* inline
   }
   const auto holder = inline_holder == nullptr ? node : child(node, inline_holder);
   const auto found = child(holder, root_name);
-  if (!found) context.ssd.fail(node, fmt::format("neither a source nor an inline {} is there", root_name));
+  if (!found) context.ssd.fail(node, fmt::format("there is neither a source nor an inline {}", root_name));
   return {&context.ssd, found, nullptr};
 }
 
@@ -177,7 +177,7 @@ std::vector<Parameter> mapped(const std::vector<Parameter>& parameters, const st
 
 void require_type(const XmlFile& file, pugi::xml_node node, std::string_view readable) {
   const std::string type = node.attribute("type").as_string(std::string(readable).c_str());
-  if (type != readable) file.fail(node, fmt::format("the type {} cannot be read; only {} can", type, readable));
+  if (type != readable) file.fail(node, fmt::format("the type {} is not supported; use {}", type, readable));
 }
 
 std::vector<Parameter> read_binding(const BindingContext& context, pugi::xml_node binding) {

@@ -145,7 +145,7 @@ class ConfigMaker {
     const auto& to = way.back()->to;
     for (const auto* hop : way)
       leave_out(values, hop->to,
-                fmt::format("values are left out, since the variable gets its value from {}", from.text()));
+                fmt::format("values are ignored, because the variable gets its value from {}", from.text()));
     const auto course = course_of(way, 0, network_.port(from).unit());
     if (course.factor() == 0) {  // only the offset has an effect
       set_parameter(to, course.offset(), way.back()->connection->place);
@@ -192,14 +192,15 @@ class ConfigMaker {
     while (first < way.size() && !values.contains(way[first]->from)) ++first;
     if (first == way.size()) {
       if (!values.contains(to)) {
-        notices_.push_back(fmt::format("{}: {} is connected to the system's connector \"{}\", which nothing feeds",
+        notices_.push_back(fmt::format("{}: {} is connected to the system's connector \"{}\", which has no source",
                                        way.back()->connection->place, to.text(), way.front()->from.text()));
       }
       return;
     }
     for (std::size_t i = first; i < way.size(); ++i) {
-      leave_out(values, way[i]->to,
-                fmt::format("values are left out, since the variable gets its value from {}", way[first]->from.text()));
+      leave_out(
+          values, way[i]->to,
+          fmt::format("values are ignored, because the variable gets its value from {}", way[first]->from.text()));
     }
     const auto& value = values.at(way[first]->from);
     used_.insert(way[first]->from);
@@ -222,7 +223,7 @@ class ConfigMaker {
       if (network_.is_component(endpoint.element)) {
         set_parameter(endpoint, value.value, value.place);
       } else if (!used_.contains(endpoint)) {
-        value_notices_.add(value.file, "values are left out, since the connector feeds nothing", endpoint.text());
+        value_notices_.add(value.file, "values are ignored, because the connector has no connection", endpoint.text());
       }
     }
   }
@@ -317,7 +318,8 @@ class ConfigMaker {
 
 SspConfig ssp::read(const Files& files, const std::string& archive, const std::string& ssd) {
   if (!files.holds(ssd)) {
-    throw InputError(ErrorCode::archive_damaged, fmt::format("{}: this is not an SSP: it holds no {}", archive, ssd));
+    throw InputError(ErrorCode::archive_damaged,
+                     fmt::format("{}: this is not an SSP: it contains no {}", archive, ssd));
   }
   std::vector<std::string> notices;
   const Source source{files, archive, "", notices};

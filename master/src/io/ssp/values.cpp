@@ -47,7 +47,7 @@ UnitPair defined_units(UnitPair units, const Parameter& parameter, const std::st
     notices.add(parameter.file, which + ", so they are read by their usual names", name);
     return {from, to};
   }
-  notices.add(parameter.file, which + ", so the numbers are taken as they are", name);
+  notices.add(parameter.file, which + ", so the numbers are not converted", name);
   return {std::nullopt, units.to};
 }
 
@@ -56,7 +56,7 @@ void assign(const Network& network, const Parameter& parameter, const Endpoint& 
   const auto port = network.port(endpoint);
   if (port.variable != nullptr) {
     if (const auto why = why_not_settable(*port.variable); !why.empty()) {
-      notices.add(parameter.file, fmt::format("values are left out, since the variable cannot be set ({})", why),
+      notices.add(parameter.file, fmt::format("values are ignored, because the variable cannot be set ({})", why),
                   endpoint.text());
       return;
     }
@@ -112,7 +112,7 @@ std::map<Endpoint, StartingValue> starting_values(const Network& network, ValueN
       const auto found = network.find(path, parameter.name);
       for (const auto& endpoint : found) assign(network, parameter, endpoint, notices, values);
       if (!found.empty()) continue;
-      notices.add(parameter.file, "values are left out, since the system has no such variable",
+      notices.add(parameter.file, "values are ignored, because the system has no such variable",
                   Endpoint{path, parameter.name}.text());
     }
   }

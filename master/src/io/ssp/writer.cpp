@@ -297,7 +297,7 @@ void write_config(const SystemDescription& system, Json config, const std::files
   std::filesystem::create_directories(target, error);
   if (error)
     throw Error(ErrorCode::file_unwritable,
-                fmt::format("{}: the folder cannot be made: {}", target.string(), error.message()));
+                fmt::format("{}: the folder cannot be created: {}", target.string(), error.message()));
   const auto names = file_names(system);
   for (const auto& [path, name] : names) {
     std::filesystem::copy_file(path, target / name, std::filesystem::copy_options::overwrite_existing, error);

@@ -150,7 +150,7 @@ std::filesystem::path resolve_uri(const Source& source, const XmlFile& file, pug
   if (path.empty() || (*path.begin() == ".." && !is_open)) {
     file.fail(node, fmt::format("the source \"{}\" is not inside the SSP", uri));
   }
-  if (!source.files.holds(path)) file.fail(node, fmt::format("the SSP holds no file \"{}\"", uri));
+  if (!source.files.holds(path)) file.fail(node, fmt::format("the SSP contains no file \"{}\"", uri));
   return path;
 }
 

@@ -43,7 +43,7 @@ auto count_from(std::int64_t least) {
 
 /// Reads an optional flag that must be true if present.
 bool read_mark(const Node& node) {
-  if (!node.flag()) node.fail(ErrorCode::invalid_value, "true is expected here; leave the key out for the other case");
+  if (!node.flag()) node.fail(ErrorCode::invalid_value, "this key must be true; remove it for the other case");
   return true;
 }
 
@@ -256,7 +256,7 @@ void check_draws(const Node& node, Names& names) {
       names.draws.push_back(name);
       value.attempt([&, &name = name, &value = value] {
         if (std::ranges::find(names.factors, name) != names.factors.end()) {
-          value.fail(ErrorCode::duplicate_name, fmt::format("'{}' is a factor already", name));
+          value.fail(ErrorCode::duplicate_name, fmt::format("'{}' is already a factor", name));
         }
         check_distribution(value);
       });
@@ -313,7 +313,7 @@ void check_objective(const Node& node, const Names& names) {
     const double read = percentile.number();
     if (read <= 0 || read >= 100) {
       percentile.fail(ErrorCode::value_out_of_range,
-                      fmt::format("a percentile is above 0 and below 100, not {}", percentile.shown()));
+                      fmt::format("a percentile must be above 0 and below 100, not {}", percentile.shown()));
     }
     return read;
   });
@@ -327,7 +327,7 @@ void check_objective(const Node& node, const Names& names) {
   require_one_of(objective, kSources);
   if (objective.has("series") != objective.has("of")) {
     node.complain(ErrorCode::missing_key,
-                  "'series' and 'of' go together: the variable, and what is made of its values");
+                  "'series' (a variable) and 'of' (the reduction of its values) need each other");
   }
   if (objective.has("minimize") && objective.has("maximize")) {
     node.complain(ErrorCode::invalid_value, "either 'minimize' or 'maximize', not both");
@@ -346,7 +346,7 @@ void check_objectives(const Node& node, Names& names) {
     value.attempt([&, &label = label, &value = value] {
       const bool taken = std::ranges::find(names.factors, label) != names.factors.end() ||
                          std::ranges::find(names.draws, label) != names.draws.end();
-      if (taken) value.fail(ErrorCode::duplicate_name, fmt::format("'{}' is a factor or a draw already", label));
+      if (taken) value.fail(ErrorCode::duplicate_name, fmt::format("'{}' is already a factor or a draw", label));
       check_objective(value, names);
     });
   }
@@ -415,7 +415,7 @@ void check_rounds(const Node& node, const Names& names) {
   if (mark && !names.compared) {
     node.at("racing").complain(
         ErrorCode::invalid_value,
-        "nothing can be raced: add 'minimize' or 'maximize' to an objective, or add constraints");
+        "a race needs something to compare: add 'minimize' or 'maximize' to an objective, or add constraints");
   }
 }
 
@@ -478,7 +478,7 @@ void check_alone(const Object& study, const Names& names) {
   for (const std::string_view key : {"objectives", "constraints", "rounds", "fork", "results"}) {
     if (study.has(key)) {
       node.at(key).complain(ErrorCode::invalid_value,
-                            fmt::format("'{}' does not go with 'splitting', whose answer is a probability", key));
+                            fmt::format("'{}' cannot be used with 'splitting', whose result is a probability", key));
     }
   }
   if (!study.has("draws")) {
@@ -486,7 +486,7 @@ void check_alone(const Object& study, const Names& names) {
   }
   if (names.design_kind == "search" || names.design_kind == "sensitivity") {
     node.at("design").complain(ErrorCode::invalid_value,
-                               fmt::format("a design '{}' does not go with 'splitting'", names.design_kind));
+                               fmt::format("a design '{}' cannot be used with 'splitting'", names.design_kind));
   }
 }
 

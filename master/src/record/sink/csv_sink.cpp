@@ -116,7 +116,7 @@ void copy_csv_rows(const std::filesystem::path& file, std::uint64_t bytes, const
   }
   const auto fail = [&] {
     throw Error(ErrorCode::state_damaged,
-                fmt::format("{}: this file does not hold the rows that were written", file.string()));
+                fmt::format("{}: this file does not contain the rows that the run wrote", file.string()));
   };
   data::CsvReader reader(text, file.string());
   if (reader.header().size() != columns.size() + 1) fail();

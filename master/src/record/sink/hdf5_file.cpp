@@ -236,7 +236,7 @@ File::File(std::filesystem::path path) : path_(std::move(path)) {
   H5Pset_driver(access, driver_id(), &info);
   id_ = H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
   if (id_ < 0) {
-    const char* reason = error_number_ != 0 ? std::strerror(error_number_) : "HDF5 refuses it";
+    const char* reason = error_number_ != 0 ? std::strerror(error_number_) : "HDF5 reports an error";
     throw InputError(
         ErrorCode::file_unwritable,
         fmt::format("{}: the file cannot be written: {}. Choose another folder with --out", path_.string(), reason));

@@ -127,7 +127,7 @@ void ClockGroup::enter(Member& member, double time_s) {
   member.in_event = true;
   if (member.time_s <= time_s + kSameTime_s) return;
   notice(member, time_s,
-         "is behind: the instance has stepped further. List the instance that has such events earlier "
+         "comes too late: the instance has already stepped past it. List the instance that has such events earlier "
          "in the config, or take shorter steps");
 }
 
@@ -155,7 +155,7 @@ void ClockGroup::tick_timed_clocks(double time_s) {
       if (clock.next_s() > time_s + kSameTime_s) continue;
       if (clock.next_s() < time_s - kSameTime_s) {
         notice(member, clock.next_s(),
-               "waits for a communication point, since an instance cannot step to any time "
+               "waits for a communication point, because an instance cannot step to any time "
                "(canHandleVariableCommunicationStepSize = false). Take shorter steps");
       }
       tick(member, clock.variable().value_reference, time_s);

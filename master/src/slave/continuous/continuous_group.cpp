@@ -107,8 +107,8 @@ void ContinuousGroup::repeat_steps() {
   if (system_->repeat_steps([this] { return keep_members(); })) return;
   const auto time_ns = std::llround(system_->time_s() * 1e9);
   const auto text = fmt::format(
-      "the solver starts anew at {} s: the derivatives of its continuous system depend on more than time, "
-      "states and inputs, so its steps before cannot be repeated. Results from here differ from those of a "
+      "the solver restarts at {} s: the derivatives of its continuous system depend on more than time, "
+      "states and inputs, so its earlier steps cannot be repeated. Results from here differ from those of a "
       "run without interruption within the solver's tolerance; \"restart_at_points\": true in \"solver\" "
       "gives the same bits",
       system_->time_s());

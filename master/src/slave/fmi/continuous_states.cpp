@@ -13,8 +13,8 @@ ContinuousStates continuous_states_of(const modeldesc::ModelDescription& model, 
     const auto& rate = model.variables[derivative.variable];
     if (!rate.derivative_of) {
       throw SlaveError(ErrorCode::fmu_inconsistent,
-                       fmt::format("instance '{}': '{}' is a derivative in ModelStructure, and its variable names no "
-                                   "state (attribute derivative)",
+                       fmt::format("instance '{}': '{}' is a derivative in ModelStructure, but its variable has no "
+                                   "attribute derivative, which names the state",
                                    instance, rate.name));
     }
     const auto& state = model.variables[*rate.derivative_of];
@@ -27,7 +27,7 @@ ContinuousStates continuous_states_of(const modeldesc::ModelDescription& model, 
 
 void fail_to_step(std::string_view instance) {
   throw SlaveError(ErrorCode::wrong_call_order,
-                   fmt::format("instance '{}' is of model exchange and takes no steps", instance));
+                   fmt::format("instance '{}' is for model exchange and cannot take steps", instance));
 }
 
 }  // namespace mebots::master

@@ -138,7 +138,7 @@ std::string signal_text(int signal) {
       case SIGSEGV:
         return "invalid memory access";
       case SIGBUS:
-        return "memory that its file does not back";
+        return "access to memory that does not exist";
       case SIGFPE:
         return "arithmetic error";
       case SIGSYS:
@@ -148,7 +148,7 @@ std::string signal_text(int signal) {
       case SIGABRT:
         return "abort";
       case SIGKILL:
-        return "killed from outside, or for lack of memory";
+        return "killed by another process, or because memory ran out";
       default:
         return sigdescr_np(signal);
     }

@@ -99,7 +99,8 @@ void forbid_harm(Signals signals) {
   const auto forbid = [&](int call, const std::vector<scmp_arg_cmp>& where = {}) {
     const auto count = static_cast<unsigned>(where.size());
     const int problem = seccomp_rule_add_array(filter, SCMP_ACT_ERRNO(EPERM), call, count, where.data());
-    if (problem != 0) throw Error(std::string("a rule for system calls is not taken: ") + std::strerror(-problem));
+    if (problem != 0)
+      throw Error(std::string("the kernel rejected a rule for system calls: ") + std::strerror(-problem));
   };
   const auto self = static_cast<std::uint32_t>(getpid());
   if (signals == Signals::to_itself) {

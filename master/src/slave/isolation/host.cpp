@@ -259,7 +259,7 @@ class Host {
         return true;
       case Call::unload:
       case Call::none:
-        throw Error(ErrorCode::wrong_call_order, "the master asked for nothing");
+        throw Error(ErrorCode::wrong_call_order, "the master sent no call");
     }
     put_done();
     return true;
@@ -308,10 +308,11 @@ class Host {
   void check_sandbox() const {
     for (const auto& [mechanism, reason] : refusals_) {
       if (std::ranges::find(may_lack_, mechanism) != may_lack_.end()) continue;
-      throw Error(ErrorCode::system_failure,
-                  fmt::format("instance '{}': the FMU does not run, because this system refuses a part of its sandbox: "
-                              "{} ({}). To run it without, add \"{}\" to \"may_lack\" of the instance's \"sandbox\"",
-                              name_, mechanism, reason, mechanism));
+      throw Error(
+          ErrorCode::system_failure,
+          fmt::format("instance '{}': the FMU does not run, because this system refuses a part of its sandbox: "
+                      "{} ({}). To run it without this part, add \"{}\" to \"may_lack\" of the instance's \"sandbox\"",
+                      name_, mechanism, reason, mechanism));
     }
   }
 
@@ -340,8 +341,8 @@ class Host {
   static void load_python(const std::string& library) {
     if (dlopen(library.c_str(), RTLD_NOW | RTLD_GLOBAL) != nullptr) return;
     throw InputError(ErrorCode::fmu_inconsistent,
-                     fmt::format("the FMU needs a Python interpreter, and its library cannot be loaded: {}. Let "
-                                 "MEBOTS_PYTHON name another Python",
+                     fmt::format("the FMU needs a Python interpreter, and its library cannot be loaded: {}. Set "
+                                 "MEBOTS_PYTHON to another Python",
                                  dlerror()));
   }
 

@@ -115,7 +115,7 @@ std::optional<std::string> IsolatedSlave::report_end() {
   std::string problem;
   if (!end) {
     problem =
-        fmt::format("{} did not come back within {} s; its process was ended", name_of(control_->call.load()), grace_s);
+        fmt::format("{} did not return within {} s; its process was ended", name_of(control_->call.load()), grace_s);
   } else if (const bool answered = control_->answered.value() != batches_;
              !answered || end_in_sandbox(*end).by_signal) {
     problem = fault_text(*end);
@@ -228,16 +228,15 @@ void IsolatedSlave::wait(std::size_t calls_left) {
     const double waited_s = std::chrono::duration<double>(now - since).count();
     if (isolation.deadline_s && waited_s > *isolation.deadline_s) {
       process_->kill();
-      lost(ErrorCode::fmu_timeout,
-           fmt::format("{} did not come back within its deadline of {} s; its process was ended",
-                       name_of(control_->call.load()), *isolation.deadline_s));
+      lost(ErrorCode::fmu_timeout, fmt::format("{} did not return within its deadline of {} s; its process was ended",
+                                               name_of(control_->call.load()), *isolation.deadline_s));
     }
     if (interrupted_ != nullptr && interrupted_->load(std::memory_order_relaxed)) {
       if (!interrupted_at) interrupted_at = now;
       if (std::chrono::duration<double>(now - *interrupted_at).count() > kInterruptGraceS) {
         process_->kill();
         lost_ = fmt::format(
-            "instance '{}' at {} s: {} did not come back within {} s after the interrupt; its process "
+            "instance '{}' at {} s: {} did not return within {} s after the interrupt; its process "
             "was ended",
             name_, to_seconds(time_ns_), name_of(control_->call.load()), kInterruptGraceS);
         throw InterruptedError(lost_);
@@ -260,16 +259,16 @@ std::string IsolatedSlave::fault_text(const ProcessEnd& seen) const {
   if (!end.by_signal) {
     text = fmt::format("its process ended itself with exit code {} in {}", end.number, call);
   } else if (control_->fault_on_stack.load() != 0) {
-    text = fmt::format("its process died of {} in {}: its stack overflowed", signal_text(end.number), call);
+    text = fmt::format("its process was ended by {} in {}: its stack overflowed", signal_text(end.number), call);
   } else {
-    text = fmt::format("its process died of {} in {}", signal_text(end.number), call);
+    text = fmt::format("its process was ended by {} in {}", signal_text(end.number), call);
     if (control_->fault_seen.load() != 0) text += fmt::format(", at address {:#x}", control_->fault_address.load());
   }
   const auto limit = memory_bytes();
   constexpr std::uint64_t kMebi = 1 << 20;
   const auto peak = static_cast<std::uint64_t>(end.peak_memory_kb) * 1024;
   if (peak > limit / 2) {
-    text += fmt::format("; it had taken {} MiB of memory, and memory_limit_mb allows {}", peak / kMebi, limit / kMebi);
+    text += fmt::format("; it had used {} MiB of memory, and memory_limit_mb allows {}", peak / kMebi, limit / kMebi);
   }
   return text;
 }

@@ -34,7 +34,7 @@ const char* name_of(Call call) {
     case Call::none:
       return "the start of its process";
     case Call::open:
-      return "loading or fmi2Instantiate";
+      return "loading or instantiation";
     case Call::setup_experiment:
       return "fmi2SetupExperiment";
     case Call::enter_initialization:
@@ -44,7 +44,7 @@ const char* name_of(Call call) {
     case Call::step:
       return "fmi2DoStep";
     case Call::finish_step:
-      return "fmi2DoStep, which answered fmi2Pending,";
+      return "fmi2DoStep, which returned fmi2Pending,";
     case Call::terminate:
       return "fmi2Terminate";
     case Call::get_reals:
@@ -86,7 +86,7 @@ const char* name_of(Call call) {
     case Call::unload:
       return "the destructors of its library";
   }
-  return "a call that it does not name";  // the value is in shared memory and may be invalid
+  return "an unknown call";  // the value is in shared memory and may be invalid
 }
 
 void Turn::pass() {

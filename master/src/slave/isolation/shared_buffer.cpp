@@ -31,10 +31,11 @@ constexpr int kLowestDescriptor = 16;
 
 SharedBuffer::SharedBuffer(const char* name, std::size_t size) {
   const int made = memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
-  if (made < 0) fail("it cannot be made");
+  if (made < 0) fail("it cannot be created");
   descriptor_ = fcntl(made, F_DUPFD_CLOEXEC, kLowestDescriptor);
   ::close(made);
-  if (descriptor_ < 0 || fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_SEAL) != 0) fail("it cannot be set up");
+  if (descriptor_ < 0 || fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_SEAL) != 0)
+    fail("its size cannot be set");
   if (size > kFirstSize && ftruncate(descriptor_, static_cast<off_t>(size)) != 0) fail("it cannot grow");
   reserve(kFirstSize);
 }
@@ -66,7 +67,8 @@ std::span<const std::byte> SharedBuffer::bytes(std::size_t size) {
   if (size > mapped_) {
     const auto there = length();
     if (there < size)
-      throw DamagedMemory("the shared memory between master and FMU process is damaged: it is shorter than it says");
+      throw DamagedMemory(
+          "the shared memory between master and FMU process is damaged: it is shorter than its declared size");
     map(std::min(std::bit_ceil(size), there));  // the file may be larger than the memory
   }
   return {data_, size};
