@@ -40,15 +40,16 @@ class ArchiveCheck {
     for (zip_int64_t i = 0; i < count; ++i) check_entry(static_cast<zip_uint64_t>(i));
     if (!has_description_)
       findings_.error(
-          "modelDescription.xml is not at the top of the archive",
+          "modelDescription.xml is not at the root of the archive",
           nested_description_.empty()
-              ? "pack the files, not the folder that holds them"
+              ? "pack the files, not the folder that contains them"
               : fmt::format("it is there as \"{}\": pack the contents of that folder, not the folder itself",
                             nested_description_));
     if (!has_binaries_ && !has_sources_)
       findings_.error("there is neither a binary nor a source", "put the shared library into binaries/<platform>");
     if (total_ > modeldesc::UnpackLimits{}.total_bytes)
-      findings_.error(fmt::format("the archive unpacks to {} bytes", total_), "leave out what the FMU does not read");
+      findings_.error(fmt::format("the archive unpacks to {} bytes", total_),
+                      "remove files that the FMU does not read");
   }
 
  private:
@@ -76,7 +77,7 @@ class ArchiveCheck {
     const auto& path = normal ? *normal : name;
     if (name.empty()) findings_.error("an entry has no name", "pack the FMU again");
     if (name.find('\\') != std::string::npos)
-      findings_.error(fmt::format("\"{}\" has a backslash; zip demands forward slashes", name),
+      findings_.error(fmt::format("\"{}\" has a backslash; zip requires forward slashes", name),
                       "pack with a tool that writes forward slashes");
     if (name.starts_with('/') || (name.size() >= 2 && name[1] == ':'))
       findings_.error(fmt::format("\"{}\" is an absolute path", name), "pack relative paths");
@@ -85,7 +86,7 @@ class ArchiveCheck {
     if (std::ranges::any_of(name, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
       findings_.error(fmt::format("entry {} has a control character in its name", names_.size()), "rename the file");
     if (!names_.insert(path).second) {
-      findings_.error(fmt::format("\"{}\" is there twice", name), "pack each file once");
+      findings_.error(fmt::format("\"{}\" occurs twice", name), "pack each file once");
     } else {
       const auto [other, fresh] = folded_.emplace(folded(path), name);
       if (!fresh)
@@ -96,7 +97,7 @@ class ArchiveCheck {
     const auto top = name.substr(0, name.find('/'));
     if (!climbs && tops_.insert(top).second && !is_known_top(top) && !top.empty())
       findings_.at(Level::pedantic)
-          .warning(fmt::format("\"{}\" at the top of the archive is not a part of an FMU by FMI 2.0", top),
+          .warning(fmt::format("\"{}\" at the root of the archive is not part of an FMU in FMI 2.0", top),
                    "move it to resources, documentation or extra");
   }
 
@@ -108,7 +109,7 @@ class ArchiveCheck {
     const auto kind = static_cast<mode_t>(attributes >> 16) & S_IFMT;
     if (kind == S_IFLNK) findings_.error(fmt::format("\"{}\" is a symbolic link", name), "pack the file it points to");
     if (kind != 0 && kind != S_IFLNK && kind != S_IFREG && kind != S_IFDIR)
-      findings_.error(fmt::format("\"{}\" is neither file nor folder", name), "leave it out");
+      findings_.error(fmt::format("\"{}\" is neither a file nor a folder", name), "remove it");
   }
 
   void check_storage(const zip_stat_t& stat, const std::string& name) {
@@ -122,9 +123,9 @@ class ArchiveCheck {
     if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && stat.encryption_method != ZIP_EM_NONE)
       findings_.error(fmt::format("\"{}\" is encrypted", name), "pack without a password");
     if (stat.size > kSmall && static_cast<double>(stat.size) > ratio * static_cast<double>(stat.comp_size))
-      findings_.error(
-          fmt::format("\"{}\" unpacks from {} bytes to {}: tools take it for a bomb", name, stat.comp_size, stat.size),
-          "make the file again when it is needed, instead of packing it");
+      findings_.error(fmt::format("\"{}\" unpacks from {} bytes to {}: tools may refuse it as a zip bomb", name,
+                                  stat.comp_size, stat.size),
+                      "generate the file when it is needed, instead of packing it");
   }
 
   zip_t* archive_;

@@ -80,9 +80,9 @@ class NeededLibraries {
       if (fs::weakly_canonical(candidate).string().starts_with(fs::weakly_canonical(folder_).string())) {
         follow(candidate, inherited);
       } else if (!folder.starts_with("/usr") && !folder.starts_with("/lib") && reported_.insert(needed).second) {
-        findings_.warning(fmt::format("{} loads {} from {}, a folder of this machine only", asking.filename().string(),
-                                      needed, folder),
-                          "put the library into the folder of the FMU's own, and link with -Wl,-rpath,'$ORIGIN'");
+        findings_.warning(fmt::format("{} loads {} from {}, a folder that exists only on this machine",
+                                      asking.filename().string(), needed, folder),
+                          "put the library into the folder of the FMU's library, and link with -Wl,-rpath,'$ORIGIN'");
       }
       return;
     }
@@ -132,7 +132,7 @@ void check_platforms(const ModelDescription& model, const fs::path& folder, Find
       findings.warning(fmt::format("binaries/{} is not a platform that FMI {} names", name, model.fmi_version),
                        "it names win32, win64, linux32, linux64, darwin32, darwin64");
     } else if (!is_there(entry.path() / (identifier + platform->suffix))) {
-      findings.error(fmt::format("binaries/{} holds no {}{}", name, identifier, platform->suffix),
+      findings.error(fmt::format("binaries/{} contains no {}{}", name, identifier, platform->suffix),
                      "name the library after modelIdentifier");
     }
   }
@@ -162,12 +162,13 @@ void check_symbols(const ModelDescription& model, const fs::path& library, Findi
   if (!missing.empty())
     findings.error(
         fmt::format("{} lacks {}", library.filename().string(), fmt::join(missing, ", ")),
-        "export them with default visibility and C linkage; a function that is not offered answers fmi2Error");
+        "export them with default visibility and C linkage; a function that the FMU does not offer returns fmi2Error");
   if (!spared.empty())
     findings.at(Level::pedantic)
-        .warning(fmt::format("{} lacks {}; its description does not offer them, but some tools load no library without",
-                             library.filename().string(), fmt::join(spared, ", ")),
-                 "export them all the same, and answer fmi2Error");
+        .warning(fmt::format(
+                     "{} lacks {}; its description does not offer them, but some tools refuse a library without them",
+                     library.filename().string(), fmt::join(spared, ", ")),
+                 "export them too, and return fmi2Error");
   std::vector<std::string> extra;
   for (const auto& name : names) {
     const bool is_expected = known.contains(name) || name.starts_with("fmi2") || name == master::kKeepsNoState;

@@ -127,7 +127,7 @@ class FmuCheck {
     try {
       model_ = modeldesc::read_xml_text(text, "modelDescription.xml");
     } catch (const Error& error) {
-      if (!has_error(schema)) Findings(schema).error(error.what(), "mend what the message names");
+      if (!has_error(schema)) Findings(schema).error(error.what(), "correct what the message names");
       return false;
     }
     report_.summary = fmt::format("FMI 1.0 {}, {} variables", model_.co_simulation ? "co-simulation" : "model exchange",
@@ -144,7 +144,7 @@ class FmuCheck {
     try {
       description.emplace(text);
     } catch (const Error& error) {
-      if (!has_error(schema)) Findings(schema).error(error.what(), "mend what the message names");
+      if (!has_error(schema)) Findings(schema).error(error.what(), "correct what the message names");
       return;
     }
     std::string kinds;
@@ -159,14 +159,14 @@ class FmuCheck {
   void check_fmi3_text(const Fmi3Description& description) {
     const auto group = Group::description;
     check_fmi3_head(description,
-                    add(group, "identifier, capabilities, log categories and default experiment are sound"));
+                    add(group, "identifier, capabilities, log categories and default experiment are valid"));
     check_fmi3_names(description, add(group, "variables have unique names and value references"));
-    check_fmi3_kinds(description, add(group, "causality, variability, initial and start go together"));
+    check_fmi3_kinds(description, add(group, "causality, variability, initial and start are compatible"));
     check_fmi3_types(description, add(group, "units and types are defined, and start values are within limits"));
-    check_fmi3_arrays(description, add(group, "dimensions and structural parameters are sound"));
+    check_fmi3_arrays(description, add(group, "dimensions and structural parameters are valid"));
     check_fmi3_clocks(description, add(group, "clocks have their intervals"));
     check_fmi3_structure(description, add(group, "ModelStructure lists all outputs and initial unknowns"));
-    check_fmi3_terminals(description, folder_.path(), add(group, "terminals and icons are sound"));
+    check_fmi3_terminals(description, folder_.path(), add(group, "terminals and icons are valid"));
     check_extra(folder_.path(), add(group, "layered standards have their manifests"));
   }
 
@@ -207,7 +207,7 @@ class FmuCheck {
     try {
       model_ = modeldesc::read_xml_text(text, "modelDescription.xml");
     } catch (const Error& error) {
-      Findings(readable).error(error.what(), "mend what the message names");
+      Findings(readable).error(error.what(), "correct what the message names");
       return false;
     }
     report_.summary =
@@ -215,13 +215,13 @@ class FmuCheck {
                     model_.model_exchange ? " model exchange" : "", model_.variables.size());
     const auto group = Group::description;
     check_head(model_, folder_.path(),
-               add(group, "identifier, capabilities, log categories and default experiment are sound"));
+               add(group, "identifier, capabilities, log categories and default experiment are valid"));
     check_names(model_, add(group, "variables have unique, printable names of the declared convention"));
-    check_variables(model_, add(group, "causality, variability, initial and start go together"));
+    check_variables(model_, add(group, "causality, variability, initial and start are compatible"));
     check_units_and_types(model_, add(group, "units and types are defined"));
     check_aliases(model_, add(group, "variables that share a value reference agree"));
     check_structure(model_, add(group, "ModelStructure lists all outputs and initial unknowns"));
-    check_osmp(model_, add(group, "OSMP binaries are whole"));
+    check_osmp(model_, add(group, "OSMP binaries are complete"));
     return true;
   }
 

@@ -277,15 +277,14 @@ void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const
   });
   if (without.in_time && WIFSIGNALED(without.status) && without.callback.empty()) {
     findings.add(rule.severity,
-                 fmt::format("{}: memory that it does not own is damaged before, for the callback {} failed on it",
+                 fmt::format("{}: it had damaged memory that it does not own: the callback {} failed on it",
                              crash_text(without), end.callback),
                  rule.way_out);
     return;
   }
-  throw Error(ErrorCode::system_failure,
-              fmt::format("mebots itself failed ({}) in its callback {}, called in {}: this is not the FMU's mistake; "
-                          "please report it",
-                          strsignal(WTERMSIG(end.status)), end.callback, end.doing));
+  throw Error(ErrorCode::system_failure, fmt::format("mebots itself failed ({}) in its callback {}, called in {}: this "
+                                                     "is not an error of the FMU; please report it",
+                                                     strsignal(WTERMSIG(end.status)), end.callback, end.doing));
 }
 
 }  // namespace
@@ -294,8 +293,8 @@ void run_in_child(const CrashRule& rule, Findings findings, const std::function<
   const auto end = run_once(rule, findings, work);
   if (!end.in_time) {
     findings.add(rule.severity,
-                 fmt::format("no answer from {1} within {0} s of computing or sleeping", rule.deadline_s, end.doing),
-                 "give more time with --deadline, or look for an endless loop");
+                 fmt::format("{1} did not return within {0} s of computing or sleeping", rule.deadline_s, end.doing),
+                 "set a longer --deadline, or look for an endless loop");
   } else if (WIFSIGNALED(end.status) && !end.callback.empty()) {
     judge(rule, findings, end, work);
   } else if (WIFSIGNALED(end.status)) {
@@ -303,7 +302,7 @@ void run_in_child(const CrashRule& rule, Findings findings, const std::function<
   } else if (!end.finished) {
     findings.add(rule.severity,
                  fmt::format("ended the process with exit code {} in {}", WEXITSTATUS(end.status), end.doing),
-                 "an FMU must never call exit(): answer fmi2Error or fmi2Fatal");
+                 "an FMU must never call exit(): return fmi2Error or fmi2Fatal");
   }
 }
 

@@ -84,9 +84,9 @@ std::string words(const List& list) {
 void check_combination(const Variable& variable, Findings& findings) {
   const auto variabilities = legal_variabilities(variable.causality);
   if (std::ranges::find(variabilities, variable.variability) == variabilities.end()) {
-    findings.error(fmt::format("{}: causality {} does not go with variability {}", quoted(variable),
+    findings.error(fmt::format("{}: causality {} cannot have variability {}", quoted(variable),
                                to_string(variable.causality), to_string(variable.variability)),
-                   fmt::format("take variability {}", words(variabilities)));
+                   fmt::format("use variability {}", words(variabilities)));
     return;
   }
   const auto initials = legal_initials(variable.causality, variable.variability);
@@ -97,7 +97,7 @@ void check_combination(const Variable& variable, Findings& findings) {
     findings.error(
         fmt::format("{}: initial {} does not go with causality {} and variability {}", quoted(variable),
                     to_string(*variable.initial), to_string(variable.causality), to_string(variable.variability)),
-        fmt::format("take initial {}", words(initials)));
+        fmt::format("use initial {}", words(initials)));
 }
 
 void check_start(const ModelDescription& model, const Variable& variable, Findings& findings) {
@@ -112,10 +112,10 @@ void check_start(const ModelDescription& model, const Variable& variable, Findin
   if (forbidden && has_start(variable))
     findings.error(fmt::format("{} has a start value, which its initial ({}) forbids", quoted(variable),
                                variable.initial ? to_string(*variable.initial) : "none"),
-                   "remove start, or take initial exact or approx");
+                   "remove start, or use initial exact or approx");
   const auto start = number_of(variable);
   if (start && !std::isfinite(*start))
-    findings.error(fmt::format("{} starts at {}", quoted(variable), *start), "give a finite start value");
+    findings.error(fmt::format("{} starts at {}", quoted(variable), *start), "set a finite start value");
   if (start && variable.min && *start < *variable.min)
     findings.error(fmt::format("{} starts at {}, below its min {}", quoted(variable), *start, *variable.min),
                    "change start or min");
@@ -129,17 +129,17 @@ void check_start(const ModelDescription& model, const Variable& variable, Findin
                    "add declaredType and define its items in TypeDefinitions");
   } else if (start && std::ranges::none_of(type->items, [&](const auto& item) { return item.value == *start; })) {
     findings.error(fmt::format("{} starts at {}, which is not an item of {}", quoted(variable), *start, type->name),
-                   "take the value of one of its items");
+                   "use the value of one of its items");
   }
 }
 
 template <typename Limits>
 void check_limits(const std::string& what, const Limits& limits, Findings& findings) {
   if (limits.min && limits.max && *limits.min > *limits.max)
-    findings.error(fmt::format("{}: min {} is above max {}", what, *limits.min, *limits.max), "exchange them");
+    findings.error(fmt::format("{}: min {} is above max {}", what, *limits.min, *limits.max), "swap them");
   if (limits.nominal && !(*limits.nominal > 0))
     findings.error(fmt::format("{}: nominal is {}, but must be above 0", what, *limits.nominal),
-                   "give its usual magnitude");
+                   "set it to the usual magnitude");
 }
 
 template <typename Source>
@@ -246,15 +246,15 @@ void compare_unknowns(const ModelDescription& model, const char* list, const std
   for (const auto& unknown : found) {
     const auto& variable = model.variables[unknown.variable];
     if (!seen.insert(unknown.variable).second)
-      findings.error(fmt::format("{} holds {} twice", list, quoted(variable)), "keep one entry");
+      findings.error(fmt::format("{} lists {} twice", list, quoted(variable)), "keep one entry");
     if (!wanted.contains(unknown.variable))
-      findings.error(fmt::format("{} holds {}, which does not belong there", list, quoted(variable)),
-                     fmt::format("it holds {}", rule));
+      findings.error(fmt::format("{} lists {}, which does not belong there", list, quoted(variable)),
+                     fmt::format("it must list {}", rule));
   }
   for (const auto index : wanted)
     if (!seen.contains(index))
       findings.error(fmt::format("{} lacks {}", list, quoted(model.variables[index])),
-                     fmt::format("it holds {}", rule));
+                     fmt::format("it must list {}", rule));
   if (!std::ranges::is_sorted(found, {}, &Unknown::variable))
     findings.error(fmt::format("{} is not in the order of ModelVariables", list), "sort it by index");
 }
@@ -268,24 +268,24 @@ bool is_structured_name(std::string_view name) {
 void check_head(const ModelDescription& model, const std::filesystem::path& folder, Findings findings) {
   if (model.model_name.empty()) findings.error("modelName is empty", "name the model");
   if (model.guid.empty())
-    findings.error("guid is empty", "give a text that changes with the description, such as a UUID");
+    findings.error("guid is empty", "set it to a text that changes with the description, such as a UUID");
   if (!model.co_simulation) return;
   const auto& flags = *model.co_simulation;
   if (!is_c_identifier(flags.model_identifier))
     findings.error(fmt::format("modelIdentifier \"{}\" is not a C identifier", flags.model_identifier),
-                   "take letters, digits and underscores, not starting with a digit");
+                   "use letters, digits and underscores, not starting with a digit");
   if (flags.can_serialize_fmu_state && !flags.can_get_and_set_fmu_state)
     findings.error("canSerializeFMUstate is true, but canGetAndSetFMUstate is not",
-                   "a state must be got before it is written");
+                   "a state must be read before it can be serialised");
   for (const auto& file : flags.source_files)
     if (!is_there(folder / "sources" / file))
-      findings.error(fmt::format("SourceFiles names \"{}\", which sources does not hold", file),
+      findings.error(fmt::format("SourceFiles names \"{}\", which the folder sources does not contain", file),
                      "pack it, or remove the entry");
   std::set<std::string> categories;
   for (const auto& category : model.log_categories) {
     if (category.name.empty()) findings.error("a log category has no name", "name it");
     if (!categories.insert(category.name).second)
-      findings.error(fmt::format("the log category \"{}\" is there twice", category.name), "keep one");
+      findings.error(fmt::format("the log category \"{}\" occurs twice", category.name), "keep one");
   }
   check_experiment(model.default_experiment, findings);
 }
@@ -294,14 +294,14 @@ void check_units_and_types(const ModelDescription& model, Findings findings) {
   for (const auto& unit : model.units) {
     if (unit.has_base && (unit.factor == 0 || !std::isfinite(unit.factor) || !std::isfinite(unit.offset)))
       findings.error(fmt::format("the unit \"{}\" has factor {} and offset {}", unit.name, unit.factor, unit.offset),
-                     "a factor is finite and not 0");
+                     "a factor must be finite and not 0");
     std::set<std::string> names;
     for (const auto& display : unit.display_units) {
       if (!names.insert(display.name).second)
         findings.error(fmt::format("the unit \"{}\" has two display units \"{}\"", unit.name, display.name),
                        "keep one");
       if (display.factor == 0)
-        findings.error(fmt::format("the display unit \"{}\" has factor 0", display.name), "give the factor");
+        findings.error(fmt::format("the display unit \"{}\" has factor 0", display.name), "set the factor");
     }
   }
   for (const auto& type : model.types) {
@@ -314,7 +314,7 @@ void check_units_and_types(const ModelDescription& model, Findings findings) {
     std::set<std::int64_t> values;
     for (const auto& item : type.items)
       if (!names.insert(item.name).second || !values.insert(item.value).second)
-        findings.error(fmt::format("{}: the item \"{}\" = {} is there twice", what, item.name, item.value),
+        findings.error(fmt::format("{}: the item \"{}\" = {} occurs twice", what, item.name, item.value),
                        "names and values must be unique");
   }
   for (const auto& variable : model.variables) {
@@ -329,7 +329,7 @@ void check_variables(const ModelDescription& model, Findings findings) {
     check_combination(variable, findings);
     check_start(model, variable, findings);
     if (variable.variability == Variability::continuous && variable.type != Type::real)
-      findings.error(fmt::format("{} is continuous, but no Real", quoted(variable)), "take variability discrete");
+      findings.error(fmt::format("{} is continuous, but not a Real", quoted(variable)), "use variability discrete");
     if (variable.derivative_of) {
       const auto& state = model.variables[*variable.derivative_of];
       if (variable.type != Type::real || state.type != Type::real || variable.variability != Variability::continuous)
@@ -339,7 +339,8 @@ void check_variables(const ModelDescription& model, Findings findings) {
     }
     if (variable.causality == Causality::independent) {
       if (variable.type != Type::real)
-        findings.error(fmt::format("the independent variable {} is not a Real", quoted(variable)), "make it one");
+        findings.error(fmt::format("the independent variable {} is not a Real", quoted(variable)),
+                       "declare it as Real");
       if (++independents == 2)
         findings.error(fmt::format("{} is a second independent variable", quoted(variable)), "keep one");
     }
@@ -352,16 +353,16 @@ void check_names(const ModelDescription& model, Findings findings) {
   for (const auto& variable : model.variables) {
     if (variable.name.empty()) findings.error("a variable has no name", "name it");
     if (!names.insert(variable.name).second)
-      findings.error(fmt::format("{} is there twice", quoted(variable)), "rename one");
+      findings.error(fmt::format("{} occurs twice", quoted(variable)), "rename one");
     if (std::ranges::any_of(variable.name, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
       findings.error(fmt::format("{} has a control character in its name", quoted(variable)), "rename it");
     if (!model.structured_names || is_structured_name(variable.name)) continue;
     constexpr std::size_t kShown = 5;
     if (++odd <= kShown)
       findings.error(fmt::format("{} is not a structured name", quoted(variable)),
-                     "write names like a.b[1].c, quote odd ones ('a b'), or take variableNamingConvention flat");
+                     "write names like a.b[1].c, quote other names ('a b'), or use variableNamingConvention flat");
   }
-  if (odd > 5) findings.error(fmt::format("{} names are not structured", odd), "take variableNamingConvention flat");
+  if (odd > 5) findings.error(fmt::format("{} names are not structured", odd), "use variableNamingConvention flat");
 }
 
 void check_aliases(const ModelDescription& model, Findings findings) {
@@ -389,14 +390,14 @@ void check_aliases(const ModelDescription& model, Findings findings) {
     if (settable > 1)
       findings.error(fmt::format("{} and {} other{} share value reference {}, and more than one of them can be set",
                                  quoted(first), variables.size() - 1, variables.size() == 2 ? "" : "s", key.second),
-                     "give start, and causality input or parameter, to one of the aliases only");
+                     "set start, and causality input or parameter, for one of the aliases only");
   }
 }
 
 void check_structure(const ModelDescription& model, Findings findings) {
   for (const auto& fault : model.structure_faults)
     findings.error("modelDescription.xml, " + fault,
-                   "write the place of the variable in ModelVariables, which begins at 1");
+                   "write the index of the variable in ModelVariables, which starts at 1");
   std::set<std::size_t> outputs;
   std::set<std::size_t> initial_unknowns;
   std::set<std::size_t> states;
@@ -404,8 +405,8 @@ void check_structure(const ModelDescription& model, Findings findings) {
     states.insert(unknown.variable);
     const auto& derivative = model.variables[unknown.variable];
     if (!derivative.derivative_of)
-      findings.error(fmt::format("Derivatives holds {}, which is the derivative of nothing", quoted(derivative)),
-                     "add the attribute derivative to the variable");
+      findings.error(fmt::format("Derivatives lists {}, which has no attribute derivative", quoted(derivative)),
+                     "add the attribute derivative, the index of the state, to the variable");
     else
       states.insert(*derivative.derivative_of);
   }
@@ -440,7 +441,7 @@ void check_osmp(const ModelDescription& model, Findings findings) {
       const auto* start = std::get_if<std::int64_t>(&part->start);
       if (start != nullptr && *start != 0)
         findings.error(fmt::format("OSMP binary \"{}\": {} starts at {}", name, quoted(*part), *start),
-                       "0 = no buffer");
+                       "set start to 0, which means that there is no buffer");
     }
     if (parts.size() != 3 || roles != std::set<std::string>{"base.lo", "base.hi", "size"})
       findings.error(fmt::format("OSMP binary \"{}\" has the parts {}", name, fmt::join(roles, ", ")),

@@ -9,9 +9,8 @@ namespace mebots::check {
 namespace {
 
 constexpr const char* kPassStopTime =
-    "in MEbots, write \"pass_stop_time\": true into the instance; stopTime is optional in FMI 2.0, so the FMU should "
-    "do "
-    "without";
+    "in MEbots, set \"pass_stop_time\": true for the instance; stopTime is optional in FMI 2.0, so the FMU should run "
+    "without it";
 
 using master::Experiment;
 
@@ -70,9 +69,9 @@ void check_values_with_stop_time(const Library& library) {
     const auto difference = library.difference(with[k], without[k]);
     if (difference.empty()) continue;
     library.witness().warning(
-        fmt::format("values depend on the stop time: at {} s, with stopTime {} s against without, {}",
+        fmt::format("values depend on the stop time: at {} s, with stopTime {} s compared with none, {}",
                     static_cast<double>(k) * target.step_s, static_cast<double>(target.end_ns()) * 1e-9, difference),
-        "compute up to t + h in each step, whatever the stop time; MEbots passes none unless the config says "
+        "compute up to t + h in each step, whatever the stop time; MEbots passes none unless the config sets "
         "\"pass_stop_time\": true");
     return;
   }

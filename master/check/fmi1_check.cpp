@@ -48,14 +48,14 @@ void step_plainly(master::Slave& slave, std::int64_t start_ns) {
 
 void check_fmi1_variables(const ModelDescription& model, Findings findings) {
   for (const auto& fault : model.structure_faults)
-    findings.error("modelDescription.xml, " + fault, "give each variable a name of its own, and name known inputs");
+    findings.error("modelDescription.xml, " + fault, "give each variable its own name, and name existing inputs");
   for (const auto& variable : model.variables) {
     const bool has_start = !std::holds_alternative<std::monostate>(variable.start);
     if (!has_start && (variable.causality == Causality::input || variable.variability == Variability::constant))
       findings.at(Level::pedantic)
           .warning(fmt::format("\"{}\" has no start value, although it is {}", variable.name,
                                variable.causality == Causality::input ? "an input" : "a constant"),
-                   "give start");
+                   "set start");
   }
 }
 
@@ -68,8 +68,9 @@ void check_fmi1_symbols(const ModelDescription& model, const std::filesystem::pa
     if (!names.contains(prefix + name)) missing.push_back(prefix + name);
   });
   if (missing.empty()) return;
-  findings.error(fmt::format("{} lacks {}", library.filename().string(), fmt::join(missing, ", ")),
-                 "export them with default visibility and C linkage; a function that is not offered answers fmiError");
+  findings.error(
+      fmt::format("{} lacks {}", library.filename().string(), fmt::join(missing, ", ")),
+      "export them with default visibility and C linkage; a function that the FMU does not offer returns fmiError");
 }
 
 void run_fmi1_plainly(const std::filesystem::path& archive, const std::filesystem::path& folder, int instances,
@@ -92,7 +93,7 @@ void run_fmi1_plainly(const std::filesystem::path& archive, const std::filesyste
       for (const auto& slave : slaves) step_plainly(*slave, k * kPlainStep_ns);
     for (const auto& slave : slaves) slave->terminate();
   } catch (const Error& error) {
-    witness.error(error.what(), "mend what the message names");
+    witness.error(error.what(), "correct what the message names");
   }
 }
 

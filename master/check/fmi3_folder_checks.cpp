@@ -51,7 +51,7 @@ void check_terminal(pugi::xml_node terminal, const std::set<std::string>& variab
     const std::string variable = member.attribute("variableName").value();
     const std::string name = member.attribute("memberName").value();
     if (!variables.contains(variable))
-      findings.error(fmt::format("terminal {}: {} is no variable", terminal.attribute("name").value(), variable),
+      findings.error(fmt::format("terminal {}: {} is not a variable", terminal.attribute("name").value(), variable),
                      "name one of modelDescription.xml");
     if (by_name && (name.empty() || !members.insert(name).second))
       findings.error(fmt::format("terminal {}: {}", terminal.attribute("name").value(),
@@ -77,7 +77,7 @@ void check_manifest(const fs::path& file, const std::string& shown, Findings fin
   try {
     modeldesc::parse_xml(document, modeldesc::xml_as_utf8(text_of(file), shown), shown);
   } catch (const Error& error) {
-    findings.error(error.what(), "write the manifest as FMI 3.0, section 2.6 says");
+    findings.error(error.what(), "write the manifest as described in FMI 3.0, section 2.6");
     return;
   }
   const auto root = document.document_element();
@@ -86,7 +86,8 @@ void check_manifest(const fs::path& file, const std::string& shown, Findings fin
       findings.error(fmt::format("{}: the attribute {} is missing", shown, name), "add it");
   if (!local_attribute(root, "fmi-ls-description"))
     findings.at(Level::pedantic)
-        .warning(fmt::format("{}: the attribute fmi-ls-description is missing", shown), "add it for people");
+        .warning(fmt::format("{}: the attribute fmi-ls-description is missing", shown),
+                 "add a description for readers");
 }
 
 bool is_reversed_domain(std::string_view name) {
@@ -152,7 +153,7 @@ void check_fmi3_terminals(const Fmi3Description& description, const fs::path& fo
   std::set<std::string> names;
   for (const auto terminal : document.document_element().child("Terminals").children("Terminal")) {
     if (!names.insert(terminal.attribute("name").value()).second)
-      findings.error(fmt::format("the terminal {} is there twice", terminal.attribute("name").value()), "rename one");
+      findings.error(fmt::format("the terminal {} occurs twice", terminal.attribute("name").value()), "rename one");
     check_terminal(terminal, variables, findings);
   }
   if (document.document_element().child("GraphicalRepresentation").child("Icon") && !is_file(place / "icon.png"))
@@ -166,7 +167,7 @@ void check_extra(const fs::path& folder, Findings findings) {
     const auto name = entry.path().filename().string();
     if (!is_reversed_domain(name))
       findings.warning(fmt::format("extra/{} is not named after a reversed domain", name),
-                       "name it like org.example.subject, so that it has no other tool's name");
+                       "name it like org.example.subject, so that no other tool uses the name");
     const auto manifest = entry.path() / "fmi-ls-manifest.xml";
     if (is_file(manifest)) check_manifest(manifest, fmt::format("extra/{}/fmi-ls-manifest.xml", name), findings);
   }
@@ -185,7 +186,7 @@ void check_fmi3_platforms(const Fmi3Description& description, const fs::path& fo
     for (const auto node : description.interfaces()) {
       const auto library = std::string(node.attribute("modelIdentifier").value()) + std::string(suffix);
       if (!is_there(entry.path() / library))
-        findings.error(fmt::format("binaries/{} holds no {}, the library of <{}>", name, library, node.name()),
+        findings.error(fmt::format("binaries/{} contains no {}, the library of <{}>", name, library, node.name()),
                        "name the library after modelIdentifier");
     }
   }
@@ -211,7 +212,7 @@ void check_fmi3_symbols(const Fmi3Description& description, const fs::path& libr
   if (!missing.empty())
     findings.error(
         fmt::format("{} lacks {}", library.filename().string(), fmt::join(missing, ", ")),
-        "export them with default visibility and C linkage; a function that is not offered returns fmi3Error");
+        "export them with default visibility and C linkage; a function that the FMU does not offer returns fmi3Error");
   const auto others = std::ranges::count_if(names, [](const std::string& name) {
     return !name.starts_with("fmi3") && name != master::kKeepsNoState && !name.starts_with('_');
   });

@@ -44,7 +44,7 @@ Fmi3Instance::Fmi3Instance(const Fmi3Library& library, Kind kind, const char* na
     handle_ = library.find<decltype(fmi3InstantiateModelExchange)>(kFunction)(name, token, resources.c_str(), false,
                                                                               false, this, &Fmi3Instance::log);
   }
-  if (handle_ == nullptr) throw Fmi3Refused(fmt::format("there is no instance: {}", last_message_));
+  if (handle_ == nullptr) throw Fmi3Refused(fmt::format("no instance was created: {}", last_message_));
 }
 
 Fmi3Instance::~Fmi3Instance() {

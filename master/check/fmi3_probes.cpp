@@ -57,7 +57,7 @@ void plain_run(const Fmi3Library& library) {
       const auto text = not_finite(value);
       if (text.empty()) continue;
       library.witness().error(fmt::format("{} after step {}", text, k + 1),
-                              "return fmi3Error or fmi3Discard when nothing sensible can be computed");
+                              "return fmi3Error or fmi3Discard if no valid result can be computed");
       return;
     }
   }
@@ -175,7 +175,8 @@ class Euler {
     constexpr int kMost = 1000;
     bool again = true;
     for (int i = 0; again; ++i) {
-      if (i == kMost) throw Fmi3Refused(fmt::format("fmi3UpdateDiscreteStates asks for more after {} times", kMost));
+      if (i == kMost)
+        throw Fmi3Refused(fmt::format("fmi3UpdateDiscreteStates requests another update after {} updates", kMost));
       bool nominals = false;
       bool values = false;
       bool defined = false;

@@ -21,11 +21,11 @@ bool is_identifier(std::string_view text) {
 void check_interface(const Fmi3Description& description, pugi::xml_node node, Findings findings) {
   const std::string_view identifier = node.attribute("modelIdentifier").value();
   if (!is_identifier(identifier))
-    findings.error(fmt::format("{}: modelIdentifier \"{}\" is no C identifier", description.line(node), identifier),
+    findings.error(fmt::format("{}: modelIdentifier \"{}\" is not a C identifier", description.line(node), identifier),
                    "use letters, digits and _: it names the library");
   if (node.attribute("canSerializeFMUState").as_bool() && !node.attribute("canGetAndSetFMUState").as_bool())
     findings.error(fmt::format("{}: canSerializeFMUState without canGetAndSetFMUState", description.line(node)),
-                   "a state must be gotten before it can be serialised");
+                   "a state must be read before it can be serialised");
   if (node.attribute("needsExecutionTool").as_bool())
     findings.at(Level::pedantic)
         .warning(fmt::format("{}: <{}> has needsExecutionTool: it runs only where that tool is installed",
@@ -35,7 +35,7 @@ void check_interface(const Fmi3Description& description, pugi::xml_node node, Fi
   const auto fixed = node.attribute("fixedInternalStepSize");
   if (fixed && !(fixed.as_double() > 0))
     findings.error(fmt::format("{}: fixedInternalStepSize is {}", description.line(node), fixed.value()),
-                   "give a step above 0");
+                   "set a step above 0");
   if (node.attribute("canReturnEarlyAfterIntermediateUpdate").as_bool() &&
       !node.attribute("providesIntermediateUpdate").as_bool())
     findings.error(fmt::format("{}: canReturnEarlyAfterIntermediateUpdate without providesIntermediateUpdate",
@@ -70,9 +70,9 @@ class StructureCheck {
                                     description_.place(*derivative)),
                         "declare derivative = value reference of the state");
       else if (description_.find(state.as_uint()) == nullptr)
-        findings_.error(
-            fmt::format("{}: derivative is {}, which is no variable", description_.place(*derivative), state.value()),
-            "refer to the state");
+        findings_.error(fmt::format("{}: derivative is {}, which is not a variable", description_.place(*derivative),
+                                    state.value()),
+                        "refer to the state");
       states.insert(state.as_uint());
     }
     for (const Fmi3Declared& variable : description_.variables()) {
@@ -96,12 +96,13 @@ class StructureCheck {
     const auto dependencies = words_of(entry.attribute("dependencies").value());
     for (const auto& word : dependencies) {
       if (description_.find(static_cast<std::uint32_t>(std::strtoul(word.c_str(), nullptr, 10))) == nullptr)
-        findings_.error(fmt::format("{}: it depends on {}, which is no variable", place, word), "refer to a variable");
+        findings_.error(fmt::format("{}: it depends on {}, which is not a variable", place, word),
+                        "refer to a variable");
     }
     const auto kinds = words_of(entry.attribute("dependenciesKind").value());
     if (entry.attribute("dependenciesKind") && kinds.size() != dependencies.size())
       findings_.error(fmt::format("{}: {} kinds for {} dependencies", place, kinds.size(), dependencies.size()),
-                      "give one per dependency");
+                      "list one per dependency");
   }
 
   void compare(const Fmi3Declared& variable, const std::string& list, bool wanted) {
@@ -129,23 +130,23 @@ void check_fmi3_head(const Fmi3Description& description, Findings findings) {
                    "declare what the FMU offers");
   for (const auto node : interfaces) check_interface(description, node, findings);
   if (*description.root().attribute("instantiationToken").value() == '\0')
-    findings.error("the instantiationToken is empty", "give one that changes with each build of another interface");
+    findings.error("the instantiationToken is empty", "set one that changes whenever the interface changes");
   std::set<std::string> categories;
   for (const auto node : description.root().child("LogCategories").children("Category"))
     if (!categories.insert(node.attribute("name").value()).second)
       findings.error(
-          fmt::format("{}: the log category {} is there twice", description.line(node), node.attribute("name").value()),
+          fmt::format("{}: the log category {} occurs twice", description.line(node), node.attribute("name").value()),
           "list it once");
   const auto experiment = description.root().child("DefaultExperiment");
   const auto start = experiment.attribute("startTime").as_double(0);
   if (const auto stop = experiment.attribute("stopTime"); stop && stop.as_double() < start)
     findings.error(
         fmt::format("{}: stopTime {} is before startTime {}", description.line(experiment), stop.value(), start),
-        "end after the start");
+        "set stopTime to a later time");
   for (const char* const name : {"stepSize", "tolerance"})
     if (const auto value = experiment.attribute(name); value && !(value.as_double() > 0))
       findings.error(fmt::format("{}: {} is {}", description.line(experiment), name, value.value()),
-                     "give a number above 0");
+                     "set a number above 0");
 }
 
 void check_fmi3_structure(const Fmi3Description& description, Findings findings) {

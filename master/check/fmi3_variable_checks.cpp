@@ -68,10 +68,10 @@ void check_limits(const Fmi3Description& description, const Fmi3Declared& variab
   for (const auto& start : variable.starts) {
     if (least && number_of(start) < number_of(least.value()))
       findings.error(fmt::format("{}: start {} is below min {}", description.place(variable), start, least.value()),
-                     "start within the limits");
+                     "change start or the limits");
     if (most && number_of(start) > number_of(most.value()))
       findings.error(fmt::format("{}: start {} is above max {}", description.place(variable), start, most.value()),
-                     "start within the limits");
+                     "change start or the limits");
   }
 }
 
@@ -83,9 +83,9 @@ void check_items(const Fmi3Description& description, const Fmi3Declared& variabl
     };
     const auto items = type.children("Item");
     if (std::none_of(items.begin(), items.end(), has_value))
-      findings.error(fmt::format("{}: start {} is no item of {}", description.place(variable), start,
+      findings.error(fmt::format("{}: start {} is not an item of {}", description.place(variable), start,
                                  type.attribute("name").value()),
-                     "start with one of its values");
+                     "use the value of one of its items");
   }
 }
 
@@ -104,7 +104,7 @@ void check_fmi3_names(const Fmi3Description& description, Findings findings) {
     claim(variable.name, variable.node);
     for (const auto alias : variable.node.children("Alias")) claim(alias.attribute("name").value(), alias);
     if (!references.insert(variable.reference).second)
-      findings.error(fmt::format("{}: the value reference {} is that of another variable, too",
+      findings.error(fmt::format("{}: the value reference {} is also that of another variable",
                                  description.place(variable), variable.reference),
                      "give each variable its own; other names of one variable are <Alias> elements");
   }
@@ -121,9 +121,9 @@ void check_fmi3_kinds(const Fmi3Description& description, Findings findings) {
                        "declare it as Float64 or Float32");
     }
     if (!go_together(variable))
-      findings.error(fmt::format("{}: causality {} and variability {} do not go together", place, variable.causality,
-                                 variable.variability),
-                     "see the table of FMI 3.0, section 2.4.7.4");
+      findings.error(
+          fmt::format("{}: causality {} cannot have variability {}", place, variable.causality, variable.variability),
+          "see the table of FMI 3.0, section 2.4.7.4");
     if (variable.variability == "continuous" && !variable.is_float())
       findings.error(fmt::format("{}: a variable of type {} cannot be continuous", place, variable.type),
                      "declare it as discrete");
@@ -185,14 +185,14 @@ void check_fmi3_arrays(const Fmi3Description& description, Findings findings) {
                            (size->causality == "structuralParameter" || size->variability == "constant");
       if (!is_size) {
         findings.error(
-            fmt::format("{}: its dimension refers to {}, which is no structural parameter or constant of type "
+            fmt::format("{}: its dimension refers to {}, which is not a structural parameter or constant of type "
                         "UInt64",
                         place, size == nullptr ? reference.value() : size->name),
             "declare the size as UInt64 with causality structuralParameter");
         sound = false;
       } else if (size->starts.empty() || number_of(size->starts.front()) < 1) {
         findings.error(fmt::format("{}: its dimension is {}, whose start is 0", place, size->name),
-                       "start at 1 or more");
+                       "set start to 1 or more");
         sound = false;
       }
     }
@@ -211,15 +211,15 @@ void check_fmi3_clocks(const Fmi3Description& description, Findings findings) {
           description.find(static_cast<std::uint32_t>(std::strtoul(word.c_str(), nullptr, 10)));
       if (clock == nullptr || clock->type != "Clock")
         findings.error(
-            fmt::format("{}: clocks has {}, which is no clock", place, clock == nullptr ? word : clock->name),
+            fmt::format("{}: clocks has {}, which is not a clock", place, clock == nullptr ? word : clock->name),
             "list value references of variables of type Clock");
     }
     if (const auto previous = variable.node.attribute("previous")) {
       const Fmi3Declared* const before = description.find(previous.as_uint());
       if (before == nullptr || before->type != variable.type || before->elements != variable.elements)
-        findings.error(
-            fmt::format("{}: previous is {}, which is no variable of the same type and size", place, previous.value()),
-            "refer to the variable that holds the value before");
+        findings.error(fmt::format("{}: previous is {}, which is not a variable of the same type and size", place,
+                                   previous.value()),
+                       "refer to the variable whose previous value it has");
     }
     if (variable.type != "Clock") continue;
     const std::string_view kind = variable.node.attribute("intervalVariability").value();
@@ -233,7 +233,7 @@ void check_fmi3_clocks(const Fmi3Description& description, Findings findings) {
     if (variable.node.attribute("supportsFraction").as_bool() && !variable.node.attribute("resolution"))
       findings.error(fmt::format("{}: it supports fractions, but has no resolution", place), "add resolution");
     if (const auto interval = variable.node.attribute("intervalDecimal"); interval && !(interval.as_double() > 0))
-      findings.error(fmt::format("{}: its interval is {} s", place, interval.value()), "give one above 0");
+      findings.error(fmt::format("{}: its interval is {} s", place, interval.value()), "set one above 0");
   }
 }
 

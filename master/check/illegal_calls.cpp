@@ -15,14 +15,14 @@ using modeldesc::Causality;
 using modeldesc::Type;
 using modeldesc::Variability;
 
-constexpr const char* kAnswerError = "check state and arguments at the start of the function, and answer fmi2Error";
+constexpr const char* kAnswerError = "check state and arguments at the start of the function, and return fmi2Error";
 
 void ignore_message(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...) {}
 
 /// Reports an illegal call that succeeds.
 void expect_refusal(const Library& library, const std::string& call, fmi2Status status) {
   if (status != fmi2OK && status != fmi2Warning) return;
-  library.witness().warning(fmt::format("{} was answered {}", call, fmi2::status_name(status)), kAnswerError);
+  library.witness().warning(fmt::format("{} returned {}", call, fmi2::status_name(status)), kAnswerError);
 }
 
 fmi2ValueReference unknown_reference(const ModelDescription& model) {
@@ -195,7 +195,7 @@ class Probes {
                            const std::string guid = library.target().model->guid;
                            if (call(library, callbacks, guid) != nullptr)
                              library.witness().warning(fmt::format("{} returned an instance", what),
-                                                       "compare the arguments, and answer a null pointer");
+                                                       "compare the arguments, and return a null pointer");
                          },
                          "", Severity::error, level});
     };
@@ -210,7 +210,7 @@ class Probes {
                                                          &callbacks, fmi2False, fmi2False);
                       });
     if (!model_->model_exchange)
-      add_instantiation("fmi2Instantiate for model exchange, which is not described", Level::pedantic,
+      add_instantiation("fmi2Instantiate for model exchange, which the description does not offer", Level::pedantic,
                         [](const Library& l, const auto& callbacks, const std::string& guid) {
                           return l.functions().instantiate("exchange", fmi2ModelExchange, guid.c_str(),
                                                            l.resource_uri().c_str(), &callbacks, fmi2False, fmi2False);

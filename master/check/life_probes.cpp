@@ -23,7 +23,7 @@ void check_versions(const Library& library) {
   const auto expect = [&](const char* function, const char* said, const char* wanted) {
     if (said == nullptr || std::strcmp(said, wanted) != 0)
       library.witness().error(
-          fmt::format("{} says \"{}\" instead of \"{}\"", function, said == nullptr ? "(null)" : said, wanted),
+          fmt::format("{} returns \"{}\" instead of \"{}\"", function, said == nullptr ? "(null)" : said, wanted),
           "build against the headers of FMI 2.0");
   };
   library.witness().doing("fmi2GetVersion");
@@ -69,9 +69,9 @@ void check_starts(const Library& library) {
       wanted = std::to_string(std::get<std::int64_t>(variable.start));
     }
     if (found != wanted)
-      library.witness().error(fmt::format("{} is {} in initialisation mode; modelDescription.xml says start {}",
+      library.witness().error(fmt::format("{} is {} in initialisation mode; modelDescription.xml declares start {}",
                                           variable.name, found, wanted),
-                              "make library and description from one source");
+                              "generate library and description from one source");
   }
 }
 
@@ -91,12 +91,12 @@ void check_run(const Library& library) {
       if (!std::isfinite(value)) {
         reported[i] = true;
         library.witness().error(fmt::format("{} is {} at {} s", variable.name, value, k * target.step_s),
-                                "answer fmi2Error or fmi2Discard when nothing sensible can be computed");
+                                "return fmi2Error or fmi2Discard if no valid result can be computed");
       } else if ((variable.min && value < *variable.min) || (variable.max && value > *variable.max)) {
         reported[i] = true;
         library.witness().warning(
             fmt::format("{} = {} at {} s is outside of its min and max", variable.name, value, k * target.step_s),
-            "mend the model, or the limits");
+            "correct the model or the limits");
       }
     }
   }
@@ -127,7 +127,7 @@ void check_two_instances(const Library& library) {
     a.run(k, k + 1);
     if (k % 2 == 0) b.run(k / 2, k / 2 + 1);  // at half the speed
   }
-  expect_same(library, "beside another instance", a.outputs(), alone,
+  expect_same(library, "next to another instance", a.outputs(), alone,
               "keep everything in the instance: global and static variables are shared by all instances");
   b.free();
   a.outputs();
@@ -143,7 +143,7 @@ void check_reset(const Library& library) {
     instance.start();
     instance.run(0, steps);
     expect_same(library, fmt::format("after fmi2Reset {}", state), instance.outputs(), wanted,
-                "set every variable and state back to where fmi2Instantiate leaves it");
+                "reset every variable and state to its value after fmi2Instantiate");
   };
   from("of a new instance", [](Instance&) {});
   from("in initialisation mode", [](Instance& i) {
@@ -167,7 +167,7 @@ void check_surroundings(const Library& library) {
     for (const auto& change : changes)
       if (reported.insert(change).second)
         library.witness().warning(fmt::format("{}: {}", when, change),
-                                  "leave to the importing tool what all FMUs of its process share");
+                                  "do not change what all FMUs of a process share; that belongs to the importing tool");
   };
   report("loading the library", library.changes_at_load());
   Surroundings surroundings;
@@ -186,7 +186,7 @@ void check_surroundings(const Library& library) {
   report("fmi2FreeInstance", surroundings.changes());
 }
 
-constexpr const char* kStateWayOut = "put everything into the state that a later step depends on";
+constexpr const char* kStateWayOut = "save everything that a later step depends on";
 
 void check_state(const Library& library) {
   const int steps = library.target().steps;
@@ -278,7 +278,7 @@ void check_half_steps(const Library& library, double tolerance) {
         fmt::format(
             "{}: {} after {} steps of {} s, {} after twice as many halves: {:.2g} of its largest value, more than {:g}",
             variables[i]->name, a.reals[i], target.steps, h, b.reals[i], difference / magnitudes[i], tolerance),
-        "step inside the FMU at its own pace; or state a smaller stepSize in DefaultExperiment; or allow more with "
+        "use shorter steps inside the FMU, declare a smaller stepSize in DefaultExperiment, or allow more with "
         "--half-step-tolerance");
   }
 }
@@ -358,7 +358,7 @@ void check_growth(const Library& library) {
     const auto left = std::min(growth(first, second), growth(second, third));
     if (left > noise)
       library.witness().error(fmt::format("{} instances were freed and leaked {} {}", kCycles, left, what),
-                              "give back in fmi2FreeInstance what fmi2Instantiate and the run took");
+                              "release in fmi2FreeInstance what fmi2Instantiate and the run allocated");
   };
   grew("open files", &Holdings::files, 0);
   grew("threads", &Holdings::threads, 0);
@@ -399,7 +399,7 @@ std::vector<Probe> life_probes(const Target& target, double half_step_tolerance)
   add(standard, "100 instances leak nothing", check_growth);
   add(
       standard, "reference traces are reproduced", [traces](const Library& library) { replay(library, *traces); },
-      traces ? "" : "the FMU carries none in documentation/reference or extra/org.fmi-standard.fmi-ls-ref");
+      traces ? "" : "the FMU has none in documentation/reference or extra/org.fmi-standard.fmi-ls-ref");
   return probes;
 }
 

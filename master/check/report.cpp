@@ -48,7 +48,7 @@ Level level_named(std::string_view name) {
   const auto* const found = std::ranges::find(kLevelNames, name);
   if (found == std::end(kLevelNames))
     throw Error(ErrorCode::unknown_name,
-                fmt::format("no level is called '{}'; there are {}", name, fmt::join(kLevelNames, ", ")));
+                fmt::format("there is no level '{}'; the levels are {}", name, fmt::join(kLevelNames, ", ")));
   return static_cast<Level>(found - std::begin(kLevelNames));
 }
 

@@ -129,18 +129,19 @@ class SchemaCheck {
               fmt::format("the order is: {}", names(rule.children)));
       last = std::max(last, position);
       if (++counts[name] == found->most + 1)
-        error(child, fmt::format("it is there twice in <{}>", node.name()), "keep one");
+        error(child, fmt::format("it occurs twice in <{}>", node.name()), "keep one");
       if (rule.alternatives && name != "Annotations" && name != "DirectDependency") ++chosen;
       check_element(child, *found->element);
     }
     for (const auto& child : rule.children)
       if (counts[child.name] < child.least)
-        error(node, fmt::format("it holds no <{}>", child.name), fmt::format("add one, or remove <{}>", node.name()));
+        error(node, fmt::format("it contains no <{}>", child.name),
+              fmt::format("add one, or remove <{}>", node.name()));
     if (rule.unordered && counts.empty())
-      error(node, "it holds nothing", fmt::format("add one of {}, or remove it", names(rule.children)));
+      error(node, "it is empty", fmt::format("add one of {}, or remove it", names(rule.children)));
     if (rule.alternatives && chosen != 1)
       error(node, fmt::format("\"{}\" has {} types", node.attribute("name").value(), chosen),
-            "give it one of <Real>, <Integer>, <Boolean>, <String>, <Enumeration>");
+            "use one of <Real>, <Integer>, <Boolean>, <String>, <Enumeration>");
   }
 
   void error(pugi::xml_node node, std::string_view what, std::string way_out) {

@@ -78,8 +78,8 @@ void give_back(void* memory) {
     }
   }
   current_witness->error(
-      "freeMemory was called with a pointer that allocateMemory did not give, or that was given back before",
-      "free memory of allocateMemory once by freeMemory, and other memory by its own function");
+      "freeMemory was called with a pointer that allocateMemory did not return, or that was already freed",
+      "free memory of allocateMemory once with freeMemory, and other memory with its own function");
 }
 
 }  // namespace
@@ -87,7 +87,8 @@ void give_back(void* memory) {
 std::vector<std::string> Surroundings::changes() {
   auto texts = process_->put_right();
   if (const auto now = master::FloatEnvironment::now(); now != floats_) {
-    texts.push_back(fmt::format("the thread computes differently: {} (put back)", difference_text(now, floats_)));
+    texts.push_back(fmt::format("the floating-point environment of the thread changed: {} (put back)",
+                                difference_text(now, floats_)));
     floats_.enter();
   }
   if (!texts.empty()) process_.emplace();  // reports changes that cannot be reverted only once
@@ -158,15 +159,16 @@ void Instance::logged(master::LoggerCall call) {
   if (call.status != fmi2OK) messages_.push_back(call.text);
   if (!reported_environment_ && !call.own_environment) {
     reported_environment_ = true;
-    library_->witness().error("the logger was called with another environment than the FMU was given",
-                              "keep componentEnvironment of fmi2Instantiate per instance and hand it to the logger");
+    library_->witness().error(
+        "the logger was called with an environment other than that of fmi2Instantiate",
+        "store componentEnvironment of fmi2Instantiate in each instance and pass it to the logger");
   }
   if (!reported_name_ && call.instance != name_) {
     reported_name_ = true;
     library_->witness().error(
         fmt::format("the logger was called with the instance name \"{}\" instead of \"{}\"",
                     call.instance.value_or("(null)"), name_),
-        "hand the name given to fmi2Instantiate to the logger: copy it, for the caller's may be gone");
+        "pass the name given to fmi2Instantiate to the logger; copy it, because the caller's text may no longer exist");
   }
   const std::string_view name = call.category;
   const auto& known = library_->target().model->log_categories;
@@ -180,7 +182,7 @@ void Instance::logged(master::LoggerCall call) {
 
 void Instance::require(const std::string& call, fmi2Status status) const {
   if (status == fmi2OK || status == fmi2Warning) return;
-  throw Refused(fmt::format("{} answered {}{}", call, fmi2::status_name(status),
+  throw Refused(fmt::format("{} returned {}{}", call, fmi2::status_name(status),
                             messages_.empty() ? ", and the FMU logged nothing" : ": " + last_message()));
 }
 

@@ -141,14 +141,14 @@ void replay(const Library& library, const TraceFiles& files) {
       library.witness().error(
           fmt::format("{}: first divergence at {} s: {} is {}, the trace has {}", files.outputs.filename().string(),
                       wanted.times[row], variable.name, value, trace),
-          "the model changed, or is not determined by its inputs: mend it, or make the traces again");
+          "the model changed, or its inputs do not determine its outputs: correct it, or record the traces again");
       return;
     }
     if (row + 1 == wanted.rows.size()) break;
     if (instance.ended()) {
       library.witness().error(fmt::format("{}: the FMU ended the run at {} s, before the end of the trace",
                                           files.outputs.filename().string(), wanted.times[row]),
-                              "mend the model, or make the traces again");
+                              "correct the model, or record the traces again");
       return;
     }
     apply(instance, inputs, wanted.times[row]);

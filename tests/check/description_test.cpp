@@ -53,7 +53,7 @@ TEST_F(CheckDescription, HeadAndCapabilities) {
   EXPECT_THAT(with("stopTime=\"2\"", "stopTime=\"-2\""), Contains(HasSubstr("stopTime -2 is not after startTime 0")));
   EXPECT_THAT(with("stepSize=\"0.1\"", "stepSize=\"0\""), Contains(HasSubstr("stepSize is 0")));
   EXPECT_THAT(with("<Category name=\"logStatusError\"/>", "<Category name=\"a\"/><Category name=\"a\"/>"),
-              Contains(HasSubstr("log category \"a\" is there twice")));
+              Contains(HasSubstr("log category \"a\" occurs twice")));
   EXPECT_THAT(with("canSerializeFMUstate=\"true\"/>",
                    "canSerializeFMUstate=\"true\"><SourceFiles><File name=\"a.c\"/></SourceFiles></CoSimulation>"),
               Contains(HasSubstr("SourceFiles names \"a.c\"")));
@@ -63,7 +63,7 @@ TEST_F(CheckDescription, CombinationsOfCausalityVariabilityInitialAndStart) {
   EXPECT_THAT(
       and_variable(
           R"(<ScalarVariable name="p" valueReference="9" causality="parameter" variability="discrete"><Integer start="1"/></ScalarVariable>)"),
-      Contains(HasSubstr("causality parameter does not go with variability discrete")));
+      Contains(HasSubstr("causality parameter cannot have variability discrete")));
   EXPECT_THAT(
       and_variable(
           R"(<ScalarVariable name="p" valueReference="9" causality="parameter" variability="fixed" initial="calculated"><Real/></ScalarVariable>)"),

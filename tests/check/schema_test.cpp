@@ -48,7 +48,7 @@ TEST(CheckSchema, MistakesAreNamedWithTheirLine) {
   EXPECT_THAT(with("guid=", "generationDateAndTime=\"yesterday\" guid="),
               Contains(HasSubstr("generationDateAndTime is \"yesterday\"")));
   EXPECT_THAT(with("<LogCategories><Category name=\"logStatusError\"/></LogCategories>", "<LogCategories/>"),
-              Contains(HasSubstr("holds no <Category>")));
+              Contains(HasSubstr("contains no <Category>")));
   EXPECT_THAT(with("<Real start=\"1\" unit=\"m\"/>", ""), Contains(HasSubstr("\"u\" has 0 types")));
   EXPECT_THAT(with("<ModelStructure>", "<ModelStructure><Inputs/>"), Contains(HasSubstr("no such child")));
 }
