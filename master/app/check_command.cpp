@@ -54,21 +54,21 @@ int check_command(const CheckOptions& options) {
 
 void add_check(CLI::App& app, Action& action) {
   const auto options = std::make_shared<CheckOptions>();
-  auto* command = app.add_subcommand("check", "Look for mistakes in an FMU, from archive to behaviour");
+  auto* command = app.add_subcommand("check", "Check an FMU: archive, description, library and behaviour");
   command->add_option("fmu", options->fmu, "FMU file")->type_name("FILE.fmu")->required();
   command
       ->add_option("--level", options->level,
-                   "interoperable: what keeps other tools from running it; standard: what FMI 2.0 demands; pedantic: "
-                   "what a careful author does beyond")
+                   "interoperable: problems that stop other tools; standard: also violations of FMI; pedantic: also "
+                   "deviations from good practice")
       ->check(CLI::IsMember(check::level_names()))
       ->option_text("LEVEL [standard]");
-  command->add_flag("--json", options->json, "Print a report for machines");
-  command->add_flag("--files-only", options->files_only, "Run nothing of the FMU's code");
+  command->add_flag("--json", options->json, "Print the report as JSON");
+  command->add_flag("--files-only", options->files_only, "Do not run the FMU's code");
   command
       ->add_option("--half-step-tolerance", options->half_step_tolerance,
-                   "What two half steps may differ from one by, relative to an output's largest magnitude")
+                   "Allowed difference between one step and two half steps, relative to an output's largest magnitude")
       ->check(positive());
-  command->add_option("--deadline", options->deadline_s, "Time that each experiment may compute or sleep [s]")
+  command->add_option("--deadline", options->deadline_s, "Longest time that an experiment may compute or sleep [s]")
       ->check(positive());
   command->footer(
       help_footer({"0 clean", "1 findings, or standard output is closed or full", "2 the file cannot be read"},

@@ -66,7 +66,7 @@ void require_folder_of(const std::filesystem::path& file) {
   const auto folder = file.parent_path();
   if (folder.empty() || is_folder(folder)) return;
   throw InputError(ErrorCode::invalid_argument,
-                   fmt::format("{}: there is no folder {}; make it first", file.string(), folder.string()));
+                   fmt::format("{}: there is no folder {}; create it first", file.string(), folder.string()));
 }
 
 const CLI::Validator& not_empty() {

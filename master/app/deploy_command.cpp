@@ -53,7 +53,8 @@ std::vector<std::string> words_of(const DeployOptions& options) {
 
 void add_deploy(CLI::App& app, Action& action) {
   const auto options = std::make_shared<DeployOptions>();
-  auto* command = app.add_subcommand("deploy", "Make a firmware library of a neural network in ONNX, and measure it");
+  auto* command =
+      app.add_subcommand("deploy", "Generate a firmware library from a neural network in ONNX, and measure it");
   command->add_option("model", options->model, "Network: opset 9 to 21, one input, fixed shapes")
       ->type_name("FILE.onnx")
       ->required();
@@ -66,7 +67,7 @@ void add_deploy(CLI::App& app, Action& action) {
   command->add_option("--board", options->board, "Board whose memories limit the network; default: ai_deck")
       ->type_name("BOARD")
       ->check(not_empty());
-  command->add_option("--crop", options->crop, "Part of larger pictures: its first column and row")
+  command->add_option("--crop", options->crop, "First column and row of the part to use of larger pictures")
       ->type_name("LEFT,TOP")
       ->check(not_empty());
   command

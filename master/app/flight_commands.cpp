@@ -102,7 +102,7 @@ Words words_of(const NewCellOptions& options) {
 void add_replay(CLI::App& app, Action& action) {
   const auto options = std::make_shared<ReplayOptions>();
   auto* command = app.add_subcommand(
-      "replay", "Fly the commands of a recorded flight, and compare the models with what was measured");
+      "replay", "Simulate a recorded flight with its commands, and compare the models with the measurements");
   command->add_option("log", options->log, "Log: Crazyflie uSD, ULog or CSV")->type_name("FILE")->required();
   command->add_option("--airframe", options->airframe, "Rotor, cell, mass and decks of the drone")
       ->type_name("FILE.json")
@@ -121,12 +121,12 @@ void add_replay(CLI::App& app, Action& action) {
       ->check(positive());
   command
       ->add_option("--charge", options->charge,
-                   "State of charge at the start, up to 1; default: the one with which the first voltages agree")
+                   "State of charge at the start, up to 1; default: fitted to the first voltages")
       ->check(positive());
   command->add_option("--window", options->window_s, "Length of the windows of the momentum balance [s]; default: 1")
       ->check(positive());
   command->add_flag("--hover", options->hover,
-                    "The log has no motion, and the drone hovered: compare thrust with its weight");
+                    "The drone hovered, and the log has no motion: compare thrust with weight");
   command->footer(
       help_footer({"0 replayed", "1 a model or the disk failed", "2 the input cannot be used"},
                   {"mebots replay log00 --airframe configs/airframes/crazyflie_21.json --mass 0.0347 --out replay",
@@ -145,7 +145,7 @@ void add_identify(CLI::App& app, Action& action) {
   command->add_option("logs", options->logs, "Logs of one drone: Crazyflie uSD, ULog or CSV")
       ->type_name("FILE")
       ->required();
-  command->add_option("--airframe", options->airframe, "Airframe to begin with")->type_name("FILE.json")->required();
+  command->add_option("--airframe", options->airframe, "Airframe to start from")->type_name("FILE.json")->required();
   command
       ->add_option("--out", options->out,
                    "Airframe to write; its rotor and cell are FILE.rotor.json and FILE.cell.json")
@@ -165,7 +165,7 @@ void add_identify(CLI::App& app, Action& action) {
       ->type_name("NAMES");
   command->add_option("--mass", options->mass_kg, "Mass of the whole drone [kg], in place of the airframe's")
       ->check(positive());
-  command->add_flag("--hover", options->hover, "The logs have no motion, and the drone hovered");
+  command->add_flag("--hover", options->hover, "The drone hovered, and the logs have no motion");
   command->footer(help_footer(
       {"0 fitted", "1 a model or the disk failed", "2 the input cannot be used"},
       {"mebots identify log00 log01 --airframe configs/airframes/crazyflie_21.json --mass 0.0347 --out mine.json",
@@ -179,7 +179,8 @@ void add_identify(CLI::App& app, Action& action) {
 
 void add_new_cell(CLI::App& app, Action& action) {
   const auto options = std::make_shared<NewCellOptions>();
-  auto* command = app.add_subcommand("new-cell", "Write a cell file from what a seller prints, with intervals");
+  auto* command =
+      app.add_subcommand("new-cell", "Write a cell file, with intervals, from the data that a seller prints");
   command->add_option("out", options->out, "Cell file to write")->type_name("FILE.json")->required();
   command->add_option("--name", options->name, "Name of the cell")->type_name("TEXT")->required();
   command->add_option("--capacity", options->capacity_mah, "Capacity [mAh]")->required()->check(positive());

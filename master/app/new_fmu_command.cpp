@@ -39,14 +39,14 @@ int new_fmu_command(const NewFmuOptions& options) {
 
 void add_new_fmu(CLI::App& app, Action& action) {
   const auto options = std::make_shared<NewFmuOptions>();
-  auto* command = app.add_subcommand("new-fmu", "Write the folder of a new FMU, which builds, from its description");
+  auto* command = app.add_subcommand("new-fmu", "Create the project folder of a new FMU from its description");
   command->add_option("description", options->description, "description.json with the FMU's variables")
       ->type_name("FILE.json")
       ->required();
-  command->add_option("--out", options->out, "Folder to make; default: the FMU's name")
+  command->add_option("--out", options->out, "Folder to create; default: the FMU's name")
       ->type_name("FOLDER")
       ->check(not_empty());
-  command->footer(help_footer({"0 written", "2 the description cannot be used, or the folder is there"},
+  command->footer(help_footer({"0 written", "2 the description cannot be used, or the folder exists"},
                               {"mebots new-fmu description.json --out my_fmu"}));
   command->callback([options, &action] { action = [options] { return new_fmu_command(*options); }; });
 }

@@ -26,7 +26,7 @@ int written(const Write& write, const char* targets) {
   }
 }
 
-const std::vector<std::string> kExitCodesOfWriting = {"0 written", "2 a name cannot be used, or the folder is there"};
+const std::vector<std::string> kExitCodesOfWriting = {"0 written", "2 a name cannot be used, or the folder exists"};
 
 }  // namespace
 
@@ -36,11 +36,11 @@ void add_new_firmware(CLI::App& app, Action& action) {
     std::filesystem::path out;
   };
   const auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("new-firmware", "Write the folder of a new program for the chip, which builds");
+  auto* command = app.add_subcommand("new-firmware", "Create the project folder of a new program for the chip");
   command->add_option("name", options->name, "Its name: lower-case letters, digits and _")
       ->type_name("NAME")
       ->required();
-  command->add_option("--out", options->out, "Folder to make; default: the name")
+  command->add_option("--out", options->out, "Folder to create; default: the name")
       ->type_name("FOLDER")
       ->check(not_empty());
   command->footer(help_footer(kExitCodesOfWriting, {"mebots new-firmware blink"}));
@@ -60,16 +60,17 @@ void add_new_sensor(CLI::App& app, Action& action) {
   const auto options = std::make_shared<Options>();
   auto& sensor = options->sensor;
   auto* command = app.add_subcommand(
-      "new-sensor", "Write the folder of a new sensor on the chip with driver, firmware and mission, which builds");
+      "new-sensor", "Create the project folder of a new sensor of the chip: driver, firmware and mission");
   command->add_option("name", sensor.name, "Its name: lower-case letters, digits and _")->type_name("NAME")->required();
-  command->add_option("--senses", sensor.senses, "What it senses: a Real output of world, motors or battery")
+  command->add_option("--senses", sensor.senses, "Variable that it measures: a Real output of world, motors or battery")
       ->type_name("INSTANCE.VARIABLE")
       ->capture_default_str();
   command->add_option("--board", sensor.board, "Board file that gets the sensor; default: GAP8 alone")
       ->type_name("FILE.json")
       ->check(CLI::ExistingFile);
-  command->add_flag("--cpp", sensor.with_code, "With a device model in C++, for behaviour that states cannot describe");
-  command->add_option("--out", options->out, "Folder to make; default: the name")
+  command->add_flag("--cpp", sensor.with_code,
+                    "Add a device model in C++, for behaviour that the board file cannot describe");
+  command->add_option("--out", options->out, "Folder to create; default: the name")
       ->type_name("FOLDER")
       ->check(not_empty());
   command->footer(help_footer(kExitCodesOfWriting, {"mebots new-sensor height",

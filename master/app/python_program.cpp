@@ -54,10 +54,11 @@ Path package_folder(const std::string& command) {
   const auto found = std::ranges::find_if(
       places, [](const Path& place) { return std::filesystem::exists(place / "mebots" / "exploration"); });
   if (found != places.end()) return *found;
-  throw InputError(ErrorCode::not_offered,
-                   fmt::format("`{}` needs the Python package mebots, which is at none of {}: build MEbots with Python "
-                               "(python3-dev, pybind11-dev)",
-                               command, fmt::join(master::as_texts(places), ", ")));
+  throw InputError(
+      ErrorCode::not_offered,
+      fmt::format("`{}` needs the Python package mebots, which was not found ({}): build MEbots with Python "
+                  "(python3-dev, pybind11-dev)",
+                  command, fmt::join(master::as_texts(places), ", ")));
 }
 
 /// Sets PATH if the environment has none. Without it Python does not find its own program, which a study starts for its
@@ -85,10 +86,10 @@ void become_python(const std::string& command, const std::string& module, const 
   arguments.push_back(nullptr);
   std::fflush(nullptr);  // buffered output would be lost
   execvp(python.c_str(), arguments.data());
-  throw InputError(ErrorCode::not_offered,
-                   fmt::format("`{}` needs {}, which cannot be started: {}. Install python3, or name another Python by "
-                               "MEBOTS_PYTHON",
-                               command, python, std::strerror(errno)));
+  throw InputError(
+      ErrorCode::not_offered,
+      fmt::format("`{}` needs {}, which cannot be started: {}. Install python3, or set MEBOTS_PYTHON to another Python",
+                  command, python, std::strerror(errno)));
 }
 
 }  // namespace mebots::app

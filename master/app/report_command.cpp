@@ -98,16 +98,15 @@ void add_report(CLI::App& app, Action& action) {
       ->type_name("FILE.html")
       ->check(not_empty());
   command
-      ->add_option(
-          "--detail", options->detail,
-          "FROM:TO [s] or all: of a table too long for a page, every row of this span of time stays; may be repeated")
+      ->add_option("--detail", options->detail,
+                   "Keep every row of this time span (FROM:TO [s], or all) of a table that is too long for the page "
+                   "(may be repeated)")
       ->type_name("FROM:TO")
       ->allow_extra_args(false);
   command
-      ->add_option(
-          "--mcap", options->mcap,
-          "Write the first run as an MCAP file, too, for Foxglove, Lichtblick and PlotJuggler (needs the Python "
-          "package mcap)")
+      ->add_option("--mcap", options->mcap,
+                   "Also write the first run as an MCAP file for Foxglove, Lichtblick and PlotJuggler (needs the "
+                   "Python package mcap)")
       ->type_name("FILE.mcap")
       ->check(not_empty());
   command
@@ -115,16 +114,16 @@ void add_report(CLI::App& app, Action& action) {
                    "Also write a video of the page; the suffix (.mp4) selects the format. Needs Chromium and ffmpeg")
       ->type_name("FILE.mp4")
       ->check(not_empty());
-  command->add_option("--fps", options->frames_per_second, "Frames in a second of the film; default: 15")
+  command->add_option("--fps", options->frames_per_second, "Frames per second of the video; default: 15")
       ->check(CLI::Range(1U, 240U));
-  command->add_option("--speed", options->video_speed, "Simulated seconds in a second of the film; default: 1")
+  command->add_option("--speed", options->video_speed, "Simulated seconds per second of the video; default: 1")
       ->check(positive());
-  command->footer(
-      help_footer({"0 the page is written", "1 it is not: no space, or a mebots without pages",
-                   "2 a folder is not the results folder of a run, or a program is missing that the film needs"},
-                  {"mebots report results/gate_easy", "mebots report results/slow results/fast --out beside.html",
-                   "mebots report results/long --detail 120:130",
-                   "mebots report results/gate_easy --mcap flight.mcap --video flight.mp4"}));
+  command->footer(help_footer(
+      {"0 the page was written", "1 the page cannot be written: no space, or mebots was built without pages",
+       "2 a folder is not the results folder of a run, or a program for the video is missing"},
+      {"mebots report results/gate_easy", "mebots report results/slow results/fast --out beside.html",
+       "mebots report results/long --detail 120:130",
+       "mebots report results/gate_easy --mcap flight.mcap --video flight.mp4"}));
   command->callback([options, &action] { action = [options] { return guarded([&] { report_runs(*options); }); }; });
 }
 

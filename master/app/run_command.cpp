@@ -229,7 +229,7 @@ void add_run(CLI::App& app, Action& action) {
       ->type_name("SECONDS");
   command
       ->add_option("--step", run->step,
-                   "Communication step [s] or ratio such as 1/60, for an FMU alone or an SSP that states none")
+                   "Communication step [s] or ratio such as 1/60, for an FMU alone, or an SSP that specifies none")
       ->type_name("SECONDS");
   command->add_flag("--statistics", run->run.statistics,
                     "Show calls, time and slowest step of every instance, and write them to summary.json");
@@ -239,7 +239,7 @@ void add_run(CLI::App& app, Action& action) {
       ->type_name("SECONDS");
   command
       ->add_option("--uncertainty", run->uncertainty,
-                   "calibration: make 19 more flights with drawn parameters, and report intervals; none: make none")
+                   "calibration: run 19 more flights with drawn parameters and report intervals; none: do not")
       ->type_name("KIND")
       ->check(CLI::IsMember({"calibration", "none"}));
   command->add_flag("--dry-run", report->dry_run,
@@ -269,7 +269,7 @@ void add_run(CLI::App& app, Action& action) {
 void add_resume(CLI::App& app, Action& action) {
   const auto folder = std::make_shared<std::filesystem::path>();
   const auto report = std::make_shared<ReportOptions>();
-  auto* command = app.add_subcommand("resume", "Go on with a run from its last checkpoint");
+  auto* command = app.add_subcommand("resume", "Resume a run from its last checkpoint");
   command->add_option("folder", *folder, "The results folder of the run")->type_name("FOLDER")->required();
   add_live_options(*command, report->live);
   add_report_options(*command, *report);

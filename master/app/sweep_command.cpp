@@ -39,28 +39,28 @@ std::vector<std::string> words_of(const SweepOptions& options) {
 
 void add_sweep(CLI::App& app, Action& action) {
   const auto options = std::make_shared<SweepOptions>();
-  auto* command = app.add_subcommand("sweep", "Fly the missions of a study, and answer its question");
+  auto* command = app.add_subcommand("sweep", "Run a study: many missions, with statistics");
   command->add_option("study", options->study, "Study (.json)")->type_name("FILE.json");
   command
       ->add_option("--mission", options->mission,
-                   "Config that is flown in place of the study's: the same designs and draws on another mission")
+                   "Config to use in place of the study's, with the same designs and draws")
       ->type_name("FILE.json")
       ->check(not_empty());
   command
-      ->add_option("--out", options->out,
-                   "Folder for missions.csv, designs.csv, journal.jsonl and report.html; a study that was interrupted "
-                   "goes on there")
+      ->add_option(
+          "--out", options->out,
+          "Folder for missions.csv, designs.csv, journal.jsonl and report.html; an interrupted study continues there")
       ->type_name("FOLDER")
       ->check(not_empty());
-  command->add_option("--jobs", options->jobs, "Missions at the same time; default: one for each processor")
+  command->add_option("--jobs", options->jobs, "Missions to run in parallel; default: one per processor")
       ->check(CLI::Range(1U, 1024U));
   command->add_flag("--dry-run", options->dry_run, "Check the study; estimate missions, time and disk space");
-  command->add_option("--status", options->status, "Show how far the study in this folder is; fly nothing")
+  command->add_option("--status", options->status, "Show the progress of the study in this folder; run nothing")
       ->type_name("FOLDER")
       ->check(not_empty());
   command
       ->add_option("--reuse", options->reuse,
-                   "Take missions that this folder's journal has, instead of flying them (may be repeated)")
+                   "Reuse the missions in the journal of this folder instead of running them (may be repeated)")
       ->type_name("FOLDER")
       ->allow_extra_args(false)
       ->take_all();

@@ -192,7 +192,7 @@ int validate_all(const std::vector<std::string>& files) {
 
 void add_validate(CLI::App& app, Action& action) {
   auto* command =
-      app.add_subcommand("validate", "List all mistakes of configs, boards, scenes and other files; run nothing");
+      app.add_subcommand("validate", "List all errors in configs, boards, scenes and other files; run nothing");
   const auto files = std::make_shared<std::vector<std::string>>();
   std::string kinds;
   for (const auto& kind : known_kinds()) kinds += (kinds.empty() ? "" : ", ") + kind;
@@ -200,7 +200,7 @@ void add_validate(CLI::App& app, Action& action) {
       ->type_name("FILE.json")
       ->required();
   command->footer(
-      help_footer({"0 all files are good", "2 a file has mistakes, or cannot be read"},
+      help_footer({"0 all files are valid", "2 a file has errors, or cannot be read"},
                   {"mebots validate mission.json", "mebots validate configs/*.json configs/boards/*.json"}));
   command->callback([&action, files] { action = [files] { return validate_all(*files); }; });
 }

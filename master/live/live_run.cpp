@@ -222,7 +222,7 @@ std::string Mailbox::ask(Question question, std::chrono::milliseconds patience) 
     any_.store(true, std::memory_order_release);
   }
   arrived_.notify_one();
-  if (answer.wait_for(patience) != std::future_status::ready) throw std::runtime_error("the run does not answer");
+  if (answer.wait_for(patience) != std::future_status::ready) throw std::runtime_error("the run does not respond");
   return answer.get();
 }
 

@@ -40,7 +40,7 @@ LiveRun::Server::Server(int port, const Answers& answers) : sockets_(std::make_u
   if (bound < 0) {
     throw InputError(
         ErrorCode::system_failure,
-        fmt::format("--live: port {} of {} is not free; name another, or 0 for any free one", port, kLoopback));
+        fmt::format("--live: port {} of {} is not free; choose another one, or 0 for any free port", port, kLoopback));
   }
   address_ = fmt::format("http://{}:{}/{}/", kLoopback, bound, token);
   server.route(token, bound, answers);

@@ -30,7 +30,7 @@ void write(const fs::path& file, const std::string& text) {
   fs::create_directories(file.parent_path(), failure);
   if (failure)
     throw Error(ErrorCode::file_unwritable,
-                fmt::format("{}: the folder cannot be made: {}", file.parent_path().string(), failure.message()));
+                fmt::format("{}: the folder cannot be created: {}", file.parent_path().string(), failure.message()));
   std::ofstream stream(file, std::ios::binary);
   stream << text;
   stream.close();
@@ -119,8 +119,7 @@ fs::path new_fmu(const fs::path& description_file, fs::path folder) {
   if (fs::exists(folder, error))
     throw Error(
         ErrorCode::file_unwritable,
-        fmt::format("{}: this is there already, and nothing is ever overwritten; choose another folder with --out",
-                    folder.string()));
+        fmt::format("{}: this folder exists and is not overwritten; choose another one with --out", folder.string()));
   const Plan plan = make_plan(description);
   Files files = {{"description.json", read(description_file)},
                  {"CMakeLists.txt", cmake_lists(plan)},

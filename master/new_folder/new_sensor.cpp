@@ -78,7 +78,7 @@ Slot free_slot(const std::string& text, const fs::path& board, const std::string
     for (const auto& device : board_json.at("devices")) {
       if (device.at("name") == name) {
         throw Error(ErrorCode::duplicate_name,
-                    fmt::format("{}: there is a device '{}' already; choose another name", board.string(), name));
+                    fmt::format("{}: there is already a device '{}'; choose another name", board.string(), name));
       }
       pages.insert(address(device.at("base").get<std::string>()) / kPage);
       interrupts.insert(device.value("interrupt", -1));
@@ -91,7 +91,7 @@ Slot free_slot(const std::string& text, const fs::path& board, const std::string
   while (pages.contains(slot.base / kPage)) slot.base += kPage;
   while (interrupts.contains(slot.interrupt)) ++slot.interrupt;
   if (slot.interrupt > kLastInterrupt) {
-    throw Error(ErrorCode::invalid_value, fmt::format("{}: all interrupts are taken", board.string()));
+    throw Error(ErrorCode::invalid_value, fmt::format("{}: all interrupts of the board are in use", board.string()));
   }
   return slot;
 }

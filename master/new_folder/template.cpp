@@ -58,7 +58,7 @@ void require_name(const std::string& name) {
         fmt::format("'{}' cannot name C functions and a build's targets; use lower-case letters, digits and _", name));
   }
   if (std::ranges::find(kTaken, name) != kTaken.end()) {
-    throw Error(ErrorCode::duplicate_name, fmt::format("'{}' means something else already; choose another name", name));
+    throw Error(ErrorCode::duplicate_name, fmt::format("'{}' already has another meaning; choose another name", name));
   }
 }
 
@@ -67,8 +67,7 @@ void write_folder(const fs::path& folder, const Files& files) {
   if (fs::exists(folder, error)) {
     throw Error(
         ErrorCode::file_unwritable,
-        fmt::format("{}: this is there already, and nothing is ever overwritten; choose another folder with --out",
-                    folder.string()));
+        fmt::format("{}: this folder exists and is not overwritten; choose another one with --out", folder.string()));
   }
   for (const auto& [name, text] : files) {
     const auto file = folder / name;
