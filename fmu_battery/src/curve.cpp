@@ -48,7 +48,7 @@ Curve Curve::read(const data::Node& node, std::string_view unit) {
     if (exponential.size() != 2)
       node.at("exponential").fail(ErrorCode::invalid_value, "two numbers are needed: factor and rate");
     if (polynomial.size() > kCoefficients)
-      node.at("polynomial").fail(ErrorCode::invalid_value, "4 coefficients are the most");
+      node.at("polynomial").fail(ErrorCode::invalid_value, "at most 4 coefficients are allowed");
     return analytic(exponential[0], exponential[1], polynomial);
   }
   const auto table = node.at("state_of_charge");

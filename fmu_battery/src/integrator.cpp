@@ -287,13 +287,14 @@ class Integrator::Solver {
 
   void check(int flag, const char* function) const {
     if (flag >= 0) return;
-    throw Error(fmt::format("the cell's equations cannot be integrated: {} gave {} ({})", function, flag, message_));
+    throw Error(
+        fmt::format("the cell's equations cannot be integrated: {} returned {} ({})", function, flag, message_));
   }
 
   [[noreturn]] void fail(int flag, double duration_s, double passed_s) const {
     throw Error(fmt::format(
         "the cell's equations cannot be integrated over a step of {} s at {} W terminal power: after {} s "
-        "ERKStepEvolve gave {} ({}). Take shorter steps or less power, or a cell with a larger capacity and "
+        "ERKStepEvolve returned {} ({}). Use shorter steps, less power, or a cell with a larger capacity and "
         "longer time constants",
         duration_s, demand_.terminal_w(), passed_s, flag, message_));
   }

@@ -190,7 +190,7 @@ void Model::write(const Inputs& inputs, std::int64_t now_ns, Outputs& outputs) {
   const double current_a = flows ? terminal_current_a(source_v, circuit.series_ohm, now.terminal_w()) : 0;
   const double voltage_v = source_v - circuit.series_ohm * current_a;
   if (!std::isfinite(voltage_v)) {
-    throw Error(fmt::format("source.power = {} W makes bus.voltage {} V, which must be finite; give less power",
+    throw Error(fmt::format("source.power = {} W makes bus.voltage {} V, which must be finite; reduce the power",
                             inputs.source_power_w, voltage_v));
   }
   watch_current(current_a, now_ns);

@@ -22,8 +22,8 @@ auto table_from_rest(std::string_view unit) {
     data::read_unit(object, unit);
     if (object.read("value", values, data::rising_numbers(Limits::at_least(0)))) {
       const auto list = node.at("value");
-      if (values.size() < 2) list.complain(ErrorCode::invalid_value, "two points are the least");
-      if (values.front() != 0) list.elements()[0].complain(ErrorCode::invalid_value, "this must be 0: standstill");
+      if (values.size() < 2) list.complain(ErrorCode::invalid_value, "at least two points are needed");
+      if (values.front() != 0) list.elements()[0].complain(ErrorCode::invalid_value, "this must be 0, the standstill");
     }
     object.finish();
     return values;

@@ -92,8 +92,8 @@ void CsvReader::refuse_other_separators() const {
     const auto found = std::ranges::count(first, separator);
     if (found == 0 || found < commas) return;
     fail_line(ErrorCode::syntax_error,
-              fmt::format("the cells are separated by {}; a CSV file here has commas as separators and points in "
-                          "decimals (1.5, not 1,5). Export it so, for instance with an English locale",
+              fmt::format("the cells are separated by {}; a CSV file must have commas as separators and points in "
+                          "decimals (1.5, not 1,5). Export it in this form, for instance with an English locale",
                           plural));
   };
   refuse(';', "semicolons");
@@ -113,8 +113,7 @@ void CsvReader::read_header() {
                 fmt::format("column {} has no name; give every column a name", header_.size()));
     }
     if (!names.insert(name).second) {
-      fail_line(ErrorCode::duplicate_name,
-                fmt::format("two columns are named {}; give every column another name", shown(name)));
+      fail_line(ErrorCode::duplicate_name, fmt::format("two columns are named {}; rename one of them", shown(name)));
     }
   }
 }

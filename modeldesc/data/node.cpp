@@ -56,7 +56,7 @@ std::string Node::text() const {
   const auto& text = document_->content_->values[index_].text;
   // C strings (paths for the system, values for FMI) would end at the zero byte without an error.
   if (text.find('\0') != std::string::npos) {
-    fail(ErrorCode::invalid_value, fmt::format("{} holds a zero byte, where a C string ends; remove it", shown()));
+    fail(ErrorCode::invalid_value, fmt::format("{} contains a zero byte, where a C string ends; remove it", shown()));
   }
   return text;
 }

@@ -39,7 +39,7 @@ void Object::complain_missing(std::string_view key) const {
 
 std::vector<double> read_numbers(const Node& node, const Limits& limits) {
   auto values = list_of(number(limits))(node);
-  if (node.elements().empty()) node.fail(ErrorCode::invalid_value, "the list is empty; it needs a number at least");
+  if (node.elements().empty()) node.fail(ErrorCode::invalid_value, "the list is empty; it needs at least one number");
   return values;
 }
 
@@ -68,7 +68,7 @@ void read_source(Object& object) {
   std::string ignored;
   object.read("source", ignored, [](const Node& node) {
     auto source = node.text();
-    if (source.empty()) node.fail(ErrorCode::invalid_value, "the source is empty: say where the value comes from");
+    if (source.empty()) node.fail(ErrorCode::invalid_value, "the source is empty; write where the value comes from");
     return source;
   });
 }

@@ -166,7 +166,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool open(Kind kind) {
     if (open_.size() == Document::kDeepest) {
       refuse(ErrorCode::syntax_error, next_token(),
-             fmt::format("this is nested more than {} levels deep, which no file of ours needs", Document::kDeepest));
+             fmt::format("this is nested more than {} levels deep, which no file of MEbots needs", Document::kDeepest));
     }
     begin_value(kind);
     open_.push_back({values_.size() - 1});
@@ -293,7 +293,7 @@ std::vector<Value> parse(std::string_view text, const std::string& name, const T
   // The library treats a zero byte as the end and would ignore the rest without an error.
   if (const auto zero = text.find('\0'); zero != std::string_view::npos) {
     builder.refuse(ErrorCode::syntax_error, zero,
-                   "there is a zero byte, so this is not JSON text; save the file as UTF-8");
+                   "this contains a zero byte, so it is not JSON text; save the file as UTF-8");
   }
   nlohmann::json::sax_parse(text, &builder);
   return builder.values();

@@ -31,11 +31,11 @@ GreyPicture decode_png(std::span<const std::uint8_t> bytes, const std::string& n
   PngImage reader;
   const auto refuse = [&] {
     throw Error(ErrorCode::invalid_value,
-                fmt::format("{}: no picture comes out of it: {}; a PNG file is needed", name, reader.image.message));
+                fmt::format("{}: this cannot be decoded: {}; a PNG file is needed", name, reader.image.message));
   };
   if (png_image_begin_read_from_memory(&reader.image, bytes.data(), bytes.size()) == 0) refuse();
   if (reader.image.width > kLargest || reader.image.height > kLargest) {
-    throw Error(ErrorCode::invalid_value, fmt::format("{}: {} x {} pixels; {} x {} are the most", name,
+    throw Error(ErrorCode::invalid_value, fmt::format("{}: {} x {} pixels; at most {} x {} are allowed", name,
                                                       reader.image.width, reader.image.height, kLargest, kLargest));
   }
   reader.image.format = PNG_FORMAT_GRAY;

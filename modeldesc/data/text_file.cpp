@@ -39,7 +39,7 @@ std::string text_of(const std::filesystem::path& path) {
   while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0) {
     text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   }
-  if (stream.bad()) refuse(ErrorCode::file_unreadable, "the device that holds it reports an error");
+  if (stream.bad()) refuse(ErrorCode::file_unreadable, "its storage device reports an error");
   return text;
 }
 
@@ -61,7 +61,7 @@ std::filesystem::path find_file(const std::filesystem::path& folder, std::string
   }
   std::ranges::sort(known);
   throw Error(ErrorCode::unknown_name,
-              fmt::format("{} = \"{}\": unknown name. {} The path of a .json file will do, too", variable, name,
+              fmt::format("{} = \"{}\": unknown name. {} The path of a .json file is possible, too", variable, name,
                           suggest(name, known)));
 }
 

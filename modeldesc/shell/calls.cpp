@@ -56,7 +56,7 @@ Instance* instantiate(const Instantiation& asked, const std::function<Logger::Si
       const std::string_view own_token = definition.*asked.version.token;
       if (asked.token == nullptr || asked.token != own_token)
         throw Error(fmt::format(
-            "the {} {} is not this library's {}; modelDescription.xml and library come from different builds",
+            "the {} {} differs from this library's {}; modelDescription.xml and library are from different builds",
             asked.version.token_name, asked.token == nullptr ? "(null)" : asked.token, own_token));
       return std::make_unique<Instance>(definition, asked.version, logger, resources()).release();
     } catch (const Error& error) {

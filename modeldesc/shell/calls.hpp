@@ -53,7 +53,7 @@ T& checked(T* pointer, std::string_view name) {
 }
 
 [[noreturn]] inline void not_offered(std::string_view flag) {
-  throw Error(fmt::format("this FMU does not offer it: modelDescription.xml says {}", flag));
+  throw Error(fmt::format("this FMU does not offer it: modelDescription.xml declares {}", flag));
 }
 
 /// Builds data that instances share, once: the C++ library's facets and the FMU's own tables. Call it from a function

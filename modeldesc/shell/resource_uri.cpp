@@ -53,7 +53,7 @@ std::filesystem::path path_of_file_uri(std::string_view uri) {
     const int low = i + 2 < rest.size() ? hex_digit(rest[i + 2]) : -1;
     if (high < 0 || low < 0) fail(uri, "has a % without two hexadecimal digits");
     const char byte = static_cast<char>(high * 16 + low);
-    if (byte == '\0') fail(uri, "has a null byte in it");
+    if (byte == '\0') fail(uri, "contains a null byte");
     path += byte;
     i += 2;
   }

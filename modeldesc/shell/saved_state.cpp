@@ -77,7 +77,7 @@ SavedState deserialize(const Owner& owner, std::span<const std::byte> bytes) {
     throw Error(ErrorCode::state_damaged, fmt::format("the state has bytes left over at its end; {}", kRemedy));
   if (checksum(layout, payload) != expected)
     throw Error(ErrorCode::state_damaged,
-                fmt::format("the state of {} is damaged: its checksum does not fit; {}", identifier, kRemedy));
+                fmt::format("the state of {} is damaged: its checksum is wrong; {}", identifier, kRemedy));
   SavedState saved;
   state::restore(saved, payload);
   saved.layout = layout;

@@ -27,7 +27,7 @@ void make_folder(const fs::path& folder) {
   fs::create_directories(folder, error);
   if (error)
     throw Error(ErrorCode::file_unwritable,
-                fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()));
+                fmt::format("{}: the folder cannot be created: {}", folder.string(), error.message()));
 }
 
 [[noreturn]] void cannot_write(const fs::path& file) {
@@ -131,7 +131,7 @@ void pack(const fs::path& archive, std::vector<PackedFile> files) {
   const auto twice = std::ranges::adjacent_find(files, {}, &PackedFile::entry);
   if (twice != files.end())
     throw Error(ErrorCode::duplicate_name,
-                fmt::format("{}: both {} and {} are to be the entry {}", archive.string(), twice->source.string(),
+                fmt::format("{}: both {} and {} would become the entry {}", archive.string(), twice->source.string(),
                             std::next(twice)->source.string(), twice->entry));
   ZipHandle zip = create_archive(archive);
   for (const PackedFile& file : files) {
@@ -141,7 +141,7 @@ void pack(const fs::path& archive, std::vector<PackedFile> files) {
     };
     if (!is_file(file.source))
       throw Error(ErrorCode::file_not_found,
-                  fmt::format("{}: {} is not there or no file", archive.string(), file.source.string()));
+                  fmt::format("{}: {} is missing, or is not a file", archive.string(), file.source.string()));
     zip_source_t* source = zip_source_file(zip.get(), file.source.c_str(), 0, -1);
     if (source == nullptr) fail();
     const zip_int64_t added = zip_file_add(zip.get(), file.entry.c_str(), source, ZIP_FL_ENC_UTF_8);

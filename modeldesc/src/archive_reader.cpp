@@ -160,7 +160,7 @@ ArchiveReader::ArchiveReader(ZipHandle archive, std::string name, const UnpackLi
     auto normal = checked_name(entry.name);
     check_kind(entry);
     check_storage(entry);
-    if (!names.insert(std::move(normal)).second) refuse(entry.name, "is there twice");
+    if (!names.insert(std::move(normal)).second) refuse(entry.name, "occurs twice");
     check_size(entry, stat.comp_size, total);
     entries_.push_back(std::move(entry));
   }
@@ -187,7 +187,7 @@ void ArchiveReader::check_kind(const Entry& entry) const {
   if (system != ZIP_OPSYS_UNIX && system != ZIP_OPSYS_OS_X) return;
   const auto kind = static_cast<mode_t>(attributes >> 16) & S_IFMT;
   if (kind == S_IFLNK) refuse(entry.name, "is a symbolic link");
-  if (kind != 0 && kind != S_IFREG && kind != S_IFDIR) refuse(entry.name, "is neither file nor folder");
+  if (kind != 0 && kind != S_IFREG && kind != S_IFDIR) refuse(entry.name, "is neither a file nor a folder");
 }
 
 void ArchiveReader::check_storage(const Entry& entry) const {
@@ -206,7 +206,7 @@ void ArchiveReader::check_size(const Entry& entry, std::uint64_t packed, std::ui
   constexpr std::uint64_t kSmall = std::uint64_t{16} << 20;
   MEBOTS_ASSERT(total <= limits_.total_bytes, "each entry was held to what is left");
   if (entry.size > limits_.total_bytes - total)
-    refuse(entry.name, fmt::format("takes the unpacked size over the limit of {} bytes", limits_.total_bytes));
+    refuse(entry.name, fmt::format("brings the unpacked size above the limit of {} bytes", limits_.total_bytes));
   total += entry.size;
   if (entry.size > kSmall && static_cast<double>(entry.size) > limits_.ratio * static_cast<double>(packed))
     refuse(entry.name, fmt::format("unpacks {} bytes to {}, more than {} times", packed, entry.size, limits_.ratio));
@@ -227,11 +227,11 @@ void ArchiveReader::read(const Entry& entry, const std::function<void(std::strin
     if (size < 0) damaged(zip_file_strerror(file.get()));
     if (size == 0) break;
     taken += static_cast<std::uint64_t>(size);
-    if (taken > entry.size) damaged(fmt::format("it holds more than the {} bytes that it declares", entry.size));
+    if (taken > entry.size) damaged(fmt::format("it contains more than the {} bytes that it declares", entry.size));
     MEBOTS_ASSERT(static_cast<std::size_t>(size) <= buffer.size());
     take({buffer.data(), static_cast<std::size_t>(size)});
   }
-  if (taken != entry.size) damaged(fmt::format("{} of {} bytes are there", taken, entry.size));
+  if (taken != entry.size) damaged(fmt::format("it has only {} of {} bytes", taken, entry.size));
 }
 
 }  // namespace mebots::modeldesc

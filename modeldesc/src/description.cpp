@@ -100,7 +100,7 @@ class DescriptionReader {
         check_cpp_name(words, name);
         claim(cpp_names_, name, words);
         result_.groups.push_back({name, data::list_of(&read_word)(words), false, ""});
-        if (words.elements().empty()) words.fail(ErrorCode::invalid_value, "a group needs a word at least");
+        if (words.elements().empty()) words.fail(ErrorCode::invalid_value, "a group needs at least one word");
       });
     }
   }
@@ -145,7 +145,7 @@ class DescriptionReader {
 
   void read_variables(const Node& node) {
     if (node.elements().empty()) {
-      node.fail(ErrorCode::invalid_value, "the list is empty; FMI 2.0 asks for one variable at least");
+      node.fail(ErrorCode::invalid_value, "the list is empty; FMI 2.0 requires at least one variable");
     }
     for (const auto& entry : node.elements()) {
       entry.attempt([&] { read_variable(entry); });
@@ -218,11 +218,10 @@ class DescriptionReader {
       const auto found = words(node);
       const bool of_parameter = found == Variability::fixed || found == Variability::tunable;
       if (of_parameter != parameter || (found == Variability::continuous && !real)) {
-        node.fail(
-            ErrorCode::invalid_value,
-            fmt::format("{} does not go with this causality and type; parameters are fixed or tunable, the rest is "
-                        "discrete, or continuous if Real",
-                        node.shown()));
+        node.fail(ErrorCode::invalid_value,
+                  fmt::format("{} is not possible with this causality and type; parameters are fixed or tunable, other "
+                              "variables discrete, or continuous if Real",
+                              node.shown()));
       }
       return found;
     });
@@ -234,7 +233,7 @@ class DescriptionReader {
   /// Reads names of inputs and expands groups.
   void read_dependencies(Object& object, Field& field) {
     const auto names = [&](const Node& node) {
-      if (field.causality != Causality::output) node.fail(ErrorCode::invalid_value, "this is for outputs only");
+      if (field.causality != Causality::output) node.fail(ErrorCode::invalid_value, "this key is for outputs only");
       std::vector<std::string> result;
       for (const auto& element : node.elements()) {
         element.attempt([&] {
@@ -256,7 +255,7 @@ class DescriptionReader {
     if (open == std::string::npos) return {std::nullopt, {name}};
     const auto close = name.find('}', open);
     if (close == std::string::npos || name.find('{', open + 1) != std::string::npos) {
-      node.fail(ErrorCode::invalid_value, "a name may hold one {group} only");
+      node.fail(ErrorCode::invalid_value, "a name may contain only one {group}");
     }
     const std::string group_name = name.substr(open + 1, close - open - 1);
     const auto group = std::ranges::find(result_.groups, group_name, &Group::name);
@@ -284,7 +283,7 @@ class DescriptionReader {
 
   static void read_unit(Object& object, Field& field) {
     if (field.type != FieldType::real) {
-      refuse(object, "unit", "this is for Real only");
+      refuse(object, "unit", "this key is for Real only");
       return;
     }
     object.read("unit", field.unit, [](const Node& node) {
@@ -301,8 +300,8 @@ class DescriptionReader {
   static void read_numbers(Object& object, Field& field) {
     const bool real = field.type == FieldType::real;
     if (!real && field.type != FieldType::integer) {
-      refuse(object, "min", "this is for Real and Integer only");
-      refuse(object, "max", "this is for Real and Integer only");
+      refuse(object, "min", "this key is for Real and Integer only");
+      refuse(object, "max", "this key is for Real and Integer only");
     } else {
       object.read_if("min", field.min, data::number());
       object.read_if("max", field.max, data::number());
@@ -310,7 +309,7 @@ class DescriptionReader {
     if (real) {
       object.read_if("nominal", field.nominal, data::number(data::Limits::positive()));
     } else {
-      refuse(object, "nominal", "this is for Real only");
+      refuse(object, "nominal", "this key is for Real only");
     }
     if (field.min && field.max && *field.min > *field.max) {
       object.node().at("min").complain(ErrorCode::invalid_value,
@@ -321,7 +320,8 @@ class DescriptionReader {
   void read_starts(Object& object, Field& field) const {
     const bool wanted = field.causality != Causality::output && field.type != FieldType::binary;
     if (!wanted) {
-      refuse(object, "start", "this is for parameters and inputs: the model computes outputs, a Binary starts as null");
+      refuse(object, "start",
+             "this key is for parameters and inputs: the model computes outputs, and a Binary starts as null");
       return;
     }
     object.read("start", field.starts, [&](const Node& start) {
@@ -370,12 +370,12 @@ class DescriptionReader {
     if (field.type == FieldType::binary) {
       object.read("mime_type", field.mime_type, &xml_text);
     } else {
-      refuse(object, "mime_type", "this is for Binary only");
+      refuse(object, "mime_type", "this key is for Binary only");
     }
     object.read_if("on_demand", field.on_demand, [&](const Node& node) {
       const bool on_demand = node.flag();
       if (on_demand && (field.type != FieldType::string || field.causality != Causality::output)) {
-        node.fail(ErrorCode::invalid_value, "this is for String outputs only");
+        node.fail(ErrorCode::invalid_value, "this key is for String outputs only");
       }
       return on_demand;
     });

@@ -249,7 +249,7 @@ class ElfFile {
     if (!bytes_.has_magic()) bytes_.fail("is not an ELF file");
     header_ = bytes_.get<Elf64_Ehdr>(0, "the ELF header");
     if (header_.e_ident[EI_CLASS] != ELFCLASS64 || header_.e_ident[EI_DATA] != ELFDATA2LSB)
-      bytes_.fail("is no 64-bit little-endian ELF file");
+      bytes_.fail("is not a 64-bit little-endian ELF file");
     if (header_.e_type != ET_DYN) bytes_.fail("is not a shared library");
     map_segments();
   }

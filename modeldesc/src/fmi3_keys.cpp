@@ -54,7 +54,7 @@ class TerminalReader {
       terminal.name = group == nullptr ? name : with_word(name, *group, group->words[i]);
       terminal.members = read_members(node.at("members"), group, i);
       if (std::ranges::find(description_.terminals, terminal.name, &Terminal::name) != description_.terminals.end())
-        node.fail(ErrorCode::duplicate_name, fmt::format("the terminal {} is already there", terminal.name));
+        node.fail(ErrorCode::duplicate_name, fmt::format("the terminal {} already exists", terminal.name));
       description_.terminals.push_back(terminal);
       if (node.noted() != 0) return;  // the mistakes would be the same for the other words
     }
@@ -69,7 +69,7 @@ class TerminalReader {
         members.push_back(member(name, variable, group, word));
       });
     }
-    if (node.members().empty()) node.fail(ErrorCode::invalid_value, "a terminal needs a member at least");
+    if (node.members().empty()) node.fail(ErrorCode::invalid_value, "a terminal needs at least one member");
     return members;
   }
 
@@ -106,7 +106,7 @@ class TerminalReader {
 void check_xml_text(const Node& node, std::string_view text) {
   if (const auto found = first_no_xml_character(text)) {
     node.fail(ErrorCode::invalid_value,
-              fmt::format("there is the character \\u{:04x}, which XML cannot hold; remove it", *found));
+              fmt::format("this contains the character \\u{:04x}, which XML does not allow; remove it", *found));
   }
 }
 
@@ -141,7 +141,7 @@ std::map<std::string, Node> read_arrays(const Node& node, std::vector<Group>& gr
         size_sources.emplace(name, size);
       } else if (!size.flag()) {
         size.fail(ErrorCode::invalid_value,
-                  "this is true, or the name of the Integer parameter with the number of elements");
+                  "this must be true, or the name of the Integer parameter with the number of elements");
       }
     });
   }

@@ -44,10 +44,10 @@ void check_names(const Description& description, const std::vector<Fmi3Variable>
     if (names.insert(variable.name).second) continue;
     throw Error(
         ErrorCode::duplicate_name,
-        fmt::format("{}: in FMI 3.0, {} would have the name {}, which is {}; rename it, or take its group out of "
-                    "'arrays'",
-                    description.source, variable.field->name, variable.name,
-                    variable.name == kTimeName ? "that of the independent variable" : "taken"));
+        fmt::format(
+            "{}: in FMI 3.0, {} would have the name {}, which is {}; rename it, or remove its group from 'arrays'",
+            description.source, variable.field->name, variable.name,
+            variable.name == kTimeName ? "that of the independent variable" : "taken"));
   }
 }
 

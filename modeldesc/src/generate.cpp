@@ -18,7 +18,7 @@ void make_output_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
-    throw Error(ErrorCode::file_unwritable, fmt::format("{}: cannot be made: {}", folder.string(), error.message()));
+    throw Error(ErrorCode::file_unwritable, fmt::format("{}: cannot be created: {}", folder.string(), error.message()));
 }
 
 /// Returns the instantiation token.

@@ -17,7 +17,7 @@
 
 int main(int argc, char** argv) {
   using namespace mebots::modeldesc;
-  CLI::App app{"Makes the files of an FMU from its description, and packs them"};
+  CLI::App app{"Generates the files of an FMU from its description, and packs them"};
   app.set_version_flag("--version", "mebots-modeldesc " MEBOTS_VERSION);
   app.require_subcommand(1);
 
@@ -29,15 +29,16 @@ int main(int argc, char** argv) {
   generate_command->add_option("description", description, "description.json of the FMU")
       ->type_name("FILE.json")
       ->required();
-  generate_command->add_option("--board", board, "board file whose devices' variables join in")->type_name("FILE.json");
+  generate_command->add_option("--board", board, "board file whose devices' variables are added")
+      ->type_name("FILE.json");
   std::vector<int> versions;
   bool has_icon = false;
   generate_command
       ->add_option("--fmi", versions,
-                   "version of FMI, 2 or 3 (may repeat); what is of 3.0 alone goes to FOLDER/fmi3 then. Default: the "
-                   "description's")
+                   "version of FMI, 2 or 3 (may be repeated); with both, the files of 3.0 go to FOLDER/fmi3. Default: "
+                   "the description's")
       ->check(CLI::IsMember({2, 3}));
-  generate_command->add_flag("--icon", has_icon, "the archive will have a picture (pack --icon); FMI 3.0 announces it");
+  generate_command->add_flag("--icon", has_icon, "declare the picture of the archive (pack --icon) in FMI 3.0");
   generate_command->add_option("--out", folder, "folder to write to")->type_name("FOLDER")->required();
   generate_command->callback([&] {
     GenerateOptions options;
@@ -55,21 +56,23 @@ int main(int argc, char** argv) {
       ->required();
   pack_command->add_option("--documentation", parts.documentation, "index.html")->type_name("FILE.html")->required();
   pack_command->add_option("--binary", parts.binary, "shared library of the FMU")->type_name("FILE.so")->required();
-  pack_command->add_option("--library", parts.libraries, "library that travels beside it (may repeat)")
+  pack_command->add_option("--library", parts.libraries, "library to pack next to it (may be repeated)")
       ->type_name("FILE");
-  pack_command->add_option("--resources", parts.resource_folders, "folder whose contents go to resources/ (may repeat)")
+  pack_command
+      ->add_option("--resources", parts.resource_folders, "folder whose contents go to resources/ (may be repeated)")
       ->type_name("FOLDER");
-  pack_command->add_option("--resource-file", parts.resource_files, "file that goes to resources/ (may repeat)")
+  pack_command->add_option("--resource-file", parts.resource_files, "file that goes to resources/ (may be repeated)")
       ->type_name("FILE");
   pack_command
       ->add_option("--icon", parts.icon, "picture that becomes model.png; in FMI 3.0, terminalsAndIcons/icon.png")
       ->type_name("FILE.png");
-  pack_command->add_option("--terminals", parts.terminals, "terminalsAndIcons.xml of FMI 3.0; left out if empty")
+  pack_command->add_option("--terminals", parts.terminals, "terminalsAndIcons.xml of FMI 3.0; not packed if empty")
       ->type_name("FILE.xml");
   pack_command->add_option("--license", parts.license, "licence text of the FMU")->type_name("FILE");
-  pack_command->add_option("--license-id", parts.license_id, "the same as an SPDX expression")->type_name("EXPRESSION");
+  pack_command->add_option("--license-id", parts.license_id, "licence of the FMU, as an SPDX expression")
+      ->type_name("EXPRESSION");
   pack_command
-      ->add_option("--parts", parts.parts, "list of other people's parts, for their licences and the bill of materials")
+      ->add_option("--parts", parts.parts, "list of third-party parts, for their licences and the bill of materials")
       ->type_name("FILE");
   pack_command->add_option("--reference", parts.reference, "folder with reference traces")->type_name("FOLDER");
   pack_command->callback([&] { pack_fmu(archive, parts); });
@@ -83,7 +86,7 @@ int main(int argc, char** argv) {
   sbom_command->add_option("--product-version", product.version, "of the product")->type_name("VERSION");
   sbom_command->add_option("--license-id", product.license, "of the product, as an SPDX expression")
       ->type_name("EXPRESSION");
-  sbom_command->add_option("--parts", part_lists, "lists of other people's parts (may repeat)")
+  sbom_command->add_option("--parts", part_lists, "lists of third-party parts (may be repeated)")
       ->type_name("FILE")
       ->required();
   sbom_command->callback([&] {

@@ -36,7 +36,7 @@ void check_needs(const fs::path& file, const std::map<std::string, fs::path>& bu
     if (!is_part_of_the_system(needed) && !bundled.contains(needed))
       throw Error(
           ErrorCode::invalid_argument,
-          fmt::format("{} needs {}, which does not travel in the FMU; add it with --library (BUNDLE in mebots_add_fmu)",
+          fmt::format("{} needs {}, which is not packed into the FMU; add it with --library (BUNDLE in mebots_add_fmu)",
                       file.string(), needed));
 }
 
@@ -62,7 +62,8 @@ Subject read_subject(const fs::path& file) {
   parse_xml(document, text, file.string());
   const auto root = document.document_element();
   const auto co_simulation = root.child("CoSimulation");
-  if (!co_simulation) throw Error(ErrorCode::fmu_unsupported, fmt::format("{}: has no <CoSimulation>", file.string()));
+  if (!co_simulation)
+    throw Error(ErrorCode::fmu_unsupported, fmt::format("{}: there is no <CoSimulation>", file.string()));
   return {std::string_view(root.attribute("fmiVersion").value()).starts_with("3."), root.attribute("modelName").value(),
           root.attribute("version").value(), co_simulation.attribute("modelIdentifier").value()};
 }
@@ -122,7 +123,7 @@ void pack_fmu(const fs::path& archive, const FmuParts& parts) {
   if (archive.has_parent_path()) fs::create_directories(archive.parent_path(), error);
   if (error)
     throw Error(ErrorCode::file_unwritable,
-                fmt::format("{}: the folder cannot be made: {}", archive.parent_path().string(), error.message()));
+                fmt::format("{}: the folder cannot be created: {}", archive.parent_path().string(), error.message()));
   pack(archive, std::move(files));
 }
 

@@ -98,7 +98,7 @@ class Fmi1Reader {
     const auto name = element.required_text("name");
     if (names_.insert(name).second) return true;
     result_.structure_faults.push_back(
-        element.located(fmt::format("a variable before has the name \"{}\", too", name)));
+        element.located(fmt::format("an earlier variable also has the name \"{}\"", name)));
     return false;
   }
 

@@ -49,7 +49,7 @@ class Fmi2Reader {
   void read_implementations() {
     const Element model_exchange = root_.child("ModelExchange");
     const Element co_simulation = root_.child("CoSimulation");
-    if (!co_simulation && !model_exchange) root_.fail("neither <CoSimulation> nor <ModelExchange> is there");
+    if (!co_simulation && !model_exchange) root_.fail("there is neither <CoSimulation> nor <ModelExchange>");
     if (model_exchange) read_model_exchange(model_exchange);
     if (co_simulation) read_co_simulation(co_simulation);
   }

@@ -90,7 +90,7 @@ class Fmi3Reader {
     }
     result_.has_scheduled_execution = static_cast<bool>(root_.child("ScheduledExecution"));
     if (!result_.model_exchange && !result_.co_simulation && !result_.has_scheduled_execution)
-      root_.fail("neither <CoSimulation> nor <ModelExchange> nor <ScheduledExecution> is there");
+      root_.fail("there is no <CoSimulation>, <ModelExchange> or <ScheduledExecution>");
   }
 
   void read_type(const Element& element) {

@@ -196,7 +196,7 @@ TEST(Integrator, StepThatCannotBeIntegratedIsReportedAndChangesNothing) {
   using testing::AllOf;
   using testing::HasSubstr;
   EXPECT_THAT(refusal(constant_cell(), {0, 0, 1e308, 1e308}),
-              AllOf(HasSubstr("over a step of 60 s at -1e+308 W"), HasSubstr("Take shorter steps or less power")));
+              AllOf(HasSubstr("over a step of 60 s at -1e+308 W"), HasSubstr("Use shorter steps, less power")));
 
   Cell stiff = constant_cell();
   stiff.pair1_farad = Curve::analytic(0, 0, {4e-9});  // 0.2 ns

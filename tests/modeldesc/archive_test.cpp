@@ -115,10 +115,10 @@ TEST_F(ArchiveTest, EntriesThatWouldLeaveTheFolderAreRefusedByName) {
   expect_refused(with_entry("..\\evil", "x"), "would leave the target folder");
   expect_refused(with_entry("a\\..\\..\\evil", "x"), "would leave the target folder");
   expect_refused(with_entry("\\evil", "x"), "is an absolute path");
-  expect_refused(with_entry(".\\honest.txt", "x"), "is there twice");
+  expect_refused(with_entry(".\\honest.txt", "x"), "occurs twice");
   expect_refused(with_entry("link", "/etc/passwd", S_IFLNK), "the entry \"link\" is a symbolic link");
-  expect_refused(with_entry("pipe", "", S_IFIFO), "neither file nor folder");
-  expect_refused(with_entry("./honest.txt", "x"), "is there twice");
+  expect_refused(with_entry("pipe", "", S_IFIFO), "neither a file nor a folder");
+  expect_refused(with_entry("./honest.txt", "x"), "occurs twice");
 }
 
 TEST(EntryName, LosesEmptyPartsAndDots) {
@@ -130,7 +130,7 @@ TEST(EntryName, LosesEmptyPartsAndDots) {
 }
 
 TEST_F(ArchiveTest, TwoSpellingsOfOneNameAreRefused) {
-  expect_refused(with_entry("./honest.txt", "x"), "is there twice");
+  expect_refused(with_entry("./honest.txt", "x"), "occurs twice");
 }
 
 TEST_F(ArchiveTest, NamesThatOnlyLookDangerousPass) {
@@ -256,7 +256,7 @@ TEST_F(ArchiveTest, AnFmuWhoseLibrariesDoNotTravelAlongIsNotPacked) {
     pack_fmu(folder_.path() / "x.fmu", parts);
     FAIL();
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("which does not travel in the FMU; add it with --library"));
+    EXPECT_THAT(error.what(), HasSubstr("which is not packed into the FMU; add it with --library"));
   }
   parts.libraries.clear();
   pack_fmu(folder_.path() / "x.fmu", parts);

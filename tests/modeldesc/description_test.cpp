@@ -87,7 +87,7 @@ TEST_F(DescriptionTest, ReportsWhatIsWrongWithAVariable) {
   expect(R"({"name": "a", "causality": "output", "unit": "V", "text": "t", "mni": 0})",
          "the key 'mni' is unknown. Did you mean 'min'?");
   expect(R"({"name": "a", "causality": "output", "unit": "V", "start": 1, "text": "t"})",
-         "/start: this is for parameters and inputs");
+         "/start: this key is for parameters and inputs");
   expect(R"({"name": "a", "causality": "input", "unit": "V", "start": -1, "min": 0, "text": "t"})",
          "/start: -1 is below min 0");
   expect(R"({"name": "a", "causality": "input", "unit": "V", "start": 3, "max": 2, "text": "t"})",
@@ -101,12 +101,12 @@ TEST_F(DescriptionTest, ReportsWhatIsWrongWithAVariable) {
   expect(R"({"name": "a", "type": "Integer", "causality": "input", "start": 3000000000, "text": "t"})",
          "must be a whole number from -2147483648 to 2147483647");
   expect(R"({"name": "a", "type": "Integer", "unit": "V", "causality": "output", "text": "t"})",
-         "/unit: this is for Real only");
+         "/unit: this key is for Real only");
   expect(R"({"name": "a", "type": "Boolean", "causality": "input", "start": 1, "text": "t"})",
          "true or false is expected here");
   expect(
       R"({"name": "a", "type": "Boolean", "variability": "continuous", "causality": "input", "start": true, "text": "t"})",
-      "does not go with");
+      "is not possible with");
   expect(R"({"name": "a b", "causality": "output", "unit": "V", "text": "t"})", "is not a structured FMI name");
   expect(R"({"name": "class", "type": "Boolean", "causality": "output", "text": "t"})", "\"class\" is not a C++ name");
   expect(R"({"name": "{g}.a", "causality": "output", "unit": "V", "text": "t"})", "the group 'g' is unknown");
@@ -114,13 +114,13 @@ TEST_F(DescriptionTest, ReportsWhatIsWrongWithAVariable) {
          "2 values for 1 variables");
   expect(R"({"name": "a", "type": "Binary", "causality": "output", "text": "t"})", "the key 'mime_type' is missing");
   expect(R"({"name": "a", "type": "Boolean", "causality": "output", "on_demand": true, "text": "t"})",
-         "/on_demand: this is for String outputs only");
+         "/on_demand: this key is for String outputs only");
   expect(R"({"name": "a", "causality": "output", "unit": "V", "depends_on": ["b"], "text": "t"})",
          "/depends_on/0: the input 'b' is unknown");
   expect(R"({"name": "a", "causality": "output", "unit": "V", "first_depends_on": ["b"], "text": "t"})",
          "/first_depends_on/0: the input 'b' is unknown");
   expect(R"({"name": "a", "causality": "input", "unit": "V", "start": 0, "first_depends_on": [], "text": "t"})",
-         "/first_depends_on: this is for outputs only");
+         "/first_depends_on: this key is for outputs only");
 }
 
 TEST_F(DescriptionTest, RefusesWhatXmlCannotHold) {

@@ -94,7 +94,7 @@ TEST_F(Fmi3DescriptionTest, TheSizeOfAnArrayCanBeAParameter) {
   EXPECT_THAT(error_of(count(R"("start": 0, "min": 0, "max": 3)"), more), HasSubstr("a start of at least 1"));
   EXPECT_THAT(error_of(rotors, more), HasSubstr("/arrays/rotor: the parameter 'rotors' is unknown"));
   EXPECT_THAT(error_of(rotors, R"("arrays": {"rotors": true}, )"), HasSubstr("the group 'rotors' is unknown"));
-  EXPECT_THAT(error_of(rotors, R"("arrays": {"rotor": false}, )"), HasSubstr("this is true, or the name of"));
+  EXPECT_THAT(error_of(rotors, R"("arrays": {"rotor": false}, )"), HasSubstr("this must be true, or the name of"));
 }
 
 TEST_F(Fmi3DescriptionTest, RefusesAnArrayWithTheNameOfAnotherVariable) {
@@ -143,7 +143,8 @@ TEST_F(Fmi3DescriptionTest, TerminalsNameVariablesAsTheDescriptionDoes) {
               HasSubstr("/terminals/a/members/m: the variable 'powr' is unknown. Did you mean 'power'?"));
   EXPECT_THAT(error_of(variables, terminals(R"({"a": {"kind": "k", "members": {"m": "{rotor}.thrust"}}})")),
               HasSubstr("{rotor}.thrust stands for several variables"));
-  EXPECT_THAT(error_of(variables, terminals(R"({"a": {"kind": "k", "members": {}}})")), HasSubstr("a member at least"));
+  EXPECT_THAT(error_of(variables, terminals(R"({"a": {"kind": "k", "members": {}}})")),
+              HasSubstr("at least one member"));
   EXPECT_THAT(error_of(variables, terminals(R"({"{rot}": {"kind": "k", "members": {"m": "power"}}})")),
               HasSubstr("the group 'rot' is unknown"));
 }

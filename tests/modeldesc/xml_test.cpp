@@ -148,7 +148,8 @@ TEST(Xml, ErrorsNameFileLineElementAttributeAndValue) {
   expect_error("<other/>", "the root element must be <fmiModelDescription>");
   expect_error("<fmiModelDescription fmiVersion=\"4.0\"/>", "of FMI version 4.0; only 1.0, 2.0 and 3.0 can");
   expect_error("<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\"/>", "the attribute guid is missing");
-  expect_error("<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"/>", "neither <CoSimulation> nor");
+  expect_error("<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"/>",
+               "there is neither <CoSimulation> nor");
   expect_error(variable("valueReference=\"1\"", "<Real/>"), "line 11, <ScalarVariable>: the attribute name is missing");
   expect_error(variable("name=\"a\"", "<Real/>"), "the attribute valueReference is missing");
   expect_error(variable("name=\"a\" valueReference=\"-1\"", "<Real/>"), "valueReference is \"-1\"");
