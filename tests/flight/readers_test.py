@@ -150,7 +150,7 @@ class CsvTables(LogCase):
         self.assertIn("the column 'u'", self.refusal("t,v\n0,4000\n", mapping))
         self.assertIn("no rows", self.refusal("t,u\n", mapping))
         self.assertIn("--mapping", self.refusal("t,u\n0,4000\n"))
-        self.assertIn("no flight log", self.refusal(b"MZ\0\0\1"))
+        self.assertIn("not a flight log", self.refusal(b"MZ\0\0\1"))
         self.assertIn("column of times", self.refusal("time,u\n0,4000\n", mapping))
 
     def test_an_empty_cell_is_no_number(self):
@@ -171,7 +171,7 @@ class Mappings(LogCase):
         self.assertIn("'column' or 'period'", self.refused({"time": {}, "columns": {"u": {"signal": "battery.voltage", "unit": "V"}}}))
         self.assertIn("no column", self.refused({"time": time, "columns": {}}))
         twice = {name: {"signal": "battery.voltage", "unit": "V"} for name in "ut"}
-        self.assertIn("another column", self.refused({"time": time, "columns": twice}))
+        self.assertIn("already has a column", self.refused({"time": time, "columns": twice}))
 
     def test_a_mapping_adds_to_a_usd_log(self):
         mapping = self.mapping({"columns": {"locSrv.x": {"signal": "position.x", "unit": "mm"}}})

@@ -20,7 +20,7 @@ def guarded(work: Callable[[], None]) -> int:
         text = str(error)
     except ModuleNotFoundError as error:
         code = BAD_INPUT
-        text = f"Python at {sys.executable} has no package {error.name}: pip install {error.name}, or name another Python by MEBOTS_PYTHON"
+        text = f"Python at {sys.executable} has no package {error.name}: pip install {error.name}, or set MEBOTS_PYTHON to another Python"
     except KeyboardInterrupt:
         code = INTERRUPTED
         text = "stopped by Ctrl-C; no result was written"

@@ -60,7 +60,7 @@ def _program() -> str:
     places = [here / "bin" / "mebots", here.parents[1] / "bin" / "mebots", here.parents[3] / "bin" / "mebots"]
     found = next((str(place) for place in places if place.is_file()), None) or shutil.which("mebots")
     if found is None:
-        raise InputError("the program mebots is neither beside the package nor in PATH, so that no page can be written", "file_not_found")
+        raise InputError("the program mebots is neither next to the package nor in PATH, so no page can be written", "file_not_found")
     return found
 
 

@@ -27,7 +27,7 @@ def write_page(file: pathlib.Path, title: str, data: dict[str, Any], provenance:
 
 
 def _plain_page(title: str, answer: str) -> str:
-    note = "This MEbots was built without pages (MEBOTS_PAGES=OFF), so that this page has no pictures."
+    note = "This MEbots was built without pages (MEBOTS_PAGES=OFF), so this page has no pictures."
     return (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title></head>'
         f"<body><h1>{html.escape(title)}</h1><pre>{html.escape(answer)}</pre><p>{note}</p></body></html>\n"

@@ -109,10 +109,10 @@ class Campaign:
                 raise InputError(f"{self.study.place}: 'fork': '{name}' is not a variable that could change in a mission", "invalid_value")
         for one in self.study.objectives if self.study.results else ():
             if one.source == "series":
-                raise InputError(f"{self.study.place}: the objective '{one.label}': a series cannot be used with 'results', which has the whole of it", "invalid_value")
+                raise InputError(f"{self.study.place}: the objective '{one.label}': a series cannot be used with 'results', which already records whole missions", "invalid_value")
         for name in self.study.draws:
             if name in self.space.factors:
-                raise InputError(f"{self.study.place}: '{name}' is a factor and a draw; it can only be one of them", "duplicate_name")
+                raise InputError(f"{self.study.place}: '{name}' is both a factor and a draw; remove one of them", "duplicate_name")
         known = [one["outcome"] for one in self.space.missions.config.get("outcomes", [])] + ["completed"]
         for one in self.study.objectives:
             for outcome in one.what if one.source == "outcome" else ():

@@ -153,7 +153,7 @@ def _sweep(study: Study, options: argparse.Namespace) -> int:
         if study.splitting is None and sys.stderr.isatty():
             print(f"{out / live_page.NAME} shows the designs while it runs", file=sys.stderr)
         if study.is_another_in(out):
-            print(f"{out} has the tables of another study, which this one's replace; missions of both are not flown again", file=sys.stderr)
+            print(f"{out} has the tables of another study; this study replaces them, and reuses the missions that both have", file=sys.stderr)
         result = campaign.run(out, [pathlib.Path(one) for one in options.reuse], progress_line)
         progress_line.end()
     for text in result.notices:

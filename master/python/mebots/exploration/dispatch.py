@@ -144,7 +144,7 @@ class Dispatcher:
             raise problem  # a bug in the program: another attempt would end in the same way
         if problem is not None:
             for order, index in task:
-                self._repeat(order, index, f"the executor lost it: {str(problem) or type(problem).__name__}")
+                self._repeat(order, index, f"the executor lost the mission: {str(problem) or type(problem).__name__}")
             return None
         answer = future.result()
         if "build" in answer:
@@ -185,8 +185,8 @@ class Dispatcher:
             self._submit(_Task([_Group(Orders.of([order]), [index])]))
         elif self._unfinished is None:
             self._unfinished = Unfinished(
-                f"the mission {mission} had no result in {ATTEMPTS} attempts: {why}. This is no property of the mission: mend the cause, "
-                f"and the same command continues. The mission has {_told(order)}"
+                f"the mission {mission} had no result in {ATTEMPTS} attempts: {why}. The mission is not the cause: remove the cause, then "
+                f"continue with the same command. The mission has {_told(order)}"
             )
 
     def _adapt(self, count: int, duration_s: float) -> None:

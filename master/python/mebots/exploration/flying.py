@@ -131,7 +131,7 @@ class MissionProcess:
             if now_s != last_s:
                 last_s, moved_at = now_s, time.monotonic()
             elif time.monotonic() - moved_at > patience_s:
-                raise Lost(f"it did nothing for {patience_s:g} s")
+                raise Lost(f"it made no progress for {patience_s:g} s")
         line, _, self._rest = self._rest.partition(b"\n")
         return json.loads(line)
 

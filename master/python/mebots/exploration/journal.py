@@ -226,7 +226,7 @@ class Journal:
         try:
             fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise InputError(f"{self.file.parent}: another `mebots sweep` is at work in this folder", "file_unwritable") from None
+            raise InputError(f"{self.file.parent}: another `mebots sweep` uses this folder", "file_unwritable") from None
         except OSError as error:
             if error.errno not in (errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK, errno.EINVAL):
                 raise
@@ -350,7 +350,7 @@ class _Scan:
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             self.damaged_count += 1
             if len(self.damaged) < _MOST_NAMED:
-                why = str(error) if type(error) is ValueError else "it is no record"
+                why = str(error) if type(error) is ValueError else "it is not a record"
                 self.damaged.append((number, why))
             return None
         self.builds[build] += 1

@@ -118,7 +118,7 @@ class Missions:
         if fork.at_s > variant.last_point_s:
             raise InputError(
                 f"'fork': at {fork.at_s:g} s or later there is no communication point before the mission's stop time, "
-                f"{variant.stop_time_s:g} s: what it names would never count",
+                f"{variant.stop_time_s:g} s: its values would have no effect",
                 "invalid_value",
             )
         later = {name: value for name, value in values.items() if name in fork.variables}

@@ -196,7 +196,7 @@ def formula(text: str, known: Iterable[str], place: str) -> Callable[[Mapping[st
             return lambda values: function(*(part(values) for part in parts))
         raise InputError(f"{place}: '{ast.unparse(node)}' is neither a number, a name, + - * / nor one of {', '.join(_FUNCTIONS)}", "syntax_error")
 
-    too_long = InputError(f"{place}: '{text[:40]}...' is too long an expression; make several objectives of it", "syntax_error")
+    too_long = InputError(f"{place}: '{text[:40]}...' is too long; split the expression into several objectives", "syntax_error")
     if len(text) > _MOST_CHARACTERS:
         raise too_long
     try:

@@ -40,7 +40,7 @@ from mebots.exploration.pasts import Pasts
 
 _MOST_OPEN = 4  # configs whose FMUs stay loaded
 _NO_WHOLE_STATE = (
-    "the state of an FMU is not all that it computes with, so that no other mission can begin with it: {}. Study it without "
+    "the saved state of an FMU is incomplete, so no other mission can start from it: {}. Run the study without "
     "'fork' and 'splitting'"
 )
 _TRIES_TO_REMOVE = 20

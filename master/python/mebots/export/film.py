@@ -70,8 +70,8 @@ def _program(what: str, named: str | None, names: tuple[str, ...], place: str) -
     if found is None:
         looked = named or ", ".join(names)
         raise InputError(
-            f"a video needs {what}, which is not installed: looked for {looked}. Install it"
-            + (f", or name it by {place}" if place != "PATH" else ""), "not_offered")
+            f"a video needs {what}, which was not found ({looked}). Install it"
+            + (f", or set {place} to its path" if place != "PATH" else ""), "not_offered")
     return found
 
 
@@ -93,7 +93,7 @@ class _Tab:
         deadline = time.monotonic() + PATIENCE_S
         while (end := self.evaluate(READY)) is None:
             if time.monotonic() > deadline:
-                raise Error(f"{page}: it was not drawn within {PATIENCE_S} s", "system_failure")
+                raise Error(f"{page}: the page was not drawn within {PATIENCE_S} s", "system_failure")
             time.sleep(0.05)
         if not isinstance(end, (int, float)):
             raise Error(f"{page}: this page cannot be drawn: {end}", "system_failure")
@@ -120,14 +120,14 @@ class _Tab:
             if answer.get("id") != self._number:
                 continue  # an event, not the reply
             if "error" in answer:
-                raise Error(f"Chromium refuses {method}: {answer['error'].get('message')}", "system_failure")
+                raise Error(f"Chromium rejects {method}: {answer['error'].get('message')}", "system_failure")
             return answer["result"]
 
     def _next(self) -> dict[str, Any]:
         while b"\0" not in self._rest:
             piece = self._answers.read1(1 << 20)
             if not piece:
-                raise Error("Chromium ended before the film did", "system_failure")
+                raise Error("Chromium ended before the video was complete", "system_failure")
             self._rest += piece
         text, _, self._rest = self._rest.partition(b"\0")
         return json.loads(text)

@@ -22,7 +22,7 @@ try:
     from mcap.writer import Writer
 except ImportError as error:
     raise InputError(
-        "an MCAP file needs the package mcap: pip install mcap, into the Python that MEBOTS_PYTHON names", "not_offered") from error
+        "an MCAP file needs the package mcap: install it with pip for the Python that MEBOTS_PYTHON names", "not_offered") from error
 
 NUMBER, TEXT, INTEGER = {"type": "number"}, {"type": "string"}, {"type": "integer"}
 
@@ -60,7 +60,7 @@ LEVELS = {"warning": 3, "error": 4}  # levels of foxglove.Log; 2 = info
 def nanoseconds(time_s):
     time_ns = round(float(time_s) * 1e9)
     if time_ns < 0:
-        raise InputError(f"a point at {time_s} s: MCAP has no times before 0 s; let the run start at 0 s or later", "invalid_value")
+        raise InputError(f"a point at {time_s} s: MCAP has no times before 0 s; start the run at 0 s or later", "invalid_value")
     return time_ns
 
 

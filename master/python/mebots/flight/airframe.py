@@ -84,7 +84,7 @@ def _read_part(kind: str, file: pathlib.Path) -> dict[str, Any]:
     outer, inner = _NEEDED[kind]
     part = content.get(outer) if isinstance(content, dict) else None
     if not isinstance(part, dict) or inner not in part:
-        raise InputError(f"{file}: /{outer}/{inner} is not there, so this is no {kind} file; `mebots schema {kind}` prints its keys", "missing_key")
+        raise InputError(f"{file}: there is no /{outer}/{inner}, so this is not a {kind} file; `mebots schema {kind}` prints its keys", "missing_key")
     return content
 
 

@@ -21,7 +21,7 @@ from mebots.flight.motion import GRAVITY_M_PER_S2, vertical_speed
 from mebots.flight.traces import RAMP_S
 from mebots.mission import Mission
 
-NOTE = "the log has no commands: they are those that give the thrust which the motion needs, so thrust is not compared"
+NOTE = "the log has no commands: they are computed from the thrust that the motion needs, so thrust is not compared"
 INTERVAL_S = 0.02
 GROUND_HEIGHT_M = 0.15
 """A drone that is not higher than this above the lowest height of the log is on the ground, because estimated

@@ -25,7 +25,7 @@ LEAST_COMMAND = 0.6
 GROUND_HEIGHT_M = 0.05
 GROUND_MARGIN_S = 0.3
 _SLOPE_S = 0.1
-"""If the log has no vertical speed, it is the slope of the height over this duration."""
+"""If the log has no vertical speed, it is computed as the slope of the height over this duration."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,7 +79,7 @@ def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, wind
     notes: list[str] = []
     speed = vertical_speed(log, notes)
     if speed is None and hover:
-        notes.append("the log has no motion: the drone counts as hovering, by the option --hover")
+        notes.append("the log has no motion: hovering is assumed (--hover)")
         speed = Signal("velocity.z", "m/s", times, np.zeros(len(times)), "")
     if speed is None:
         return None
@@ -91,7 +91,7 @@ def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, wind
         upright = 1 - 2 * (x**2 + y**2)
         good = good & covered(tilt[0], times)
     else:
-        notes.append("the log has no attitude: the drone counts as level")
+        notes.append("the log has no attitude: a level drone is assumed")
     start, end, rejected = _windows(times, good, window_s)
     speeds = np.interp(times, speed.times, speed.values)
     return Motion(times, upright, speeds, start, end, rejected, notes, airframe.mass_kg, airframe.vertical_drag_ns_per_m)
@@ -120,7 +120,7 @@ def vertical_speed(log: FlightLog, notes: list[str]) -> Signal | None:
     if not log.has([POSITION[2]]):
         return None
     height = log[POSITION[2]]
-    notes.append(f"the log has no vertical speed: it is the slope of the height over {_SLOPE_S:g} s")
+    notes.append(f"the log has no vertical speed: it is computed as the slope of the height over {_SLOPE_S:g} s")
     ahead, behind = (np.interp(height.times + shift, height.times, height.values) for shift in (_SLOPE_S / 2, -_SLOPE_S / 2))
     inside = (height.times >= height.times[0] + _SLOPE_S / 2) & (height.times <= height.times[-1] - _SLOPE_S / 2)
     return Signal("velocity.z", "m/s", height.times, (ahead - behind) / _SLOPE_S, height.column).keep(inside)

@@ -63,14 +63,14 @@ def new_cell(
     """
     file = pathlib.Path(out)
     if file.suffix != ".json" or not file.absolute().parent.is_dir():
-        raise InputError(f"{file}: name a file that ends in .json, in a folder that is there", "invalid_argument")
+        raise InputError(f"{file}: name a file that ends in .json, in an existing folder", "invalid_argument")
     for what, value, most in (("capacity", capacity, 1e6), ("mass", mass, 1e6), ("c-rate", c_rate, 1e3), ("resistance", resistance, 1e2)):
         if value is not None and not 0 < value < most:
             raise InputError(f"--{what} {value:g}: a number above 0, below {most:g}, is expected", "invalid_value")
     if resistance is None and discharge is None and not RULE_C_RATES[0] <= c_rate <= RULE_C_RATES[1]:
         raise InputError(
             f"--c-rate {c_rate:g}: the estimate of R0 comes from cells of 15 and 25 C and holds from {RULE_C_RATES[0]} to {RULE_C_RATES[1]} C. "
-            "Give --resistance from a data sheet, or --discharge with a log", "invalid_value")
+            "Set --resistance from a data sheet, or --discharge to a log", "invalid_value")
     cell = _stated(name, capacity, mass, c_rate, resistance)
     result = Identified([], [], [], [file])
     if discharge is not None:

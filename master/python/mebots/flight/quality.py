@@ -156,7 +156,7 @@ def _check_times(work: _Cleaner, name: str) -> None:
         first = int(np.argmax(back))
         raise InputError(
             f"{work.log.file}: {signal.column}: the clock goes back at sample {first + 1}, from {times[first - 1]:.6g} to "
-            f"{times[first]:.6g} s after the start, and stays behind; cut the log there, each part is a log of its own",
+            f"{times[first]:.6g} s after the start, and stays behind; split the log there, and use each part as a log",
             "invalid_value",
         )
     work.drop(name, "time_back", back)

@@ -36,7 +36,7 @@ def read_log(file: str | os.PathLike[str], mapping: str | os.PathLike[str] | Non
         raise InputError(f"{path}: the file is empty", "syntax_error")
     if b"\0" in start:
         raise InputError(
-            f"{path}: byte 0: this is no flight log: a Crazyflie's log starts with 0xBC, a ULog with 'ULog', and CSV is text",
+            f"{path}: byte 0: this is not a flight log: a Crazyflie's log starts with 0xBC, a ULog with 'ULog', and CSV is text",
             "syntax_error",
         )
     if "time" not in given:

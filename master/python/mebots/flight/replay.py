@@ -89,10 +89,10 @@ def _make(folder: pathlib.Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"--out {folder}: the folder cannot be made: {error.strerror}; name another one", "invalid_argument") from None
+        raise InputError(f"--out {folder}: the folder cannot be created: {error.strerror}; choose another one", "invalid_argument") from None
     for name in _FILES:
         if (folder / name).is_dir():
-            raise InputError(f"--out {folder}: {name} is a folder there, and a file is to be written; name another folder", "invalid_argument")
+            raise InputError(f"--out {folder}: {name} in it is a folder, but must be a file; choose another folder", "invalid_argument")
 
 
 def _summary(log: FlightLog, airframe: Airframe, traces: Traces, motion: Motion | None, window_s: float) -> dict[str, Any]:
@@ -103,11 +103,11 @@ def _summary(log: FlightLog, airframe: Airframe, traces: Traces, motion: Motion 
     notes = [*log.notes, *traces.notes]
     if motion is None:
         if NOTE not in notes:
-            notes.append("the log has neither vertical speed nor height: no momentum balance")
+            notes.append("the log has neither vertical speed nor height, so there is no momentum balance")
     else:
         notes += motion.notes
         if not len(motion.start):
-            notes.append(f"no window of {window_s:g} s is without a gap: no momentum balance")
+            notes.append(f"every window of {window_s:g} s has a gap, so there is no momentum balance")
     return {
         "log": str(log.file),
         "kind": log.kind,

@@ -50,7 +50,7 @@ def answer(result: Replay) -> str:
         if found:
             one = found[0]
             parts.append(f"{what}: {one.mean:+.3g} {one.unit} in the mean ({100 * one.relative:+.1f} %), rms {one.rms:.3g} {one.unit}, n = {one.n}")
-    return "; ".join(parts) or "The log holds nothing to compare with."
+    return "; ".join(parts) or "The log contains nothing to compare with."
 
 
 def _number(value: Any) -> Any:

@@ -94,4 +94,4 @@ def _without_drift(file: pathlib.Path, times: Array, other: Array) -> tuple[Arra
             f"{file}: the reference clock runs {rate:.4g} times as fast as the clock of the table; check the units in the mapping",
             "invalid_value",
         )
-    return start + (times - start) * rate, [f"the clock drifts by {(1 - rate) * 1e6:.0f} ppm against its reference, which is taken out"]
+    return start + (times - start) * rate, [f"the clock drifts by {(1 - rate) * 1e6:.0f} ppm against its reference; the drift is removed"]

@@ -94,7 +94,7 @@ class _Flight:
         if self.duration_s < SETTLE_S + CHARGE_S:
             raise InputError(
                 f"{log.file}: the four commands overlap for {max(self.duration_s, 0):.2f} s; "
-                f"a replay needs {SETTLE_S + CHARGE_S:g} s at least, since the model's rotors start at rest",
+                f"a replay needs at least {SETTLE_S + CHARGE_S:g} s, since the model's rotors start at rest",
                 "invalid_value",
             )
         self.grid = self.start_s + np.arange(self.steps + 1) * step_s
