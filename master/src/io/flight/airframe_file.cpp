@@ -91,7 +91,7 @@ void check_airframe(const Node& root, const std::filesystem::path& folder) {
   airframe.visit_if("decks", [&](const Node& node) {
     for (const auto& [name, deck] : node.members()) {
       decks.push_back(name);
-      deck.attempt([&] { check_quantity(deck, "kg", Limits::positive()); });
+      deck.attempt([&deck = deck] { check_quantity(deck, "kg", Limits::positive()); });
     }
   });
   airframe.visit_if("fitted_decks", [&](const Node& node) { check_fitted(node, decks); });

@@ -120,7 +120,7 @@ void check_mapping(const Node& root) {
     std::set<std::string> taken;
     const auto members = node.members();
     if (members.empty()) node.fail(ErrorCode::invalid_value, "no column is mapped");
-    for (const auto& [name, column] : members) column.attempt([&] { check_column(column, taken); });
+    for (const auto& [name, column] : members) column.attempt([&, &column = column] { check_column(column, taken); });
   });
   mapping.finish();
 }
