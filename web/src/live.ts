@@ -39,7 +39,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   const show = () => {
     const state = run.header.live;
     badge.textContent = state?.ended ? "ended" : state?.held ? "held" : "live";
-    hold.textContent = state?.held ? "go on" : "hold";
+    hold.textContent = state?.held ? "continue" : "hold";
     hold.disabled = step.disabled = pace.disabled = state?.ended ?? false;
     const value = String(state?.pace ?? 0);
     if (![...pace.options].some((one) => one.value === value)) pace.append(element("option", { value }, `${value}\u00d7`));
@@ -65,7 +65,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
       if (run.header.live?.ended) return;
       setTimeout(keepLooking, PERIOD);
     } catch {
-      badge.textContent = `the run is gone; this is it up to ${shownTime(run.end)}`;
+      badge.textContent = `the run no longer responds; the page shows it up to ${shownTime(run.end)}`;
     }
   };
   show();
@@ -75,7 +75,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
 
 /** Controls for unconnected inputs. Settings are kept as a scenario, so that the run can be repeated. */
 export function makeInputs(run: Run): HTMLElement {
-  const said = element("p", { class: "faint" }, "A value acts from the next step on. The results folder keeps all of them in live_scenario.json.");
+  const said = element("p", { class: "faint" }, "A value takes effect at the next step. The results folder records all values in live_scenario.json.");
   const rows = (run.header.live?.settable ?? []).map(({ variable, unit, text, type }) => {
     const value = element("input", { type: "number", step: "any", "data-set": variable, "aria-label": variable });
     const send = async () => {

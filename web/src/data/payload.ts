@@ -78,7 +78,7 @@ export interface Payload {
 export function readPayload(all: Uint8Array<ArrayBuffer>): Payload {
   const length = new DataView(all.buffer, all.byteOffset).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(all.subarray(4, 4 + length)));
-  if (header.format !== 1) throw new Error(`data of format ${header.format}, which this page does not read`);
+  if (header.format !== 1) throw new Error(`data of format ${header.format}, which this page cannot read`);
   const start = 4 + length;
   return {
     runs: header.runs,

@@ -101,7 +101,7 @@ function commandOf(study: Study, mission: Mission): string | null {
 function replayTexts(study: Study, mission: Mission): HTMLElement[] {
   const command = commandOf(study, mission);
   const name = `Mission ${mission.replicate} of design #${study.designs.number[mission.design]}`;
-  if (command === null) return [element("p", {}, `${name}: no command alone can fly it again, since a factor changes the config itself, or since this page has no more of the draws. missions.csv has its values.`)];
+  if (command === null) return [element("p", {}, `${name}: no command can repeat it, because a factor changes the config itself, or because this page lacks some of the draws. missions.csv has its values.`)];
   const folder = folderOf(study, mission);
   const page = `${study.replay!.name}/${folder}/flight.html`;
   const isThere = study.replay!.pages.includes(page);
@@ -125,7 +125,7 @@ export function makeComparison(study: Study, selection: Selection): HTMLElement 
     bar.hidden = ticked.length === 0;
     text.textContent = `${counted(ticked.length, "mission")} ticked`;
     const commands = ticked.map((mission) => commandOf(study, mission)).filter((one) => one !== null);
-    if (commands.length === 0) return body.replaceChildren(element("p", {}, "No command alone can fly these missions again."));
+    if (commands.length === 0) return body.replaceChildren(element("p", {}, "No command can repeat these missions."));
     const folders = ticked.map((mission) => `${study.replay!.folder}/${folderOf(study, mission)}`);
     const page = `${study.replay!.name}/${ticked.length > 1 ? "compared.html" : `${folderOf(study, ticked[0])}/flight.html`}`;
     const report = `mebots report ${folders.join(" ")}${ticked.length > 1 ? ` --out ${study.replay!.folder}/compared.html` : ""}`;

@@ -44,7 +44,7 @@ function makeAnswer(rare: Rare): HTMLElement {
   return element("section", { class: "answer" }, ...lines,
     element("p", {}, `The probability that ${rare.score} ${rare.rises ? "rises" : "falls"} to ${goal}.`),
     element("p", { class: "faint" }, `${counted(rare.estimates, "estimate")} of each design, ${rare.each} missions from each level to the next; ${parts.toLocaleString("en")} parts of missions, ${digits(simulated)} s simulated, ${failed} failed. ` +
-      `Intervals: ${100 * (1 - rare.error)} %.${rare.found ? " Pilot missions found the levels; they count for nothing else." : ""}`),
+      `Intervals: ${100 * (1 - rare.error)} %.${rare.found ? " Pilot missions found the levels and have no other use." : ""}`),
     ...(counting.length ? [element("p", {}, `For the same error, counting would need ${counting.join(", ")} whole missions.`)] : []));
 }
 
@@ -138,5 +138,5 @@ function makeLevels(rare: Rare, isShown: (design: number) => boolean, redraws: (
 function makeReplays(rare: Rare): HTMLElement {
   const commands = rare.designs.flatMap((one, i) => (one.command ? [element("p", {}, `A mission of #${i} that reached the last level:`), makeCommand(one.command)] : []));
   const text = commands.length ? "These commands fly a mission again, with pictures and all results; then `mebots report` on its folder writes a page." : "No mission reached the last level, or only another config could fly it again.";
-  return panel("See it happen", text, ...commands);
+  return panel("Replay the event", text, ...commands);
 }

@@ -36,7 +36,7 @@ export function makeComparison(runs: Run[]): HTMLElement {
       : [element("tr", {}, element("td", { class: "faint", colspan: String(runs.length + 2) }, empty))]),
   ];
   return element("div", { class: "comparison scroll" }, element("table", {}, element("thead", {}, head),
-    element("tbody", {}, ...section("What was given differently", given, "No parameter: same settings."), ...section("What came of it", came, ""))));
+    element("tbody", {}, ...section("Different settings", given, "No parameter: same settings."), ...section("Different results", came, ""))));
 }
 
 function rowsOf(runs: Run[], missing: string, read: (run: Run) => Map<string, Cell>): Row[] {

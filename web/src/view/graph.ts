@@ -29,7 +29,7 @@ export function makeGraph(run: Run, clock: Clock): HTMLElement {
   const system = run.system;
   const root = element("div", { class: "graph" });
   if (!system) {
-    root.append(element("p", { class: "empty" }, "The folder does not say what was connected: an older mebots wrote it."));
+    root.append(element("p", { class: "empty" }, "The folder has no list of connections, because an older mebots wrote it."));
     return root;
   }
   const names = Object.keys(system.instances);

@@ -50,9 +50,9 @@ export function makeStatistics(run: Run): HTMLElement {
   if (finals.length > 0) root.append(element("h3", {}, "At the end"), table(["", "value"], finals.map(({ label, value, unit }) => [label, shownValue(value, unit)])));
   const facts: [string, string][] = [
     ["simulated", shown(summary.simulated_time ?? run.end, "s")],
-    ["end", summary.end_text ?? "unknown: the run left no summary"],
+    ["end", summary.end_text ?? "unknown: the run wrote no summary"],
     ["steps", summary.steps === undefined ? "" : `${summary.steps} of ${shown(summary.step, "s")}`],
-    ["rows", `${header.rows}${header.span > 1 ? `; of every ${header.span} the extremes are here${header.whole?.length > 0 ? ", and all of a chosen span" : ""}` : ""}`],
+    ["rows", `${header.rows}${header.span > 1 ? `; the page has the extremes of every ${header.span}${header.whole?.length > 0 ? ", and all rows of a chosen span" : ""}` : ""}`],
     ["times real time", summary.real_time_factor === undefined ? "" : shown(summary.real_time_factor, "1")],
     ["wall clock", summary.wall_clock === undefined ? "" : shown(summary.wall_clock.total, "s")],
     ["mebots", summary.versions?.mebots ?? ""],

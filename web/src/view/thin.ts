@@ -11,12 +11,12 @@ export function makeThinNote(run: Run, window: Window): HTMLElement {
     const { header } = run;
     const isWhole = header.whole?.some(([from, to]) => from <= window.start && window.stop <= to);
     const parts = [];
-    if (header.span > 1) parts.push(`Of every ${header.span} rows the least and the greatest numbers are here.`);
-    if (run.pictures.some(({ shrunk }) => shrunk > 1)) parts.push("Pictures are smaller than they were.");
-    if (run.pictureEvery > 1) parts.push(`Of every ${run.pictureEvery} pictures one is here.`);
+    if (header.span > 1) parts.push(`The page has the smallest and the largest numbers of every ${header.span} rows.`);
+    if (run.pictures.some(({ shrunk }) => shrunk > 1)) parts.push("Pictures are reduced in size.");
+    if (run.pictureEvery > 1) parts.push(`The page has one of every ${run.pictureEvery} pictures.`);
     note.hidden = parts.length === 0 || window.isWhole || isWhole || header.live != null;
     if (note.hidden) return;
-    note.replaceChildren(`${parts.join(" ")} All of what you look at: `,
+    note.replaceChildren(`${parts.join(" ")} To see all rows of this time span: `,
       element("code", {}, `mebots report ${run.name} --detail ${rounded(window.start, Math.floor)}:${rounded(window.stop, Math.ceil)}`));
   };
   window.onChange(show);
