@@ -81,7 +81,7 @@ void two_instances(const Fmi3Library& library) {
     first.run(k, k + 1);
     if (k % 2 == 0) second.run(k / 2, k / 2 + 1);
   }
-  expect_same(library.witness(), "beside another instance", first.outputs(), alone,
+  expect_same(library.witness(), "next to another instance", first.outputs(), alone,
               "keep everything in the instance: global and static variables are shared by all instances");
 }
 

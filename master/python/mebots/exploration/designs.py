@@ -26,7 +26,7 @@ def designs_of(study: Study) -> list[Values]:
     conditions = study.design.get("conditions", [])
     kept = [design for design in found if all(_fits(one, design) for one in conditions)]
     if not kept and kind != "search":
-        raise InputError(f"{study.place}: there is no design: the conditions leave none", "invalid_value")
+        raise InputError(f"{study.place}: the conditions exclude every design", "invalid_value")
     return kept
 
 

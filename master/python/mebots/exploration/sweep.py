@@ -58,7 +58,7 @@ class Sweep:
 
     def _columns(self, table: str) -> dict[str, list[Any]]:
         if table not in ("designs", "missions"):
-            raise InputError(f"there is no table '{table}': 'designs' and 'missions' are", "unknown_name")
+            raise InputError(f"there is no table '{table}'; the tables are 'designs' and 'missions'", "unknown_name")
         file = self.folder / f"{table}.csv"
         if not file.exists():
             raise InputError(f"{file}: there is no such file; a study of a rare event has designs.csv and levels.csv", "file_not_found")
