@@ -12,6 +12,8 @@
 #   [RESOURCE_FILES <file>...]    single files that go to resources/; built ones too
 #   [SOURCE_DIR <dir>]            where everything is looked for, instead of the calling folder
 #   [IDENTIFIER <name>]           the "name" of description.json, when the archive has another one
+#   [COUNT <n>]                   copies of what description.json repeats, such as drones; default: 1
+#   [MODEL <target>]              the model's library of another mebots_add_fmu(), instead of MODEL_SOURCES
 #   [FMI <version>...]            2, 3 or both; default: "fmi" of description.json, else 2
 # )
 # Looks in the calling folder for description.json, src/fmu.cpp, LICENSE, model.png and reference/; reference/ is that of
@@ -20,7 +22,7 @@
 # of FMI 2.0, and <name>_fmi3.fmu of FMI 3.0. Targets <name>_archive and <name>_fmi3_archive.
 # The same inside this tree and after find_package(mebots).
 function(mebots_add_fmu name)
-  cmake_parse_arguments(ARG "" "BOARD;SOURCE_DIR;IDENTIFIER"
+  cmake_parse_arguments(ARG "" "BOARD;SOURCE_DIR;IDENTIFIER;COUNT;MODEL"
     "FMI;MODEL_SOURCES;MODEL_LIBRARIES;MODEL_DEFINITIONS;BUNDLE;LINKED_IN;RESOURCES;RESOURCE_FILES" ${ARGN})
   set(source_dir ${CMAKE_CURRENT_SOURCE_DIR})
   if(ARG_SOURCE_DIR)
@@ -63,6 +65,9 @@ function(mebots_add_fmu name)
     get_filename_component(ARG_BOARD ${ARG_BOARD} ABSOLUTE)
     set(board_option --board ${ARG_BOARD})
   endif()
+  if(ARG_COUNT)
+    list(APPEND generate_options --count ${ARG_COUNT})
+  endif()
   add_custom_command(
     OUTPUT ${outputs}
     COMMAND mebots::mebots-modeldesc generate ${source_dir}/description.json ${board_option} ${generate_options} --out ${out_dir}
@@ -71,18 +76,24 @@ function(mebots_add_fmu name)
     VERBATIM)
   add_custom_target(${name}_description DEPENDS ${out_dir}/modelDescription.xml ${out_dir}/variables.hpp)
 
-  add_library(${name}_model STATIC ${ARG_MODEL_SOURCES})
-  set_target_properties(${name}_model PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  mebots_target(${name}_model)
-  add_dependencies(${name}_model ${name}_description)
-  target_include_directories(${name}_model PUBLIC ${generated_dir} ${source_dir}/src)
-  target_compile_definitions(${name}_model PRIVATE ${ARG_MODEL_DEFINITIONS})
-  target_link_libraries(${name}_model PUBLIC mebots::interface mebots::data ${ARG_MODEL_LIBRARIES} PRIVATE fmt::fmt-header-only nlohmann_json::nlohmann_json)
+  set(model ${ARG_MODEL})
+  if(NOT model)
+    set(model ${name}_model)
+    add_library(${model} STATIC ${ARG_MODEL_SOURCES})
+    set_target_properties(${model} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    mebots_target(${model})
+    add_dependencies(${model} ${name}_description)
+    target_include_directories(${model} PUBLIC ${generated_dir} ${source_dir}/src)
+    target_compile_definitions(${model} PRIVATE ${ARG_MODEL_DEFINITIONS})
+    target_link_libraries(${model} PUBLIC mebots::interface mebots::data ${ARG_MODEL_LIBRARIES} PRIVATE fmt::fmt-header-only nlohmann_json::nlohmann_json)
+  endif()
 
   add_library(${name}_binding OBJECT ${source_dir}/src/fmu.cpp ${out_dir}/variable_table.cpp)
   set_target_properties(${name}_binding PROPERTIES POSITION_INDEPENDENT_CODE ON)
   mebots_target(${name}_binding)
-  target_link_libraries(${name}_binding PRIVATE ${name}_model fmt::fmt-header-only)
+  add_dependencies(${name}_binding ${name}_description)
+  target_include_directories(${name}_binding BEFORE PRIVATE ${generated_dir})  # before those of another FMU's model
+  target_link_libraries(${name}_binding PRIVATE ${model} fmt::fmt-header-only)
 
   set(pack_options)
   foreach(license ${source_dir}/LICENSE ${source_dir}/../LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
@@ -148,7 +159,7 @@ function(mebots_add_fmu name)
         set(library_dir ${binary_dir}/fmi3)
       endif()
     endif()
-    _mebots_fmu_library(${target} ${name} ${identifier} ${version} ${library_dir})
+    _mebots_fmu_library(${target} ${name} ${model} ${identifier} ${version} ${library_dir})
     set(archive ${MEBOTS_FMU_DIR}/${target}.fmu)
     add_custom_command(
       OUTPUT ${archive}
@@ -186,12 +197,12 @@ function(_mebots_fmi_versions result description)
 endfunction()
 
 # Adds the shared library of the FMU `name` for one version of FMI. The version script hides the functions of the other.
-function(_mebots_fmu_library target name identifier version folder)
+function(_mebots_fmu_library target name model identifier version folder)
   add_library(${target} MODULE $<TARGET_OBJECTS:${name}_binding>)
   mebots_target(${target})
   set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${identifier} BUILD_RPATH "\$ORIGIN" BUILD_RPATH_USE_ORIGIN ON
     SKIP_BUILD_RPATH OFF LINKER_LANGUAGE CXX LIBRARY_OUTPUT_DIRECTORY ${folder})
-  target_link_libraries(${target} PRIVATE mebots::shell ${name}_model fmt::fmt-header-only)
+  target_link_libraries(${target} PRIVATE mebots::shell ${model} fmt::fmt-header-only)
   set(version_script ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/fmi${version}.map)
   target_link_options(${target} PRIVATE -Wl,--version-script=${version_script} -Wl,--disable-new-dtags)
   set_target_properties(${target} PROPERTIES LINK_DEPENDS ${version_script})

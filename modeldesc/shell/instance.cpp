@@ -249,7 +249,7 @@ std::size_t Instance::elements_of(const Variable& variable) const {
   if (variable.size_row == fmu::kFixedSize) return variable.elements;
   const auto size =
       field<std::int32_t>(static_cast<const void*>(variables_.get()), definition_.variables[variable.size_row]);
-  return std::min(variable.elements, static_cast<std::size_t>(std::max(size, std::int32_t{0})));
+  return std::min(variable.elements, variable.per_size * static_cast<std::size_t>(std::max(size, std::int32_t{0})));
 }
 
 const std::filesystem::path& Instance::resources() const {

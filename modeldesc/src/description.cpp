@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "description.hpp"
 
+#include "copies.hpp"
 #include "fmi3_keys.hpp"
 #include "generate.hpp"
 #include "mebots/data/document.hpp"
@@ -54,6 +55,7 @@ class DescriptionReader {
     });
     object.visit_if("groups", [this](const Node& node) { read_groups(node); });
     object.visit_if("arrays", [this](const Node& node) { size_sources_ = read_arrays(node, result_.groups); });
+    object.visit_if("repeat", [this](const Node& node) { repeat_.emplace(read_repeat(node, result_)); });
     object.visit_if("enumerations", [this](const Node& node) { read_enumerations(node); });
     object.visit("variables", [this](const Node& node) { read_variables(node); });
     object.visit_if("terminals", [this](const Node& node) { terminals_.push_back(node); });
@@ -77,6 +79,7 @@ class DescriptionReader {
     check_dependencies();
     for (const auto& [group, node] : size_sources_) check_size_source(node, group, result_);
     for (const auto& node : terminals_) read_terminals(node, result_);
+    if (repeat_) check_repeat(*repeat_, result_);
   }
 
   Description take() { return std::move(result_); }
@@ -162,7 +165,7 @@ class DescriptionReader {
     sound &= read_type(object, field);
     sound &= object.read("causality", field.causality, causality);
     object.allow({"variability", "unit", "start", "min", "max", "nominal", "depends_on", "first_depends_on",
-                  "mime_type", "on_demand"});
+                  "mime_type", "on_demand", "copies"});
     object.finish();
     if (!sound) return;  // the rest may depend on the wrong values
     node.attempt([&] { read_names(node, field); });
@@ -172,6 +175,7 @@ class DescriptionReader {
     read_numbers(object, field);
     read_starts(object, field);
     read_kind(object, field);
+    read_copies(object, field, result_);
     if (!object.sound()) return;
     if (!field.on_demand) {
       field.cpp_name = cpp_name(field);
@@ -268,6 +272,7 @@ class DescriptionReader {
   void read_names(const Node& variable, Field& field) {
     const Node node = variable.at("name");
     std::tie(field.group, field.fmi_names) = expand(node, field.name);
+    field.words = field.fmi_names.size();
     for (const std::string& name : field.fmi_names) {
       if (!is_structured_name(name)) {
         node.fail(ErrorCode::invalid_value,
@@ -428,6 +433,7 @@ class DescriptionReader {
   std::vector<std::pair<Node, std::vector<std::string>>> dependencies_;
   std::map<std::string, Node> size_sources_;  // of arrays, by group
   std::vector<Node> terminals_;
+  std::optional<Node> repeat_;
 };
 
 }  // namespace
@@ -439,7 +445,8 @@ const Enumeration& Description::enumeration(std::string_view type) const {
   return *found;
 }
 
-Description read_description(const std::filesystem::path& file, const std::filesystem::path& board) {
+Description read_description(const std::filesystem::path& file, const std::filesystem::path& board,
+                             std::size_t copies) {
   data::Document own(file);
   std::optional<data::Document> joined;
   if (!board.empty()) joined.emplace(board);
@@ -458,7 +465,9 @@ Description read_description(const std::filesystem::path& file, const std::files
       if (board_root.noted() == 0) read_references();
     });
   });
-  return reader.take();
+  Description description = reader.take();
+  make_copies(description, copies);
+  return description;
 }
 
 void check_board_variables(const std::filesystem::path& board) {

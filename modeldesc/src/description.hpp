@@ -28,18 +28,29 @@ struct Enumeration {
   std::vector<EnumerationItem> items;
 };
 
+/// The thing of which an FMU may have several, such as `drone`. With more than one copy, the variables of each copy
+/// have names such as `drone[2].mass`.
+struct Repeat {
+  std::string word;
+  std::string size_source;  // name of the parameter that holds the number of copies in use
+  std::size_t count = 1;
+};
+
 /// An entry of `variables`: a C++ field (an array for a group) and its FMI variables.
 struct Field {
   std::string name;                    // as written, `{load}.power`
   std::optional<std::size_t> group;    // index in Description::groups
-  std::vector<std::string> fmi_names;  // one, or one per word of the group
+  std::vector<std::string> fmi_names;  // one, or one per word of the group; of several copies, copy by copy
+  std::size_t words = 1;               // of the group
+  bool is_shared = false;              // one for all copies of the repeated thing
+  bool only_if_many = false;           // an FMU of one copy does not have it; then there are no fmi_names
   std::string cpp_name;                // `load_power_w`; empty when on_demand
   FieldType type = FieldType::real;
   std::string enumeration;  // type name of an enumeration, else empty
   Causality causality = Causality::parameter;
   Variability variability = Variability::fixed;
   std::string unit;
-  std::vector<Value> starts;  // as many as fmi_names; empty if there are no start values
+  std::vector<Value> starts;  // one per word of the group; empty if there are no start values
   std::optional<double> min;
   std::optional<double> max;
   std::optional<double> nominal;
@@ -91,13 +102,16 @@ struct Description {
   std::vector<Enumeration> enumerations;
   std::vector<Field> fields;
   std::vector<Terminal> terminals;
+  std::optional<Repeat> repeat;
 
   const Enumeration& enumeration(std::string_view name) const;
+  bool has_copies(const Field& field) const { return repeat && repeat->count > 1 && !field.is_shared; }
 };
 
-/// Reads description.json. If `board` is not empty, adds the variables and enumerations of the board's devices. Throws
-/// mebots::Error with all mistakes, each with file, line and key.
-Description read_description(const std::filesystem::path& file, const std::filesystem::path& board = {});
+/// Reads description.json. If `board` is not empty, adds the variables and enumerations of the board's devices.
+/// `copies` is the number of the repeated thing. Throws mebots::Error with all mistakes, each with file, line and key.
+Description read_description(const std::filesystem::path& file, const std::filesystem::path& board = {},
+                             std::size_t copies = 1);
 
 /// Reads only the variables and enumerations of a board's devices. Throws mebots::Error with all mistakes.
 void check_board_variables(const std::filesystem::path& board);

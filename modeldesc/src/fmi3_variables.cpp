@@ -34,8 +34,27 @@ std::string array_name(const Field& field, const Group& group) {
   return name;
 }
 
+/// Returns the name of the array over all copies: drone.rotor.thrust for rotor.thrust.
+std::string name_over_copies(const Repeat& repeat, const std::string& name) {
+  return name.starts_with(repeat.word + '.') ? name : repeat.word + '.' + name;
+}
+
 std::string array_text(const Field& field, const Group& group) {
   return common_stem(group).empty() ? fmt::format("{} ({})", field.text, fmt::join(group.words, ", ")) : field.text;
+}
+
+/// An array has elements in one order: those of a copy are neighbours.
+void check_repeated_group(const Description& description, const Field& field, const Group* group) {
+  if (group == nullptr || (group->is_array && group->size_source.empty())) return;
+  throw Error(ErrorCode::invalid_value,
+              fmt::format("{}: in FMI 3.0, the copies of {} form an array; add \"{}\": true to 'arrays'",
+                          description.source, field.name, group->name));
+}
+
+/// Returns the name of the parameter that holds the array's size; empty if the size is fixed.
+std::string size_source_of(const Description& description, const Fmi3Variable& variable) {
+  if (variable.copies > 1) return description.repeat->size_source;
+  return variable.is_array ? description.groups[*variable.field->group].size_source : "";
 }
 
 void check_names(const Description& description, const std::vector<Fmi3Variable>& variables) {
@@ -62,16 +81,22 @@ std::vector<Fmi3Variable> fmi3_variables(const Description& description) {
   std::size_t row = 0;
   for (const Field& field : description.fields) {
     const Group* group = field.group ? &description.groups[*field.group] : nullptr;
-    const bool is_array = group != nullptr && group->is_array;
-    const std::size_t count = is_array ? 1 : field.fmi_names.size();
+    const bool has_copies = description.has_copies(field);
+    const bool over_words = group != nullptr && group->is_array;
+    if (has_copies) check_repeated_group(description, field, group);
+    const bool is_array = over_words || has_copies;
+    const std::size_t count = is_array && !field.fmi_names.empty() ? 1 : field.fmi_names.size();
     for (std::size_t i = 0; i < count; ++i) {
       Fmi3Variable variable;
       variable.field = &field;
-      variable.name = is_array ? array_name(field, *group) : field.fmi_names[i];
-      variable.text = is_array ? array_text(field, *group) : field.text;
+      variable.name = over_words ? array_name(field, *group) : has_copies ? field.name : field.fmi_names[i];
+      if (has_copies) variable.name = name_over_copies(*description.repeat, variable.name);
+      variable.text = over_words ? array_text(field, *group) : field.text;
       variable.value_reference = static_cast<std::uint32_t>(row);
       variable.first = i;
-      variable.elements = is_array ? field.fmi_names.size() : 1;
+      variable.copies = has_copies ? description.repeat->count : 1;
+      variable.words = over_words ? field.words : 1;
+      variable.elements = variable.copies * variable.words;
       variable.start_elements = variable.elements;
       variable.rows = variable.elements * rows_per_element(field);
       variable.is_array = is_array;
@@ -80,14 +105,13 @@ std::vector<Fmi3Variable> fmi3_variables(const Description& description) {
     }
   }
   for (Fmi3Variable& variable : variables) {
-    if (!variable.is_array) continue;
-    const Group& group = description.groups[*variable.field->group];
-    if (group.size_source.empty()) continue;
-    const auto source =
-        std::ranges::find(variables, group.size_source, [](const Fmi3Variable& v) { return v.field->name; });
+    const std::string size_source = size_source_of(description, variable);
+    if (size_source.empty()) continue;
+    const auto source = std::ranges::find(variables, size_source, [](const Fmi3Variable& v) { return v.field->name; });
     source->is_structural = true;
     variable.size_reference = source->value_reference;
-    variable.start_elements = static_cast<std::size_t>(whole_number_of(source->field->starts.front()));
+    const auto size = static_cast<std::size_t>(whole_number_of(source->field->starts.front()));
+    variable.start_elements = variable.copies > 1 ? size * variable.words : size;
   }
   check_names(description, variables);
   return variables;

@@ -14,12 +14,14 @@ namespace mebots::modeldesc {
 struct Fmi3Variable {
   const Field* field = nullptr;
   std::string name;
-  std::uint32_t value_reference = 0;  // row of its first element in the table, as in FMI 2.0
-  std::size_t rows = 1;               // of the table
-  std::size_t first = 0;              // first element of the field
-  std::size_t elements = 1;           // maximum number
-  std::size_t start_elements = 1;     // number at the start
-  bool is_array = false;
+  std::uint32_t value_reference = 0;            // row of its first element in the table, as in FMI 2.0
+  std::size_t rows = 1;                         // of the table
+  std::size_t copies = 1;                       // of the repeated thing, the array's first dimension
+  std::size_t words = 1;                        // elements per copy
+  std::size_t first = 0;                        // first element of the field
+  std::size_t elements = 1;                     // maximum number
+  std::size_t start_elements = 1;               // number at the start
+  bool is_array = false;                        // over copies, over the group's words, or over both
   std::optional<std::uint32_t> size_reference;  // of the structural parameter that holds the number of elements
   bool is_structural = false;                   // true for such a parameter
   std::string text;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "copies.hpp"
 #include "fmi3_variables.hpp"
 #include "generate.hpp"
 
@@ -6,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <utility>
 
@@ -127,16 +129,51 @@ void write_field(std::string& out, const Description& description, const Field& 
     return;
   }
   std::vector<std::string> values;
-  for (std::size_t i = 0; i < field.fmi_names.size(); ++i) values.push_back(initialiser(description, field, i));
+  for (std::size_t i = 0; i < field.words; ++i) values.push_back(initialiser(description, field, i));
   line(out, "  std::array<{}, {}> {} = {{{}}};", element_type(field), values.size(), field.cpp_name,
        fmt::join(values, ", "));
 }
 
-void write_struct(std::string& out, const Description& description, Causality causality, std::string_view name) {
-  line(out, "struct {} {{", name);
-  for (const Field& field : description.fields)
-    if (field.causality == causality && !field.on_demand) write_field(out, description, field);
-  line(out, "}};\n");
+/// Writes Parameters, Inputs and Outputs of the fields that `select` returns true for. `prefix` is that of their names.
+template <typename Select>
+void write_structs(std::string& out, const Description& description, const std::string& prefix, Select select) {
+  for (const auto& [causality, name] :
+       {std::pair{Causality::parameter, "Parameters"}, {Causality::input, "Inputs"}, {Causality::output, "Outputs"}}) {
+    line(out, "struct {}{} {{", prefix, name);
+    for (const Field& field : description.fields)
+      if (field.causality == causality && !field.on_demand && select(field)) write_field(out, description, field);
+    line(out, "}};\n");
+  }
+}
+
+/// Returns "Drone" for the word drone.
+std::string struct_prefix(const Repeat& repeat) {
+  std::string prefix = repeat.word;
+  prefix.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(prefix.front())));
+  return prefix;
+}
+
+/// Writes the structs of a description with copies. They are the same for every number of copies, so that one library
+/// of the model serves all of them.
+void write_repeated_structs(std::string& out, Description description) {
+  make_copies(description, 1);
+  for (Field& field : description.fields) {
+    if (field.name == description.repeat->size_source) field.max.reset();
+  }
+  const std::string& word = description.repeat->word;
+  const std::string prefix = struct_prefix(*description.repeat);
+  line(out, "/// What all copies of {} share.", word);
+  write_structs(out, description, "", [](const Field& field) { return field.is_shared; });
+  line(out, "/// What each {} has.", word);
+  write_structs(out, description, prefix, [](const Field& field) { return !field.is_shared; });
+  line(out, "struct {0}Variables {{\n  {0}Parameters parameters;\n  {0}Inputs inputs;\n  {0}Outputs outputs;\n}};\n",
+       prefix);
+  line(out, "/// All variables of an instance with `kCount` copies, with their start values.");
+  line(out, "template <std::size_t kCount>\nstruct VariablesOf {{");
+  line(out, "  VariablesOf() {{ parameters.{} = static_cast<std::int32_t>(kCount); }}\n",
+       to_cpp_name(description.repeat->size_source));
+  line(out, "  Parameters parameters;\n  Inputs inputs;\n  Outputs outputs;");
+  line(out, "  std::array<{}Variables, kCount> {};\n}};\n", prefix, word);
 }
 
 std::string_view member_of(Causality causality) {
@@ -170,6 +207,7 @@ struct Rows3 {
   std::size_t elements = 0;
   std::string size_row = "mebots::fmu::kFixedSize";
   bool is_structural = false;
+  std::size_t per_size = 1;
 };
 
 /// Returns them by row; rows in which no variable of FMI 3.0 begins are missing.
@@ -180,6 +218,7 @@ std::map<std::size_t, Rows3> fmi3_rows(const Description& description) {
     row.elements = variable.elements;
     if (variable.size_reference) row.size_row = std::to_string(*variable.size_reference);
     row.is_structural = variable.is_structural;
+    if (variable.copies > 1) row.per_size = variable.words;
   }
   return rows;
 }
@@ -201,13 +240,21 @@ class TableWriter {
   }
 
  private:
+  std::string offset_of(const Field& field, std::size_t copy) const {
+    const std::string member = fmt::format("{}.{}", member_of(field.causality), field.cpp_name);
+    if (!description_.repeat || field.is_shared) return fmt::format("offsetof(V, {})", member);
+    const std::string& word = description_.repeat->word;
+    const std::string type = qualifier(description_) + struct_prefix(*description_.repeat) + "Variables";
+    return fmt::format("offsetof(V, {}) + {} * sizeof({}) + offsetof({}, {})", word, copy, type, type, member);
+  }
+
   void write_row(const Field& field, std::size_t element, const std::string& name, const std::string& part) {
     std::string offset = "mebots::fmu::kNoField";
     if (!field.on_demand) {
-      offset = fmt::format("offsetof(V, {}.{})", member_of(field.causality), field.cpp_name);
+      offset = offset_of(field, element / field.words);
       const std::string prefix = field.type == FieldType::enumeration ? qualifier(description_) : "";
       const std::string type = prefix + element_type(field);
-      if (field.group) offset += fmt::format(" + {} * sizeof({})", element, type);
+      if (field.group) offset += fmt::format(" + {} * sizeof({})", element % field.words, type);
       if (!part.empty()) offset += fmt::format(" + offsetof({}, {})", type, part);
     }
     line(out_, "    {{.name = {},", cpp_literal(name));
@@ -227,7 +274,8 @@ class TableWriter {
     const Rows3 row3 = found == rows3_.end() ? Rows3{} : found->second;
     line(out_, "     .elements = {},", row3.elements);
     line(out_, "     .size_row = {},", row3.size_row);
-    line(out_, "     .is_structural = {}}},", row3.is_structural);
+    line(out_, "     .is_structural = {},", row3.is_structural);
+    line(out_, "     .per_size = {}}},", row3.per_size);
   }
 
   std::string& out_;
@@ -249,11 +297,13 @@ std::string variables_header(const Description& description) {
   open_namespace(out, description);
   for (const Enumeration& type : description.enumerations) write_enumeration(out, type);
   for (const Group& group : description.groups) write_group(out, group);
-  write_struct(out, description, Causality::parameter, "Parameters");
-  write_struct(out, description, Causality::input, "Inputs");
-  write_struct(out, description, Causality::output, "Outputs");
-  line(out, "/// All variables of one instance, with their start values.");
-  line(out, "struct Variables {{\n  Parameters parameters;\n  Inputs inputs;\n  Outputs outputs;\n}};\n");
+  if (description.repeat) {
+    write_repeated_structs(out, description);
+  } else {
+    write_structs(out, description, "", [](const Field&) { return true; });
+    line(out, "/// All variables of one instance, with their start values.");
+    line(out, "struct Variables {{\n  Parameters parameters;\n  Inputs inputs;\n  Outputs outputs;\n}};\n");
+  }
   close_namespace(out, description);
   return out;
 }
@@ -266,6 +316,7 @@ std::string binding_header(const Description& description) {
   line(out, "#include \"mebots/fmu/model.hpp\"\n");
   line(out, "#include <cstdint>\n#include <memory>\n");
   open_namespace(out, description);
+  if (description.repeat) line(out, "using Variables = VariablesOf<{}>;\n", description.repeat->count);
   line(out,
        "/// Brings an instance to life at `start_ns` with its parameters and inputs known, and writes its first "
        "outputs.");

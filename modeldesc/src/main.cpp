@@ -33,18 +33,22 @@ int main(int argc, char** argv) {
       ->type_name("FILE.json");
   std::vector<int> versions;
   bool has_icon = false;
+  std::size_t copies = 1;
   generate_command
       ->add_option("--fmi", versions,
                    "version of FMI, 2 or 3 (may be repeated); with both, the files of 3.0 go to FOLDER/fmi3. Default: "
                    "the description's")
       ->check(CLI::IsMember({2, 3}));
   generate_command->add_flag("--icon", has_icon, "declare the picture of the archive (pack --icon) in FMI 3.0");
+  generate_command
+      ->add_option("--count", copies, "copies of the thing that the description repeats, such as drones (default 1)")
+      ->check(CLI::Range(1, 4096));
   generate_command->add_option("--out", folder, "folder to write to")->type_name("FOLDER")->required();
   generate_command->callback([&] {
     GenerateOptions options;
     options.has_icon = has_icon;
     for (const int version : versions) options.fmi.push_back(static_cast<FmiVersion>(version));
-    generate(read_description(description, board), folder, options);
+    generate(read_description(description, board, copies), folder, options);
   });
 
   std::string archive;

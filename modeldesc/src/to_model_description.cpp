@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "copies.hpp"
 #include "generate.hpp"
 
 #include "mebots/modeldesc/xml.hpp"
@@ -50,7 +51,7 @@ void add_variables(const Field& field, ModelDescription& result) {
     variable.variability = field.variability;
     if (field.causality == Causality::parameter) variable.initial = Initial::exact;
     if (field.causality == Causality::output) variable.initial = Initial::calculated;
-    if (!field.starts.empty()) variable.start = field.starts[i];
+    if (!field.starts.empty()) variable.start = field.starts[i % field.words];
     variable.declared_type = field.enumeration;
     variable.unit = field.unit;
     variable.min = field.min;
@@ -91,13 +92,15 @@ void add_structure(const Description& description, ModelDescription& result) {
   };
   for (const Field& field : description.fields) {
     if (field.causality != Causality::output) continue;
-    const auto dependencies = with_indices({}, field.depends_on);
-    // The whole model, made from all parameters, computes the first outputs. Therefore they may depend on every
-    // parameter, and on every input unless the description excludes it.
-    std::optional<std::vector<std::size_t>> first;
-    if (field.first_depends_on) first = with_indices(parameters, *field.first_depends_on);
-    for (const std::string& name : field.fmi_names) {
-      for (const std::size_t index : by_name.at(name)) {
+    for (std::size_t i = 0; i < field.fmi_names.size(); ++i) {
+      const std::size_t copy = i / field.words;
+      const auto dependencies = with_indices({}, names_in_copy(description, field.depends_on, copy));
+      // The whole model, made from all parameters, computes the first outputs. Therefore they may depend on every
+      // parameter, and on every input unless the description excludes it.
+      std::optional<std::vector<std::size_t>> first;
+      if (field.first_depends_on)
+        first = with_indices(parameters, names_in_copy(description, *field.first_depends_on, copy));
+      for (const std::size_t index : by_name.at(field.fmi_names[i])) {
         result.outputs.push_back({index, dependencies, {}});
         result.initial_unknowns.push_back({index, first, {}});
       }
@@ -139,7 +142,7 @@ ModelDescription to_model_description(const Description& description) {
   std::set<std::string> used_units;
   for (const Field& field : description.fields) {
     add_variables(field, result);
-    used_units.insert(field.unit);
+    if (!field.fmi_names.empty()) used_units.insert(field.unit);
   }
   for (const std::string& unit : used_units)
     if (!unit.empty()) result.units.push_back(parse_unit(unit));

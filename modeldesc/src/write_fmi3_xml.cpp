@@ -39,7 +39,7 @@ void write_start(Element element, const Fmi3Variable& variable) {
   if (field.starts.empty()) return;
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < variable.start_elements; ++i)
-    texts.push_back(value_text(field.starts[variable.first + i]));
+    texts.push_back(value_text(field.starts[(variable.first + i) % field.words]));
   if (field.type != FieldType::string) {
     element.text("start", fmt::format("{}", fmt::join(texts, " ")));
     return;
@@ -71,13 +71,10 @@ void write_variable(Element variables, const Fmi3Variable& variable) {
                         .text_if("mimeType", field.mime_type);
   if (field.causality == Causality::output) element.text("initial", "calculated");
   write_limits(element, field);
-  if (variable.is_array) {
-    Element dimension = element.child("Dimension");
-    if (variable.size_reference)
-      dimension.text("valueReference", std::to_string(*variable.size_reference));
-    else
-      dimension.text("start", std::to_string(variable.elements));
-  }
+  if (variable.size_reference)
+    element.child("Dimension").text("valueReference", std::to_string(*variable.size_reference));
+  const bool has_fixed_size = variable.copies > 1 ? variable.words > 1 : !variable.size_reference;
+  if (variable.is_array && has_fixed_size) element.child("Dimension").text("start", std::to_string(variable.words));
   write_start(element, variable);
 }
 

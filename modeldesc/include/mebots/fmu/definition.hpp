@@ -44,6 +44,7 @@ struct Variable {
   std::size_t elements = 1;           // elements of the FMI 3.0 variable that begins here; 0 = none begins here
   std::size_t size_row = kFixedSize;  // row of the structural parameter that holds the number of elements, if it exists
   bool is_structural = false;         // true for such a parameter
+  std::size_t per_size = 1;           // elements per unit of that parameter's value
 };
 
 struct Definition {

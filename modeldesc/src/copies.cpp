@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "copies.hpp"
+
+#include "generate.hpp"
+#include "mebots/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+namespace mebots::modeldesc {
+namespace {
+
+using data::Node;
+
+enum class Copies { each, shared, shared_by_many };
+
+/// Returns `drone[2].mass` for drone.mass and `drone[2].rotor[1].thrust` for rotor[1].thrust.
+std::string copied_name(const std::string& word, const std::string& name, std::size_t copy) {
+  const bool has_word = name.starts_with(word + '.');
+  return fmt::format("{}[{}].{}", word, copy + 1, has_word ? name.substr(word.size() + 1) : name);
+}
+
+void check_unique(const Description& description) {
+  std::set<std::string_view> names;
+  for (const Field& field : description.fields) {
+    for (const std::string& name : field.fmi_names) {
+      if (names.insert(name).second) continue;
+      throw Error(ErrorCode::duplicate_name,
+                  fmt::format("{}: with {} copies, two variables have the name {}; rename one of them",
+                              description.source, description.repeat->count, name));
+    }
+  }
+}
+
+}  // namespace
+
+Node read_repeat(const Node& node, Description& description) {
+  const auto members = node.members();
+  if (members.size() != 1)
+    node.fail(ErrorCode::invalid_value, "one thing can be repeated: {\"drone\": \"drone.count\"}");
+  const auto& [word, size] = members.front();
+  if (!is_cpp_identifier(word)) size.fail(ErrorCode::invalid_value, fmt::format("\"{}\" is not a C++ name", word));
+  description.repeat = Repeat{word, size.text(), 1};
+  return size;
+}
+
+void read_copies(data::Object& object, Field& field, const Description& description) {
+  static const auto words = data::word_of<Copies>(
+      {{"each", Copies::each}, {"shared", Copies::shared}, {"shared_by_many", Copies::shared_by_many}});
+  if (!description.repeat) {
+    if (const auto member = object.node().find("copies"))
+      member->complain(ErrorCode::invalid_value, "this needs the key 'repeat' of the description");
+    return;
+  }
+  Copies copies = Copies::each;
+  object.read_if("copies", copies, words);
+  field.is_shared = copies != Copies::each;
+  field.only_if_many = copies == Copies::shared_by_many;
+  if (field.only_if_many && field.causality == Causality::input)
+    object.node().at("copies").complain(ErrorCode::invalid_value, "an input cannot be absent; use shared");
+}
+
+void check_repeat(const Node& node, const Description& description) {
+  node.attempt([&] {
+    const std::string& name = description.repeat->size_source;
+    const auto field = std::ranges::find(description.fields, name, &Field::name);
+    if (field == description.fields.end()) node.fail_unknown("the parameter", name, names_of(description.fields));
+    const bool is_parameter = field->type == FieldType::integer && field->causality == Causality::parameter &&
+                              field->variability == Variability::fixed && !field->group;
+    if (is_parameter && field->only_if_many && field->min.value_or(0) >= 1) return;
+    node.fail(ErrorCode::invalid_value,
+              fmt::format("{} must be a fixed Integer parameter with \"copies\": \"shared_by_many\" and a min of at "
+                          "least 1",
+                          name));
+  });
+}
+
+void make_copies(Description& description, std::size_t count) {
+  if (!description.repeat) {
+    if (count == 1) return;
+    throw Error(ErrorCode::invalid_value,
+                fmt::format("{}: {} copies, but the description repeats nothing; add the key 'repeat'",
+                            description.source, count));
+  }
+  Repeat& repeat = *description.repeat;
+  repeat.count = count;
+  for (Field& field : description.fields) {
+    if (field.only_if_many && count == 1) field.fmi_names.clear();
+    if (field.name == repeat.size_source) {
+      field.starts = {static_cast<std::int64_t>(count)};
+      field.max = static_cast<double>(count);
+    }
+    if (!description.has_copies(field)) continue;
+    const auto names = std::exchange(field.fmi_names, {});
+    for (std::size_t copy = 0; copy < count; ++copy)
+      for (const std::string& name : names) field.fmi_names.push_back(copied_name(repeat.word, name, copy));
+  }
+  check_unique(description);
+}
+
+std::vector<std::string> names_in_copy(const Description& description, std::vector<std::string> names,
+                                       std::size_t copy) {
+  if (!description.repeat || description.repeat->count == 1) return names;
+  for (std::string& name : names) {
+    const std::string copied = copied_name(description.repeat->word, name, copy);
+    const bool is_copied = std::ranges::any_of(description.fields, [&](const Field& field) {
+      return std::ranges::find(field.fmi_names, copied) != field.fmi_names.end();
+    });
+    if (is_copied) name = copied;
+  }
+  return names;
+}
+
+}  // namespace mebots::modeldesc

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "description.hpp"
+#include "mebots/data/node.hpp"
+#include "mebots/data/object.hpp"
+
+#include <string>
+#include <vector>
+
+/// The keys `repeat` and `copies` of description.json: one description for an FMU of one thing, such as a drone, and
+/// for an FMU of several. The copies of a variable are neighbours in the table, so that FMI 3.0 has one array for them.
+namespace mebots::modeldesc {
+
+/// Reads `repeat`, {word: name of the parameter that holds the number of copies}. Returns the parameter's node.
+data::Node read_repeat(const data::Node& node, Description& description);
+
+/// Reads `copies` of a variable.
+void read_copies(data::Object& object, Field& field, const Description& description);
+
+/// Checks the parameter that holds the number of copies, after all variables were read.
+void check_repeat(const data::Node& node, const Description& description);
+
+/// Gives the fields the names of `count` copies. Throws mebots::Error if the description repeats nothing, or if two
+/// variables would have the same name.
+void make_copies(Description& description, std::size_t count);
+
+/// Returns the names of variables in a copy, from their names in an FMU of one copy.
+std::vector<std::string> names_in_copy(const Description& description, std::vector<std::string> names,
+                                       std::size_t copy);
+
+}  // namespace mebots::modeldesc
