@@ -31,6 +31,11 @@ foreach(export mebotsPrograms mebotsLibraries)
   install(EXPORT ${export} NAMESPACE mebots:: DESTINATION ${package_dir})
 endforeach()
 
+set(world_fmus)
+foreach(count IN LISTS MEBOTS_WORLD_DRONES)
+  list(APPEND world_fmus fmu_world_${count} fmu_world_${count}_fmi3)
+endforeach()
+
 # The headers of who runs systems, of who writes FMUs, and what these include. Each header is installed once: a second copy
 # would be another file to the compiler, and what it declares would be declared twice.
 install(DIRECTORY master/include/mebots DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
@@ -117,7 +122,7 @@ if(MEBOTS_PAGES)
     PATTERN CMakeFiles EXCLUDE)
 endif()
 foreach(fmu fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_world fmu_world_fmi3 fmu_soc fmu_soc_fmi3 fmu_gap8
-        fmu_gap8_drone)
+        fmu_gap8_drone ${world_fmus})
   if(TARGET ${fmu})
     install(FILES ${MEBOTS_FMU_DIR}/${fmu}.fmu DESTINATION ${share}/fmus)
   endif()

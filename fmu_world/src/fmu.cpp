@@ -5,30 +5,58 @@
 #include "model.hpp"
 #include "scene/load.hpp"
 
+#include <fmt/format.h>
+#include <charconv>
+#include <string>
+#include <vector>
+
 namespace mebots::world {
 namespace {
 
 class Binding final : public fmu::Model {
  public:
   Binding(Variables& variables, fmu::Host& host, std::int64_t start_ns)
-      : world_(
-            read_scene(variables.parameters, host), variables.parameters, variables.inputs, variables.outputs,
-            [&host](std::string_view event) { host.log(fmu::Severity::info, "events", event); }, start_ns) {}
+      : Binding(variables, host, start_ns, read_scene(variables.parameters, host)) {}
 
   void step(std::int64_t start_ns, std::int64_t duration_ns) override { world_.step(start_ns, duration_ns); }
   void visit(state::Visitor& v) override { world_.visit(v); }
   std::string on_demand_text(std::string_view name) const override {
-    return name == "view.scene" ? world_.view() : encode_base64(world_.frame());
+    return name == "view.scene" ? world_.view() : encode_base64(world_.frame(index_in(name)));
   }
 
  private:
+  Binding(Variables& variables, fmu::Host& host, std::int64_t start_ns, const scene::Scene& scene)
+      : world_(
+            scene, variables.parameters, variables.inputs, variables.outputs, drones_of(variables, scene, host),
+            [&host](std::string_view event) { host.log(fmu::Severity::info, "events", event); }, start_ns) {}
+
   static scene::Scene read_scene(const Parameters& parameters, const fmu::Host& host) {
-    auto scene = scene::load_scene(data::find_file(host.resources() / "scenes", parameters.scene_name, "scene.name"));
-    if (!parameters.drone_name.empty()) {
-      scene.drone =
-          scene::load_drone(data::find_file(host.resources() / "drones", parameters.drone_name, "drone.name"));
+    return scene::load_scene(data::find_file(host.resources() / "scenes", parameters.scene_name, "scene.name"));
+  }
+
+  static scene::Drone read_drone(const std::string& name, const scene::Scene& scene, const fmu::Host& host) {
+    if (name.empty()) return scene.drone;
+    return scene::load_drone(data::find_file(host.resources() / "drones", name, "drone.name"));
+  }
+
+  static std::vector<DroneSetup> drones_of(Variables& variables, const scene::Scene& scene, const fmu::Host& host) {
+    const bool has_many = variables.drone.size() > 1;
+    std::vector<DroneSetup> drones;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(variables.parameters.drone_count); ++i) {
+      DroneVariables& own = variables.drone.at(i);
+      drones.push_back({has_many ? fmt::format("drone[{}]", i + 1) : "",
+                        read_drone(own.parameters.drone_name, scene, host), own.parameters, own.inputs, own.outputs});
     }
-    return scene;
+    return drones;
+  }
+
+  /// Returns 1 for "drone[2].camera.frame.base64", and 0 for a name without an index.
+  static std::size_t index_in(std::string_view name) {
+    const auto open = name.find('[');
+    if (open == std::string_view::npos) return 0;
+    std::size_t number = 1;
+    std::from_chars(name.data() + open + 1, name.data() + name.size(), number);
+    return number - 1;
   }
 
   World world_;

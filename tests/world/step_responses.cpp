@@ -10,13 +10,13 @@
 namespace {
 
 using mebots::world::FlightMode;
-using mebots::world::Inputs;
 using mebots::world::test::FlightRig;
+using mebots::world::test::RigInputs;
 
 struct Manoeuvre {
   const char* name;
   double seconds;
-  std::function<void(Inputs&)> begin;
+  std::function<void(RigInputs&)> begin;
 };
 
 void write(const std::string& folder, const Manoeuvre& manoeuvre, double lag_s) {
@@ -49,11 +49,11 @@ int main(int argc, char** argv) {
   }
   const Manoeuvre manoeuvres[] = {
       {"take_off", 8.0, {}},
-      {"velocity", 6.0, [](Inputs& in) { in.setpoint_velocity_x_m_per_s = 1.0 / 3.6; }},
-      {"yaw_rate", 3.0, [](Inputs& in) { in.setpoint_yaw_rate_rad_per_s = 0.5; }},
-      {"altitude", 6.0, [](Inputs& in) { in.setpoint_altitude_m = 1.3; }},
+      {"velocity", 6.0, [](RigInputs& in) { in.setpoint_velocity_x_m_per_s = 1.0 / 3.6; }},
+      {"yaw_rate", 3.0, [](RigInputs& in) { in.setpoint_yaw_rate_rad_per_s = 0.5; }},
+      {"altitude", 6.0, [](RigInputs& in) { in.setpoint_altitude_m = 1.3; }},
       {"wind", 10.0,
-       [](Inputs& in) {
+       [](RigInputs& in) {
          in.wind_velocity_m_per_s = {0.0, 2.0, 0.0};
        }},
   };

@@ -15,8 +15,8 @@ std::vector<std::uint8_t> copy(const fmu::BinaryRef& frame) {
   return {bytes.begin(), bytes.end()};
 }
 
-Parameters parameters() {
-  Parameters p = FlightRig::small_camera();
+test::RigParameters parameters() {
+  test::RigParameters p = FlightRig::small_camera();
   p.camera_width = 64;
   p.camera_height = 48;
   p.camera_noise = 0.0;
@@ -46,7 +46,7 @@ TEST(CameraDevice, ReportsTheSettingsOfThePicture) {
   EXPECT_EQ(instant.outputs.camera_frame_exposure_s, 0.0);
   EXPECT_EQ(instant.outputs.camera_frame_gain, 1.0);
 
-  Parameters automatic = parameters();
+  test::RigParameters automatic = parameters();
   automatic.camera_exposure_s = 0.001;
   automatic.camera_auto_exposure = true;
   automatic.camera_auto_exposure_target = 200.0;
@@ -63,14 +63,14 @@ TEST(CameraDevice, ShowsTheViewAtTheBeginningOfTheStep) {
   // Falling from 1.3 m for half a second would change the picture considerably; a picture requested at the start shows
   // the start.
   const auto picture_of_start = [] {
-    Parameters p = parameters();
+    test::RigParameters p = parameters();
     p.start_offset_m = {2.0, 0.0, 1.3};
     FlightRig rig(shipped_scene("gate_easy"), p);
     rig.inputs.camera_trigger = 1;
     rig.step(1'000'000);
     return copy(rig.outputs.camera_frame);
   };
-  Parameters p = parameters();
+  test::RigParameters p = parameters();
   p.start_offset_m = {2.0, 0.0, 1.3};
   FlightRig rig(shipped_scene("gate_easy"), p);
   rig.inputs.camera_trigger = 1;
@@ -92,7 +92,7 @@ TEST(CameraDevice, TakesNoPictureWhileTheCountStays) {
 }
 
 TEST(CameraDevice, APictureStaysReadableUntilTheNextStepEnds) {
-  Parameters p = parameters();
+  test::RigParameters p = parameters();
   p.camera_noise = 5.0;  // makes every picture different
   FlightRig rig(shipped_scene("gate_easy"), p);
   rig.inputs.camera_trigger = 1;
@@ -106,7 +106,7 @@ TEST(CameraDevice, APictureStaysReadableUntilTheNextStepEnds) {
 }
 
 TEST(CameraDevice, NoiseOfAPictureDependsOnItsNumberAlone) {
-  Parameters p = parameters();
+  test::RigParameters p = parameters();
   p.camera_noise = 5.0;
   FlightRig one(shipped_scene("gate_easy"), p);
   one.inputs.camera_trigger = 7;
@@ -125,7 +125,7 @@ TEST(CameraDevice, NoiseOfAPictureDependsOnItsNumberAlone) {
 }
 
 TEST(CameraDevice, SeesTheGateInTheEasySceneAheadAtFlightAltitude) {
-  Parameters p = parameters();
+  test::RigParameters p = parameters();
   p.start_offset_m = {0.0, 0.0, 1.0};
   FlightRig rig(shipped_scene("gate_easy"), p);
   rig.inputs.camera_trigger = 1;

@@ -14,8 +14,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-Parameters starting_at(double x, double y, double z) {
-  Parameters p = FlightRig::small_camera();
+test::RigParameters starting_at(double x, double y, double z) {
+  test::RigParameters p = FlightRig::small_camera();
   p.start_offset_m = {x, y, z};
   return p;
 }
@@ -197,7 +197,7 @@ TEST(Flight, AStartInTheAirFliesAtOnce) {
 }
 
 TEST(Flight, OutputsOfTheStartAreThereBeforeTheFirstStep) {
-  Parameters p = starting_at(1.0, -0.5, 0.0);
+  test::RigParameters p = starting_at(1.0, -0.5, 0.0);
   p.start_yaw_offset_rad = 0.3;
   const FlightRig rig(shipped_scene("gate_easy"), p);
   EXPECT_THAT(rig.outputs.drone_position_m, ElementsAre(1.0, -0.5, 0.0145));

@@ -27,59 +27,62 @@ std::string step_error(Spoil spoil) {
 }
 
 TEST(WorldInputs, NamesTheRotorWhoseThrustIsNotANumber) {
-  EXPECT_EQ(step_error([](Inputs& in) { in.rotor_thrust_n[2] = NAN; }),
+  EXPECT_EQ(step_error([](test::RigInputs& in) { in.rotor_thrust_n[2] = NAN; }),
             "rotor[3].thrust = nan must be a finite number");
 }
 
 TEST(WorldInputs, RefusesNegativeTorque) {
-  EXPECT_EQ(step_error([](Inputs& in) { in.rotor_torque_n_m[0] = -1e-6; }),
+  EXPECT_EQ(step_error([](test::RigInputs& in) { in.rotor_torque_n_m[0] = -1e-6; }),
             "rotor[1].torque = -1e-06 must be at least 0");
 }
 
 TEST(WorldInputs, RefusesWindThatIsNotFinite) {
-  EXPECT_THAT(step_error([](Inputs& in) { in.wind_velocity_m_per_s[1] = INFINITY; }),
+  EXPECT_THAT(step_error([](test::RigInputs& in) { in.wind_velocity_m_per_s[1] = INFINITY; }),
               HasSubstr("wind.velocity.y = inf"));
 }
 
 TEST(WorldInputs, RefusesSetPointsThatAreNotNumbers) {
-  EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_velocity_x_m_per_s = NAN; }), HasSubstr("setpoint.velocity.x"));
-  EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_velocity_y_m_per_s = NAN; }), HasSubstr("setpoint.velocity.y"));
-  EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_yaw_rate_rad_per_s = NAN; }), HasSubstr("setpoint.yaw_rate"));
-  EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_altitude_m = NAN; }), HasSubstr("setpoint.altitude"));
+  EXPECT_THAT(step_error([](test::RigInputs& in) { in.setpoint_velocity_x_m_per_s = NAN; }),
+              HasSubstr("setpoint.velocity.x"));
+  EXPECT_THAT(step_error([](test::RigInputs& in) { in.setpoint_velocity_y_m_per_s = NAN; }),
+              HasSubstr("setpoint.velocity.y"));
+  EXPECT_THAT(step_error([](test::RigInputs& in) { in.setpoint_yaw_rate_rad_per_s = NAN; }),
+              HasSubstr("setpoint.yaw_rate"));
+  EXPECT_THAT(step_error([](test::RigInputs& in) { in.setpoint_altitude_m = NAN; }), HasSubstr("setpoint.altitude"));
 }
 
 TEST(WorldInputs, RefusesAModeThatDoesNotExist) {
-  EXPECT_THAT(step_error([](Inputs& in) { in.setpoint_mode = static_cast<FlightMode>(7); }),
+  EXPECT_THAT(step_error([](test::RigInputs& in) { in.setpoint_mode = static_cast<FlightMode>(7); }),
               HasSubstr("setpoint.mode = 7 is not a mode"));
 }
 
 TEST(WorldInputs, RefusesACellOfNegativeMass) {
-  EXPECT_THAT(step_error([](Inputs& in) { in.cell_mass_kg = -0.01; }), HasSubstr("cell.mass = -0.01"));
+  EXPECT_THAT(step_error([](test::RigInputs& in) { in.cell_mass_kg = -0.01; }), HasSubstr("cell.mass = -0.01"));
 }
 
 TEST(WorldParameters, RefusesADroneOfNegativeMass) {
-  Parameters parameters = FlightRig::small_camera();
+  test::RigParameters parameters = FlightRig::small_camera();
   parameters.drone_dry_mass_kg = -0.02;
   EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), parameters); },
               ThrowsMessage<Error>(HasSubstr("drone.dry_mass = -0.02 must be at least 0")));
 }
 
 TEST(WorldParameters, RefusesAnInnerStepOfNothing) {
-  Parameters parameters = FlightRig::small_camera();
+  test::RigParameters parameters = FlightRig::small_camera();
   parameters.physics_step_s = 0.0;
   EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), parameters); },
               ThrowsMessage<Error>(HasSubstr("physics.step = 0 s must be from 1e-6")));
 }
 
 TEST(WorldParameters, RefusesAStartInsideAWall) {
-  Parameters parameters = FlightRig::small_camera();
+  test::RigParameters parameters = FlightRig::small_camera();
   parameters.start_offset_m = {10.05, 0.0, 1.0};
   EXPECT_THAT([&] { FlightRig(shipped_scene("gate_easy"), parameters); },
               ThrowsMessage<Error>(HasSubstr("deep in east wall")));
 }
 
 TEST(WorldParameters, RefusesAStartBelowTheGround) {
-  Parameters parameters = FlightRig::small_camera();
+  test::RigParameters parameters = FlightRig::small_camera();
   parameters.start_offset_m = {0.0, 0.0, -0.5};
   EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), parameters); },
               ThrowsMessage<Error>(HasSubstr("deep in the ground")));
@@ -106,7 +109,7 @@ TEST(WorldAlone, RunsAtStartValuesWithAnyStepUpToATenthOfASecond) {
 TEST(WorldAlone, AStepOfADayIsTwoOfHalfADay) {
   // Fractions of a second for which nanoseconds times the numerator exceed 63 bits; noise shows the sensors' time.
   constexpr std::int64_t kDay_ns = 100'000'000'000'000;
-  Parameters parameters = FlightRig::small_camera();
+  test::RigParameters parameters = FlightRig::small_camera();
   parameters.physics_step_s = 1.0;
   parameters.range_noise_m = 0.001;
   parameters.imu_rate_noise_rad_per_s = 0.001;

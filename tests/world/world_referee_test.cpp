@@ -17,8 +17,8 @@ using testing::Not;
 /// One metre up, at this distance in front of the gate of gate_easy and to the left of its centre [m].
 class Referee : public ::testing::Test {
  protected:
-  static Parameters start(double before_m, double left_m, double yaw_rad = 0.0) {
-    Parameters p = FlightRig::small_camera();
+  static test::RigParameters start(double before_m, double left_m, double yaw_rad = 0.0) {
+    test::RigParameters p = FlightRig::small_camera();
     p.start_offset_m = {5.0 - before_m, 0.2 + left_m, 0.0};
     p.start_yaw_offset_rad = yaw_rad;
     return p;

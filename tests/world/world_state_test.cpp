@@ -27,8 +27,8 @@ testing::AssertionResult same(const FlightRig& a, const FlightRig& b) {
   return is_same ? testing::AssertionSuccess() : testing::AssertionFailure() << "the outputs differ";
 }
 
-Parameters noisy() {
-  Parameters p = FlightRig::small_camera();
+test::RigParameters noisy() {
+  test::RigParameters p = FlightRig::small_camera();
   p.range_noise_m = 0.01;
   p.camera_noise = 3.0;
   p.start_offset_m = {3.0, 0.355, 0.0};  // 5 mm outside of the clear opening: it will touch the gate
@@ -125,7 +125,7 @@ TEST(WorldState, OneStepAndTwoHalvesGiveTheSameBits) {
 TEST(WorldState, AFinerInnerStepConvergesWithFirstOrder) {
   // Two seconds of climb and turn under constant, slightly uneven thrust and wind, without a stabiliser.
   const auto end_of = [](double inner_step_s) {
-    Parameters p = FlightRig::small_camera();
+    test::RigParameters p = FlightRig::small_camera();
     p.physics_step_s = inner_step_s;
     p.start_offset_m = {0.0, 0.0, 20.0};
     FlightRig rig(shipped_scene("empty"), p);

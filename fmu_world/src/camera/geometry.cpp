@@ -67,8 +67,9 @@ void add_side(Geometry& geometry, const Painted& solid, int axis, double sign, s
 }
 
 /// Computes corners once for all sides of a solid: sides that share an edge must have the same bits.
-void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const scene::Lighting& lighting) {
-  const Painted solid{axes_of(box), tile, lighting, add_mover(geometry, box)};
+void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const scene::Lighting& lighting,
+             std::size_t mover) {
+  const Painted solid{axes_of(box), tile, lighting, mover};
   std::array<Vector3d, 8> corners;  // bit k of the index set: on the far side along axis k
   for (int i = 0; i < 8; ++i) {
     corners[i] = box.p_W_m;
@@ -258,7 +259,8 @@ Geometry make_geometry(const scene::Scene& scene) {
   geometry.faces.back().texture_origin_W_m = Vector3d::Zero();
 
   for (const scene::Box& box : scene.boxes) {
-    add_box(geometry, box, add_tile(geometry, box.texture), scene.lighting);
+    const std::size_t tile = add_tile(geometry, box.texture);
+    add_box(geometry, box, tile, scene.lighting, add_mover(geometry, box));
   }
   for (const scene::Cylinder& cylinder : scene.cylinders) {
     add_cylinder(geometry, cylinder, add_tile(geometry, cylinder.texture), scene.lighting);
@@ -276,6 +278,32 @@ Geometry make_geometry(const scene::Scene& scene) {
     add_gate(geometry, gate, add_tile(geometry, gate.texture), scene.lighting);
   }
   return geometry;
+}
+
+void add_drone(Geometry& geometry, const scene::Drone& drone, std::size_t body) {
+  constexpr int kSides = 8;
+  constexpr std::array<std::pair<int, int>, 4> kRotors{{{1, -1}, {-1, -1}, {-1, 1}, {1, 1}}};
+  scene::Texture dark;
+  dark.light = 60.0;
+  scene::Texture darker;
+  darker.light = 30.0;
+  const std::size_t mover = geometry.movers.size();
+  geometry.movers.push_back({{}, Vector3d::Zero(), body});
+  scene::Box box;
+  box.size_m = drone.body_size_m;
+  add_box(geometry, box, add_tile(geometry, dark), geometry.lighting, mover);
+  const Painted disc{
+      {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()}, add_tile(geometry, darker), geometry.lighting, mover};
+  for (const auto& [x, y] : kRotors) {
+    std::vector<Vector3d> rim;
+    for (int i = 0; i < kSides; ++i) {
+      const double angle_rad = 2.0 * std::numbers::pi * i / kSides;
+      rim.push_back({drone.arm_m * (x + kRotorRadiusOverArm * std::cos(angle_rad)),
+                     drone.arm_m * (y + kRotorRadiusOverArm * std::sin(angle_rad)), 0.5 * drone.body_size_m.z()});
+    }
+    add_side(geometry, disc, 2, 1.0, rim);
+    add_side(geometry, disc, 2, -1.0, rim);
+  }
 }
 
 }  // namespace mebots::world::camera

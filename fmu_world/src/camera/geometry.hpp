@@ -34,10 +34,13 @@ struct Face {
   static constexpr std::size_t kStatic = SIZE_MAX;
 };
 
-/// Faces that move together: they rotate about the vertical through `origin_W_m`, and are then shifted.
+/// Faces that move together: on a path, they rotate about the vertical through `origin_W_m`, and are then shifted; as a
+/// drone, their positions are in the body's frame.
 struct Mover {
+  static constexpr std::size_t kNoBody = SIZE_MAX;
   scene::Path path;
   Eigen::Vector3d origin_W_m;
+  std::size_t body = kNoBody;  ///< index of the drone in Pose::bodies
 };
 
 /// Everything that the camera can see.
@@ -59,5 +62,11 @@ double lambert(const scene::Lighting& lighting, const Eigen::Vector3d& normal_W)
 /// and y, from their corner of least x and y. Undersides of boxes at or below the ground are left out, because they are
 /// never visible. There are no shadows.
 Geometry make_geometry(const scene::Scene& scene);
+
+/// Radius of a rotor's disc over its distance from the centre along x: neighbours leave a gap between them.
+inline constexpr double kRotorRadiusOverArm = 0.7;
+
+/// Adds a drone as others see it: its contact box, and a disc of eight sides for each rotor on top of it.
+void add_drone(Geometry& geometry, const scene::Drone& drone, std::size_t body);
 
 }  // namespace mebots::world::camera

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,13 +20,21 @@ struct Intrinsics {
   double focal_length_px() const;
 };
 
+/// Where a drone's body is.
+struct BodyPose {
+  Eigen::Vector3d p_WB_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
+};
+
 /// Where the camera is. Camera frame C, as the body's: x forward along the optical axis, y left, z up.
 /// A point (x, y, z) in C with x > 0 appears at column width/2 - f y/x and row height/2 - f z/x, counted
 /// from the picture's top left corner. The centre of the top left pixel is (0.5, 0.5).
 struct Pose {
   Eigen::Vector3d p_WC_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
-  std::int64_t time_ns = 0;  ///< time of the positions of moving things
+  std::int64_t time_ns = 0;               ///< time of the positions of moving things
+  std::span<const BodyPose> bodies = {};  ///< of all drones at this time
+  std::size_t own_body = 0;               ///< index of the camera's own drone, which it does not see
 };
 
 /// Position and pitch of the camera in the drone's body.

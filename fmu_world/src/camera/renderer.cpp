@@ -84,8 +84,19 @@ float eye_texel(double along_axis_m, double edge_m, int size) {
   return static_cast<float>((tiles - std::floor(tiles)) * size);
 }
 
-/// Returns the camera's pose relative to a mover without its path.
+/// True for the camera's own drone, and for all drones if the picture has no positions of them.
+bool is_hidden(const Mover& mover, const Pose& pose) {
+  return mover.body != Mover::kNoBody && (mover.body >= pose.bodies.size() || mover.body == pose.own_body);
+}
+
+/// Returns the camera's pose relative to a mover without its path, or to a drone's body.
 Pose seen_from(const Mover& mover, const Pose& pose) {
+  if (is_hidden(mover, pose)) return pose;
+  if (mover.body != Mover::kNoBody) {
+    const BodyPose& body = pose.bodies[mover.body];
+    const Eigen::Matrix3d R_BW = body.R_WB.transpose();
+    return {R_BW * (pose.p_WC_m - body.p_WB_m), R_BW * pose.R_WC, pose.time_ns};
+  }
   const scene::Displacement moved = mover.path.at(pose.time_ns);
   const Eigen::Matrix3d back = yaw_rotation(-moved.turn_rad).toRotationMatrix();
   return {mover.origin_W_m + back * (pose.p_WC_m - moved.offset_W_m - mover.origin_W_m), back * pose.R_WC,
@@ -127,29 +138,32 @@ void add_texture(const Face& face, const Tile& tile, const Pose& pose, double fo
 
 }  // namespace
 
+Scenery::Scenery(Geometry all)
+    : geometry(checked(std::move(all))), covers(geometry.faces), groups(groups_of(geometry.faces)) {}
+
 Renderer::Renderer(const scene::Scene& scene, Intrinsics intrinsics, double noise_std)
     : Renderer(make_geometry(scene), intrinsics, noise_std) {}
 
 Renderer::Renderer(Geometry geometry, Intrinsics intrinsics, double noise_std)
-    : geometry_(checked(std::move(geometry))),
-      covers_(geometry_.faces),
-      groups_(groups_of(geometry_.faces)),
-      intrinsics_(intrinsics),
-      noise_(noise_std) {
+    : Renderer(std::make_shared<const Scenery>(std::move(geometry)), intrinsics, noise_std) {}
+
+Renderer::Renderer(std::shared_ptr<const Scenery> scenery, Intrinsics intrinsics, double noise_std)
+    : scenery_(std::move(scenery)), intrinsics_(intrinsics), noise_(noise_std) {
   check(intrinsics_);
   workspace_ = make_workspace();
 }
 
 Renderer::Workspace Renderer::make_workspace() const {
   Workspace workspace;
-  workspace.faces_.reserve(geometry_.faces.size());
+  workspace.faces_.reserve(scenery_->geometry.faces.size());
   // A clip plane adds at most one corner. The end has space for any outline.
-  workspace.edges_.resize(covers_.corners_W_m.size() + kClipPlanes * geometry_.faces.size() + kMaxOutlineCorners);
+  workspace.edges_.resize(scenery_->covers.corners_W_m.size() + kClipPlanes * scenery_->geometry.faces.size() +
+                          kMaxOutlineCorners);
   workspace.strips_.resize(static_cast<std::size_t>((intrinsics_.height + kStripRows - 1) / kStripRows) + 1);
-  workspace.by_strip_.reserve(geometry_.faces.size());
-  workspace.active_.reserve(geometry_.faces.size());
-  workspace.next_.reserve(geometry_.faces.size());
-  workspace.eyes_.resize(geometry_.movers.size());
+  workspace.by_strip_.reserve(scenery_->geometry.faces.size());
+  workspace.active_.reserve(scenery_->geometry.faces.size());
+  workspace.next_.reserve(scenery_->geometry.faces.size());
+  workspace.eyes_.resize(scenery_->geometry.movers.size());
   const auto columns = static_cast<std::size_t>(intrinsics_.width) + kSpareColumns;
   workspace.inverse_depth_.resize(columns * kStripRows);
   workspace.nearest_.resize(columns * kStripRows);
@@ -163,19 +177,21 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Worksp
   const PictureSides sides(intrinsics_, first_row, end_row);
   workspace.faces_.clear();
   std::size_t edges = 0;
-  for (std::size_t i = 0; i < geometry_.movers.size(); ++i) workspace.eyes_[i] = seen_from(geometry_.movers[i], pose);
+  for (std::size_t i = 0; i < scenery_->geometry.movers.size(); ++i)
+    workspace.eyes_[i] = seen_from(scenery_->geometry.movers[i], pose);
   MEBOTS_ASSERT(workspace.nearest_.size() == (static_cast<std::size_t>(intrinsics_.width) + kSpareColumns) * kStripRows,
                 "make_workspace() made it");
-  for (const FaceGroup& group : groups_) {
+  for (const FaceGroup& group : scenery_->groups) {
     const bool stands = group.mover == Face::kStatic;
+    if (!stands && is_hidden(scenery_->geometry.movers[group.mover], pose)) continue;
     const Pose& eye = stands ? pose : workspace.eyes_[group.mover];
     const Eigen::Matrix3d R_CE = eye.R_WC.transpose();
     if (sides.leave_out(R_CE * (group.middle_W_m - eye.p_WC_m), group.radius_m)) continue;
     for (std::size_t k = group.first; k < group.end; ++k) {
-      const FaceCover& cover = covers_.faces[k];
+      const FaceCover& cover = scenery_->covers.faces[k];
       const double height_over_plane_m = cover.normal_W.dot(eye.p_WC_m) - cover.offset_m;
       if (height_over_plane_m < kEdgeOn_m) continue;  // back or edge-on
-      const auto corners_W = covers_.corners_of(cover);
+      const auto corners_W = scenery_->covers.corners_of(cover);
       std::array<Vector3d, kMaxCorners> corners_C;
       MEBOTS_ASSERT(corners_W.size() <= corners_C.size(), "checked() has seen it");
       bool before = false;  // true if the camera is in front of it
@@ -188,14 +204,15 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Worksp
       const Outline outline(picture, corners, Outline::Edges(workspace.edges_.data() + edges, kMaxOutlineCorners));
       if (std::max(outline.first_row(), first_row) >= std::min(outline.end_row(), end_row)) continue;
       edges += static_cast<std::size_t>(outline.edge_count());
-      const double light = stands ? cover.light : lambert(geometry_.lighting, pose.R_WC * (R_CE * cover.normal_W));
+      const double light =
+          stands ? cover.light : lambert(scenery_->geometry.lighting, pose.R_WC * (R_CE * cover.normal_W));
       FaceView view = view_of(cover, light, eye, height_over_plane_m, focal_length_px);
-      MEBOTS_ASSERT(cover.tile < geometry_.tiles.size(), "checked() has seen it");
-      const Tile& tile = *geometry_.tiles[cover.tile];
+      MEBOTS_ASSERT(cover.tile < scenery_->geometry.tiles.size(), "checked() has seen it");
+      const Tile& tile = *scenery_->geometry.tiles[cover.tile];
       if (tile.ripmap.size() == 1) {
         view.light *= static_cast<float>(tile.ripmap.texel(0, 0, 0, 0));
       } else {
-        add_texture(geometry_.faces[k], tile, eye, focal_length_px, view);
+        add_texture(scenery_->geometry.faces[k], tile, eye, focal_length_px, view);
       }
       workspace.faces_.push_back({outline, view});
     }
@@ -267,7 +284,7 @@ void Renderer::shade_row(int row, const std::int32_t* nearest, const Workspace& 
     if (view != nullptr && view->ripmap != nullptr) {
       shade(*view, below_middle(row, intrinsics_), x_0 + static_cast<float>(begin), end - begin, grey + begin);
     } else {
-      const float alike = view != nullptr ? view->light : static_cast<float>(geometry_.background);
+      const float alike = view != nullptr ? view->light : static_cast<float>(scenery_->geometry.background);
       for (int i = begin; i < end; ++i) grey[i] = alike;
     }
     begin = end;

@@ -10,10 +10,20 @@
 #include "scene/scene.hpp"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace mebots::world::camera {
+
+/// A geometry prepared for pictures. It never changes.
+struct Scenery {
+  /// Throws mebots::Error for faces with fewer than 3 or more than 8 corners.
+  explicit Scenery(Geometry all);
+  Geometry geometry;
+  FaceCovers covers;
+  std::vector<FaceGroup> groups;
+};
 
 /// The drone's camera: a pinhole camera with an 8-bit grey sensor.
 ///
@@ -47,6 +57,8 @@ class Renderer {
   Renderer(const scene::Scene& scene, Intrinsics intrinsics, double noise_std);
   /// For any geometry. Also throws mebots::Error for faces with fewer than 3 or more than 8 corners.
   Renderer(Geometry geometry, Intrinsics intrinsics, double noise_std);
+  /// For a scenery that several cameras share.
+  Renderer(std::shared_ptr<const Scenery> scenery, Intrinsics intrinsics, double noise_std);
 
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
@@ -79,9 +91,7 @@ class Renderer {
   void shade_rows(const Pose& pose, int first, int end, Workspace& workspace, Shaded&& shaded) const;
   void shade_row(int row, const std::int32_t* nearest, const Workspace& workspace, float* grey) const;
 
-  Geometry geometry_;
-  FaceCovers covers_;
-  std::vector<FaceGroup> groups_;
+  std::shared_ptr<const Scenery> scenery_;
   Intrinsics intrinsics_;
   PixelNoise noise_;
   Workspace workspace_;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace mebots::world::camera {
 namespace {
@@ -46,12 +47,12 @@ SensorSettings checked(const SensorSettings& s) {
 
 }  // namespace
 
-Sensor::Sensor(const scene::Scene& scene, const Intrinsics& intrinsics, const LensSettings& lens,
+Sensor::Sensor(std::shared_ptr<const Scenery> scenery, const Intrinsics& intrinsics, const LensSettings& lens,
                const SensorSettings& settings)
     : settings_(checked(settings)),
       intrinsics_(intrinsics),
       lens_(intrinsics, lens),
-      renderer_(scene, lens_.pinhole(), 0.0),
+      renderer_(std::move(scenery), lens_.pinhole(), 0.0),
       workspace_(renderer_.make_workspace()),
       noise_(1.0),
       light_factor_(factor_of(settings.exposure_s, settings.gain)) {

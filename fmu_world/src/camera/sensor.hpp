@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -48,8 +49,11 @@ class Sensor {
   using PoseAt = std::function<Pose(double after_s)>;
 
   /// Throws mebots::Error that names a parameter with an invalid value.
-  Sensor(const scene::Scene& scene, const Intrinsics& intrinsics, const LensSettings& lens,
+  Sensor(std::shared_ptr<const Scenery> scenery, const Intrinsics& intrinsics, const LensSettings& lens,
          const SensorSettings& settings);
+  Sensor(const scene::Scene& scene, const Intrinsics& intrinsics, const LensSettings& lens,
+         const SensorSettings& settings)
+      : Sensor(std::make_shared<const Scenery>(make_geometry(scene)), intrinsics, lens, settings) {}
 
   /// Takes a picture. The noise is a function of seed, index, row and column. Uses no heap.
   void take(const PoseAt& pose_at, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels);

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <deque>
 #include <mutex>
+#include <utility>
 
 static_assert(sizeof(dReal) == sizeof(double), "ODE must be built with double precision");
 
@@ -92,7 +93,7 @@ std::mutex mesh_collisions;
 
 class RigidWorld::Impl {
  public:
-  explicit Impl(const scene::Scene& scene) : contact_(scene.contact) {
+  Impl(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m) : contact_(scene.contact) {
     prepare_thread();
     world_ = dWorldCreate();
     // By default, all worlds share one list of jobs, which two threads must not use at the same time.
@@ -103,26 +104,19 @@ class RigidWorld::Impl {
     dWorldSetCFM(world_, contact_.cfm);
     joints_ = dJointGroupCreate(0);
 
-    body_ = dBodyCreate(world_);
-    dBodySetFiniteRotationMode(body_, 1);
-    const Eigen::Vector3d& size = scene.drone.body_size_m;
-    drone_ = dCreateBox(nullptr, size.x(), size.y(), size.z());
-    dGeomSetBody(drone_, body_);
-    drone_radius_m_ = 0.5 * size.norm();
-
+    drones_.resize(body_sizes_m.size());
+    for (std::size_t i = 0; i < drones_.size(); ++i) make_drone(drones_[i], body_sizes_m[i]);
     obstacles_.push_back({dCreatePlane(nullptr, 0.0, 0.0, 1.0, 0.0), Touch::What::ground, 0, Eigen::Vector3d::Zero(),
                           nullptr, kMaxContactsPerPair});
     solids_ = scene::solids_of(scene);
     for (std::size_t i = 0; i < solids_.size(); ++i) add(solids_[i], i);
-    std::size_t most = 0;
-    for (const auto& obstacle : obstacles_) most += static_cast<std::size_t>(obstacle.most_contacts);
-    touches_.reserve(most);
+    reserve();
   }
 
   ~Impl() {
     dJointGroupDestroy(joints_);
     for (const auto& obstacle : obstacles_) dGeomDestroy(obstacle.geom);
-    dGeomDestroy(drone_);
+    for (const auto& drone : drones_) dGeomDestroy(drone.geom);
     dWorldDestroy(world_);
     dThreadingFreeImplementation(threading_);
   }
@@ -130,61 +124,73 @@ class RigidWorld::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) {
+  void set_mass(std::size_t drone, double mass_kg, const Eigen::Vector3d& inertia_kg_m2) {
     MEBOTS_ASSERT(mass_kg > 0 && (inertia_kg_m2.array() > 0).all());
     dMass mass;
     dMassSetParameters(&mass, mass_kg, 0.0, 0.0, 0.0, inertia_kg_m2.x(), inertia_kg_m2.y(), inertia_kg_m2.z(), 0.0, 0.0,
                        0.0);
-    dBodySetMass(body_, &mass);
+    dBodySetMass(at(drone).body, &mass);
   }
 
-  const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W, const Eigen::Vector3d& torque_B,
-                                 double dt_s, std::int64_t time_ns) {
-    prepare_thread();
-    if (!state.is_finite() || !force_W.allFinite() || !torque_B.allFinite()) {
-      throw Error("the drone's state or the forces on it are not finite: no step is possible from here");
-    }
-    dMass mass;
-    dBodyGetMass(body_, &mass);
-    require_moderate("the drone's mass [kg]", mass.mass);
-    require_moderate("a moment of inertia of the drone [kg.m2]", std::max({mass.I[0], mass.I[5], mass.I[10]}));
-    require_moderate("a force on the drone [N]", force_W.cwiseAbs().maxCoeff());
-    require_moderate("a torque on the drone [N.m]", torque_B.cwiseAbs().maxCoeff());
-    require_moderate("a coordinate of the drone [m]", state.p_WB_m.cwiseAbs().maxCoeff());
-    require_moderate("a velocity of the drone [m/s]", state.v_WB_m_per_s.cwiseAbs().maxCoeff());
-    require_moderate("an angular velocity of the drone [rad/s]", state.w_WB_W_rad_per_s.cwiseAbs().maxCoeff());
+  void place(std::size_t index, const RigidState& state, const Eigen::Vector3d& force_W,
+             const Eigen::Vector3d& torque_B) {
+    Drone& drone = at(index);
+    check(drone, state, force_W, torque_B);
+    drone.state = state;
+    dQuaternion q;
+    dBodySetPosition(drone.body, state.p_WB_m.x(), state.p_WB_m.y(), state.p_WB_m.z());
+    dBodySetQuaternion(drone.body, to_ode(state.q_WB, q));
+    dBodySetLinearVel(drone.body, state.v_WB_m_per_s.x(), state.v_WB_m_per_s.y(), state.v_WB_m_per_s.z());
+    dBodySetAngularVel(drone.body, state.w_WB_W_rad_per_s.x(), state.w_WB_W_rad_per_s.y(), state.w_WB_W_rad_per_s.z());
+    dBodySetForce(drone.body, 0.0, 0.0, 0.0);
+    dBodySetTorque(drone.body, 0.0, 0.0, 0.0);
+    dBodyAddForce(drone.body, force_W.x(), force_W.y(), force_W.z());
+    dBodyAddRelTorque(drone.body, torque_B.x(), torque_B.y(), torque_B.z());
+  }
+
+  void step(double dt_s, std::int64_t time_ns) {
     MEBOTS_ASSERT(dt_s > 0);
-    load(state, time_ns);
-    collide(state);
-    dBodyAddForce(body_, force_W.x(), force_W.y(), force_W.z());
-    dBodyAddRelTorque(body_, torque_B.x(), torque_B.y(), torque_B.z());
+    prepare_thread();
+    collide(time_ns);
     if (dWorldStep(world_, dt_s) == 0) throw Error("ODE has no memory for a step");
     dJointGroupEmpty(joints_);
-    unload(state);
-    if (!state.is_finite()) {
-      throw Error(
-          fmt::format("the drone's motion is not finite after a step of {} s: a smaller physics.step may help", dt_s));
-    }
-    return touches_;
+    dt_s_ = dt_s;
   }
 
-  const std::vector<Touch>& touches_at(const RigidState& state, std::int64_t time_ns) {
+  void find_touches(std::int64_t time_ns) {
     prepare_thread();
-    load(state, time_ns);
-    collide(state);
+    collide(time_ns);
     dJointGroupEmpty(joints_);
-    return touches_;
   }
+
+  RigidState state(std::size_t index) const {
+    const dBodyID body = at(index).body;
+    const dReal* q = dBodyGetQuaternion(body);
+    RigidState state;
+    state.p_WB_m = vector(dBodyGetPosition(body));
+    state.q_WB = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+    state.v_WB_m_per_s = vector(dBodyGetLinearVel(body));
+    state.w_WB_W_rad_per_s = vector(dBodyGetAngularVel(body));
+    if (!state.is_finite()) {
+      throw Error(
+          fmt::format("the drone's motion is not finite after a step of {} s: a smaller physics.step may help", dt_s_));
+    }
+    return state;
+  }
+
+  const std::vector<Touch>& touches(std::size_t index) const { return at(index).touches; }
 
  private:
   /// ODE multiplies a few such numbers. If a product is not finite, ODE ends the process (dxNormalize4).
   static constexpr double kMost = 1e40;
 
-  static void require_moderate(const char* what, double value) {
-    if (value < kMost) return;
-    throw Error(fmt::format("{} is {}, and a step is possible below {} only; look at inputs and parameters", what,
-                            value, kMost));
-  }
+  struct Drone {
+    dBodyID body = nullptr;
+    dGeomID geom = nullptr;
+    double radius_m = 0.0;  ///< of a sphere around the box
+    RigidState state;       ///< where it was placed
+    std::vector<Touch> touches;
+  };
 
   struct Obstacle {
     dGeomID geom;
@@ -195,6 +201,57 @@ class RigidWorld::Impl {
     int most_contacts;
     dBodyID body = nullptr;  ///< of a moving obstacle
   };
+
+  static void require_moderate(const char* what, double value) {
+    if (value < kMost) return;
+    throw Error(fmt::format("{} is {}, and a step is possible below {} only; look at inputs and parameters", what,
+                            value, kMost));
+  }
+
+  static void check(const Drone& drone, const RigidState& state, const Eigen::Vector3d& force_W,
+                    const Eigen::Vector3d& torque_B) {
+    if (!state.is_finite() || !force_W.allFinite() || !torque_B.allFinite()) {
+      throw Error("the drone's state or the forces on it are not finite: no step is possible from here");
+    }
+    dMass mass;
+    dBodyGetMass(drone.body, &mass);
+    require_moderate("the drone's mass [kg]", mass.mass);
+    require_moderate("a moment of inertia of the drone [kg.m2]", std::max({mass.I[0], mass.I[5], mass.I[10]}));
+    require_moderate("a force on the drone [N]", force_W.cwiseAbs().maxCoeff());
+    require_moderate("a torque on the drone [N.m]", torque_B.cwiseAbs().maxCoeff());
+    require_moderate("a coordinate of the drone [m]", state.p_WB_m.cwiseAbs().maxCoeff());
+    require_moderate("a velocity of the drone [m/s]", state.v_WB_m_per_s.cwiseAbs().maxCoeff());
+    require_moderate("an angular velocity of the drone [rad/s]", state.w_WB_W_rad_per_s.cwiseAbs().maxCoeff());
+  }
+
+  const Drone& at(std::size_t index) const {
+    MEBOTS_ASSERT(index < drones_.size());
+    return drones_[index];
+  }
+  Drone& at(std::size_t index) {
+    MEBOTS_ASSERT(index < drones_.size());
+    return drones_[index];
+  }
+
+  void make_drone(Drone& drone, const Eigen::Vector3d& size_m) {
+    drone.body = dBodyCreate(world_);
+    dBodySetFiniteRotationMode(drone.body, 1);
+    drone.geom = dCreateBox(nullptr, size_m.x(), size_m.y(), size_m.z());
+    dGeomSetBody(drone.geom, drone.body);
+    drone.radius_m = 0.5 * size_m.norm();
+    greatest_radius_m_ = std::max(greatest_radius_m_, drone.radius_m);
+  }
+
+  /// Makes space for all touches with the scene, and with a few other drones at the same time.
+  void reserve() {
+    constexpr std::size_t kNeighbours = 8;
+    std::size_t most = 0;
+    for (const auto& obstacle : obstacles_) most += static_cast<std::size_t>(obstacle.most_contacts);
+    most += std::min(drones_.size() - 1, kNeighbours) * kMaxContactsPerPair;
+    for (auto& drone : drones_) drone.touches.reserve(most);
+    pairs_.reserve(kNeighbours * drones_.size());
+    for (std::size_t i = 0; i < drones_.size(); ++i) by_x_.push_back(i);
+  }
 
   dGeomID make_geom(const scene::Solid& solid) {
     switch (solid.shape) {
@@ -241,60 +298,104 @@ class RigidWorld::Impl {
     dBodySetAngularVel(obstacle.body, 0.0, 0.0, now.turn_rate_rad_per_s);
   }
 
-  void load(const RigidState& state, std::int64_t time_ns) {
+  static bool is_near(const Obstacle& obstacle, const Drone& drone) {
+    if (obstacle.what == Touch::What::ground) return drone.state.p_WB_m.z() < drone.radius_m;
+    const double reach_m = drone.radius_m + obstacle.solid->radius_m;
+    return (obstacle.p_W_m - drone.state.p_WB_m).squaredNorm() < reach_m * reach_m;
+  }
+
+  void collide(std::int64_t time_ns) {
     for (auto& obstacle : obstacles_) {
       if (obstacle.body != nullptr) place(obstacle, time_ns);
     }
-    dQuaternion q;
-    dBodySetPosition(body_, state.p_WB_m.x(), state.p_WB_m.y(), state.p_WB_m.z());
-    dBodySetQuaternion(body_, to_ode(state.q_WB, q));
-    dBodySetLinearVel(body_, state.v_WB_m_per_s.x(), state.v_WB_m_per_s.y(), state.v_WB_m_per_s.z());
-    dBodySetAngularVel(body_, state.w_WB_W_rad_per_s.x(), state.w_WB_W_rad_per_s.y(), state.w_WB_W_rad_per_s.z());
-    dBodySetForce(body_, 0.0, 0.0, 0.0);
-    dBodySetTorque(body_, 0.0, 0.0, 0.0);
+    for (auto& drone : drones_) {
+      drone.touches.clear();
+      for (const auto& obstacle : obstacles_) {
+        if (is_near(obstacle, drone)) collide(drone, obstacle);
+      }
+    }
+    find_pairs();
+    for (const auto& [a, b] : pairs_) collide(a, b);
   }
 
-  void unload(RigidState& state) const {
-    const dReal* q = dBodyGetQuaternion(body_);
-    state.p_WB_m = vector(dBodyGetPosition(body_));
-    state.q_WB = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-    state.v_WB_m_per_s = vector(dBodyGetLinearVel(body_));
-    state.w_WB_W_rad_per_s = vector(dBodyGetAngularVel(body_));
-  }
-
-  bool is_near(const Obstacle& obstacle, const Eigen::Vector3d& p_W_m) const {
-    if (obstacle.what == Touch::What::ground) return p_W_m.z() < drone_radius_m_;
-    const double reach_m = drone_radius_m_ + obstacle.solid->radius_m;
-    return (obstacle.p_W_m - p_W_m).squaredNorm() < reach_m * reach_m;
-  }
-
-  void collide(const RigidState& state) {
-    touches_.clear();
+  void collide(Drone& drone, const Obstacle& obstacle) {
     std::array<dContact, kMaxContactsPerMesh> contacts;
-    for (const auto& obstacle : obstacles_) {
-      if (!is_near(obstacle, state.p_WB_m)) continue;
-      // ODE's routines for boxes, cylinders and planes only use the stack, so instances in several threads need no
-      // lock. Those for triangles need one.
-      const bool is_mesh = obstacle.solid != nullptr && obstacle.solid->shape == scene::Solid::Shape::mesh;
-      const auto lock = is_mesh ? std::unique_lock(mesh_collisions) : std::unique_lock<std::mutex>();
-      const int count = dCollide(drone_, obstacle.geom, obstacle.most_contacts, &contacts[0].geom, sizeof(dContact));
-      MEBOTS_ASSERT(count >= 0 && count <= obstacle.most_contacts);
-      for (int i = 0; i < count; ++i) attach(contacts[static_cast<std::size_t>(i)], obstacle, state);
+    // ODE's routines for boxes, cylinders and planes only use the stack, so instances in several threads need no
+    // lock. Those for triangles need one.
+    const bool is_mesh = obstacle.solid != nullptr && obstacle.solid->shape == scene::Solid::Shape::mesh;
+    const auto lock = is_mesh ? std::unique_lock(mesh_collisions) : std::unique_lock<std::mutex>();
+    const int count = dCollide(drone.geom, obstacle.geom, obstacle.most_contacts, &contacts[0].geom, sizeof(dContact));
+    MEBOTS_ASSERT(count >= 0 && count <= obstacle.most_contacts);
+    for (int i = 0; i < count; ++i) {
+      dContact& contact = contacts[static_cast<std::size_t>(i)];
+      const Eigen::Vector3d p_W_m = vector(contact.geom.pos);
+      Eigen::Vector3d velocity_W = velocity_at(drone, p_W_m);
+      if (obstacle.body != nullptr) {
+        dVector3 v;
+        dBodyGetPointVel(obstacle.body, p_W_m.x(), p_W_m.y(), p_W_m.z(), v);
+        velocity_W -= vector(v);
+      }
+      note(drone, {obstacle.what, obstacle.index}, contact, vector(contact.geom.normal), velocity_W);
+      attach(contact, drone.body, obstacle.body);
     }
   }
 
-  void attach(dContact& contact, const Obstacle& obstacle, const RigidState& state) {
-    const Eigen::Vector3d p_W_m = vector(contact.geom.pos);
-    const Eigen::Vector3d normal_W = vector(contact.geom.normal);
-    Eigen::Vector3d velocity_W = state.v_WB_m_per_s + state.w_WB_W_rad_per_s.cross(p_W_m - state.p_WB_m);
-    if (obstacle.body != nullptr) {
-      dVector3 v;
-      dBodyGetPointVel(obstacle.body, p_W_m.x(), p_W_m.y(), p_W_m.z(), v);
-      velocity_W -= vector(v);
+  /// Two drones: ODE's normal is towards the first one.
+  void collide(std::size_t first, std::size_t second) {
+    Drone& a = drones_[first];
+    Drone& b = drones_[second];
+    std::array<dContact, kMaxContactsPerPair> contacts;
+    const int count = dCollide(a.geom, b.geom, kMaxContactsPerPair, &contacts[0].geom, sizeof(dContact));
+    for (int i = 0; i < count; ++i) {
+      dContact& contact = contacts[static_cast<std::size_t>(i)];
+      const Eigen::Vector3d p_W_m = vector(contact.geom.pos);
+      const Eigen::Vector3d normal_W = vector(contact.geom.normal);
+      const Eigen::Vector3d velocity_W = velocity_at(a, p_W_m) - velocity_at(b, p_W_m);
+      note(a, {Touch::What::drone, second}, contact, normal_W, velocity_W);
+      note(b, {Touch::What::drone, first}, contact, -normal_W, -velocity_W);
+      attach(contact, a.body, b.body);
     }
-    MEBOTS_ASSERT(touches_.size() < touches_.capacity());
-    touches_.push_back({obstacle.what, obstacle.index, p_W_m, normal_W, contact.geom.depth, -velocity_W.dot(normal_W)});
+  }
 
+  /// Finds the pairs of drones whose spheres overlap, in rising order of their numbers. The order along x only saves
+  /// work: it is nearly sorted from the step before.
+  void find_pairs() {
+    pairs_.clear();
+    if (drones_.size() < 2) return;
+    const auto x_of = [this](std::size_t i) { return drones_[i].state.p_WB_m.x(); };
+    for (std::size_t k = 1; k < by_x_.size(); ++k) {
+      for (std::size_t at = k; at > 0 && x_of(by_x_[at]) < x_of(by_x_[at - 1]); --at)
+        std::swap(by_x_[at], by_x_[at - 1]);
+    }
+    for (std::size_t k = 0; k < by_x_.size(); ++k) {
+      const Drone& a = drones_[by_x_[k]];
+      for (std::size_t other = k + 1; other < by_x_.size(); ++other) {
+        const Drone& b = drones_[by_x_[other]];
+        if (b.state.p_WB_m.x() - a.state.p_WB_m.x() > a.radius_m + greatest_radius_m_) break;
+        const double reach_m = a.radius_m + b.radius_m;
+        if ((a.state.p_WB_m - b.state.p_WB_m).squaredNorm() >= reach_m * reach_m) continue;
+        pairs_.emplace_back(std::min(by_x_[k], by_x_[other]), std::max(by_x_[k], by_x_[other]));
+      }
+    }
+    std::sort(pairs_.begin(), pairs_.end());
+  }
+
+  static Eigen::Vector3d velocity_at(const Drone& drone, const Eigen::Vector3d& p_W_m) {
+    return drone.state.v_WB_m_per_s + drone.state.w_WB_W_rad_per_s.cross(p_W_m - drone.state.p_WB_m);
+  }
+
+  struct Other {
+    Touch::What what;
+    std::size_t index;
+  };
+
+  static void note(Drone& drone, const Other& other, const dContact& contact, const Eigen::Vector3d& normal_W,
+                   const Eigen::Vector3d& velocity_W) {
+    drone.touches.push_back(
+        {other.what, other.index, vector(contact.geom.pos), normal_W, contact.geom.depth, -velocity_W.dot(normal_W)});
+  }
+
+  void attach(dContact& contact, dBodyID body, dBodyID other) {
     contact.surface = {};
     // Approx1 makes mu a coefficient of friction; without it, mu is a force.
     contact.surface.mode = dContactBounce | dContactSoftERP | dContactSoftCFM | dContactApprox1;
@@ -303,7 +404,7 @@ class RigidWorld::Impl {
     contact.surface.bounce_vel = contact_.bounce_speed_m_per_s;
     contact.surface.soft_erp = contact_.soft_erp;
     contact.surface.soft_cfm = contact_.soft_cfm;
-    dJointAttach(dJointCreateContact(world_, joints_, &contact), body_, obstacle.body);
+    dJointAttach(dJointCreateContact(world_, joints_, &contact), body, other);
   }
 
   OdeTables tables_;  // before all other members of ODE
@@ -311,29 +412,43 @@ class RigidWorld::Impl {
   dWorldID world_ = nullptr;
   dThreadingImplementationID threading_ = nullptr;
   dJointGroupID joints_ = nullptr;
-  dBodyID body_ = nullptr;
-  dGeomID drone_ = nullptr;
-  double drone_radius_m_ = 0.0;
+  double dt_s_ = 0.0;  // of the last step
+  double greatest_radius_m_ = 0.0;
+  std::vector<Drone> drones_;
+  std::vector<std::size_t> by_x_;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;
   std::vector<scene::Solid> solids_;
   std::deque<TriangleMesh> meshes_;
   std::vector<Obstacle> obstacles_;
-  std::vector<Touch> touches_;
 };
 
-RigidWorld::RigidWorld(const scene::Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
+RigidWorld::RigidWorld(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m)
+    : impl_(std::make_unique<Impl>(scene, body_sizes_m)) {}
 RigidWorld::~RigidWorld() = default;
 
-void RigidWorld::set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2) {
-  impl_->set_mass(mass_kg, inertia_kg_m2);
+void RigidWorld::set_mass(std::size_t drone, double mass_kg, const Eigen::Vector3d& inertia_kg_m2) {
+  impl_->set_mass(drone, mass_kg, inertia_kg_m2);
 }
 
-const std::vector<Touch>& RigidWorld::step(RigidState& state, const Eigen::Vector3d& force_W_n,
-                                           const Eigen::Vector3d& torque_B_n_m, double dt_s, std::int64_t time_ns) {
-  return impl_->step(state, force_W_n, torque_B_n_m, dt_s, time_ns);
+void RigidWorld::place(std::size_t drone, const RigidState& state, const Eigen::Vector3d& force_W_n,
+                       const Eigen::Vector3d& torque_B_n_m) {
+  impl_->place(drone, state, force_W_n, torque_B_n_m);
 }
 
-const std::vector<Touch>& RigidWorld::touches_at(const RigidState& state, std::int64_t time_ns) {
-  return impl_->touches_at(state, time_ns);
+void RigidWorld::step(double dt_s, std::int64_t time_ns) {
+  impl_->step(dt_s, time_ns);
+}
+
+void RigidWorld::find_touches(std::int64_t time_ns) {
+  impl_->find_touches(time_ns);
+}
+
+RigidState RigidWorld::state(std::size_t drone) const {
+  return impl_->state(drone);
+}
+
+const std::vector<Touch>& RigidWorld::touches(std::size_t drone) const {
+  return impl_->touches(drone);
 }
 
 }  // namespace mebots::world

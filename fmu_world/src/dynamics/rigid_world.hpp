@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace mebots::world {
@@ -15,44 +16,56 @@ namespace mebots::world {
 /// Standard acceleration of free fall (3rd CGPM, 1901).
 inline constexpr double kGravity_m_per_s2 = 9.80665;
 
-/// A contact point of the drone with another object, found before a step.
+/// A contact point of a drone with another object, found before a step.
 struct Touch {
-  enum class What { ground, obstacle, gate };
+  enum class What { ground, obstacle, gate, drone };
   What what = What::ground;
-  std::size_t index = 0;  ///< of the obstacle in scene::solids_of(), or of the gate in the scene
+  std::size_t index = 0;  ///< of the obstacle in scene::solids_of(), of the gate in the scene, or of the other drone
   Eigen::Vector3d p_W_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal_W = Eigen::Vector3d::UnitZ();  ///< towards the drone
   double depth_m = 0.0;                                 ///< how far the bodies overlap
   double closing_speed_m_per_s = 0.0;  ///< velocity towards each other along the normal, positive = approaching
 };
 
-/// The drone as one rigid box among ground, obstacles and gates, moved by ODE's dWorldStep.
+/// Drones as rigid boxes among ground, obstacles, gates and each other, moved by ODE's dWorldStep.
+///
+/// A step: place() every drone, then step(), then read state() and touches() of every drone.
 ///
 /// Obstacles on a path are kinematic bodies of ODE: at the start of each step they get the path's position and
 /// velocity, and no force changes them.
 ///
-/// The caller owns the body's state. Every step copies it into ODE and back, so ODE has no memory between steps, and a
-/// restored state continues with the same bits. Geometries are in the scene's order, not in an ODE space, whose order
-/// depends on history. dWorldStep integrates semi-implicitly: v' = v + a dt, p' = p + v' dt, first order in dt;
-/// rotations are finite, gyroscopic torque is implicit.
+/// The caller owns the bodies' states. Every step copies them into ODE and back, so ODE has no memory between steps,
+/// and a restored state continues with the same bits. Geometries are in the scene's order, not in an ODE space, whose
+/// order depends on history. Pairs of drones that may touch are found by sorting their positions along x. dWorldStep
+/// integrates semi-implicitly: v' = v + a dt, p' = p + v' dt, first order in dt; rotations are finite, gyroscopic
+/// torque is implicit. It solves drones that do not touch each other one by one, so that they have the bits of a world
+/// of their own.
 class RigidWorld {
  public:
-  explicit RigidWorld(const scene::Scene& scene);
+  /// `body_sizes_m`: edges of each drone's box.
+  RigidWorld(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m);
   ~RigidWorld();
   RigidWorld(const RigidWorld&) = delete;
   RigidWorld& operator=(const RigidWorld&) = delete;
 
-  /// Sets mass and principal moments about body axes. All must be positive.
-  void set_mass(double mass_kg, const Eigen::Vector3d& inertia_kg_m2);
+  /// Sets mass and principal moments about body axes of a drone. All must be positive.
+  void set_mass(std::size_t drone, double mass_kg, const Eigen::Vector3d& inertia_kg_m2);
 
-  /// Advances `state` by dt from `time_ns` under gravity, contact and the given wrench (force in world axes, torque in
-  /// body axes). Returns the touches at the state before the step; valid until the next call. Throws mebots::Error if
-  /// the state is or becomes not finite, or if any value is 1e40 or more.
-  const std::vector<Touch>& step(RigidState& state, const Eigen::Vector3d& force_W_n,
-                                 const Eigen::Vector3d& torque_B_n_m, double dt_s, std::int64_t time_ns = 0);
+  /// Sets a drone's state and the wrench on it during the next step: force in world axes, torque in body axes. Throws
+  /// mebots::Error if a value is not finite, or 1e40 or more.
+  void place(std::size_t drone, const RigidState& state, const Eigen::Vector3d& force_W_n = Eigen::Vector3d::Zero(),
+             const Eigen::Vector3d& torque_B_n_m = Eigen::Vector3d::Zero());
 
-  /// Returns the touches at a state and time, without a step; valid until the next call.
-  const std::vector<Touch>& touches_at(const RigidState& state, std::int64_t time_ns = 0);
+  /// Finds the touches, and advances all drones by dt from `time_ns` under gravity, contact and their wrenches.
+  void step(double dt_s, std::int64_t time_ns);
+
+  /// Finds the touches of all drones where they are placed, without a step.
+  void find_touches(std::int64_t time_ns);
+
+  /// Returns a drone's state after the last step. Throws mebots::Error if it is not finite.
+  RigidState state(std::size_t drone) const;
+  /// Returns a drone's touches before the last step; valid until the next one.
+  const std::vector<Touch>& touches(std::size_t drone) const;
 
  private:
   class Impl;

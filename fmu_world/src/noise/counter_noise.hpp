@@ -7,8 +7,9 @@
 /// other instances do not change it.
 namespace mebots::world::noise {
 
-/// The sensor that a number is for. Two streams of one seed are independent.
-enum class Stream : std::uint64_t { range = 1, camera = 2, gust = 3, imu = 4, imu_bias = 5, flow = 6 };
+/// The sensor that a number is for; `drone` makes the seed of each drone after the first. Two streams of one seed are
+/// independent.
+enum class Stream : std::uint64_t { range = 1, camera = 2, gust = 3, imu = 4, imu_bias = 5, flow = 6, drone = 7 };
 
 /// Weyl increment of SplitMix64.
 inline constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15ULL;

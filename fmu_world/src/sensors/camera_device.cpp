@@ -8,19 +8,36 @@
 #include <functional>
 
 namespace mebots::world {
+namespace {
 
-CameraDevice::CameraDevice(const scene::Scene& scene, const Settings& settings) : settings_(settings) {
+/// Returns the state `after_s` later if the body continues its present motion.
+RigidState continued(const RigidState& body, double after_s) {
+  RigidState then = body;
+  if (after_s > 0.0) {
+    then.p_WB_m += after_s * body.v_WB_m_per_s;
+    const double turn_rad = after_s * body.w_WB_W_rad_per_s.norm();
+    if (turn_rad > 0.0) {
+      then.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, body.w_WB_W_rad_per_s.normalized())) * body.q_WB;
+    }
+  }
+  return then;
+}
+
+}  // namespace
+
+CameraDevice::CameraDevice(const std::shared_ptr<const camera::Scenery>& scenery, const Settings& settings)
+    : settings_(settings) {
   if (settings.lens.is_neutral() && settings.sensor.is_neutral()) {
-    renderer_.emplace(scene, settings.intrinsics, settings.sensor.noise_std);
+    renderer_.emplace(scenery, settings.intrinsics, settings.sensor.noise_std);
   } else {
-    sensor_.emplace(scene, settings.intrinsics, settings.lens, settings.sensor);
+    sensor_.emplace(scenery, settings.intrinsics, settings.lens, settings.sensor);
   }
   const auto pixels =
       static_cast<std::size_t>(settings.intrinsics.width) * static_cast<std::size_t>(settings.intrinsics.height);
   for (auto& buffer : buffers_) buffer.resize(pixels);
 }
 
-void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::int64_t time_ns) {
+void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::int64_t time_ns, const Others& others) {
   if (count == last_count_) return;
   last_count_ = count;
   if (count == 0) return;
@@ -32,26 +49,27 @@ void CameraDevice::see_trigger(std::int32_t count, const RigidState& body, std::
   if (sensor_) {
     exposure_s_ = sensor_->exposure_s();
     gain_ = sensor_->gain();
-    const auto pose_at = [&](double after_s) { return pose_after(body, time_ns, after_s); };
+    const auto pose_at = [&](double after_s) { return pose_after(body, time_ns, after_s, others); };
     sensor_->take(std::cref(pose_at), seed, index, buffers_[front_]);  // a reference needs no heap
   } else {
     gain_ = 1.0;
-    renderer_->render(pose_after(body, time_ns, 0.0), seed, index, buffers_[front_]);
+    renderer_->render(pose_after(body, time_ns, 0.0, others), seed, index, buffers_[front_]);
   }
   frame_id_ = count;
 }
 
-camera::Pose CameraDevice::pose_after(const RigidState& body, std::int64_t time_ns, double after_s) const {
-  RigidState then = body;
-  if (after_s > 0.0) {
-    then.p_WB_m += after_s * body.v_WB_m_per_s;
-    const double turn_rad = after_s * body.w_WB_W_rad_per_s.norm();
-    if (turn_rad > 0.0) {
-      then.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, body.w_WB_W_rad_per_s.normalized())) * body.q_WB;
-    }
+camera::Pose CameraDevice::pose_after(const RigidState& body, std::int64_t time_ns, double after_s,
+                                      const Others& others) {
+  const RigidState then = continued(body, after_s);
+  bodies_.resize(others.states.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const RigidState other = continued(others.states[i], after_s);
+    bodies_[i] = {other.p_WB_m, other.rotation()};
   }
   auto pose = camera::camera_pose(settings_.mounting, then.p_WB_m, then.rotation());
   pose.time_ns = time_ns + std::llround(after_s * 1e9);
+  pose.bodies = bodies_;
+  pose.own_body = others.own;
   return pose;
 }
 

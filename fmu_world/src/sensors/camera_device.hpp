@@ -5,9 +5,11 @@
 #include "dynamics/airframe.hpp"
 #include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
+#include "sensors/others.hpp"
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -26,14 +28,14 @@ class CameraDevice {
     std::uint64_t seed = 0;  ///< until reseed()
   };
 
-  CameraDevice(const scene::Scene& scene, const Settings& settings);
+  CameraDevice(const std::shared_ptr<const camera::Scenery>& scenery, const Settings& settings);
 
   /// Sets the seed for the noise of later pictures. The seed is not part of the state: its owner sets it before every
   /// step.
   void reseed(std::uint64_t seed) { settings_.seed = seed; }
 
-  /// Takes a picture from the body's pose at a time if `count` is new. A count of 0 requests none.
-  void see_trigger(std::int32_t count, const RigidState& body, std::int64_t time_ns);
+  /// Takes a picture from the body's pose at a time if `count` is new. A count of 0 requests none. `others` are seen.
+  void see_trigger(std::int32_t count, const RigidState& body, std::int64_t time_ns, const Others& others = {});
 
   /// Returns the last picture, row by row from the top left; empty before the first.
   std::span<const std::uint8_t> frame() const;
@@ -47,13 +49,14 @@ class CameraDevice {
 
  private:
   /// Returns the camera's pose `after_s` after `time_ns` if the body continues its present motion.
-  camera::Pose pose_after(const RigidState& body, std::int64_t time_ns, double after_s) const;
+  camera::Pose pose_after(const RigidState& body, std::int64_t time_ns, double after_s, const Others& others);
 
   Settings settings_;
   /// One of the two is set: the sensor if a parameter needs it.
   std::optional<camera::Renderer> renderer_;
   std::optional<camera::Sensor> sensor_;
   std::array<std::vector<std::uint8_t>, 2> buffers_;
+  std::vector<camera::BodyPose> bodies_;  // of the present picture
   std::uint8_t front_ = 0;
   std::int32_t last_count_ = 0;
   std::int32_t frame_id_ = 0;

@@ -138,46 +138,52 @@ double cone_noise_m(const scene::RangeData& cone, double distance_m) {
 
 }  // namespace
 
-RangeSensor::RangeSensor(const scene::Scene& scene, const Settings& settings, std::uint64_t seed)
-    : solids_(scene::solids_of(scene)), limit_m_(scene.drone.range_limit_m), noise_m_(settings.noise_m), seed_(seed) {
+RangeSensor::RangeSensor(const scene::Scene& scene, const scene::Drone& drone, const Settings& settings,
+                         std::uint64_t seed)
+    : solids_(scene::solids_of(scene)), limit_m_(drone.range_limit_m), noise_m_(settings.noise_m), seed_(seed) {
   if (settings.model == RangeModel::ray) return;
-  if (!scene.drone.range) {
+  if (!drone.range) {
     throw Error(fmt::format("range.model = cone needs range_sensor in the drone file of \"{}\"; add it or use ray",
-                            scene.drone.name));
+                            drone.name));
   }
-  cone_ = scene.drone.range;
+  cone_ = drone.range;
   period_ns_ = std::llround(cone_->period_s * 1e9);
   rays_B_ = rays_of_cone(0.5 * cone_->field_of_view_rad);
 }
 
-double RangeSensor::along_m(const RigidState& state, const Eigen::Vector3d& direction_B, std::int64_t time_ns) const {
+double RangeSensor::along_m(const RigidState& state, const Eigen::Vector3d& direction_B, std::int64_t time_ns,
+                            const Others& others) const {
   const Eigen::Vector3d direction_W = state.q_WB * direction_B;
   double nearest_m = kFar;
   if (direction_W.z() < 0.0) nearest_m = std::max(0.0, state.p_WB_m.z() / -direction_W.z());
-  for (const auto& solid : solids_) nearest_m = std::min(nearest_m, entry(solid, time_ns, {state.p_WB_m, direction_W}));
+  const Ray ray{state.p_WB_m, direction_W};
+  for (const auto& solid : solids_) nearest_m = std::min(nearest_m, entry(solid, time_ns, ray));
+  for (std::size_t i = 0; i < others.boxes.size(); ++i) {
+    if (i != others.own) nearest_m = std::min(nearest_m, entry(others.boxes[i], time_ns, ray));
+  }
   return nearest_m;
 }
 
-double RangeSensor::sight_m(const RigidState& state, std::int64_t time_ns) const {
-  return along_m(state, -Eigen::Vector3d::UnitZ(), time_ns);
+double RangeSensor::sight_m(const RigidState& state, std::int64_t time_ns, const Others& others) const {
+  return along_m(state, -Eigen::Vector3d::UnitZ(), time_ns, others);
 }
 
-double RangeSensor::distance_m(const RigidState& state, std::int64_t time_ns) const {
+double RangeSensor::distance_m(const RigidState& state, std::int64_t time_ns, const Others& others) const {
   MEBOTS_ASSERT(limit_m_ > 0);
-  return std::min(limit_m_, sight_m(state, time_ns));
+  return std::min(limit_m_, sight_m(state, time_ns, others));
 }
 
-double RangeSensor::nearest_in_cone_m(const RigidState& state, std::int64_t time_ns) const {
+double RangeSensor::nearest_in_cone_m(const RigidState& state, std::int64_t time_ns, const Others& others) const {
   double nearest_m = limit_m_;
-  for (const auto& ray_B : rays_B_) nearest_m = std::min(nearest_m, along_m(state, ray_B, time_ns));
+  for (const auto& ray_B : rays_B_) nearest_m = std::min(nearest_m, along_m(state, ray_B, time_ns, others));
   return nearest_m;
 }
 
-void RangeSensor::update(std::int64_t time_ns, const RigidState& state) {
+void RangeSensor::update(std::int64_t time_ns, const RigidState& state, const Others& others) {
   const std::int64_t due = period_at(time_ns, period_ns_);
   if (due == sample_) return;
   sample_ = due;
-  const double truth_m = cone_ ? nearest_in_cone_m(state, time_ns) : distance_m(state, time_ns);
+  const double truth_m = cone_ ? nearest_in_cone_m(state, time_ns, others) : distance_m(state, time_ns, others);
   if (cone_ && truth_m >= limit_m_) {
     reading_m_ = limit_m_;
     return;

@@ -6,6 +6,7 @@
 #include "math/periods.hpp"
 #include "mebots/state/visitor.hpp"
 #include "scene/scene.hpp"
+#include "sensors/others.hpp"
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -14,7 +15,8 @@
 
 namespace mebots::world {
 
-/// Measures the distance from the body's centre along the body's -z axis to the next surface: ground, obstacles, gates.
+/// Measures the distance from the body's centre along the body's -z axis to the next surface: ground, obstacles, gates,
+/// other drones.
 /// A sample is constant until the next one; it is `range_limit_m` if no surface is nearer. Samples that noise makes
 /// negative are 0.
 ///
@@ -31,27 +33,28 @@ class RangeSensor {
   };
 
   /// Throws mebots::Error if a cone is selected that the drone's file does not describe.
-  RangeSensor(const scene::Scene& scene, const Settings& settings, std::uint64_t seed);
+  RangeSensor(const scene::Scene& scene, const scene::Drone& drone, const Settings& settings, std::uint64_t seed);
 
   /// Sets the seed for the noise of later samples. It is not part of the state: its owner sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
   /// Updates the sensor with the body at `state` at time_ns; takes a sample when one is due.
-  void update(std::int64_t time_ns, const RigidState& state);
+  void update(std::int64_t time_ns, const RigidState& state, const Others& others = {});
   double reading_m() const { return reading_m_; }
   std::int64_t sample() const { return sample_; }  ///< number since time 0; kNoPeriod = none yet
   double limit_m() const { return limit_m_; }
 
   /// Returns the distance along -z, without noise, limited to range_limit_m.
-  double distance_m(const RigidState& state, std::int64_t time_ns = 0) const;
+  double distance_m(const RigidState& state, std::int64_t time_ns = 0, const Others& others = {}) const;
   /// Does the same without the limit: infinity if there is no surface.
-  double sight_m(const RigidState& state, std::int64_t time_ns) const;
+  double sight_m(const RigidState& state, std::int64_t time_ns, const Others& others = {}) const;
 
   void visit(state::Visitor& v);
 
  private:
-  double along_m(const RigidState& state, const Eigen::Vector3d& direction_B, std::int64_t time_ns) const;
-  double nearest_in_cone_m(const RigidState& state, std::int64_t time_ns) const;
+  double along_m(const RigidState& state, const Eigen::Vector3d& direction_B, std::int64_t time_ns,
+                 const Others& others) const;
+  double nearest_in_cone_m(const RigidState& state, std::int64_t time_ns, const Others& others) const;
 
   std::vector<scene::Solid> solids_;
   std::optional<scene::RangeData> cone_;

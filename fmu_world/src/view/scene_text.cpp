@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,9 +16,6 @@ namespace mebots::world {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Radius of a rotor's disc over its distance from the centre along x: neighbours leave a gap between them.
-constexpr double kRotorRadiusOverArm = 0.7;
 
 Json json_of(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
@@ -65,39 +63,41 @@ Json mover_json(const camera::Mover& mover) {
 }
 
 /// In the order of the FMU's rotors: front right, rear right, rear left, front left. 1 and 3 turn counter-clockwise.
-Json rotors_json(const scene::Drone& drone) {
+Json rotors_json(const scene::Drone& drone, const std::string& prefix) {
   constexpr std::array<std::pair<int, int>, 4> kSides{{{1, -1}, {-1, -1}, {-1, 1}, {1, 1}}};
   Json rotors = Json::array();
   for (std::size_t i = 0; i < kSides.size(); ++i) {
     const auto [x, y] = kSides[i];
     rotors.push_back({{"position", {x * drone.arm_m, y * drone.arm_m, drone.body_size_m.z() / 2}},
-                      {"radius", kRotorRadiusOverArm * drone.arm_m},
+                      {"radius", camera::kRotorRadiusOverArm * drone.arm_m},
                       {"sense", i % 2 == 0 ? 1 : -1},
-                      {"command", "rotor[" + std::to_string(i + 1) + "].command"}});
+                      {"command", prefix + "rotor[" + std::to_string(i + 1) + "].command"}});
   }
   return rotors;
 }
 
-Json body_json(const scene::Drone& drone, const camera::Intrinsics& intrinsics, const camera::Mounting& mounting) {
+Json body_json(const ViewedDrone& viewed) {
+  const auto& [drone, intrinsics, mounting, name] = viewed;
+  const std::string prefix = name.empty() ? "" : name + ".";
+  const std::string own = name.empty() ? "drone." : prefix;
   Json body;
-  body["name"] = drone.name;
+  body["name"] = name.empty() ? drone.name : name;
   body["size"] = json_of(drone.body_size_m);
-  body["position"] = {"drone.position.x", "drone.position.y", "drone.position.z"};
-  body["attitude"] = {"drone.roll", "drone.pitch", "drone.yaw"};
-  body["rotors"] = rotors_json(drone);
+  body["position"] = {own + "position.x", own + "position.y", own + "position.z"};
+  body["attitude"] = {own + "roll", own + "pitch", own + "yaw"};
+  body["rotors"] = rotors_json(drone, prefix);
   body["camera"] = {{"position", json_of(mounting.p_BC_m)},
                     {"pitch", mounting.pitch_rad},
                     {"field_of_view", intrinsics.horizontal_field_of_view_rad},
                     {"width", intrinsics.width},
                     {"height", intrinsics.height}};
-  body["colours"] = Json::array({{{"variable", "drone.speed"}, {"label", "speed"}}});
+  body["colours"] = Json::array({{{"variable", own + "speed"}, {"label", "speed"}}});
   return body;
 }
 
 }  // namespace
 
-std::string scene_text(const scene::Scene& scene, const camera::Intrinsics& intrinsics,
-                       const camera::Mounting& mounting) {
+std::string scene_text(const scene::Scene& scene, const std::vector<ViewedDrone>& drones) {
   const auto geometry = camera::make_geometry(scene);
   Json json;
   json["format"] = 1;
@@ -115,7 +115,8 @@ std::string scene_text(const scene::Scene& scene, const camera::Intrinsics& intr
     json["labels"].push_back(
         {{"text", gate.name}, {"position", json_of(gate.p_W_m + Eigen::Vector3d(0, 0, 0.5 * gate.frame_height_m()))}});
   }
-  json["bodies"] = Json::array({body_json(scene.drone, intrinsics, mounting)});
+  json["bodies"] = Json::array();
+  for (const auto& drone : drones) json["bodies"].push_back(body_json(drone));
   return json.dump();
 }
 

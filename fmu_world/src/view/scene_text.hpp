@@ -5,13 +5,21 @@
 #include "scene/scene.hpp"
 
 #include <string>
+#include <vector>
 
 namespace mebots::world {
 
+/// A drone to draw.
+struct ViewedDrone {
+  scene::Drone drone;
+  camera::Intrinsics intrinsics;
+  camera::Mounting mounting;
+  std::string name;  ///< "drone[2]", the beginning of its variables' names; empty for the drone of an FMU of one
+};
+
 /// Returns the scene as JSON for drawing (docs/seeing.md describes the format): every face with texture, texture
-/// coordinates and light as in the camera; the drone with its rotors and camera; the gates' names; and the names of the
+/// coordinates and light as in the camera; the drones with rotors and camera; the gates' names; and the names of the
 /// variables that move them. SI units, world frame W.
-std::string scene_text(const scene::Scene& scene, const camera::Intrinsics& intrinsics,
-                       const camera::Mounting& mounting);
+std::string scene_text(const scene::Scene& scene, const std::vector<ViewedDrone>& drones);
 
 }  // namespace mebots::world

@@ -166,8 +166,8 @@ TEST(CrazyflieKalman, FollowsTheGyroscopeThroughAWholeTurn) {
 }
 
 /// The configuration of a Crazyflie: its own controller on its own estimate, with the noise of its IMU.
-Parameters own() {
-  Parameters p = FlightRig::small_camera();
+test::RigParameters own() {
+  test::RigParameters p = FlightRig::small_camera();
   p.stabiliser_controller = FlightController::crazyflie;
   p.stabiliser_state = StateSource::estimate;
   p.range_model = RangeModel::cone;
@@ -176,8 +176,8 @@ Parameters own() {
   return p;
 }
 
-Parameters knowing() {
-  Parameters p = FlightRig::small_camera();
+test::RigParameters knowing() {
+  test::RigParameters p = FlightRig::small_camera();
   p.stabiliser_controller = FlightController::crazyflie;
   return p;
 }
@@ -194,7 +194,7 @@ TEST(CrazyflieEstimate, AFlightAcrossTimeZeroIsThatOfAnyOtherTime) {
   // 100 ms are a whole number of periods of every sensor and of the controller; without noise nothing else depends on
   // time.
   constexpr std::int64_t kMillisecond = 1'000'000;
-  Parameters p = own();
+  test::RigParameters p = own();
   p.range_model = RangeModel::ray;
   p.imu_acceleration_noise_m_per_s2 = 0.0;
   p.imu_rate_noise_rad_per_s = 0.0;
@@ -217,7 +217,7 @@ TEST(CrazyflieEstimate, AFlightAcrossTimeZeroIsThatOfAnyOtherTime) {
 }
 
 TEST(CrazyflieController, TakesOffFliesThroughTheGateAndLands) {
-  Parameters p = knowing();
+  test::RigParameters p = knowing();
   p.start_offset_m = {0.0, 0.25, 0.0};  // the centre of the gate
   FlightRig rig(shipped_scene("gate_easy"), p);
   rig.take_off_and_fly();
@@ -241,7 +241,7 @@ TEST(CrazyflieController, TakesOffFliesAndLandsOnItsOwnEstimate) {
 
 /// The firmware's filter believes its distance sensor: it has no test for what cannot be.
 TEST(CrazyflieEstimate, TakesTheLowerBeamOfAGateForTheGround) {
-  Parameters p = own();
+  test::RigParameters p = own();
   p.start_offset_m = {0.0, 0.25, 0.0};
   FlightRig rig(shipped_scene("gate_easy"), p);
   rig.take_off_and_fly();
@@ -335,12 +335,12 @@ TEST(CrazyflieState, ARestoredRunContinuesWithTheSameBits) {
 }
 
 TEST(CrazyflieParameters, RefusesWhatCannotFly) {
-  Parameters slow = knowing();
+  test::RigParameters slow = knowing();
   slow.physics_step_s = 0.004;
   EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), slow); },
               ThrowsMessage<Error>(HasSubstr("physics.step = 0.004 s is too long for stabiliser.controller")));
   for (const auto controller : {FlightController::ideal, FlightController::crazyflie}) {
-    Parameters sparse = own();
+    test::RigParameters sparse = own();
     sparse.stabiliser_controller = controller;
     sparse.physics_step_s = 0.0015;
     EXPECT_THAT(
@@ -350,11 +350,11 @@ TEST(CrazyflieParameters, RefusesWhatCannotFly) {
     sparse.physics_step_s = 0.001;
     EXPECT_NO_THROW(FlightRig(shipped_scene("empty"), sparse));
   }
-  Parameters unknown = FlightRig::small_camera();
+  test::RigParameters unknown = FlightRig::small_camera();
   unknown.stabiliser_controller = static_cast<FlightController>(7);
   EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), unknown); },
               ThrowsMessage<Error>(HasSubstr("stabiliser.controller = 7 is not a controller")));
-  Parameters strange = knowing();
+  test::RigParameters strange = knowing();
   strange.stabiliser_propellers = static_cast<Propellers>(7);
   EXPECT_THAT([&] { FlightRig(shipped_scene("empty"), strange); },
               ThrowsMessage<Error>(HasSubstr("stabiliser.propellers = 7 are no known propellers")));

@@ -79,7 +79,7 @@ struct WeakFlight {
     made.drone.drag_n_s_per_m.setZero();
     return made;
   }
-  static Parameters parameters() {
+  static test::RigParameters parameters() {
     auto made = FlightRig::small_camera();
     made.start_offset_m = {0, 0, kFall_m};
     return made;

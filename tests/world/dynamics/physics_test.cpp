@@ -43,7 +43,7 @@ TEST(GroundEffect, HasCheesemanAndBennettsValues) {
 
 TEST(GroundEffect, LiftsADroneOverTheGroundAndNotAboveIt) {
   for (const double altitude_m : {0.03, 1.0}) {
-    Parameters p = FlightRig::small_camera();
+    test::RigParameters p = FlightRig::small_camera();
     p.rotors_ground_effect = 1.0;
     p.start_offset_m = {0.0, 0.0, altitude_m};
     FlightRig rig(shipped_scene("empty"), p);
@@ -157,7 +157,7 @@ TEST(Link, ASetpointArrivesAfterItsLatencyAndInOrder) {
 
 TEST(Link, LatencyShiftsAFlightInTime) {
   // The same take-off a tenth of a second later has the same bits.
-  Parameters late = FlightRig::small_camera();
+  test::RigParameters late = FlightRig::small_camera();
   late.setpoint_latency_s = 0.1;
   FlightRig delayed(shipped_scene("empty"), late);
   FlightRig direct(shipped_scene("empty"));
@@ -170,7 +170,7 @@ TEST(Link, LatencyShiftsAFlightInTime) {
 }
 
 TEST(Link, ReportsTheDelayOfSetpointsAndWhenRotorsFollowThem) {
-  Parameters parameters = FlightRig::small_camera();
+  test::RigParameters parameters = FlightRig::small_camera();
   parameters.setpoint_latency_s = 0.005;
   FlightRig rig(shipped_scene("empty"), parameters);
   rig.run(0.1);
@@ -187,7 +187,7 @@ TEST(Imu, FeelsTheWeightAtRestAndNothingInFreeFall) {
   FlightRig standing;
   standing.run(0.5);
   EXPECT_NEAR(standing.outputs.imu_acceleration_m_per_s2[2], kGravity_m_per_s2, 1e-3);
-  Parameters high = FlightRig::small_camera();
+  test::RigParameters high = FlightRig::small_camera();
   high.start_offset_m = {0.0, 0.0, 5.0};
   FlightRig falling(shipped_scene("empty"), high);
   falling.run(0.02);
@@ -217,8 +217,8 @@ TEST(Imu, HasTheRequestedNoiseAndBias) {
   EXPECT_EQ(biased.rate_rad_per_s(), bias);
 }
 
-Parameters everything() {
-  Parameters p = FlightRig::small_camera();
+test::RigParameters everything() {
+  test::RigParameters p = FlightRig::small_camera();
   p.rotors_inertia_kg_m2 = 7e-8;
   p.rotors_ground_effect = 1.0;
   p.gust_intensity_m_per_s = 0.4;

@@ -3,6 +3,7 @@
 
 #include "mebots/error.hpp"
 #include "support/flight_rig.hpp"
+#include "support/one_body.hpp"
 
 #include <gmock/gmock.h>
 #include <algorithm>
@@ -49,7 +50,7 @@ class FreeFlight : public testing::Test {
 
   scene::Scene scene_;
   Eigen::Vector3d inertia_;
-  RigidWorld bodies_;
+  test::OneBody bodies_;
   RigidState state_;
 };
 
@@ -156,7 +157,7 @@ TEST_F(FreeFlight, RefusesForcesThatAreNotFinite) {
 /// Returns the state of a drone some steps after it started to fall and tumble to the ground.
 RigidState tumble(int steps, RigidState state = {}, bool fresh = true) {
   const auto scene = test::shipped_scene("gate_easy");
-  RigidWorld bodies(scene);
+  test::OneBody bodies(scene);
   bodies.set_mass(kMass_kg, inertia_for(scene.drone, kMass_kg));
   if (fresh) {
     state.p_WB_m = {4.9, 0.41, 1.2};  // onto the gate's left upright, then to the ground

@@ -2,6 +2,7 @@
 #include "dynamics/rigid_world.hpp"
 #include "math/rotation.hpp"
 #include "support/flight_rig.hpp"
+#include "support/one_body.hpp"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +32,7 @@ class GateGeometry : public testing::Test {
   }
 
   scene::Scene scene_;
-  RigidWorld bodies_;
+  test::OneBody bodies_;
 };
 
 TEST_F(GateGeometry, LowerEdgeOfTheOpeningIs83CentimetresUp) {

@@ -4,6 +4,7 @@
 #include "flight/gate_judge.hpp"
 #include "scene/scene.hpp"
 #include "support/flight_rig.hpp"
+#include "support/one_body.hpp"
 
 #include <gtest/gtest.h>
 #include <cmath>
@@ -44,7 +45,7 @@ bool frame_is_at(const scene::Gate& gate, double y_m, double z_m) {
   scene::Scene scene = test::shipped_scene("empty");
   scene.gates = {gate};
   scene.drone.body_size_m = {1e-3, 1e-3, 1e-3};
-  RigidWorld bodies(scene);
+  test::OneBody bodies(scene);
   RigidState state;
   state.q_WB = scene::attitude_of(gate);
   // At the frame's front face, because triangles have no interior.

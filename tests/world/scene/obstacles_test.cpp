@@ -6,6 +6,7 @@
 #include "scene/scene.hpp"
 #include "sensors/range_sensor.hpp"
 #include "support/flight_rig.hpp"
+#include "support/one_body.hpp"
 #include "support/same_state.hpp"
 #include "support/shapes.hpp"
 
@@ -32,14 +33,14 @@ RigidState at(const Vector3d& p_W_m, double yaw_rad = 0.0, double pitch_rad = 0.
 }
 
 bool touches(const scene::Scene& scene, const RigidState& state, std::int64_t time_ns = 0) {
-  RigidWorld bodies(scene);
+  test::OneBody bodies(scene);
   const auto& found = bodies.touches_at(state, time_ns);
   return std::any_of(found.begin(), found.end(), [](const Touch& t) { return t.what == Touch::What::obstacle; });
 }
 
 /// Releases a drone at rest and returns its state after some seconds.
 RigidState let_fall(const scene::Scene& scene, RigidState state, double seconds) {
-  RigidWorld bodies(scene);
+  test::OneBody bodies(scene);
   bodies.set_mass(kDroneMass_kg, inertia_for(scene.drone, kDroneMass_kg));
   for (int i = 0; i < std::lround(seconds * 1e3); ++i) bodies.step(state, kNothing, kNothing, 1e-3, i * 1'000'000LL);
   return state;
@@ -199,7 +200,7 @@ TEST(MovingObstacle, PushesWithItsOwnSpeedAndIsNotHeldUp) {
   box.path = test::shuttle({2.0, 0.0, 0.0});  // 1 m/s
   scene.boxes = {box};
   scene.contact.bounce = 0.0;
-  RigidWorld bodies(scene);
+  test::OneBody bodies(scene);
   bodies.set_mass(kDroneMass_kg, inertia_for(scene.drone, kDroneMass_kg));
   RigidState state = at({0.0, 0.0, 5.0});
   const Vector3d hover{0.0, 0.0, kDroneMass_kg * kGravity_m_per_s2};
@@ -248,7 +249,7 @@ TEST(MovingObstacle, ARestoredFlightMeetsItWithTheSameBits) {
 class RangeOver : public testing::Test {
  protected:
   double from(const Vector3d& p_W_m, std::int64_t time_ns = 0) const {
-    return RangeSensor(scene_, {}, 1).distance_m(at(p_W_m), time_ns);
+    return test::sensor_in(scene_, {}, 1).distance_m(at(p_W_m), time_ns);
   }
   scene::Scene scene_ = shipped_scene("empty");
 };
@@ -283,7 +284,7 @@ TEST_F(RangeOver, AMeshIsThatOfTheBoxOfItsShape) {
   thing.pitch_rad = 0.3;
   thing.mesh = test::box_mesh(scene_.boxes[0].size_m, {});
   meshes.meshes = {thing};
-  const RangeSensor sensor(meshes, {}, 1);
+  const RangeSensor sensor = test::sensor_in(meshes, {}, 1);
   for (double x = -1.2; x < 1.2; x += 0.017)
     EXPECT_NEAR(sensor.distance_m(at({x, 0.013, 3.0})), from({x, 0.013, 3.0}), 1e-9);
 }

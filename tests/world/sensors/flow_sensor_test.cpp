@@ -101,7 +101,7 @@ TEST(FlowSensor, HasTheNoiseOfItsData) {
 }
 
 TEST(FlowSensor, IsThereForWhoAsks) {
-  Parameters p = test::FlightRig::small_camera();
+  test::RigParameters p = test::FlightRig::small_camera();
   p.flow_enabled = true;
   test::FlightRig rig(test::shipped_scene("empty"), p);
   rig.take_off_and_fly();

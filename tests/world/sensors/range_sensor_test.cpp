@@ -16,18 +16,18 @@ RigidState at(double x, double y, double z, double roll_rad = 0.0) {
 }
 
 TEST(RangeSensor, ReadsTheHeightAboveGroundWhenLevel) {
-  const RangeSensor sensor(test::shipped_scene("empty"), {}, 1);
+  const RangeSensor sensor = test::sensor_in(test::shipped_scene("empty"), {}, 1);
   EXPECT_DOUBLE_EQ(sensor.distance_m(at(0.0, 0.0, 1.25)), 1.25);
 }
 
 TEST(RangeSensor, ReadsTheSlantedDistanceWhenTilted) {
-  const RangeSensor sensor(test::shipped_scene("empty"), {}, 1);
+  const RangeSensor sensor = test::sensor_in(test::shipped_scene("empty"), {}, 1);
   EXPECT_NEAR(sensor.distance_m(at(0.0, 0.0, 1.0, 0.5)), 1.0 / std::cos(0.5), 1e-12);
 }
 
 TEST(RangeSensor, SeesTheGatesBeamsBelow) {
   const auto scene = test::shipped_scene("gate_easy");
-  const RangeSensor sensor(scene, {}, 1);
+  const RangeSensor sensor = test::sensor_in(scene, {}, 1);
   const auto& gate = scene.gates[0].p_W_m;
   // In the opening, the top of the lower beam is at 0.83 m; above the frame, its top is at 1.33 m.
   EXPECT_NEAR(sensor.distance_m(at(gate.x(), gate.y(), 1.0)), 1.0 - 0.83, 1e-12);
@@ -36,13 +36,13 @@ TEST(RangeSensor, SeesTheGatesBeamsBelow) {
 }
 
 TEST(RangeSensor, ReadsItsLimitWhereNothingIsNear) {
-  const RangeSensor sensor(test::shipped_scene("empty"), {}, 1);
+  const RangeSensor sensor = test::sensor_in(test::shipped_scene("empty"), {}, 1);
   EXPECT_EQ(sensor.distance_m(at(0.0, 0.0, 10.0)), 4.0);
   EXPECT_EQ(sensor.distance_m(at(0.0, 0.0, 1.0, 3.0)), 4.0);  // looks up
 }
 
 TEST(RangeSensor, HoldsASampleFor25Milliseconds) {
-  RangeSensor sensor(test::shipped_scene("empty"), {.noise_m = 0.01}, 1);
+  RangeSensor sensor = test::sensor_in(test::shipped_scene("empty"), {.noise_m = 0.01}, 1);
   sensor.update(0, at(0.0, 0.0, 1.0));
   const double first = sensor.reading_m();
   sensor.update(24'999'999, at(0.0, 0.0, 2.0));
@@ -52,8 +52,8 @@ TEST(RangeSensor, HoldsASampleFor25Milliseconds) {
 }
 
 TEST(RangeSensor, ANewSeedCountsFromTheNextSampleOn) {
-  RangeSensor changed(test::shipped_scene("empty"), {.noise_m = 0.01}, 1);
-  RangeSensor other(test::shipped_scene("empty"), {.noise_m = 0.01}, 2);
+  RangeSensor changed = test::sensor_in(test::shipped_scene("empty"), {.noise_m = 0.01}, 1);
+  RangeSensor other = test::sensor_in(test::shipped_scene("empty"), {.noise_m = 0.01}, 2);
   changed.update(0, at(0.0, 0.0, 1.0));
   const double first = changed.reading_m();
   changed.reseed(2);
@@ -65,7 +65,7 @@ TEST(RangeSensor, ANewSeedCountsFromTheNextSampleOn) {
 }
 
 TEST(RangeSensor, NoiseHasTheRequestedDeviation) {
-  RangeSensor sensor(test::shipped_scene("empty"), {.noise_m = 0.01}, 3);
+  RangeSensor sensor = test::sensor_in(test::shipped_scene("empty"), {.noise_m = 0.01}, 3);
   double sum = 0.0;
   double squares = 0.0;
   constexpr int kCount = 20'000;
@@ -79,7 +79,7 @@ TEST(RangeSensor, NoiseHasTheRequestedDeviation) {
 }
 
 TEST(RangeSensor, NeverReadsLessThanNothing) {
-  RangeSensor sensor(test::shipped_scene("empty"), {.noise_m = 0.5}, 3);
+  RangeSensor sensor = test::sensor_in(test::shipped_scene("empty"), {.noise_m = 0.5}, 3);
   for (int i = 0; i < 100; ++i) {
     sensor.update(i * RangeSensor::kPeriod_ns, at(0.0, 0.0, 0.01));
     EXPECT_GE(sensor.reading_m(), 0.0);
@@ -92,7 +92,7 @@ RigidState tilted(double height_m, double roll_rad) {
 
 /// Returns mean and standard deviation of a cone's readings.
 std::pair<double, double> readings(const RigidState& state) {
-  RangeSensor sensor(test::shipped_scene("empty"), {.model = RangeModel::cone}, 7);
+  RangeSensor sensor = test::sensor_in(test::shipped_scene("empty"), {.model = RangeModel::cone}, 7);
   constexpr int kCount = 4000;
   double sum = 0.0;
   double squares = 0.0;
@@ -122,7 +122,7 @@ TEST(RangeCone, NoiseGrowsWithTheDistanceAsThePublishedModelSays) {
 }
 
 TEST(RangeCone, ReadsWholeMillimetresAndItsLimit) {
-  RangeSensor sensor(test::shipped_scene("empty"), {.model = RangeModel::cone}, 7);
+  RangeSensor sensor = test::sensor_in(test::shipped_scene("empty"), {.model = RangeModel::cone}, 7);
   sensor.update(RangeSensor::kPeriod_ns, at(0.0, 0.0, 1.2345));
   EXPECT_NEAR(std::remainder(sensor.reading_m(), 0.001), 0.0, 1e-12);
   sensor.update(2 * RangeSensor::kPeriod_ns, at(0.0, 0.0, 9.0));

@@ -2,6 +2,7 @@
 #include "stabiliser/stabiliser.hpp"
 
 #include "support/flight_rig.hpp"
+#include "support/one_body.hpp"
 
 #include <gtest/gtest.h>
 #include <algorithm>
@@ -165,7 +166,7 @@ TEST(Stabiliser, ComesBackFromATiltOf45Degrees) {
   // The bound on height is a metre of fall.
   const auto scene = test::shipped_scene("empty");
   Stabiliser stabiliser(scene.drone);
-  RigidWorld bodies(scene);
+  test::OneBody bodies(scene);
   const double mass_kg = 0.04;
   const auto inertia = inertia_for(scene.drone, mass_kg);
   stabiliser.set_mass(mass_kg, inertia);

@@ -25,6 +25,10 @@ inline scene::Scene shipped_scene(const std::string& name) {
   return scene;
 }
 
+inline RangeSensor sensor_in(const scene::Scene& scene, const RangeSensor::Settings& settings, std::uint64_t seed) {
+  return {scene, scene.drone, settings, seed};
+}
+
 /// Four rotors that follow their commands with a first-order lag (solved exactly over a step), on a bus whose sag
 /// scales the thrust. Their true curve is the stabiliser's curve times `sag`.
 struct Rotors {
@@ -43,20 +47,25 @@ struct Rotors {
   std::array<double, 4> thrust_n{};
 };
 
+/// The variables of a world of one drone.
+struct RigParameters : Parameters, DroneParameters {};
+struct RigInputs : Inputs, DroneInputs {};
+struct RigOutputs : Outputs, DroneOutputs {};
+
 /// Couples world and rotors as a Jacobi master does: both step from t_k with the outputs of the other at t_k.
 class FlightRig {
  public:
-  explicit FlightRig(scene::Scene scene = shipped_scene("empty"), Parameters parameters = small_camera(),
+  explicit FlightRig(const scene::Scene& scene = shipped_scene("empty"), RigParameters parameters = small_camera(),
                      std::int64_t start_ns = 0)
       : rotors(scene.drone),
         parameters_(std::move(parameters)),
         world(
-            std::move(scene), parameters_, inputs, outputs,
+            scene, parameters_, inputs, outputs, {{"", scene.drone, parameters_, inputs, outputs}},
             [this](std::string_view text) { events.emplace_back(text); }, start_ns),
         time_ns(start_ns) {}
 
-  static Parameters small_camera() {
-    Parameters parameters;
+  static RigParameters small_camera() {
+    RigParameters parameters;
     parameters.camera_width = 16;  // these flights do not use pictures
     parameters.camera_height = 16;
     parameters.range_noise_m = 0.0;
@@ -97,13 +106,13 @@ class FlightRig {
   double time_s() const { return static_cast<double>(time_ns) * 1e-9; }
   double altitude_m() const { return outputs.drone_position_m[2]; }
 
-  Inputs inputs;
-  Outputs outputs;
+  RigInputs inputs;
+  RigOutputs outputs;
   std::vector<std::string> events;
   Rotors rotors;
 
  private:
-  Parameters parameters_;
+  RigParameters parameters_;
 
  public:
   World world;

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "dynamics/airframe.hpp"
+#include "scene/scene.hpp"
+
+#include <cstddef>
+#include <span>
+
+namespace mebots::world {
+
+/// Describes what a drone's sensors may see: all drones, of which they leave out their own. Empty in a world
+/// of one drone.
+struct Others {
+  std::span<const scene::Solid> boxes;  ///< contact boxes where they are now
+  std::span<const RigidState> states;
+  std::size_t own = 0;
+};
+
+}  // namespace mebots::world
