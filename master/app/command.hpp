@@ -25,6 +25,7 @@ void add_demo(CLI::App& app, Action& action);
 void add_deploy(CLI::App& app, Action& action);
 void add_identify(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
+void add_link(CLI::App& app, Action& action);
 void add_new_cell(CLI::App& app, Action& action);
 void add_new_firmware(CLI::App& app, Action& action);
 void add_new_fmu(CLI::App& app, Action& action);

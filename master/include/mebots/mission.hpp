@@ -128,8 +128,8 @@ class Mission {
   /// a step, some FMUs may already be at its end; the records do not contain that.
   double value(std::string_view variable);
   std::string text(std::string_view variable);
-  /// Sets an unconnected input or a tunable parameter. summary.json lists the value under `inputs.writes`; the hash of
-  /// the inputs does not include it.
+  /// Sets an unconnected input or a tunable parameter. summary.json lists the first 1000 values under `inputs.writes`;
+  /// the hash of the inputs does not include them.
   void write(std::string_view variable, double value);
 
   // Recorded values, available with `in_memory`. Texts are not kept in memory.

@@ -696,6 +696,11 @@ void Run::report_uncertainty(const nlohmann::ordered_json& uncertainty) {
 }
 
 void Run::note_write(const std::string& text) {
+  constexpr std::size_t kMostListed = 1000;  // a program may write at every step
+  if (report_.writes.size() == kMostListed) {
+    ++report_.further_writes;
+    return;
+  }
   report_.writes.push_back(fmt::format("{} at {} s", text, to_seconds(time_ns())));
 }
 

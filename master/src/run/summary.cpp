@@ -194,6 +194,7 @@ Json summary_json(const ResolvedSystem& system, const InputHash& hash, const Run
   inputs["config"] = {{"file", description.file.filename().string()}, {"sha256", hash.config}};
   inputs["changes"] = report.overrides;
   if (!report.writes.empty()) inputs["writes"] = report.writes;
+  if (report.further_writes > 0) inputs["further_writes"] = report.further_writes;
   for (const auto& [name, digest] : hash.files) inputs["files"][name] = {{"sha256", digest}};
   Json versions_of_fmus;
   Json fmus;

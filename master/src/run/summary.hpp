@@ -76,7 +76,8 @@ struct RunReport {
   WallTimes wall;
   std::vector<std::string> overrides;  ///< changes to the config; the same text for every interface
   std::vector<std::string> notices;
-  std::vector<std::string> writes;  ///< variables that a program set during the run
+  std::vector<std::string> writes;  ///< variables that a program set during the run, the first of them
+  std::int64_t further_writes = 0;  ///< those that `writes` does not list
   std::vector<std::string> faults;  ///< of FMUs after the end, when they are terminated and freed
 
   /// Returns simulated time divided by stepping time; 0 if there were no steps.

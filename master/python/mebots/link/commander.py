@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The commander: the set-point that counts now, and who may replace it."""
+
+from __future__ import annotations
+
+import enum
+
+from mebots.link.setpoints import OFF, Setpoint
+
+
+class Priority(enum.IntEnum):
+    DISABLED = 0
+    HIGH_LEVEL = 1
+    CLIENT = 2
+
+
+class Commander:
+    def __init__(self) -> None:
+        self.setpoint = OFF
+        self.priority = Priority.DISABLED
+        self._stamp_ms = 0
+
+    def set(self, setpoint: Setpoint, priority: Priority, now_ms: int) -> bool:
+        """Returns False if the present set-point has a higher priority, which then stays."""
+        if priority < self.priority:
+            return False
+        self.setpoint = setpoint
+        self.priority = priority
+        self._stamp_ms = now_ms
+        return True
+
+    def relax(self) -> None:
+        """Lets the high-level commander take over."""
+        self.priority = Priority.HIGH_LEVEL
+
+    def age_ms(self, now_ms: int) -> int:
+        return now_ms - self._stamp_ms

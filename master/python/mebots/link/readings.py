@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the drone knows of itself and of its battery at a moment."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from mebots.link.trajectories import Vector
+
+
+class Readings(NamedTuple):
+    position_m: Vector  # in the world frame, as the drone estimates it
+    velocity_m_per_s: Vector
+    roll_rad: float
+    pitch_rad: float  # positive = nose down
+    yaw_rad: float
+    rates_rad_per_s: Vector  # of the gyroscope, about the body's axes
+    acceleration_m_per_s2: Vector  # of the accelerometer: specific force along the body's axes
+    motors: tuple[float, float, float, float]  # duty cycles
+    range_m: float  # below the drone
+    bus_voltage_v: float
+    crashed: bool
+
+    @property
+    def motors_run(self) -> bool:
+        return any(motor > 0.0 for motor in self.motors)

@@ -1,0 +1,165 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""`mebots link` without cflib: random datagrams, recordings, and errors of its user."""
+
+import json
+import random
+import socket
+import struct
+import subprocess
+import time
+import unittest
+
+from support import CONFIG, MEBOTS, LinkCase
+
+LOCAL = "127.0.0.1"
+SUPERVISOR = 9
+
+
+class Client:
+    """A socket that asks for a drone's greeting."""
+
+    def __init__(self, port):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.settimeout(5)
+        self.socket.connect((LOCAL, port))
+
+    def close(self):
+        self.socket.close()
+
+    def send(self, data):
+        self.socket.send(data)
+
+    def answer(self, data, begins=None):
+        """Sends a packet; returns the first answer that begins like it."""
+        self.send(data)
+        while True:
+            answer = self.socket.recv(64)
+            if answer.startswith(data[:1] if begins is None else begins):
+                return answer
+
+
+class Datagrams(LinkCase):
+    def client(self, *options, **more):
+        client = Client(self.start(*options, **more))
+        self.addCleanup(client.close)
+        return client
+
+    def test_random_datagrams_neither_stop_nor_slow_the_server(self):
+        client = self.client()
+        chance = random.Random(1)
+        begin = time.monotonic()
+        sent = 0
+        while time.monotonic() - begin < 8:
+            for _ in range(50):
+                header = chance.randrange(256)
+                if header >> 4 == SUPERVISOR and chance.random() < 0.98:  # an emergency stop ends what can be tested
+                    continue
+                size = chance.choice((0, 1, 2, 3, 5, 9, 17, 18, 24, 29, 30, 30, 31, 200, 1500))
+                body = bytes(chance.randrange(14 if chance.random() < 0.3 else 256) for _ in range(size))
+                client.send(bytes([header]) + body)
+                sent += 1
+            client.send(b"")
+            time.sleep(0.02)
+        self.assertGreater(sent, 5000)
+        self.assertTrue(client.answer(b"\xf1\0", b"\xf1").startswith(b"\xf1Bitcraze Crazyflie"))
+        printed = self.stop()
+        simulated_s = float(printed.split("simulated ")[1].split(" s")[0])
+        self.assertGreater(simulated_s, 4)
+        self.assertIn(self.recording()[-1]["bits"], self.replay())
+        inputs = json.loads((self.out / "summary.json").read_text())["inputs"]
+        self.assertLessEqual(len(inputs["writes"]), 1000)  # a session of hours must not fill the memory
+
+    def test_numbers_that_are_not_finite_are_ignored(self):
+        client = self.client()
+        for number in (float("nan"), float("inf"), 3e38):
+            for kind in range(12):
+                client.send(b"\x70" + struct.pack("<Bffff", kind, number, number, number, number))
+            for command in range(14):
+                client.send(b"\x80" + (bytes([command, 0]) + struct.pack("<ffffff", *[number] * 6))[:30])
+            for parameter in range(60):
+                client.send(b"\x22" + struct.pack("<Hf", parameter, number))
+            time.sleep(0.5)
+        self.assertTrue(client.answer(b"\xf1\0", b"\xf1").startswith(b"\xf1Bitcraze Crazyflie"))
+        self.stop()
+
+    def test_a_drone_waits_for_its_first_packet(self):
+        client = self.client("--idle", "0.5")
+        time.sleep(1)
+        self.assertIsNone(self.server.poll())
+        self.assertEqual(client.answer(b"\xff", b"")[0] >> 4, 15)
+        self.end()
+        self.assertEqual(self.recording()[1], {"ms": 0, "drone": 1, "packet": "f3"})
+
+
+class Recordings(LinkCase):
+    HEAD = {"mebots": "0", "drones": 1, "spacing": 1.0, "decks": [], "set": {}, "stop_time": None}
+
+    def write(self, *lines):
+        self.out.mkdir(exist_ok=True)
+        (self.out / "link.jsonl").write_text("".join(json.dumps(line) + "\n" for line in (self.HEAD, *lines)))
+
+    def test_wrong_lines_are_named(self):
+        for lines, said in (
+            ([{"ms": 10, "drone": 1, "packet": "zz"}], ":2:"),
+            ([{"ms": 10, "drone": 0, "packet": "ff"}], "drone 0"),
+            ([{"ms": 15, "drone": 1, "packet": "ff"}], "multiple of 10"),
+            ([{"ms": 20, "drone": 1, "packet": "ff"}, {"ms": 10, "drone": 1, "packet": "ff"}], ":3:"),
+            ([{"ms": 20, "drone": 1}], "'packet'"),
+            ([{"end_ms": 0, "bits": ""}, {"end_ms": 0, "bits": ""}], "after the end"),
+            ([[]], ":2:"),
+        ):
+            self.write(*lines)
+            self.assertIn(said, self.replay(code=2))
+        self.write({"ms": 10, "drone": 2, "packet": "ff"})
+        self.assertIn("drone 2", self.replay(code=2))
+        (self.out / "link.jsonl").write_text("")
+        self.assertIn("empty", self.replay(code=2))
+
+    def test_a_recording_without_an_end_is_repeated_as_far_as_it_goes(self):
+        self.write({"ms": 500, "drone": 1, "packet": "ff"})
+        with open(self.out / "link.jsonl", "a") as file:
+            file.write('{"ms": 600, "dro')
+        self.assertIn("simulated 0.5 s", self.replay())
+
+    def test_settings_are_those_of_the_recording(self):
+        self.write()
+        self.assertIn("leave out", self.replay("--drones", "2", code=2))
+
+    def test_other_bits_are_an_error(self):
+        self.write({"end_ms": 100, "bits": "0123456789abcdef"})
+        self.assertIn("had the bits 0123456789abcdef", self.replay(code=1))
+
+
+class Mistakes(LinkCase):
+    def refused(self, *options, config=CONFIG):
+        done = subprocess.run([MEBOTS, "link", str(config), "--out", str(self.folder / "refused"), *options], capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        return done.stderr
+
+    def changed(self, change):
+        content = json.loads(CONFIG.read_text())
+        del content["$schema"]
+        change(content)
+        file = self.folder / "changed.json"
+        file.write_text(json.dumps(content))
+        return file
+
+    def test_configs_that_cannot_be_linked_say_why(self):
+        self.assertIn("divides 10 ms", self.refused(config=self.changed(lambda content: content.update(step=0.004))))
+        self.assertIn("fmu_world", self.refused(config=CONFIG.with_name("battery_motors.json")))
+
+        def unfed(content):
+            content["connections"] = [end for end in content["connections"] if end["to"] != "motors.bus.voltage"]
+
+        self.assertIn("no battery feeds", self.refused(config=self.changed(unfed)))
+
+    def test_options_are_checked(self):
+        self.assertIn("bcFlow2", self.refused("--decks", "bcFlow3"))
+        self.assertIn("nothing.at.all", self.refused("--set", "nothing.at.all=1"))
+        port = self.start()
+        self.assertIn("cannot be opened", self.refused("--port", str(port)))
+
+
+if __name__ == "__main__":
+    unittest.main()
