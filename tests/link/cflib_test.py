@@ -296,7 +296,7 @@ class Trouble(CflibCase):
         scf.cf.param.set_value("pm.lowVoltage", 3.8)
         state = State(scf)
         scf.cf.high_level_commander.takeoff(0.5, 1.0)
-        self.assertTrue(lost.wait(120), "the link goes on")
+        self.assertTrue(lost.wait(120), "the connection was not lost")
         self.assertEqual(state["pm.state"], 3)
         self.assertLess(state["pm.vbat"], 3.8)
         self.assertIn("no drone has power", self.end())

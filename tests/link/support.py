@@ -17,7 +17,7 @@ CONFIG = SOURCE / "configs" / "link.json"
 
 
 def free_port(count=1):
-    """Returns the first of `count` neighbouring UDP ports that nobody uses now."""
+    """Returns the first of `count` neighbouring unused UDP ports."""
     for first in range(20000 + os.getpid() % 20000, 65000, 16):
         try:
             opened = []
@@ -58,7 +58,7 @@ class LinkCase(unittest.TestCase):
         return port
 
     def was_slow(self):
-        """Returns whether simulated time fell behind the wall clock, by which scripts sleep."""
+        """Returns whether simulated time fell behind the wall clock."""
         return "slower than the wall clock" in self.notices.read_text()
 
     def kill(self):

@@ -29,12 +29,13 @@ def find_drones(config: Mapping[str, Any], file: str) -> list[Parts]:
     """Returns the drones of a config: each ``fmu_world``, and the battery that feeds the motors which its rotors turn."""
     feeds = {end["to"]: end["from"] for end in config.get("connections", [])}
     targets = {end["from"]: end["to"] for end in config.get("connections", [])}
+    names = list(config["instances"])
     found = []
     for name, instance in config["instances"].items():
         if not os.path.basename(str(instance.get("fmu", ""))).startswith("fmu_world"):
             continue
-        motors = _instance(targets.get(f"{name}.rotor[1].command"))
-        battery = _instance(feeds.get(f"{motors}.bus.voltage"))
+        motors = _instance_of(targets.get(f"{name}.rotor[1].command"), names)
+        battery = _instance_of(feeds.get(f"{motors}.bus.voltage"), names)
         if battery is None:
             raise InputError(
                 f"{file}: no battery feeds the drone of '{name}'; connect {name}.rotor[1].command to motors, and a battery's bus.voltage to them",
@@ -46,8 +47,9 @@ def find_drones(config: Mapping[str, Any], file: str) -> list[Parts]:
     return found
 
 
-def _instance(variable: str | None) -> str | None:
-    return None if variable is None else variable.partition(".")[0]
+def _instance_of(variable: str | None, names: list[str]) -> str | None:
+    """Names may hold dots, but no instance's name begins another one's."""
+    return next((name for name in names if variable is not None and variable.startswith(name + ".")), None)
 
 
 class Plant:
