@@ -92,6 +92,26 @@ class Datagrams(LinkCase):
         self.assertEqual(self.recording()[1], {"ms": 0, "drone": 1, "packet": "f3"})
 
 
+    def test_a_config_with_repeated_worlds_has_a_drone_for_each(self):
+        content = json.loads(CONFIG.read_text())
+        del content["$schema"], content["view"], content["summary"], content["outcomes"]
+        one = {"i": [1, 2]}
+        content["instances"] = {f"{name}[{{i}}]": {"repeat": one, **instance} for name, instance in content["instances"].items()}
+        content["connections"] = [
+            {"repeat": one, **{side: name.replace(".", "[{i}].", 1) for side, name in end.items()}} for end in content["connections"]
+        ]
+        file = self.folder / "two.json"
+        file.write_text(json.dumps(content))
+        port = self.start("--idle", "0.5", config=file)
+        self.assertIn(f"drone 2: udp://{LOCAL}:{port + 1}", self.server.stdout.readline())
+        for number in range(2):
+            client = Client(port + number)
+            self.addCleanup(client.close)
+            self.assertEqual(client.answer(b"\xff", b"")[0] >> 4, 15)
+        self.end()
+        self.assertEqual([line["drone"] for line in self.recording()[1:3]], [1, 2])
+
+
 class Recordings(LinkCase):
     HEAD = {"mebots": "0", "drones": 1, "spacing": 1.0, "decks": [], "set": {}, "stop_time": None}
 

@@ -45,6 +45,69 @@ TEST(Config, TheSmallestConfigIsRead) {
   EXPECT_EQ(system.name, "mission");
 }
 
+std::string repeated(const std::string& instances, const std::string& connections = "") {
+  return fmt::format(R"({{"step": 0.1, "stop_time": 2, "instances": {{{}}}, "connections": [{}]}})", instances,
+                     connections);
+}
+
+TEST(Config, ARepeatedEntryHasACopyForEachNumber) {
+  const auto system = read(repeated(
+      R"("p[{i}]": {"repeat": {"i": [1, 3]}, "fmu": "PROBE", "parameters": {"gain": "{i}", "string_in": "no. {i+1}"}})",
+      R"({"repeat": {"i": [2, 3]}, "from": "p[{i-1}].real_out", "to": "p[{i}].real_in"})"));
+  ASSERT_EQ(system.instances.size(), 3u);
+  EXPECT_EQ(system.instances[2].name, "p[3]");
+  EXPECT_EQ(std::get<std::int64_t>(system.instances[2].parameters[0].value), 3);
+  EXPECT_EQ(std::get<std::string>(system.instances[2].parameters[1].value), "no. 4");
+  ASSERT_EQ(system.connections.size(), 2u);
+  EXPECT_EQ(system.connections[1].from.instance, "p[2]");
+  EXPECT_EQ(system.connections[1].to.instance, "p[3]");
+}
+
+TEST(Config, SeveralIndexesGiveAllCombinations) {
+  const auto system = read(repeated(
+      R"("p[{i}]{side}": {"repeat": {"i": [0, 1], "k": {"side": ["left", "right"], "gain": [0.5, 2]}}, "fmu": "PROBE",
+          "parameters": {"gain": "{gain}"}})"));
+  ASSERT_EQ(system.instances.size(), 4u);
+  EXPECT_EQ(system.instances[1].name, "p[0]right");
+  EXPECT_EQ(system.instances[2].name, "p[1]left");
+  EXPECT_EQ(std::get<double>(system.instances[2].parameters[0].value), 0.5);
+}
+
+TEST(Config, ATableGivesACopyForEachRow) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  const auto file = folder.path() / "mission.json";
+  test::write_file(folder.path() / "drones.csv", "gain, label\n0.5, first\n2, second\n");
+  test::write_file(file, test::with_probe(repeated(
+                             R"("p[{i}]": {"repeat": {"i": "drones.csv"}, "fmu": "PROBE",
+                                 "parameters": {"gain": "{gain}", "string_in": "{label}"}})")));
+  const auto system = read_config(file);
+  ASSERT_EQ(system.instances.size(), 2u);
+  EXPECT_EQ(system.instances[1].name, "p[2]");
+  EXPECT_EQ(std::get<std::int64_t>(system.instances[1].parameters[0].value), 2);
+  EXPECT_EQ(std::get<std::string>(system.instances[1].parameters[1].value), "second");
+  EXPECT_THAT(system.source, HasSubstr("0.5, first"));  // the hash of the inputs has the table
+}
+
+TEST(Config, MistakesInRepeatedEntriesNameThePlaceAndTheCopy) {
+  const auto error = [](const std::string& repeat, const std::string& name = "p[{i}]", const std::string& rest = "") {
+    return reading_error(repeated(fmt::format(R"("{}": {{"repeat": {}, "fmu": "PROBE"{}}})", name, repeat, rest)));
+  };
+  EXPECT_THAT(error(R"({"i": [3, 1]})"), HasSubstr("/instances/p[{i}]/repeat/i/1"));
+  EXPECT_THAT(error(R"({"i": [3]})"), HasSubstr("[first, last]"));
+  EXPECT_THAT(error("{}"), HasSubstr("name an index"));
+  EXPECT_THAT(error(R"({"1": [1, 2]})"), HasSubstr("cannot be in braces"));
+  EXPECT_THAT(error(R"({"i": [1, 2]})", "p"), HasSubstr("two entries are named 'p'"));
+  EXPECT_THAT(error(R"({"i": {"a": [1, 2], "b": [1]}})"), HasSubstr("this list has 1 values"));
+  EXPECT_THAT(error(R"({"i": "none.csv"})"), HasSubstr("there is no file"));
+  EXPECT_THAT(error(R"({"i": [1, 1000], "j": [1, 1000]})"), HasSubstr("more than 100000 copies"));
+  EXPECT_THAT(error(R"({"i": [1, 2]})", "p[{k}]"), HasSubstr("the repeat has no k; it has i"));
+  EXPECT_THAT(error(R"({"i": [1, 2]})", "p[{i}]", R"(, "steep": 1)"),
+              AllOf(HasSubstr("mission.json: 1:"), HasSubstr("i = 2"), HasSubstr("step")));
+  EXPECT_THAT(reading_error(repeated(R"("a": {"fmu": "PROBE"})",
+                                     R"({"repeat": {"i": [1, 2]}, "from": "a.real_out", "to": "b[{i}].real_in"})")),
+              AllOf(HasSubstr("/connections/0, i = 1"), HasSubstr("b[1]")));
+}
+
 /// Reads a variant of the smallest config, base.json.
 SystemDescription read_variant(const std::string& text, const GivenTimes& times = {}) {
   const modeldesc::TemporaryFolder folder("mebots-test");

@@ -179,7 +179,19 @@ void require_utf8(const nlohmann::ordered_json& json, const std::string& file) {
 /// Reads generated JSON. `places` contains the origins of its parts.
 void read_made_config(LoadedSystem& loaded, const std::string& file, std::map<std::string, std::string> places) {
   require_utf8(loaded.config, file);
+  config::Repeats repeats{loaded.system.file.parent_path(), places, {}};
+  bool is_expanded = false;
   data::JsonDocument::of(loaded.config, file, std::move(places)).read([&](const data::Node& root) {
+    is_expanded = config::has_repeats(root);
+    if (is_expanded) {
+      config::expand_repeats(root, loaded.config, file, repeats);
+    } else {
+      read_sections(root, loaded.system);
+    }
+  });
+  if (!is_expanded) return;
+  loaded.system.source += repeats.source;  // tables determine the inputs of a run
+  data::JsonDocument::of(loaded.config, file, std::move(repeats.places)).read([&](const data::Node& root) {
     read_sections(root, loaded.system);
   });
 }
@@ -212,20 +224,28 @@ enum class WithJson : std::uint8_t { yes, no };
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {
   data::Document document(loaded.system.source, file);
   const bool is_changed = times.step || times.stop_time_s;
+  bool is_made = is_changed;
   std::optional<std::string> base;
+  config::Repeats repeats{loaded.system.file.parent_path(), {}, {}};
   document.read([&](const data::Node& root) {
     if (root.has(config::kExtends)) {
       base = config::read_variant(root);
+    } else if (config::has_repeats(root)) {
+      is_made = true;
+      loaded.config = ordered_json(loaded.system.source);
+      config::expand_repeats(root, loaded.config, file, repeats);
     } else if (!is_changed || !root.is(data::Kind::object)) {
       read_sections(root, loaded.system);
     }
   });
-  if (base || is_changed || with_json == WithJson::yes) loaded.config = ordered_json(loaded.system.source);
+  const bool needs_json = base || is_made || with_json == WithJson::yes;
+  if (needs_json && loaded.config.is_null()) loaded.config = ordered_json(loaded.system.source);
   if (base) {
     read_extended(loaded, file, *base, times);
-  } else if (is_changed) {
+  } else if (is_made) {
     loaded.config = give(std::move(loaded.config), times);
-    read_made_config(loaded, file, {});
+    loaded.system.source += repeats.source;
+    read_made_config(loaded, file, std::move(repeats.places));
   }
 }
 

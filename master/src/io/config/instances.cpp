@@ -202,6 +202,7 @@ namespace mebots::master {
 std::vector<std::string> instance_keys() {
   std::vector<std::string> keys;
   for (const auto& key : config::kKeys) keys.emplace_back(key.name);
+  keys.emplace_back(config::kRepeat);
   return keys;
 }
 

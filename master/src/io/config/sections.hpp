@@ -5,6 +5,10 @@
 #include "mebots/data/object.hpp"
 #include "model/system_description.hpp"
 
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <map>
 #include <string>
 
 /// Readers of the sections of a config. The table in config_reader.cpp defines their order: a reader may use what the
@@ -81,5 +85,27 @@ ConditionDescription read_condition(Object& object, const SystemDescription& sys
 
 /// Reads a condition with an optional duration, `for`.
 ConditionDescription read_lasting_condition(const Node& node, const SystemDescription& system);
+
+}  // namespace mebots::master::config
+
+/// Entries that a config describes once for many copies: {"motors[{i}]": {"repeat": {"i": [1, 16]}, "fmu": ...}}. They
+/// are replaced by their copies before the sections are read.
+namespace mebots::master::config {
+
+inline constexpr const char* kRepeat = "repeat";
+
+/// Inputs and results of an expansion.
+struct Repeats {
+  std::filesystem::path folder;               ///< of the config
+  std::map<std::string, std::string> places;  ///< by JSON pointers of the expanded config; for data::JsonDocument
+  std::string source;                         ///< texts of the tables that were read
+};
+
+/// Returns whether instances, connections, stop_when or outcomes have an entry with `repeat`.
+bool has_repeats(const data::Node& root);
+
+/// Replaces such entries of `config`, the JSON of `root`, by their copies. `file` begins the places of its nodes.
+/// Reports mistakes to the node's document.
+void expand_repeats(const data::Node& root, nlohmann::ordered_json& config, const std::string& file, Repeats& repeats);
 
 }  // namespace mebots::master::config
