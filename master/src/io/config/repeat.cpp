@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMostCopies = 100'000;
 
-/// What the names in braces stand for in one copy.
+/// Values of the names in braces, for one copy.
 using Values = std::vector<std::pair<std::string, Json>>;
 
 bool is_name(std::string_view text) {
