@@ -21,8 +21,13 @@ from tools import BARE, ROOT, WAYS, Verdict, build, checkout, run, soc_run, spik
 ADDRESS = "https://github.com/riscv-non-isa/riscv-arch-test"
 ISA = "RV32IMCZicsr_Zifencei"
 PROPERTIES = {"hw_data_misaligned_support": "True"}
-SUITES = ("I", "M", "C", "Zifencei", "privilege")
-SPIKE_ISA = "rv32imc_zicsr_zifencei_zicclsm"  # the last extension: it also loads and stores unaligned words
+SUITES = ("I", "M", "C", "Zifencei", "privilege", "A", "B", "F")
+OPTIONS = {  # of the core: for the tests' conditions, for compiler, Spike and the chip's program
+    "A": ("RV32IMACZicsr_Zifencei", "rv32imac"),
+    "B": ("RV32IMCZicsr_Zifencei_Zba_Zbb_Zbc_Zbs", "rv32imc_zba_zbb_zbc_zbs"),
+    "F": ("RV32IMFCZicsr_Zifencei", "rv32imfc"),
+}
+LOADS_UNALIGNED = "zicsr_zifencei_zicclsm"  # Spike also loads and stores unaligned words
 LIMIT = 10_000_000
 HERE = ROOT / "tests/conformance"
 
@@ -49,31 +54,35 @@ def cases(source, isa=ISA):
     return sorted({macro for condition in conditions for macro in holds(condition, isa) or ()})
 
 
-def letters(source):
+def letters(source, isa, core):
     """Returns compressed instructions only for tests about them; otherwise an assembler would compress other tests'
     instructions."""
-    return "rv32im_zicsr_zifencei" if cases(source, ISA.replace("C", "")) == cases(source) else "rv32imc_zicsr_zifencei"
+    name, _, others = core.partition("_")
+    base = name.replace("c", "") if cases(source, isa.replace("C", "")) == cases(source, isa) else name
+    return "_".join(filter(None, (base, "zicsr_zifencei", others)))
 
 
 def judge(folder, soc, work, each):
     """Returns verdicts of all tests that apply to this machine."""
     suite = checkout(folder, "riscv-arch-test", ADDRESS) / "riscv-test-suite"
     reference = spike()
-    tests = [(name, source) for name in SUITES for source in sorted((suite / "rv32i_m" / name / "src").glob("*.S")) if cases(source)]
+    tests = [(name, source) for name in SUITES for source in sorted((suite / "rv32i_m" / name / "src").glob("*.S"))
+             if cases(source, OPTIONS.get(name, (ISA,))[0])]
 
     def verdict(test):
         name, source = test
+        isa, core = OPTIONS.get(name, (ISA, "rv32imc"))
         stem = work / f"{name}-{source.stem}"
         program = stem.with_suffix(".elf")
-        wrong = build([*BARE, f"-march={letters(source)}", "-mabi=ilp32", "-DXLEN=32", *(f"-D{macro}" for macro in cases(source)), f"-I{HERE}",
-                       f"-I{suite}/env", f"-T{HERE}/link.ld", source, "-o", program])
+        wrong = build([*BARE, f"-march={letters(source, isa, core)}", "-mabi=ilp32", "-DXLEN=32", *(["-DFLEN=32"] if name == "F" else []),
+                       *(f"-D{macro}" for macro in cases(source, isa)), f"-I{HERE}", f"-I{suite}/env", f"-T{HERE}/link.ld", source, "-o", program])
         if wrong is None:
             wanted = stem.with_suffix(".spike")
-            code, text = run([reference, f"--isa={SPIKE_ISA}", "--priv=m", f"+signature={wanted}", "+signature-granularity=4", program])
+            code, text = run([reference, f"--isa={core}_{LOADS_UNALIGNED}", "--priv=m", f"+signature={wanted}", "+signature-granularity=4", program])
             wrong = None if code == 0 else f"Spike ends with {code}: {text.strip()[-80:]}"
         for way in WAYS if wrong is None else ():
             ours = stem.with_suffix(".ours")
-            code, text = run([*soc_run(soc), *way, "--max-instructions", LIMIT, "--signature", ours, program])
+            code, text = run([*soc_run(soc, core), *way, "--max-instructions", LIMIT, "--signature", ours, program])
             if wrong is None:
                 wrong = difference(wanted, ours) if code == 0 else f"ends with {code}: {text.strip()[-80:]}"
         return Verdict(f"{name} {source.stem}", wrong is None, wrong or "")

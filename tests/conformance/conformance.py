@@ -19,7 +19,6 @@ from tools import COMPILER, CannotRun, commit, run, spike
 
 EXPLAINED = {
     "rv32mi breakpoint": "It asks for triggers of the debug specification, which GAP8's cores and this model lack",
-    "rv32mi pmpaddr": "It asks for physical memory protection, which this model lacks",
 }
 
 

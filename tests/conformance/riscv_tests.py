@@ -8,7 +8,10 @@ from tools import BARE, WAYS, CannotRun, Verdict, build, checkout, run, soc_run
 
 ADDRESS = "https://github.com/riscv-software-src/riscv-tests"
 ENVIRONMENT = "https://github.com/riscv/riscv-test-env"
-SUITES = ("rv32ui", "rv32um", "rv32uc", "rv32mi")
+SUITES = {  # the core of each
+    "rv32ui": "rv32imc", "rv32um": "rv32imc", "rv32uc": "rv32imc", "rv32mi": "rv32imcu", "rv32ua": "rv32imac", "rv32uf": "rv32imfc",
+    "rv32uzba": "rv32imc_zba", "rv32uzbb": "rv32imc_zbb", "rv32uzbc": "rv32imc_zbc", "rv32uzbs": "rv32imc_zbs",
+}
 LIMIT = 10_000_000  # instructions; the longest needs some ten thousand
 
 
@@ -44,7 +47,7 @@ def judge(folder, soc, work, each):
         wrong = build([*BARE, *flags(isa, suite), f"-I{env}/p", f"-I{isa}/macros/scalar", f"-T{env}/p/link.ld",
                        isa / suite / f"{name}.S", "-o", program])
         for way in WAYS if wrong is None else ():
-            code, text = run([*soc_run(soc), *way, "--max-instructions", LIMIT, program])
+            code, text = run([*soc_run(soc, SUITES[suite]), *way, "--max-instructions", LIMIT, program])
             if code != 0 and wrong is None:
                 wrong = f"case {code} fails" if code is not None and code < 101 else text.strip().splitlines()[-1]
         return Verdict(f"{suite} {name}", wrong is None, wrong or "")

@@ -16,10 +16,10 @@ WAYS = ((), ("--interpret",))  # each program runs in both ways
 SECONDS = 120  # wall time for one program in one simulator
 
 
-def soc_run(soc):
+def soc_run(soc, isa="rv32imc"):
     """Returns the chip's program with the core that follows the specification only: the suites' handlers are aligned
     to 4 bytes."""
-    return [soc, "run", "--core", "rv32imc"]
+    return [soc, "run", "--core", isa]
 
 
 @dataclasses.dataclass

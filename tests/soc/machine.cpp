@@ -29,7 +29,7 @@ Machine::Machine(const Elf& program, const MachineSettings& settings)
     : program_(program),
       memory_(make_memory()),
       instruction_cache_(make_instruction_cache(settings.instruction_cache, InstructionCache::Users::one)),
-      code_(memory_, {.timing = {settings.kind},
+      code_(memory_, {.timing = {settings.kind, settings.options, settings.pmp_entries},
                       .energy = energies(),
                       .loose_limit = settings.loose_limit,
                       .instruction_cache = instruction_cache_.get(),

@@ -20,6 +20,8 @@ struct MachineSettings {
   InstructionCacheSettings instruction_cache = {};
   bool loose_limit = false;
   bool translate = true;
+  Extensions options = {};
+  unsigned pmp_entries = 0;
 };
 
 /// A hart with 1 MiB of RAM at 0x80000000 and 4 KiB at 0x70000000, without devices. A store into `tohost` ends a

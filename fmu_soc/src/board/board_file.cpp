@@ -32,6 +32,13 @@ auto read_place() {
 }
 
 constexpr std::uint32_t kMostLatencyCycles = 1000;
+constexpr std::uint32_t kMostPmpEntries = 16;
+
+/// Sets the options of the core. With U mode, it has physical memory protection.
+void set_isa(BoardDescription& board, std::string_view text) {
+  board.isa = read_isa(text);
+  board.pmp_entries = board.isa.has(Extension::user) ? kMostPmpEntries : 0;
+}
 
 BoardLatency read_latency(const Node& node) {
   Object object(node);
@@ -259,10 +266,35 @@ std::string read_file_name(const Node& node) {
   return name;
 }
 
+/// Calls `set()`, whose Error becomes a mistake at the node.
+template <typename Set>
+void set_from(const Node& node, Set set) {
+  try {
+    set();
+  } catch (const Error& error) {
+    node.fail(ErrorCode::invalid_value, error.what());
+  }
+}
+
+/// Reads the core and its options.
+void read_core(Object& object, BoardDescription& board) {
+  object.visit_if("core", [&](const Node& member) {
+    const auto name = member.text();
+    set_from(member, [&] { set_core(board, name); });
+  });
+  object.visit_if("isa", [&](const Node& member) {
+    const auto text = member.text();
+    if (board.core.starts_with("rv32")) {
+      member.fail(ErrorCode::invalid_value, "the core's name is an instruction set already: leave isa out");
+    }
+    set_from(member, [&] { set_isa(board, text); });
+  });
+  object.read_if("pmp_entries", board.pmp_entries, count_up_to(kMostPmpEntries));
+}
+
 BoardDescription read_root(const Node& root) {
   const auto chip = data::word_of<std::string>({{"gap8", "gap8"}});
   const auto energy = data::word_of<std::string>({{"gap8", "gap8"}, {"gap8_silicon", "gap8_silicon"}});
-  const auto core = data::word_of<std::string>({{"ri5cy", "ri5cy"}, {"cv32e40p", "cv32e40p"}, {"rv32imc", "rv32imc"}});
   Object object(root);
   BoardDescription board;
   std::set<std::string> names;
@@ -271,9 +303,14 @@ BoardDescription read_root(const Node& root) {
   object.read_if("text", board.text, &Node::text);
   object.read_if("chip", board.chip, chip);
   object.read_if("energy", board.energy, energy);
-  object.read_if("core", board.core, core);
+  read_core(object, board);
   object.read_if("hart_id", board.hart_id, count_up_to(std::numeric_limits<std::uint32_t>::max()));
   object.read_if("cluster_cores", board.cluster_cores, count_up_to(kMostClusterCores));
+  if (board.cluster_cores != 0 && (board.isa != Extensions() || board.pmp_entries != 0)) {
+    root.at("cluster_cores")
+        .complain(ErrorCode::invalid_value,
+                  "a board with a cluster has no options of its core: leave out isa and pmp_entries, or cluster_cores");
+  }
   const bool has_memories = object.read("memories", board.memories,
                                         data::list_of([&](const Node& node) { return read_memory(node, names); }));
   if (has_memories && board.memories.empty()) {
@@ -312,6 +349,18 @@ BoardDescription read_board(const std::filesystem::path& path) {
 
 BoardDescription parse_board(std::string_view text, const std::string& name) {
   return data::Document(text, name).read(&read_root);
+}
+
+void set_core(BoardDescription& board, const std::string& name) {
+  if (name.starts_with("rv")) {
+    set_isa(board, name);
+  } else if (name != "ri5cy" && name != "cv32e40p") {
+    throw Error(ErrorCode::invalid_value,
+                fmt::format("no core is named \"{}\"; there are ri5cy, cv32e40p, rv32imc, and rv32imc with further "
+                            "extensions such as rv32imac_zba_zbb",
+                            name));
+  }
+  board.core = name;
 }
 
 std::string_view other_chip_of(std::string_view elf_bytes) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "isa/extension.hpp"
 #include "mebots/soc/board_device.hpp"
 #include "memory/instruction_cache.hpp"
 
@@ -55,7 +56,9 @@ struct BoardDescription {
   std::string text;
   std::string chip = "gap8";    // chip that provides clocks, latencies and energies
   std::string energy = "gap8";  // set of energies: params/<energy>.json
-  std::string core;             // ri5cy, cv32e40p or rv32imc; empty = the chip's core
+  std::string core;             // ri5cy, cv32e40p or an ISA string such as rv32imc; empty = the chip's core
+  Extensions isa;               // options of the core
+  unsigned pmp_entries = 0;     // of physical memory protection
   std::uint32_t hart_id = 0;    // mhartid of the fabric controller
   unsigned cluster_cores = 0;   // maximum; 0 = no cluster
   std::vector<BoardMemory> memories;
@@ -80,6 +83,9 @@ struct BoardDescription {
 BoardDescription read_board(const std::filesystem::path& path);
 /// Reads the text of a board file. `name` is its name in messages.
 BoardDescription parse_board(std::string_view text, const std::string& name);
+
+/// Sets the core by its name; the name of a generic core is its ISA string. Throws Error for a name that no core has.
+void set_core(BoardDescription& board, const std::string& name);
 
 /// Returns the chip that a program of GreenWaves' SDKs was built for, if it is known and not GAP8; otherwise empty. It
 /// follows from paths of the SDK's headers in the debug information. No other part of the file contains it: its note

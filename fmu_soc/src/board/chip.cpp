@@ -23,7 +23,12 @@ namespace {
 /// Upper bound that keeps a block's sum of femtojoules within 32 bits.
 constexpr double kMostWeight = 100;
 
+/// Operations on floats have the weights of the kind of integer operation that is closest: nothing is published for
+/// GAP8, whose cores have no unit for them.
 std::string_view class_of(Op op) {
+  const auto kind = traits_of(op).kind;
+  if (kind == OpKind::float_multiply || kind == OpKind::float_multiply_add) return "multiply";
+  if (kind == OpKind::float_divide || kind == OpKind::float_root) return "divide";
   if (op == Op::mul || is_multiply_accumulate(op) || is_dot_product(op)) return "multiply";
   if (is_multiply_high(op)) return "multiply_high";
   if (is_divide(op)) return "divide";

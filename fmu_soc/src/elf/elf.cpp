@@ -97,6 +97,7 @@ constexpr std::uint16_t kUndefined = 0;
 constexpr unsigned kFunction = 2;
 constexpr std::uint32_t kFarthestFromLabel = 0x10000;
 constexpr std::uint32_t kFloatAbi = 0x6;
+constexpr std::uint32_t kSingleFloatAbi = 0x2;
 constexpr std::uint32_t kEmbeddedAbi = 0x8;
 
 FileHeader checked_header(const ElfBytes& file) {
@@ -113,8 +114,10 @@ FileHeader checked_header(const ElfBytes& file) {
   if (header.type != kExecutable) {
     file.fail(fmt::format("an ELF file of type {}; the core needs a linked executable (2)", header.type));
   }
-  if ((header.flags & kFloatAbi) != 0) {
-    file.fail("compiled for floating-point registers, which the core lacks: compile with -march=rv32imc -mabi=ilp32");
+  if ((header.flags & kFloatAbi & ~kSingleFloatAbi) != 0) {
+    file.fail(
+        "compiled for double-precision floating-point registers, which no core has: compile with -mabi=ilp32f or "
+        "-mabi=ilp32");
   }
   if (header.program_count != 0 && header.program_size != sizeof(ProgramHeader)) {
     file.fail(fmt::format("program headers of {} bytes instead of {}", header.program_size, sizeof(ProgramHeader)));

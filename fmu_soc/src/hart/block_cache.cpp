@@ -18,7 +18,7 @@ Current current_of(const Decoded& decoded) {
 std::uint64_t loads_that_stall(const Timing& timing, const Current& current) {
   std::uint64_t registers = 0;
   const auto alone = static_cycles(timing, {}, {}, current);
-  for (std::uint8_t r = 1; r < 32; ++r) {
+  for (std::uint8_t r = 1; r < kRegisters; ++r) {
     if (static_cycles(timing, {}, {Op::lw, r}, current) > alone) registers |= std::uint64_t{1} << r;
   }
   return registers;
@@ -34,6 +34,7 @@ BlockCache::BlockCache(Memory& memory, const CodeSettings& settings, bool for_tr
     : memory_(memory),
       mark_(memory.add_code_mark()),
       timing_(settings.timing),
+      extensions_(settings.timing.extensions()),
       energy_fj_(settings.energy.fj),
       end_at_targets_(!settings.loose_limit),
       end_after_loops_(end_at_targets_ && for_translation),
@@ -76,7 +77,8 @@ Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc)
   if (is_store(decoded.op) && has_step_register(traits_of(decoded.op).mode)) {
     instruction.imm = decoded.rs3;
   }
-  instruction.rd = decoded.rd == 0 ? 32 : decoded.rd;
+  if (is_float_multiply_add(decoded.op)) instruction.imm |= decoded.rs3 << 8;
+  instruction.rd = decoded.rd == 0 ? kNoRegister : decoded.rd;
   instruction.rs1 = decoded.rs1;
   instruction.rs2 = decoded.rs2;
   MEBOTS_ASSERT(instruction.run != nullptr && instruction.rd != 0);
@@ -331,7 +333,7 @@ bool BlockCache::delays_first_jump(const Block& block, const Previous& two_befor
   MEBOTS_ASSERT(block.early_jump && block.valid());
   const auto& jump = *instructions(block);
   if (!is_jump(jump.op)) return true;
-  const std::uint8_t rd = jump.rd > 31 ? 0 : jump.rd;
+  const std::uint8_t rd = jump.rd == kNoRegister ? 0 : jump.rd;
   const bool delays = static_cycles(timing_, two_before, before, {jump.op, rd, jump.rs1}) != (&jump)[1].cycles_before;
   MEBOTS_ASSERT(delays || !timing_.hides_unaligned_target(before.op), "what hides its target takes time from it, too");
   return delays;

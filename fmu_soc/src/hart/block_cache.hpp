@@ -74,7 +74,7 @@ struct Block {
   static constexpr int kFewAbsences = 8;  // of the 64 turns after which a block is hot
   /// Returns the stall of its first instruction after a load.
   std::uint32_t stall_after(const Previous& before) const {
-    return is_load(before.op) ? static_cast<std::uint32_t>(stalled_by >> before.rd & 1U) : 0U;
+    return is_load(before.op) && before.writes() ? static_cast<std::uint32_t>(stalled_by >> before.rd & 1U) : 0U;
   }
 };
 
@@ -121,7 +121,7 @@ class BlockCache {
     return &arena_[block.first];
   }
   /// Returns the slot for the block of a hardware loop's next iteration. Clears it if it belongs to another start.
-  std::uint32_t* loop_link(const Instruction& holder, std::uint32_t start) const {
+  std::uint16_t* loop_link(const Instruction& holder, std::uint32_t start) const {
     if (block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
   }
@@ -194,6 +194,9 @@ class BlockCache {
     std::uint32_t fault_address = 0;
     return fetch(memory_, pc, word, fault_address) ? std::optional(word) : std::nullopt;
   }
+  /// Decodes a word with the extensions of the core.
+  Decoded decode_word(std::uint32_t word) const { return decode(word, extensions_); }
+  Extensions extensions() const { return extensions_; }
   /// Reads an instruction word. If it cannot be fetched, returns false and sets `fault_address`.
   static bool fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& word, std::uint32_t& fault_address);
 
@@ -238,13 +241,10 @@ class BlockCache {
   void follow_changes();
   void forget();
   Instruction instruction_of(const Decoded& decoded, std::uint32_t pc) const;
-  Decoded decode_word(std::uint32_t word) const {
-    return decode(word, timing_.has_xpulp() ? Extension::xpulp : Extension::standard);
-  }
-
   Memory& memory_;
   std::uint8_t mark_;  // on words with decoded instructions
   Timing timing_;
+  Extensions extensions_;
   std::array<std::uint32_t, kOpCount> energy_fj_;
   /// True if a block also ends at known targets of jumps and branches, so that few blocks overlap. False for harts with
   /// a loose limit, whose blocks must depend on memory and pc only.

@@ -15,7 +15,8 @@ namespace mebots::soc::csr {
 #include "hart/csrs.inc"
 
 /// Which cores have the registers of a row.
-enum class Core : std::uint8_t { every, ri5cy, gap8 };
+/// `floats`: F or Zfinx; `user`: U mode; `pmp`: entries of physical memory protection.
+enum class Core : std::uint8_t { every, ri5cy, gap8, floats, user, pmp };
 
 /// The numbers of one row's registers. All registers of the table have consecutive slots.
 struct Place {
@@ -62,8 +63,11 @@ namespace mebots::soc::cause {
 inline constexpr unsigned kFetchAccess = 1;
 inline constexpr unsigned kIllegalInstruction = 2;
 inline constexpr unsigned kBreakpoint = 3;
+inline constexpr unsigned kLoadMisaligned = 4;
 inline constexpr unsigned kLoadAccess = 5;
+inline constexpr unsigned kStoreMisaligned = 6;
 inline constexpr unsigned kStoreAccess = 7;
+inline constexpr unsigned kUserEcall = 8;
 inline constexpr unsigned kMachineEcall = 11;
 inline constexpr unsigned kInterrupt = 0x80000000U;
 

@@ -3,6 +3,8 @@
 // The effects of accesses to control and status registers: the column `meaning` of csrs.inc, and its functions.
 #include "hart/csrs.hpp"
 
+#include "hart/data_path.hpp"
+
 #include "mebots/assert.hpp"
 
 #include <array>
@@ -14,10 +16,18 @@
 namespace mebots::soc {
 namespace {
 
-constexpr std::uint32_t kMisaValue = (1U << 30) | (1U << 8) | (1U << 12) | (1U << 2);  // RV32, I, M, C
+constexpr std::uint32_t letter(char name) {
+  return 1U << (name - 'A');
+}
+constexpr std::uint32_t kMisaValue = (1U << 30) | letter('I') | letter('M') | letter('C');  // RV32
 constexpr std::uint32_t kMieBit = 1U << 3;
 constexpr std::uint32_t kMpieBit = 1U << 7;
-constexpr std::uint32_t kMppMachine = 3U << 11;
+constexpr unsigned kMppShift = 11;
+constexpr std::uint32_t kFloatsOn = 3U << 13;  // FS: dirty. It is Off or Dirty; writing Initial or Clean sets Dirty
+constexpr std::uint32_t kSomeDirty = 1U << 31;
+constexpr std::uint32_t kModifiesPrivilege = 1U << 17;
+constexpr std::uint32_t kWaitTraps = 1U << 21;
+constexpr std::uint32_t kCounterEnables = 0xfffffffdU;  // all but `time`, which is no register here
 constexpr std::uint32_t kInhibitCycle = 1U << 0;
 constexpr std::uint32_t kInhibitInstret = 1U << 2;
 /// Software, timer and external interrupt of machine mode, and 16 fast lines.
@@ -28,7 +38,6 @@ constexpr std::uint32_t kArchitecture = 4;
 constexpr std::uint32_t kCountersOn = 1U << 0;      // PCMR
 constexpr std::uint32_t kCountersStop = 1U << 1;    // at their highest value
 constexpr std::uint32_t kEvents = (1U << 31) - 1U;  // of PCER
-constexpr std::uint32_t kMachineMode = 3;
 
 bool is_read_only(unsigned number) {
   return (number >> 10) == 3 && number != csr::kPcerUser && number != csr::kPcmrUser;
@@ -43,7 +52,7 @@ bool is_event_counter(unsigned number) {
 /// The rows of the table, and the row of each number for each kind of core.
 struct Csrs::Rows {
   using Core = csr::Core;
-  static constexpr std::size_t kCores = 3;
+  static constexpr std::size_t kCores = 3;  // every, ri5cy, gap8; an option of a core is in all of them
   static constexpr std::size_t kNumbers = 4096;
 
   struct Row;
@@ -132,7 +141,8 @@ constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows:
   for (std::size_t core = 0; core < kCores; ++core) {
     for (std::size_t rows_of = 0; rows_of <= core; ++rows_of) {
       for (std::size_t i = 0; i < kAll.size(); ++i) {
-        if (static_cast<std::size_t>(kAll[i].core) != rows_of) continue;
+        const auto core_of_row = static_cast<std::size_t>(kAll[i].core);
+        if ((core_of_row < kCores ? core_of_row : 0) != rows_of) continue;
         for (unsigned n = 0; n < kAll[i].count; ++n)
           row_of[core][kAll[i].number + n] = static_cast<std::uint8_t>(i + 1);
       }
@@ -146,7 +156,21 @@ const Csrs::Rows::Row* Csrs::Rows::find(const Csrs& csrs, unsigned number) {
   if (number >= kNumbers) return nullptr;
   const auto core = !csrs.timing_.has_xpulp() ? Core::every : csrs.has_gap8_interrupts_ ? Core::gap8 : Core::ri5cy;
   const auto row = kRowOf[static_cast<std::size_t>(core)][number];
-  return row == 0 ? nullptr : &kAll[row - 1U];
+  return row == 0 || !csrs.has(kAll[row - 1U].core) ? nullptr : &kAll[row - 1U];
+}
+
+/// True if the core has the option of a row of the table.
+bool Csrs::has(csr::Core core) const {
+  switch (core) {
+    case csr::Core::floats:
+      return timing_.options.has_floats() && !execution_.float_off;
+    case csr::Core::user:
+      return timing_.options.has(Extension::user);
+    case csr::Core::pmp:
+      return pmp_.entries() != 0;
+    default:
+      return true;
+  }
 }
 
 Csrs::Csrs(Execution& execution, BlockCache& blocks, const HartSettings& settings)
@@ -155,7 +179,8 @@ Csrs::Csrs(Execution& execution, BlockCache& blocks, const HartSettings& setting
       timing_(blocks.timing()),
       id_(settings.id),
       has_gap8_interrupts_(settings.has_gap8_interrupts),
-      keeps_written_mtvec_(settings.keeps_written_mtvec) {
+      keeps_written_mtvec_(settings.keeps_written_mtvec),
+      pmp_(timing_.pmp_entries) {
   restart();
 }
 
@@ -166,6 +191,12 @@ void Csrs::restart() {
     for (unsigned i = 0; i < row.count; ++i) state_.words[row.slot + i] = row.meaning.reset;
   }
   if (has_gap8_interrupts_) word<csr::kMie>() = ~0U;
+  pmp_.restart();
+  execution_.float_off = timing_.options.has(Extension::f);
+  execution_.float_flags = 0;
+  execution_.rounding = 0;
+  execution_.reservation = {};
+  update_guard();
   state_.handlers = word<csr::kMtvec>() = timing_.mtvec_after_reset();
   word<csr::kMcountinhibit>() = timing_.mcountinhibit_after_reset();
   const auto base = [this](std::uint32_t inhibit, std::uint64_t count) { return is_inhibited(inhibit) ? 0 : count; };
@@ -186,7 +217,8 @@ void Csrs::set_interrupts(std::uint32_t lines) {
 }
 
 void Csrs::update_interrupts() {
-  interrupt_ready_ = state_.interrupts_on && pending() != 0;
+  // No code below machine mode can disable machine mode's interrupts.
+  interrupt_ready_ = (state_.interrupts_on || state_.mode == Mode::user) && pending() != 0;
   if (interrupt_ready_) execution_.drop_resume_point();
 }
 
@@ -196,7 +228,25 @@ void Csrs::enter_handler(std::uint32_t cause, std::uint32_t value) {
   set_mtval(value);
   state_.interrupts_were_on = state_.interrupts_on;
   state_.interrupts_on = false;
+  state_.mode_before = state_.mode;
+  set_mode(Mode::machine);
+}
+
+void Csrs::set_mode(Mode mode) {
+  state_.mode = mode;
   update_interrupts();
+  update_guard();
+}
+
+/// Lets each access be checked if a mode's rights may forbid one.
+void Csrs::update_guard() {
+  guarded_ = !pmp_.allows_all(state_.mode) || !pmp_.allows_all(data_mode());
+  if (execution_.units != nullptr) execution_.units->data_path.guard(guarded_);
+  execution_.drop_resume_point();
+}
+
+std::uint32_t Csrs::call_cause() const {
+  return state_.mode == Mode::user ? cause::kUserEcall : cause::kMachineEcall;
 }
 
 std::uint32_t Csrs::leave_handler() {
@@ -205,7 +255,10 @@ std::uint32_t Csrs::leave_handler() {
   // GAP8's FreeRTOS reads bit 31 of mcause to find out whether it is in a handler, also after the handler. Therefore
   // mret clears mcause, as GVSoC's models of GAP8 do. The privileged specification leaves it unchanged.
   if (has_gap8_interrupts_) word<csr::kMcause>() = 0;
-  update_interrupts();
+  const auto mode = state_.mode_before;
+  if (timing_.options.has(Extension::user)) state_.mode_before = Mode::user;
+  if (mode != Mode::machine) state_.modifies_privilege = false;
+  set_mode(mode);
   return word<csr::kMepc>();
 }
 
@@ -226,7 +279,7 @@ const Instruction* Csrs::access(const Instruction* at) {
   e.counters.instructions += at->index;
   e.counters.cycles = e.start_of(at);
   std::uint32_t old = 0;
-  bool good = read(number, old);
+  bool good = may_access(number) && read(number, old);
   record_stopped_counter(number);
   if (good && writes) good = write(number, replace ? operand : set ? old | operand : old & ~operand);
   e.counters = saved;
@@ -234,6 +287,14 @@ const Instruction* Csrs::access(const Instruction* at) {
   e.x[at->rd] = old;
   return blocks_.is_stale() ? e.leave_after(at, Leave::normal)
                             : at + 1;  // stale: it has moved the end of a hardware loop
+}
+
+/// True if the mode is high enough for a register: bits 9:8 of its number, and mcounteren for counters in U mode.
+bool Csrs::may_access(unsigned number) const {
+  if (state_.mode == Mode::machine) return true;
+  if ((number >> 8 & 3U) != 0) return false;
+  const bool is_counter = (number >> 5 & ~4U) == 0xc00U >> 5;
+  return !is_counter || (word<csr::kMcounteren>() >> (number & 31U) & 1U) != 0;
 }
 
 /// Records that the program read a counter that has not run since reset.
@@ -270,16 +331,57 @@ void Csrs::visit(state::Visitor& v) {
   v("instret_base", state_.instret_base);
   v("pccr_base", state_.pccr_base);
   v("interrupt_ready", interrupt_ready_);
+  v("mode", state_.mode);
+  v("mode_before", state_.mode_before);
+  v("modifies_privilege", state_.modifies_privilege);
+  v("wait_traps", state_.wait_traps);
+  v("float_off", execution_.float_off);
+  v("pmp", pmp_);
+  if (v.restores()) update_guard();
 }
 
 std::uint32_t Csrs::mstatus() const {
-  return kMppMachine | (state_.interrupts_on ? kMieBit : 0U) | (state_.interrupts_were_on ? kMpieBit : 0U);
+  const auto floats = timing_.options.has(Extension::f) && !execution_.float_off ? kFloatsOn | kSomeDirty : 0U;
+  return static_cast<std::uint32_t>(state_.mode_before) << kMppShift | (state_.interrupts_on ? kMieBit : 0U) |
+         (state_.interrupts_were_on ? kMpieBit : 0U) | (state_.modifies_privilege ? kModifiesPrivilege : 0U) |
+         (state_.wait_traps ? kWaitTraps : 0U) | floats;
 }
 
 void Csrs::set_mstatus(std::uint32_t value) {
   state_.interrupts_on = (value & kMieBit) != 0;
   state_.interrupts_were_on = (value & kMpieBit) != 0;
+  if (timing_.options.has(Extension::f)) execution_.float_off = (value & kFloatsOn) == 0;
+  if (timing_.options.has(Extension::user)) {
+    const auto before = value >> kMppShift & 3U;
+    if (before == 0 || before == 3) state_.mode_before = static_cast<Mode>(before);
+    state_.modifies_privilege = (value & kModifiesPrivilege) != 0;
+    state_.wait_traps = (value & kWaitTraps) != 0;
+    update_guard();
+  }
   update_interrupts();
+}
+
+std::uint32_t Csrs::misa() const {
+  const auto& options = timing_.options;
+  const auto letters = [&](Extension extension, char name) { return options.has(extension) ? letter(name) : 0U; };
+  const bool is_b = options.has(Extension::zba) && options.has(Extension::zbb) && options.has(Extension::zbs);
+  return kMisaValue | letters(Extension::a, 'A') | letters(Extension::f, 'F') | letters(Extension::user, 'U') |
+         (is_b ? letter('B') : 0U);
+}
+
+void Csrs::set_float_control(std::uint32_t value) {
+  set_float_flags(value);
+  set_float_rounding(value >> 5);
+}
+
+void Csrs::set_pmp_configurations(unsigned index, std::uint32_t value) {
+  pmp_.set_configurations(index, value);
+  update_guard();
+}
+
+void Csrs::set_pmp_address(unsigned entry, std::uint32_t value) {
+  pmp_.set_address(entry, value);
+  update_guard();
 }
 
 void Csrs::set_mtvec(std::uint32_t value) {

@@ -5,6 +5,7 @@
 #include "hart/csr_numbers.hpp"
 #include "hart/execution.hpp"
 #include "hart/observer.hpp"
+#include "hart/pmp.hpp"
 #include "hart/timing.hpp"
 #include "mebots/state/visitor.hpp"
 
@@ -47,6 +48,18 @@ class Csrs {
   bool interrupt_ready() const { return interrupt_ready_; }
   bool interrupts_enabled() const { return state_.interrupts_on && word<csr::kMie>() != 0; }
 
+  /// The mode of the next instruction.
+  Mode mode() const { return state_.mode; }
+  /// The mode whose rights loads and stores have: mstatus.MPRV may choose that of the code before a trap.
+  Mode data_mode() const { return state_.modifies_privilege ? state_.mode_before : state_.mode; }
+  /// True if U mode must not execute wfi (mstatus.TW).
+  bool wait_traps() const { return state_.mode == Mode::user && state_.wait_traps; }
+  const Pmp& pmp() const { return pmp_; }
+  /// True if an access or a fetch may be forbidden: then each is checked, and no code is translated.
+  bool is_guarded() const { return guarded_; }
+  /// Returns the exception of an ecall.
+  std::uint32_t call_cause() const;
+
   /// Returns the base address of the handlers; bit 0 is set if interrupts are vectored.
   std::uint32_t handlers() const { return state_.handlers; }
   const CsrRemarks& remarks() const { return remarks_; }
@@ -64,7 +77,11 @@ class Csrs {
     std::array<std::uint32_t, csr::slots_before(csr::kPlaces.size())> words{};  // values of the registers that have one
     bool interrupts_on = false;                                                 // mstatus.MIE
     bool interrupts_were_on = false;                                            // mstatus.MPIE
-    std::uint64_t cycle_base = 0;  // mcycle = counter - base; while inhibited, mcycle = base
+    Mode mode = Mode::machine;
+    Mode mode_before = Mode::machine;  // mstatus.MPP
+    bool modifies_privilege = false;   // mstatus.MPRV
+    bool wait_traps = false;           // mstatus.TW
+    std::uint64_t cycle_base = 0;      // mcycle = counter - base; while inhibited, mcycle = base
     std::uint64_t instret_base = 0;
     std::uint32_t handlers = 0;                // entry of the handlers: mtvec, or the value written to it
     std::array<std::uint64_t, 2> pccr_base{};  // of RI5CY's event counters
@@ -82,6 +99,18 @@ class Csrs {
   // The functions named in the table.
   std::uint32_t id() const { return id_; }
   std::uint32_t zero() const { return 0; }
+  std::uint32_t misa() const;
+  std::uint32_t privilege() const { return static_cast<std::uint32_t>(state_.mode); }
+  std::uint32_t float_flags() const { return execution_.float_flags; }
+  std::uint32_t float_rounding() const { return execution_.rounding; }
+  std::uint32_t float_control() const { return float_rounding() << 5 | float_flags(); }
+  void set_float_flags(std::uint32_t value) { execution_.float_flags = value & 31U; }
+  void set_float_rounding(std::uint32_t value) { execution_.rounding = value & 7U; }
+  void set_float_control(std::uint32_t value);
+  std::uint32_t pmp_configurations(unsigned index) const { return pmp_.configurations(index); }
+  void set_pmp_configurations(unsigned index, std::uint32_t value);
+  std::uint32_t pmp_address(unsigned entry) const { return pmp_.address(entry); }
+  void set_pmp_address(unsigned entry, std::uint32_t value);
   std::uint32_t mstatus() const;
   void set_mstatus(std::uint32_t value);
   void update_interrupts();
@@ -129,6 +158,10 @@ class Csrs {
     execution_.loops[kLoop].count = value;
   }
 
+  bool has(csr::Core core) const;
+  bool may_access(unsigned number) const;
+  void set_mode(Mode mode);
+  void update_guard();
   bool is_inhibited(std::uint32_t bit) const { return (word<csr::kMcountinhibit>() & bit) != 0; }
   void record_stopped_counter(unsigned number);
   std::uint64_t read_counter(bool instret) const;
@@ -143,7 +176,9 @@ class Csrs {
   bool has_gap8_interrupts_;
   bool keeps_written_mtvec_;
   CsrRemarks remarks_;
+  Pmp pmp_;
   State state_;
+  bool guarded_ = false;
   bool interrupt_ready_ = false;
 };
 

@@ -2,10 +2,12 @@
 #include "hart/data_path.hpp"
 
 #include "hart/csr_numbers.hpp"
+#include "hart/csrs.hpp"
 #include "mebots/assert.hpp"
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace mebots::soc {
 namespace {
@@ -45,8 +47,21 @@ bool DataPath::connect(std::span<const MemoryPort> ports) {
     const bool asked = i == 1 && before.is_shared();
     others = others || ram.data != before.data || asks != asked || (!asks && ram.wait_cycles != before.wait_cycles);
     execution_.ram[i] = ram;
+    spans_[i] = ram.span;
   }
+  guard(guarded_);
   return others;
+}
+
+void DataPath::guard(bool guarded) {
+  guarded_ = guarded;
+  for (std::size_t i = 0; i < spans_.size(); ++i) execution_.ram[i].span = guarded ? 0 : spans_[i];
+}
+
+bool DataPath::forbids(std::uint32_t address, unsigned size, Pmp::Access access) const {
+  if (!guarded_) return false;
+  const auto& csrs = execution_.units->csrs;
+  return !csrs.pmp().allows(address, size, access, csrs.data_mode());
 }
 
 std::uint32_t DataPath::longest_wait() const {
@@ -86,6 +101,7 @@ void DataPath::wait_for_ram(const Instruction* at, const MemoryPort& port, std::
 
 const Instruction* DataPath::load(const Instruction* at, std::uint32_t address, unsigned size, bool sign) {
   auto& e = execution_;
+  if (forbids(address, size, Pmp::Access::load)) return e.raise(at, cause::kLoadAccess, address);
   std::uint32_t value = 0;
   if (const auto* port = port_of(address, size); port != nullptr) {
     const auto& region = memory_.regions()[port->region];
@@ -129,6 +145,7 @@ const Instruction* DataPath::finish_load(const Instruction* at, std::uint32_t ad
 
 const Instruction* DataPath::store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value) {
   auto& e = execution_;
+  if (forbids(address, size, Pmp::Access::store)) return e.raise(at, cause::kStoreAccess, address);
   if (const auto* port = port_of(address, size); port != nullptr) {
     auto& region = memory_.regions()[port->region];
     const auto place = address - port->moved;
@@ -148,8 +165,70 @@ const Instruction* DataPath::store(const Instruction* at, std::uint32_t address,
   return execution_.leave_after(at, Leave::device);
 }
 
+std::uint8_t* DataPath::atomic_word(const Instruction* at, std::uint32_t address, bool only_loads) {
+  auto& e = execution_;
+  if (address % 4 != 0) {
+    e.raise(at, only_loads ? cause::kLoadMisaligned : cause::kStoreMisaligned, address);
+    return nullptr;
+  }
+  const auto* port = port_of(address, 4);
+  const bool forbidden = (at->op != Op::sc_w && forbids(address, 4, Pmp::Access::load)) ||
+                         (!only_loads && forbids(address, 4, Pmp::Access::store));
+  if (port == nullptr || forbidden) {
+    e.raise(at, only_loads ? cause::kLoadAccess : cause::kStoreAccess, address);
+    return nullptr;
+  }
+  const auto place = address - port->moved;
+  wait_for_ram(at, *port, place, 4);
+  const auto& region = memory_.regions()[port->region];
+  return region.data.get() + (place - region.base);
+}
+
+/// Ends an atomic operation that has stored.
+const Instruction* DataPath::stored_atomic(const Instruction* at, std::uint32_t address) {
+  const auto place = address - port_of(address, 4)->moved;
+  const auto* next = memory_.marked(place, 4, 0xff) ? stored_over_mark(at, place, 4) : at + 1;
+  return next == nullptr ? nullptr : execution_.leave_after(at, Leave::normal);
+}
+
+const Instruction* DataPath::load_reserved(const Instruction* at, std::uint32_t address) {
+  const auto* bytes = atomic_word(at, address, true);
+  if (bytes == nullptr) return nullptr;
+  auto& e = execution_;
+  e.reservation = {true, address, 0};
+  std::memcpy(&e.reservation.value, bytes, 4);
+  e.x[at->rd] = e.reservation.value;
+  return at + 1;
+}
+
+const Instruction* DataPath::store_conditional(const Instruction* at, std::uint32_t address, std::uint32_t value) {
+  auto* bytes = atomic_word(at, address, false);
+  if (bytes == nullptr) return nullptr;
+  auto& e = execution_;
+  const auto reserved = std::exchange(e.reservation, {});
+  std::uint32_t word = 0;
+  std::memcpy(&word, bytes, 4);
+  const bool fails = !reserved.valid || reserved.address != address || reserved.value != word;
+  e.x[at->rd] = fails ? 1 : 0;
+  if (fails) return at + 1;
+  std::memcpy(bytes, &value, 4);
+  return stored_atomic(at, address);
+}
+
+const Instruction* DataPath::amo(const Instruction* at, std::uint32_t address, std::uint32_t value,
+                                 std::uint32_t (*combine)(std::uint32_t word, std::uint32_t value)) {
+  auto* bytes = atomic_word(at, address, false);
+  if (bytes == nullptr) return nullptr;
+  std::uint32_t word = 0;
+  std::memcpy(&word, bytes, 4);
+  const auto result = combine(word, value);
+  std::memcpy(bytes, &result, 4);
+  execution_.x[at->rd] = word;
+  return stored_atomic(at, address);
+}
+
 const Instruction* DataPath::stored_over_mark(const Instruction* at, std::uint32_t address, unsigned size) {
-  MEBOTS_ASSERT(is_store(at->op));
+  MEBOTS_ASSERT(is_store(at->op) || is_atomic(at->op));
   memory_.changed(address, size);
   if (memory_.marked(address, size, Region::kWatch) && bus_.watched(address))
     return execution_.leave_after(at, Leave::stop);

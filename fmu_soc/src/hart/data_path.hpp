@@ -2,9 +2,11 @@
 #pragma once
 
 #include "hart/execution.hpp"
+#include "hart/pmp.hpp"
 #include "memory/bus.hpp"
 #include "memory/memory.hpp"
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -35,15 +37,29 @@ class DataPath {
   void share_first(BankSchedule* banks);
   std::uint32_t longest_wait() const;
 
+  /// Switches the fast path off, so that each access is checked against the rights of its mode; or on again.
+  void guard(bool guarded);
+
   // Execute an instruction. They return what its handler returns.
   const Instruction* load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
   const Instruction* store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
   /// p.elw
   const Instruction* event_load(const Instruction* at);
+  /// lr.w and sc.w
+  const Instruction* load_reserved(const Instruction* at, std::uint32_t address);
+  const Instruction* store_conditional(const Instruction* at, std::uint32_t address, std::uint32_t value);
+  /// amo*.w: stores `combine(word, value)`, and loads the word that was there before.
+  const Instruction* amo(const Instruction* at, std::uint32_t address, std::uint32_t value,
+                         std::uint32_t (*combine)(std::uint32_t word, std::uint32_t value));
   /// Continues after a store over code or over a watched word.
   const Instruction* stored_over_mark(const Instruction* at, std::uint32_t address, unsigned size);
 
  private:
+  bool forbids(std::uint32_t address, unsigned size, Pmp::Access access) const;
+  /// Returns the word of an atomic operation, after its waits. If it is misaligned, forbidden or no RAM, raises the
+  /// exception and returns null.
+  std::uint8_t* atomic_word(const Instruction* at, std::uint32_t address, bool only_loads);
+  const Instruction* stored_atomic(const Instruction* at, std::uint32_t address);
   const MemoryPort* port_of(std::uint32_t address, unsigned size) const;
   void wait_for_ram(const Instruction* at, const MemoryPort& port, std::uint32_t address, unsigned size);
   const Instruction* finish_load(const Instruction* at, std::uint32_t address, const BusReply& reply);
@@ -52,6 +68,8 @@ class DataPath {
   Memory& memory_;
   Bus& bus_;
   bool finishes_block_;
+  bool guarded_ = false;
+  std::array<std::uint32_t, 2> spans_{};  // of the fast regions; the fast path sees 0 while it is off
   std::vector<MemoryPort> ports_;
 };
 

@@ -46,6 +46,19 @@ struct HardwareLoop {
   }
 };
 
+/// The word that lr.w has reserved, and its value: sc.w fails if the word has changed since.
+struct Reservation {
+  bool valid = false;
+  std::uint32_t address = 0;
+  std::uint32_t value = 0;
+
+  void visit(state::Visitor& v) {
+    v("valid", valid);
+    v("address", address);
+    v("value", value);
+  }
+};
+
 /// Counters since reset. The program cannot write them.
 struct Counters {
   std::uint64_t instructions = 0;     // retired
@@ -95,6 +108,9 @@ struct Execution;
 
 inline constexpr const std::uint8_t* kNoResumePoint = nullptr;
 
+/// Value of MXCSR without flags: rounds to nearest, no exceptions, and no number is flushed to zero.
+inline constexpr std::uint32_t kFloatControl = 0x1f80;
+
 /// Data exchanged with translated code.
 struct HostState {
   /// First and last value of its cycle count. It counts down the cycles that may start, to 0; where banks are shared,
@@ -117,6 +133,10 @@ struct HostState {
   std::uint64_t slow_load_when = 0;  // `instructions` at that time; if equal now, the load is in the present block
   std::uint64_t tick_offset = 0;     // active cycle c of the hart is tick c + offset of shared units
   bool alone = false;                // true if no other core uses the banks: then the table need not be read
+  // The host's unit for floats (MXCSR) before translated code, in it, and after it:
+  std::uint32_t float_control_outside = 0;
+  std::uint32_t float_control = kFloatControl;
+  std::uint32_t float_control_after = kFloatControl;
   // Record of steps between functions:
   Flow* flow = nullptr;              // next entry to write
   std::uint64_t position = 0;        // the cycle count at the end of the last run
@@ -138,7 +158,8 @@ struct HartUnits {
 /// The state of a core that its handlers and translated code change, and the block in progress. During a block, the
 /// counters and the pipeline are those of its start.
 struct Execution {
-  std::array<std::uint32_t, 33> x{};  // x[0] stays 0; x[32] takes what is written to x0
+  /// x0 to x31, then f0 to f31. x[0] stays 0; the last one takes what is written to x0.
+  std::array<std::uint32_t, kNoRegister + 1> x{};
   std::uint32_t pc = 0;
   std::array<HardwareLoop, 2> loops{};  // 0 is the inner one
   FastRegion ram[2];
@@ -149,13 +170,17 @@ struct Execution {
   std::uint32_t extra_cycles = 0;          // beyond the static ones
   std::uint32_t first_stall = 0;           // of them: stall of the first instruction after a load
   const Instruction* exit = nullptr;       // everything before it has retired
-  std::uint32_t* link = nullptr;           // slot for the number of the next block
+  std::uint16_t* link = nullptr;           // slot for the number of the next block
   std::uint32_t next_block = 0;            // where translated code stopped; 0 = unknown
   bool jumped = false;                     // an unaligned target costs a cycle
   bool redirected = false;                 // left by a branch, jump, trap or return from one
   const Instruction* slow_load = nullptr;  // the last misaligned load
   const Instruction* waits_at = nullptr;   // the next instruction, if its line is absent or an observer is set
   Leave leave = Leave::normal;
+  bool float_off = false;        // operations on floats are illegal (mstatus.FS)
+  std::uint8_t rounding = 0;     // frm; next to the one before, because translated code checks both at once
+  std::uint8_t float_flags = 0;  // fflags
+  Reservation reservation;
   std::uint32_t trap_cause = 0;
   std::uint32_t trap_value = 0;
   std::uint32_t cut_pc = kNoPc;      // after a cut block, after a single instruction, or at the return of a trap

@@ -194,9 +194,9 @@ std::string register_advice(unsigned number) {
 }
 
 /// Returns the compiler options for the core's instructions.
-std::string_view option_for(Extension has) {
-  return has == Extension::xpulp ? "-march=rv32imcxpulpv2 (PULP's compiler), or -march=rv32imc_zicsr"
-                                 : "-march=rv32imc_zicsr";
+std::string_view option_for(Extensions has) {
+  return has.has(Extension::xpulp) ? "-march=rv32imcxpulpv2 (PULP's compiler), or -march=rv32imc_zicsr"
+                                   : "-march=rv32imc_zicsr";
 }
 
 }  // namespace
@@ -208,12 +208,12 @@ ForeignInstruction foreign_instruction(std::uint32_t word) {
   return {};
 }
 
-std::string advice_for_illegal(std::uint32_t word, Extension has, std::string_view architecture) {
+std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_view architecture) {
   if ((word & 0xffffU) == 0) return "the word is 0, which is no instruction: there is no code here";
   if (word == kAll) return "the word is all ones, which is no instruction: erased flash, or no code here";
   if (is_csr_access(word)) return register_advice(word >> 20);
   const auto foreign = foreign_instruction(word);
-  const bool is_xpulp = has == Extension::standard && decode(word, Extension::xpulp).encoding != nullptr;
+  const bool is_xpulp = !has.has(Extension::xpulp) && decode(word, Extension::xpulp).encoding != nullptr;
   if (is_xpulp && foreign.name.empty()) {
     return "this is an instruction of Xpulp v2: run it on a core ri5cy, or compile with -march=rv32imc_zicsr";
   }
@@ -221,8 +221,19 @@ std::string advice_for_illegal(std::uint32_t word, Extension has, std::string_vi
   const auto or_xpulp = is_xpulp ? ", or an instruction of Xpulp v2 for a core ri5cy" : "";
   const auto built =
       architecture.empty() ? std::string() : fmt::format("; the program was compiled for {}", architecture);
-  return fmt::format("this is {}, of extension {}{}, which the core lacks{}: compile with {} -mabi=ilp32", foreign.name,
-                     foreign.extension, or_xpulp, built, option_for(has));
+  // The generic core may have it, and a board's core by its key isa.
+  const auto option = optional_extension(foreign.extension);
+  if (decode(word, has).encoding != nullptr) {
+    return "this instruction is not allowed now: an operation on floats while mstatus.FS is Off or with a rounding "
+           "mode that does not exist, or one of machine mode in U mode";
+  }
+  const auto with_it =
+      option == Extension::standard || has.has(option)
+          ? std::string()
+          : fmt::format(", or give the core the extension: \"isa\": \"{0}\" on a board, --core {0} without one",
+                        isa_string(has.with(option)));
+  return fmt::format("this is {}, of extension {}{}, which the core lacks{}: compile with {} -mabi=ilp32{}",
+                     foreign.name, foreign.extension, or_xpulp, built, option_for(has), with_it);
 }
 
 }  // namespace mebots::soc

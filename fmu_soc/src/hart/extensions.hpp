@@ -22,6 +22,6 @@ ForeignInstruction foreign_instruction(std::uint32_t word);
 
 /// Returns a text that names an illegal instruction and how to avoid it; empty if it is unknown. `has`: extensions of
 /// the core. `architecture`: that of the program, from Elf::architecture(), or empty.
-std::string advice_for_illegal(std::uint32_t word, Extension has, std::string_view architecture);
+std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_view architecture);
 
 }  // namespace mebots::soc

@@ -15,23 +15,31 @@ struct Instruction;
 /// Executes one instruction. Returns the next instruction of the block; null if the block is left.
 using Handler = const Instruction* (*)(Execution&, const Instruction*);
 
+/// The number that an instruction has instead of x0 as its rd: a register that is never read.
+inline constexpr std::uint8_t kNoRegister = kRegisters;
+
 /// A decoded instruction in a block. It contains sums over the instructions before it in the same block. An exit from
 /// the block adds them once, so counting costs nothing per instruction.
 struct Instruction {
   Handler run = nullptr;
   std::int32_t imm = 0;  // absolute address for jumps and branches, value for auipc; operand_value() of Xpulp
   std::uint32_t pc = 0;  // its end is the pc of the next slot
-  std::uint8_t rd = 0;   // 32 instead of 0: a register that is never read
+  std::uint8_t rd = 0;   // kNoRegister instead of 0
   std::uint8_t rs1 = 0;
-  std::uint8_t rs2 = 0;  // Xpulp: also the number of a loop, the value of p.beqimm
+  std::uint8_t rs2 = 0;    // Xpulp: also the number of a loop, the value of p.beqimm
+  std::uint8_t index = 0;  // instructions before it
   Op op = Op::end_of_block;
-  std::uint16_t cycles_before = 0;   // static cycles
-  std::uint8_t index = 0;            // instructions
-  std::uint8_t accesses_before = 0;  // loads and stores
+  std::uint16_t cycles_before = 0;  // static cycles
   std::uint32_t energy_before_fj = 0;
-  mutable std::uint32_t link = 0;  // block that follows if the block is left here; 0 = not known yet
+  std::uint8_t accesses_before = 0;  // loads and stores
+  mutable std::uint16_t link = 0;    // block that follows if the block is left here; 0 = not known yet
 };
 static_assert(sizeof(Instruction) == 32 || sizeof(void*) != 8);
+
+/// Returns the third register that a fused multiply-add reads.
+constexpr std::uint8_t third_register(const Instruction& instruction) {
+  return static_cast<std::uint8_t>(static_cast<std::uint32_t>(instruction.imm) >> 8);
+}
 
 /// Returns the handler of an operation with this kind of second operand.
 Handler handler_of(Op op, Operand operand = Operand::reg);

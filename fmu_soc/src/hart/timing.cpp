@@ -23,7 +23,7 @@ unsigned own_cycles(const Timing& timing, const Current& current) {
 
 /// True if an instruction directly after a load reads or writes the register that is loaded.
 bool load_stall(const Timing& timing, const Previous& load, const Current& current) {
-  if (!is_load(load.op) || load.rd == 0 || load.rd > 31) return false;
+  if (!is_load(load.op) || !load.writes()) return false;
   if (reads_rs1(current.op) && current.rs1 == load.rd) return true;
   if (traits_of(current.op).reads_rs2 && current.rs2 == load.rd) return true;
   if (current.rs3 == load.rd) return true;
@@ -38,13 +38,13 @@ bool load_stall(const Timing& timing, const Previous& load, const Current& curre
 
 unsigned jump_cycles(const Previous& two_before, const Previous& before, const Current& jump) {
   MEBOTS_ASSERT(is_jump(jump.op));
-  const bool needs_pointer = jump.op == Op::jalr && before.pointer != 0 && jump.rs1 == before.pointer;
-  const bool needs_before = jump.op == Op::jalr && before.rd != 0 && before.rd < 32 && jump.rs1 == before.rd;
+  const bool needs_pointer = jump.op == Op::jalr && before.pointer() != 0 && jump.rs1 == before.pointer();
+  const bool needs_before = jump.op == Op::jalr && before.writes() && jump.rs1 == before.rd;
   if (needs_pointer && !needs_before) return 3;
   if (needs_before) return is_load(before.op) ? 4 : 3;
-  if (before.slow) return 1;  // the jump was fetched while that instruction was busy
-  const bool needs_two_before = jump.op == Op::jalr && is_load(two_before.op) && two_before.rd != 0 &&
-                                two_before.rd < 32 && jump.rs1 == two_before.rd;
+  if (before.slow()) return 1;  // the jump was fetched while that instruction was busy
+  const bool needs_two_before =
+      jump.op == Op::jalr && is_load(two_before.op) && two_before.writes() && jump.rs1 == two_before.rd;
   return needs_two_before ? 3 : 2;
 }
 
@@ -65,7 +65,7 @@ constexpr auto kCsrPaces = std::to_array<CsrPace>({
 std::optional<CoreKind> core_kind(std::string_view name) {
   if (name == "cv32e40p") return CoreKind::cv32e40p;
   if (name == "ri5cy") return CoreKind::ri5cy;
-  if (name == "rv32imc") return CoreKind::rv32imc;
+  if (name.starts_with("rv32")) return CoreKind::rv32imc;
   return std::nullopt;
 }
 
@@ -82,7 +82,7 @@ unsigned static_cycles(const Timing& timing, const Previous& two_before, const P
                        const Current& current) {
   if (is_jump(current.op)) {
     const bool overwrites_load =
-        is_load(before.op) && before.rd != 0 && !before.slow && current.rd == before.rd && current.rs1 != before.rd;
+        is_load(before.op) && before.rd != 0 && !before.slow() && current.rd == before.rd && current.rs1 != before.rd;
     return jump_cycles(two_before, before, current) + (overwrites_load ? 1U : 0U);
   }
   return own_cycles(timing, current) + (load_stall(timing, before, current) ? 1U : 0U);

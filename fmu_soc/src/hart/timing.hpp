@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "isa/extension.hpp"
 #include "isa/op.hpp"
 #include "mebots/state/visitor.hpp"
 
@@ -21,13 +22,15 @@ namespace mebots::soc {
 /// aligned to 4 bytes, counters that run after reset, mtval written by exceptions.
 enum class CoreKind : std::uint8_t { cv32e40p, ri5cy, rv32imc };
 
-/// "cv32e40p", "ri5cy", "rv32imc"; nullopt for other names.
+/// "cv32e40p", "ri5cy", "rv32imc"; nullopt for other names. The generic core may have an ISA string as its name.
 std::optional<CoreKind> core_kind(std::string_view name);
 
 /// Differences between the cores. CSRs of CV32E40P: its user manual 1.8.3, chapter "Control and status registers", with
 /// the default of one event counter.
 struct Timing {
   CoreKind kind = CoreKind::ri5cy;
+  Extensions options = {};   // beyond RV32IMC and what the kind always has
+  unsigned pmp_entries = 0;  // of physical memory protection: 0 to 16
 
   bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }      // same destination register
   bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }  // imm[4:0] compared with the load's rd
@@ -35,6 +38,7 @@ struct Timing {
   bool hides_unaligned_target(Op before) const { return kind == CoreKind::ri5cy && is_multi_cycle(before); }
   /// Xpulp v2 in the encodings of RI5CY. (CV32E40P has its own.)
   bool has_xpulp() const { return kind == CoreKind::ri5cy; }
+  Extensions extensions() const { return has_xpulp() ? options.with(Extension::xpulp) : options; }
   unsigned csr_cycles(unsigned csr) const;
 
   std::uint32_t mtvec_mask() const { return kind == CoreKind::cv32e40p ? 0xffffff01U : ~2U; }
@@ -53,29 +57,36 @@ inline constexpr unsigned kTrapEntryCycles = 4;
 /// The state of an earlier instruction in the pipeline.
 struct Previous {
   Op op = Op::end_of_block;  // = nothing
-  std::uint8_t rd = 0;       // 0 or above 31 = none
-  bool slow = false;         // took several cycles: mulh, div, misaligned load
-  std::uint8_t pointer = 0;  // the register that a post-increment wrote; 0 = none
+  std::uint8_t rd = 0;       // 0 or kNoRegister = none
+  /// The register that a post-increment wrote, 0 = none; and kSlow if it took several cycles: mulh, div, misaligned
+  /// load.
+  std::uint8_t pointer_and_slow = 0;
+
+  static constexpr std::uint8_t kSlow = 0x80;
+  constexpr bool slow() const { return (pointer_and_slow & kSlow) != 0; }
+  constexpr std::uint8_t pointer() const { return pointer_and_slow & static_cast<std::uint8_t>(~kSlow); }
+  /// True if it wrote a register.
+  constexpr bool writes() const { return rd != 0 && rd < kRegisters; }
 
   bool operator==(const Previous&) const = default;
   void visit(state::Visitor& v) {
     v(kOpInStates, op);
     v("rd", rd);
-    v("slow", slow);
-    v("pointer", pointer);
+    v("pointer_and_slow", pointer_and_slow);
   }
 };
 
 /// Returns that state for an executed instruction (Decoded or Instruction).
 template <typename Executed>
 Previous executed(const Executed& instruction, bool across_words) {
-  return {instruction.op, instruction.rd, is_multi_cycle(instruction.op) || across_words,
-          is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0}};
+  const auto pointer = is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0};
+  const bool slow = is_multi_cycle(instruction.op) || across_words;
+  return {instruction.op, instruction.rd, static_cast<std::uint8_t>(pointer | (slow ? Previous::kSlow : 0))};
 }
 
 /// Returns the state of the same instruction one instruction later. `slow` only affects a jump directly after it.
 constexpr Previous one_later(Previous before) {
-  before.slow = false;
+  before.pointer_and_slow = before.pointer();
   return before;
 }
 

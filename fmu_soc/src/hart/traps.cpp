@@ -70,7 +70,7 @@ Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
   if (repeats_ == 0) return Progress::some;
   if (last.instructions == e.counters.instructions) return Progress::none;
   // A handler of calls may call the same place repeatedly.
-  const bool is_call = cause == cause::kMachineEcall || cause == cause::kBreakpoint;
+  const bool is_call = cause == cause::kMachineEcall || cause == cause::kUserEcall || cause == cause::kBreakpoint;
   if (is_call || last.pc != e.pc || last.cause != cause) return Progress::some;
   // The exception occurred in its own handler, which pushes a frame each time.
   if (e.x[kStackPointer] < last.registers[kStackPointer]) return Progress::none;

@@ -47,6 +47,15 @@ void emit_shift(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.finish(at->rd, to);
 }
 
+/// Copies the second operand: rs2 or the immediate.
+inline void copy_second(Assembler& c, const Instruction* at, const Reg32& to) {
+  if (operand_of(*at) == mebots::soc::Operand::immediate) {
+    c.mov(to, static_cast<std::uint32_t>(at->imm));
+  } else {
+    c.registers.copy(to, at->rs2);
+  }
+}
+
 /// rd = op rs1; `apply(to)`: to = op to
 template <typename Apply>
 void emit_unary(Assembler& c, const Instruction* at, Apply apply) {

@@ -55,7 +55,7 @@ template <Op kOp, Operand kFrom>
 }
 
 /// Runs a function of words. Its arguments, depending on their number, are rs1; rs1 and the second operand; these and
-/// the immediate. An operation that reads rd gets it as the first argument. (rd = x0 is register 32 here, for reads and
+/// the immediate. An operation that reads rd gets it as the first argument. (rd = x0 is kNoRegister here, for reads and
 /// writes.)
 template <Op kOp, Operand kFrom, auto kExecute>
 const Instruction* run(Execution& e, const Instruction* at) {

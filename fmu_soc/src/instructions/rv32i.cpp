@@ -80,7 +80,7 @@ const Instruction* execute_end_of_block(Execution& e, const Instruction* at) {
 
 #ifdef MEBOTS_TRANSLATES
 void emit_jal(Assembler& c, const Instruction* at) {
-  if (at->rd != 32) c.registers.set(at->rd, at[1].pc);
+  if (at->rd != kNoRegister) c.registers.set(at->rd, at[1].pc);
   c.edges.jump(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
 }
 /// Returns false, which is rare, if a slow instruction before it hides the cost of an unaligned target (rs2).
@@ -89,7 +89,7 @@ bool emit_jalr(Assembler& c, const Instruction* at) {
   const auto base = c.registers.value(at->rs1, eax);
   c.lea(eax, ptr[base.cvt64() + at->imm]);
   c.and_(eax, ~1U);
-  if (at->rd != 32) c.registers.set(at->rd, at[1].pc);
+  if (at->rd != kNoRegister) c.registers.set(at->rd, at[1].pc);
   c.edges.jump_indirect(at);
   return true;
 }

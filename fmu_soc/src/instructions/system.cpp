@@ -15,7 +15,7 @@ const Instruction* execute_illegal(Execution& e, const Instruction* at) {
   return e.raise(at, cause::kIllegalInstruction, static_cast<Word>(at->imm));
 }
 const Instruction* execute_ecall(Execution& e, const Instruction* at) {
-  return e.raise(at, cause::kMachineEcall, 0);
+  return e.raise(at, e.units->csrs.call_cause(), 0);
 }
 const Instruction* execute_ebreak(Execution& e, const Instruction* at) {
   return e.raise(at, cause::kBreakpoint, at->pc);
@@ -31,10 +31,16 @@ const Instruction* execute_csr_access(Execution& e, const Instruction* at) {
   return e.units->csrs.access(at);
 }
 
+/// Machine mode's instructions are illegal in U mode; wfi only if mstatus.TW says so.
+const Instruction* illegal_in_user_mode(Execution& e, const Instruction* at) {
+  return e.raise(at, cause::kIllegalInstruction, e.units->blocks.word_at(at->pc).value_or(0));
+}
 const Instruction* execute_mret(Execution& e, const Instruction* at) {
+  if (e.units->csrs.mode() == Mode::user) return illegal_in_user_mode(e, at);
   return e.units->traps.leave_handler(at);
 }
 const Instruction* execute_wfi(Execution& e, const Instruction* at) {
+  if (e.units->csrs.wait_traps()) return illegal_in_user_mode(e, at);
   return e.leave_after(at, Leave::sleep);
 }
 

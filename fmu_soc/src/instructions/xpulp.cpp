@@ -471,7 +471,7 @@ void emit_p_cnt(Assembler& c, const Instruction* at) {
 }
 void emit_p_ror(Assembler& c, const Instruction* at) {
   c.registers.copy(eax, at->rs1);
-  c.registers.copy(ecx, at->rs2);
+  copy_second(c, at, ecx);
   c.ror(eax, cl);
   c.registers.finish(at->rd, eax);
 }

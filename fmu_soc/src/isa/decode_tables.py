@@ -11,12 +11,13 @@ import re
 import sys
 
 LONGEST_ROW = 120
+EXCLUSIVE = {"f", "zfinx"}  # no core has both extensions, so their rows may overlap
 KEYWORDS = {"and", "or", "xor", "not"}  # of C++
 DEFAULT = {"reserved": "never", "value": "as_it_is", "operand": "reg"}
 TRAITS = {  # in the order of OpTraits, with how a value is written
     "kind": "OpKind::{}", "size": "{}", "parts": "{}", "sign": "{}", "mode": "AddressMode::{}",
     "relation": "Relation::{}", "second_sign": "{}", "reads_rd": "{}", "rounds": "{}", "subtracts": "{}",
-    "high": "{}", "ends_block": "{}", "cycles": "{}", "reads_rs2": "{}",
+    "high": "{}", "ends_block": "{}", "cycles": "{}", "reads_rs2": "{}", "atomic": "{}", "floats": "{}",
 }
 
 
@@ -107,7 +108,7 @@ class Tables:
             raise Mistake(f"an encoding of @{format_name} has {len(pattern)} bits")
         mask = int(re.sub("[01]", "1", pattern).replace(".", "0"), 2)
         match = int(pattern.replace(".", "0"), 2)
-        self.refuse_overlap(mnemonic, format_name, len(pattern), mask, match)
+        self.refuse_overlap(mnemonic, format_name, len(pattern), mask, match, extension)
         self.operations[operation]["operands"].add(self.formats[format_name].get("operand", "reg"))
         self.encodings.append({"mnemonic": mnemonic, "operation": operation, "format": format_name, "mask": mask,
                                "match": match, "bits": len(pattern), "extension": extension, "place": place})
@@ -131,10 +132,12 @@ class Tables:
         if family not in self.families:
             self.families.append(family)
 
-    def refuse_overlap(self, mnemonic, format_name, bits, mask, match):
+    def refuse_overlap(self, mnemonic, format_name, bits, mask, match, extension):
         """Checks that two rows match one word only if operands of one of them are reserved."""
         for other in self.encodings:
             common = mask & other["mask"]
+            if {extension, other["extension"]} == EXCLUSIVE:
+                continue
             if bits != other["bits"] or match & common != other["match"] & common:
                 continue
             if "reserved" in self.formats[format_name] or "reserved" in self.formats[other["format"]]:

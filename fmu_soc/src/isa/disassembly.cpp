@@ -8,9 +8,15 @@
 namespace mebots::soc {
 namespace {
 
-constexpr std::array<std::string_view, 32> kNames{"zero", "ra", "sp", "gp", "tp",  "t0",  "t1", "t2", "s0", "s1", "a0",
-                                                  "a1",   "a2", "a3", "a4", "a5",  "a6",  "a7", "s2", "s3", "s4", "s5",
-                                                  "s6",   "s7", "s8", "s9", "s10", "s11", "t3", "t4", "t5", "t6"};
+constexpr std::array<std::string_view, kRegisters> kNames{
+    "zero", "ra",  "sp",  "gp",  "tp",  "t0",  "t1",   "t2",   "s0",  "s1",  "a0",   "a1",  "a2",
+    "a3",   "a4",  "a5",  "a6",  "a7",  "s2",  "s3",   "s4",   "s5",  "s6",  "s7",   "s8",  "s9",
+    "s10",  "s11", "t3",  "t4",  "t5",  "t6",  "ft0",  "ft1",  "ft2", "ft3", "ft4",  "ft5", "ft6",
+    "ft7",  "fs0", "fs1", "fa0", "fa1", "fa2", "fa3",  "fa4",  "fa5", "fa6", "fa7",  "fs2", "fs3",
+    "fs4",  "fs5", "fs6", "fs7", "fs8", "fs9", "fs10", "fs11", "ft8", "ft9", "ft10", "ft11"};
+
+/// As binutils writes it: nothing for the mode of frm.
+constexpr std::array<std::string_view, 8> kRoundings{", rne", ", rtz", ", rdn", ", rup", ", rmm", "", "", ""};
 
 /// Returns the text of a format with its names replaced (formats.decode).
 std::string operands(const Decoded& d, std::uint32_t pc) {
@@ -24,6 +30,7 @@ std::string operands(const Decoded& d, std::uint32_t pc) {
                      fmt::arg("rs2_number", d.rs2),                           //
                      fmt::arg("rs2_value", d.rs2 < 16 ? d.rs2 : d.rs2 - 32),  //
                      fmt::arg("imm", d.imm),                                  //
+                     fmt::arg("rounding", kRoundings[imm & 7U]),              //
                      fmt::arg("upper", imm >> 12),                            //
                      fmt::arg("width", imm >> 5),                             //
                      fmt::arg("position", imm & 31U),                         //
@@ -39,8 +46,8 @@ std::string_view register_name(unsigned index) {
   return kNames[index];
 }
 
-std::string disassemble(std::uint32_t word, std::uint32_t pc) {
-  const auto decoded = decode(word);
+std::string disassemble(std::uint32_t word, std::uint32_t pc, Extensions has) {
+  const auto decoded = decode(word, has);
   if (decoded.op == Op::illegal) {
     return decoded.length == 2 ? fmt::format(".half 0x{:04x}", word & 0xffffU) : fmt::format(".word 0x{:08x}", word);
   }

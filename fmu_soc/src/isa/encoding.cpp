@@ -67,18 +67,20 @@ bool is_reserved(const Encoding& encoding, std::uint32_t word) {
       return at_7 == 0;
     case Reserved::zero_at_2:
       return field(word, 6, 2) == 0;
+    case Reserved::rounding:
+      return field(word, 14, 12) == 5 || field(word, 14, 12) == 6;
   }
   return false;
 }
 
-Decoded decode(std::uint32_t word, Extension most) {
+Decoded decode(std::uint32_t word, Extensions has) {
   Decoded decoded;
   if (is_compressed(word)) {
     word &= 0xffffU;
     decoded.length = 2;
   }
   for (const auto* encoding : kIndex.candidates(word)) {
-    if ((word & encoding->mask) != encoding->match || encoding->extension > most) continue;
+    if ((word & encoding->mask) != encoding->match || !has.has(encoding->extension)) continue;
     if (is_reserved(*encoding, word)) continue;
     const auto& format = row_of(encoding->format);
     decoded.op = encoding->op;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "isa/extension.hpp"
 #include "isa/format.hpp"
 #include "isa/op.hpp"
 
@@ -9,16 +10,9 @@
 #include <string>
 #include <string_view>
 
-/// The encodings of RV32IMC_Zicsr_Zifencei, the machine-mode instructions and Xpulp v2, from the tables
-/// *.decode of this folder. Source: The RISC-V Instruction Set Manual, volume I (20191213) chapters 2, 3, 7, 9, 16, 24
-/// and volume II (20211203).
+/// The encodings of RV32IMC_Zicsr_Zifencei, the machine-mode instructions, the extensions of isa/extension.hpp and
+/// Xpulp v2, from the tables *.decode of this folder. Each table names its source.
 namespace mebots::soc {
-
-/// The extension that a core must have for a row of the table.
-enum class Extension : std::uint8_t {
-  standard,  // RV32IMC_Zicsr_Zifencei, machine mode
-  xpulp,     // Xpulp v2 as in RI5CY
-};
 
 /// A row of the table. A word is this instruction if `(word & mask) == match` and the operands are not reserved.
 struct Encoding {
@@ -33,7 +27,8 @@ struct Encoding {
 /// A decoded instruction. Immediates of branches and jumps are relative to the instruction. CSR instructions: `imm` is
 /// the CSR's number, `rs1` of the immediate forms the 5-bit value. Xpulp: `rs2` of p.beqimm and p.bneimm is the 5-bit
 /// value, `rs2` of lp.* the number of the loop; `imm` of lp.setupi is the count, with the distance of the end in the
-/// upper half; `imm` of a bit field is width - 1 << 5 | position.
+/// upper half; `imm` of a bit field is width - 1 << 5 | position. Registers of F are those from kFirstFloat on; `imm`
+/// of an operation that rounds is its rounding mode.
 struct Decoded {
   Op op = Op::illegal;
   std::uint8_t rd = 0;
@@ -58,17 +53,17 @@ constexpr bool is_compressed(std::uint32_t word) {
 bool is_reserved(const Encoding& encoding, std::uint32_t word);
 
 /// Decodes a 32-bit word, or the 16-bit instruction in its low half. If it is unknown, reserved, or needs an extension
-/// above `most`, returns `Op::illegal`.
-Decoded decode(std::uint32_t word, Extension most = Extension::xpulp);
+/// that `has` lacks, returns `Op::illegal`.
+Decoded decode(std::uint32_t word, Extensions has = kMostExtensions);
 
 /// Returns the immediate in the form that the operation uses: copied to all parts for SIMD, as the bound of a clip, as
 /// the selectors of a shuffle. Other immediates are unchanged.
 std::int32_t operand_value(const Decoded& decoded);
 
 /// Returns the assembly text of a word at an address, such as "addi sp, sp, -16"; ".word 0x..." if it is illegal.
-std::string disassemble(std::uint32_t word, std::uint32_t pc);
+std::string disassemble(std::uint32_t word, std::uint32_t pc, Extensions has = kMostExtensions);
 
-/// Returns the ABI name of a register, such as "a0".
+/// Returns the ABI name of a register, such as "a0", or "fa0" from kFirstFloat on.
 std::string_view register_name(unsigned index);
 
 }  // namespace mebots::soc

@@ -80,6 +80,7 @@ enum class Reserved : std::uint8_t {
   long_shift,            // 32 places or more
   zero_at_7,             // x0 in bits 11:7
   zero_at_2,             // x0 in bits 6:2
+  rounding,              // no rounding mode in bits 14:12
 };
 
 /// A format of isa/formats.decode.

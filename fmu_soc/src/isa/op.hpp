@@ -9,7 +9,7 @@
 namespace mebots::soc {
 
 /// An operation, independent of its encoding: `c.addi` and `addi` are both `addi`.
-enum class Op : std::uint8_t {
+enum class Op : std::uint16_t {
 #include "fmu_soc_isa/op_enum.inc"
 };
 
@@ -34,7 +34,14 @@ enum class OpKind : std::uint8_t {
   simd_shift,
   simd_parts,  // moves halves or bytes
   dot_product,
-  block_end,  // not an instruction: the slot after the last one of a decoded block
+  float_arithmetic,  // F: sums, and those of the next kinds
+  float_multiply,
+  float_multiply_add,
+  float_divide,
+  float_root,
+  float_convert,  // from or to an integer
+  float_other,    // signs, comparisons, classes, moves
+  block_end,      // not an instruction: the slot after the last one of a decoded block
 };
 
 /// How a load or store computes its address and changes the address register.
@@ -52,6 +59,10 @@ enum class Relation : std::uint8_t { eq, ne, gt, ge, lt, le };
 inline constexpr unsigned kMultiplyHighCycles = 5;
 inline constexpr unsigned kDivideBaseCycles = 3;
 inline constexpr unsigned kFenceCycles = 4;
+/// The most that CV32E40P's user manual gives, for the latencies FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0 of its other
+/// operations, which take one cycle. The core may continue earlier if the next instructions do not need the result.
+inline constexpr unsigned kFloatDivideCycles = 19;
+inline constexpr unsigned kFloatRootCycles = 19;
 /// Measured together with the entry of a trap: 9 cycles. The split is our choice.
 inline constexpr unsigned kMretCycles = 5;
 
@@ -71,6 +82,8 @@ struct OpTraits {
   bool ends_block = false;  // the next instruction is unknown, or may depend on this one
   unsigned cycles = 1;      // without cycles that depend on data; for CSR accesses see Timing::csr_cycles
   bool reads_rs2 = true;    // false: the field contains a value or the number of a loop
+  bool atomic = false;      // of the A extension
+  bool floats = false;      // of F or Zfinx
 };
 
 namespace op_rows {
@@ -150,6 +163,17 @@ constexpr bool is_dot_product(Op op) {
 }
 constexpr bool is_multiply_accumulate(Op op) {
   return traits_of(op).kind == OpKind::multiply_accumulate || traits_of(op).kind == OpKind::multiply_halves;
+}
+/// True for an operation of F or Zfinx, which is illegal while the floating-point unit is off.
+constexpr bool is_float(Op op) {
+  return traits_of(op).floats;
+}
+constexpr bool is_atomic(Op op) {
+  return traits_of(op).atomic;
+}
+/// True if the operation reads a third register, whose number is in the immediate above the rounding mode.
+constexpr bool is_float_multiply_add(Op op) {
+  return traits_of(op).kind == OpKind::float_multiply_add;
 }
 constexpr bool is_block_end(Op op) {
   return traits_of(op).kind == OpKind::block_end;

@@ -27,12 +27,17 @@ Trace::Trace(const std::string& option, const std::string& path, Columns columns
 void Trace::put(unsigned number, const Hart& hart, const Retired& instruction) {
   const auto& decoded = instruction.decoded;
   const auto& access = instruction.access;
+  // Only mret changes the mode.
+  const auto mode = static_cast<unsigned>(decoded.op == Op::mret ? Mode::machine : hart.mode());
   if (decoded.length == 2) {
-    file_.print("core{:4}: 3 0x{:08x} (0x{:04x})", number, instruction.pc, instruction.word & 0xffffU);
+    file_.print("core{:4}: {} 0x{:08x} (0x{:04x})", number, mode, instruction.pc, instruction.word & 0xffffU);
   } else {
-    file_.print("core{:4}: 3 0x{:08x} (0x{:08x})", number, instruction.pc, instruction.word);
+    file_.print("core{:4}: {} 0x{:08x} (0x{:08x})", number, mode, instruction.pc, instruction.word);
   }
-  if (writes_register(decoded)) file_.print(" x{:<2} 0x{:08x}", decoded.rd, hart.reg(decoded.rd));
+  if (writes_register(decoded)) {
+    const bool is_float = decoded.rd >= kFirstFloat;
+    file_.print(" {}{:<2} 0x{:08x}", is_float ? 'f' : 'x', decoded.rd % kFirstFloat, hart.reg(decoded.rd));
+  }
   if (is_post_increment(decoded.op)) file_.print(" x{:<2} 0x{:08x}", decoded.rs1, hart.reg(decoded.rs1));
   if (writes_csr(decoded)) {
     const auto index = static_cast<unsigned>(decoded.imm);

@@ -97,6 +97,12 @@ Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
       e.link = nullptr;
       e.cut_pc = kNoPc;
     }
+    if (csrs_.is_guarded()) [[unlikely]] {
+      left_translated = false;
+      e.link = nullptr;
+      step_guarded();
+      continue;
+    }
     if (number == 0) number = following();
     e.link = nullptr;
     if (number != 0) [[likely]] {
@@ -178,6 +184,23 @@ void Hart::step() {
   }
 }
 
+/// Runs one instruction if the mode may fetch it.
+void Hart::step_guarded() {
+  auto& e = execution_;
+  const auto may_fetch = [this](std::uint32_t address) {
+    return csrs_.pmp().allows(address, 2, Pmp::Access::fetch, csrs_.mode());
+  };
+  const auto word = blocks_.word_at(e.pc);
+  const bool first = may_fetch(e.pc);
+  if (first && (!word || is_compressed(*word) || may_fetch(e.pc + 2))) {
+    observed_.observer() != nullptr ? observed_.step() : interpreter_.step();
+    return;
+  }
+  e.trap_cause = cause::kFetchAccess;
+  e.trap_value = first ? e.pc + 2 : e.pc;
+  e.leave = Leave::trap;
+}
+
 /// Handles the reason why a block was left. Returns Stop::limit if the core continues.
 Stop Hart::leave() {
   auto& e = execution_;
@@ -225,11 +248,11 @@ bool Hart::spins() const {
 }
 
 /// Returns the block at the pc, and stores it in the link of the last instruction, if there is one.
-std::uint32_t Hart::following_block(std::uint32_t* link) {
+std::uint32_t Hart::following_block(std::uint16_t* link) {
   const auto generation = blocks_.generation();
   const auto number = blocks_.find(execution_.pc);
   MEBOTS_ASSERT(number == 0 || blocks_.block(number).pc == execution_.pc);
-  if (link != nullptr && blocks_.generation() == generation) *link = number;
+  if (link != nullptr && blocks_.generation() == generation) *link = static_cast<std::uint16_t>(number);
   return number;
 }
 
@@ -257,8 +280,12 @@ void Hart::take_interrupt() {
 void Hart::visit(state::Visitor& v) {
   MEBOTS_ASSERT(execution_.x[0] == 0, "writes to x0 go to the last one");
   auto registers = execution_.x;
-  registers.back() = 0;  // x[32] has no meaning
-  v("x", std::span(registers).first<32>());
+  registers.back() = 0;  // it has no meaning
+  v("x", std::span(registers).first<kFirstFloat>());
+  v("f", std::span(registers).subspan<kFirstFloat, kRegisters - kFirstFloat>());
+  v("frm", execution_.rounding);
+  v("fflags", execution_.float_flags);
+  v("reservation", execution_.reservation);
   v("pc", execution_.pc);
   v("loops", execution_.loops);
   v("csr", csrs_);

@@ -35,7 +35,8 @@ enum class Stop : std::uint8_t {
   observer,  // the observer wants the run to end before the next instruction
 };
 
-/// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, timed as RI5CY (then with Xpulp v2) or CV32E40P.
+/// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, and the options of Timing. Timed as RI5CY (then
+/// with Xpulp v2) or CV32E40P.
 /// Straight code is decoded once into blocks. A block runs only if all its instructions start before the limit.
 /// Otherwise the hart runs one instruction at a time, with the same counts.
 class Hart {
@@ -110,6 +111,8 @@ class Hart {
   bool set_csr(unsigned number, std::uint32_t value) { return csrs_.write(number, value); }
   /// Accesses of the program that have another effect on most other cores. Not part of a state.
   const CsrRemarks& csr_remarks() const { return csrs_.remarks(); }
+  Mode mode() const { return csrs_.mode(); }
+  /// Registers of F follow x31: see kFirstFloat.
   std::uint32_t reg(unsigned index) const { return execution_.x[index]; }
   void set_reg(unsigned index, std::uint32_t value) {
     if (index != 0) execution_.x[index] = value;
@@ -124,10 +127,11 @@ class Hart {
   bool stays_awake();
   std::uint32_t following();
   std::uint32_t land();
-  std::uint32_t following_block(std::uint32_t* link);
+  std::uint32_t following_block(std::uint16_t* link);
   Stop continue_run(std::uint64_t limit, bool left_translated);
   bool run_block(std::uint32_t number, bool left_translated);
   void step();
+  void step_guarded();
   Stop leave();
   void entered_handler();
   void take_interrupt();

@@ -32,7 +32,7 @@ void ObservedRun::observe(Observer* observer, bool sleeping) {
 bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
   if (!quiet.holds(at->pc) || !quiet.holds(at[1].pc) || at[1].op == Op::loop_end) return true;
   if (is_branch(at->op)) return !quiet.holds(static_cast<std::uint32_t>(at->imm));
-  if (at->op == Op::jal) return at->rd != 32 || !quiet.holds(static_cast<std::uint32_t>(at->imm));
+  if (at->op == Op::jal) return at->rd != kNoRegister || !quiet.holds(static_cast<std::uint32_t>(at->imm));
   return at->op == Op::jalr || at->op == Op::mret;
 }
 
@@ -49,7 +49,7 @@ Retired ObservedRun::preview(std::uint32_t pc) const {
   Retired retired;
   retired.pc = pc;
   retired.word = decoded_.blocks.word_at(pc).value_or(0);
-  retired.decoded = decode(retired.word);
+  retired.decoded = decoded_.blocks.decode_word(retired.word);
   retired.access = access_of(retired.decoded, hart_);
   if (retired.access.store) retired.stored = execution_.x[retired.decoded.rs2];
   return retired;

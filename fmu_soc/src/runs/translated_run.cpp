@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runs/translated_run.hpp"
 
+#include "instructions/float32.hpp"
 #include "mebots/assert.hpp"
 
 #include <algorithm>
@@ -92,6 +93,15 @@ bool TranslatedRun::finish(const translate::Exit& exit) {
   e.link = exit.at != nullptr ? &exit.at->link : nullptr;
   note_next(exit.block);
   return true;
+}
+
+/// Adds the flags that the host has raised in translated code to fflags. MXCSR has them in reverse order, and one more.
+void TranslatedRun::take_float_flags() {
+  const auto host = execution_.host.float_control_after;
+  const auto flag = [host](unsigned bit, std::uint8_t guest) { return (host >> bit & 1U) != 0 ? guest : 0U; };
+  const auto flags = flag(0, float32::kInvalid) | flag(2, float32::kDivideByZero) | flag(3, float32::kOverflow) |
+                     flag(4, float32::kUnderflow) | flag(5, float32::kInexact);
+  execution_.float_flags |= static_cast<std::uint8_t>(flags);
 }
 
 /// Continues in the middle of a block.

@@ -68,6 +68,7 @@ class TranslatedRun {
   const translate::Entry* translate_when_hot(std::uint32_t number, const Block& block);
   void set_budget();
   void resume_interpreter(const translate::Exit& exit);
+  void take_float_flags();
   void note_next(std::uint32_t block) {
     execution_.next_block = block;
     next_generation_ = decoded_.blocks.generation();
@@ -110,6 +111,7 @@ inline bool TranslatedRun::run(const translate::Entry& entry, std::uint32_t stal
   set_budget();
   execution_.set_next(nullptr);
   const auto& exit = *decoded_.translator->run(execution_, entry.plain).exit;
+  if (decoded_.blocks.extensions().has_floats()) take_float_flags();
   if (decoded_.flow != nullptr) report_flow();
   return finish(exit);
 }

@@ -26,7 +26,11 @@ std::string_view cause_text(std::uint32_t cause) {
     case cause::kStoreAccess:
       return "store into nothing";
     case cause::kMachineEcall:
+    case cause::kUserEcall:
       return "ecall";
+    case cause::kLoadMisaligned:
+    case cause::kStoreMisaligned:
+      return "misaligned atomic operation";
     default:
       return "trap";
   }
@@ -42,8 +46,7 @@ std::string text_of(const Exception& what, const Elf& program, const Hart& hart)
                           place_text(program, what.pc),
                           what.instruction == 0 ? "no instruction there" : disassemble(what.instruction, what.pc));
   if (what.cause != cause::kIllegalInstruction) return text;
-  const auto has = hart.code().blocks.timing().has_xpulp() ? Extension::xpulp : Extension::standard;
-  const auto advice = advice_for_illegal(what.instruction, has, program.architecture());
+  const auto advice = advice_for_illegal(what.instruction, hart.code().blocks.extensions(), program.architecture());
   return advice.empty() ? text : fmt::format("{}; {}", text, advice);
 }
 

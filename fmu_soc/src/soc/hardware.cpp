@@ -27,6 +27,8 @@ Memory make_memory(const BoardDescription& board) {
 Timing timing_of(const BoardDescription& board, const Chip& chip) {
   auto timing = chip.timing;
   timing.kind = core_kind(board.core).value_or(timing.kind);
+  timing.options = board.isa;
+  timing.pmp_entries = board.pmp_entries;
   return timing;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/run.hpp"
 
-#include "hart/timing.hpp"
+#include "board/board_file.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/core.h>
@@ -115,8 +115,13 @@ void check(const Options& options) {
   if (options.core && options.board) {
     throw Error(fmt::format("--core {}: the board names its core; leave --core out", *options.core));
   }
-  if (options.core && !core_kind(*options.core)) {
-    throw Error(fmt::format("--core {}: there is no such core; there are cv32e40p, ri5cy and rv32imc", *options.core));
+  if (options.core) {
+    try {
+      BoardDescription unused;
+      set_core(unused, *options.core);
+    } catch (const Error& error) {
+      throw Error(fmt::format("--core {}: {}", *options.core, error.what()));
+    }
   }
   for (const auto& folder : options.device_folders) {
     std::error_code ignored;

@@ -185,7 +185,7 @@ int run(const Options& options) {
     board = board_around(program);
     chip.timing.kind = CoreKind::cv32e40p;
   }
-  if (options.core) board.core = *options.core;
+  if (options.core) set_core(board, *options.core);
   require_own_chip(options.program, board);
   Settings settings;
   settings.translate = !options.interpret;

@@ -86,7 +86,7 @@ struct TranslationContext {
 ///   r15    cycles that may still start, at the start of the block; costs that are known at run time are subtracted at
 ///          once. If banks are shared: the address of the present row of their table, which moves by a row per cycle
 ///   xmm15  counts: instructions and accesses (32 bits each), energy of instructions [fJ]
-///   xmm3 to xmm14  guest registers that dot products use, in the low word; the upper bits have no meaning
+///   xmm3 to xmm14  guest registers that dot products and floats use, in the low word; the upper bits have no meaning
 ///   rax, rcx, rdx, xmm0 to xmm2  scratch; the other registers hold guest registers, zero-extended
 class Assembler : public Xbyak::CodeGenerator {
  public:

@@ -78,7 +78,7 @@ void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Lab
 /// True if observers need this step.
 bool CycleAccounting::is_noted(const Instruction* at, std::uint32_t next) const {
   if (a_.options.flow == nullptr) return false;
-  return (at->op == Op::jal && at->rd != 32) || a_.options.flow->may_leave_function(at->pc, next);
+  return (at->op == Op::jal && at->rd != kNoRegister) || a_.options.flow->may_leave_function(at->pc, next);
 }
 
 /// Records a step after `at`, whose target `set_next` stores. All instructions up to `at` are counted. Changes rcx and

@@ -49,7 +49,7 @@ inline std::uint32_t linked(const BlockCache& blocks, std::uint32_t link, std::u
 /// load.
 inline bool stalls(const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
-  return end->index != 0 && is_load(end[-1].op) && (block.stalled_by >> end[-1].rd & 1U) != 0;
+  return end->index != 0 && block.stall_after(executed(end[-1], false)) != 0;
 }
 
 /// True if an early jump of the block depends on the last instructions of the block before, or if that is only known at

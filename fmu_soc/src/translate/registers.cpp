@@ -17,12 +17,12 @@ constexpr std::array<int, kHostRegisters> kHosts{Xbyak::Operand::RSI, Xbyak::Ope
                                                  Xbyak::Operand::R11, Xbyak::Operand::R12, Xbyak::Operand::R13};
 /// Weighted number of uses of each guest register.
 struct Uses {
-  std::array<std::uint64_t, 33> all{};
-  std::array<std::uint64_t, 33> in_dot_products{};
+  std::array<std::uint64_t, kGuestRegisters> all{};
+  std::array<std::uint64_t, kGuestRegisters> in_vectors{};  // by dot products and operations on floats
 
   void add(const Instruction& at, std::uint8_t reg, std::uint32_t weight) {
     all[reg] += weight;
-    if (is_dot_product(at.op)) in_dot_products[reg] += weight;
+    if (is_dot_product(at.op) || is_float(at.op)) in_vectors[reg] += weight;
   }
 };
 
@@ -42,20 +42,21 @@ Registers allocate(const Region& region) {
       if (is_store(at->op) && has_step_register(traits_of(at->op).mode)) {
         counted.add(*at, static_cast<std::uint8_t>(at->imm), node.weight);  // offset or increment
       }
+      if (is_float_multiply_add(at->op)) counted.add(*at, third_register(*at), node.weight);
       registers.written[at->rd] = true;
       if (is_post_increment(at->op)) registers.written[at->rs1] = true;
     }
   }
   auto& uses = counted.all;
-  uses[0] = 0;   // x0 is a constant
-  uses[32] = 0;  // never read
-  std::array<std::uint8_t, 33> order{};
+  uses[0] = 0;            // x0 is a constant
+  uses[kNoRegister] = 0;  // never read
+  std::array<std::uint8_t, kGuestRegisters> order{};
   std::iota(order.begin(), order.end(), std::uint8_t{0});
-  const auto& dots = counted.in_dot_products;
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return dots[a] > dots[b]; });
+  const auto& vectors = counted.in_vectors;
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return vectors[a] > vectors[b]; });
   for (const auto reg : order) {
-    if (registers.vector_count == kVectorRegisters || dots[reg] == 0) break;
-    if (uses[reg] == 0 || 2 * dots[reg] < uses[reg]) continue;
+    if (registers.vector_count == kVectorRegisters || vectors[reg] == 0) break;
+    if (uses[reg] == 0 || 2 * vectors[reg] < uses[reg]) continue;
     registers.vector[reg] = static_cast<std::int8_t>(registers.vector_count);
     registers.vector_guest[registers.vector_count++] = reg;
     uses[reg] = 0;

@@ -15,28 +15,29 @@ class Assembler;
 
 /// Number of host registers that hold guest registers.
 inline constexpr unsigned kHostRegisters = 9;
-/// Number of vector registers that hold operands of dot products.
+/// Number of vector registers that hold operands of dot products, and floats.
 inline constexpr unsigned kVectorRegisters = 12;
 /// Number of the first of these vector registers.
 inline constexpr int kFirstVector = 3;
-/// Number of guest registers: x0 to x31, and the one that replaces x0 as a destination.
-inline constexpr unsigned kGuestRegisters = 33;
+/// Number of guest registers: x0 to x31, f0 to f31, and the one that replaces x0 as a destination.
+inline constexpr unsigned kGuestRegisters = kNoRegister + 1;
 
 /// The guest registers that are in host registers in the whole region. The others are in memory.
 struct Registers {
   static constexpr std::int8_t kInMemory = -1;
 
-  std::array<std::int8_t, 33> host;  // number of the host register, or kInMemory
+  std::array<std::int8_t, kGuestRegisters> host;  // number of the host register, or kInMemory
   std::array<std::uint8_t, kHostRegisters> guest{};
-  unsigned count = 0;                  // of host registers in use
-  std::array<std::int8_t, 33> vector;  // number of the vector register that holds it in the low word, or kInMemory
+  unsigned count = 0;  // of host registers in use
+  std::array<std::int8_t, kGuestRegisters>
+      vector;  // number of the vector register that holds it in the low word, or kInMemory
   std::array<std::uint8_t, kVectorRegisters> vector_guest{};
   unsigned vector_count = 0;
-  std::array<bool, 33> written{};  // true if the region writes it
+  std::array<bool, kGuestRegisters> written{};  // true if the region writes it
 };
 
-/// Allocates the vector registers to the guest registers that mostly dot products use, and the host registers to the
-/// most used of the others.
+/// Allocates the vector registers to the guest registers that mostly dot products and floats use, and the host
+/// registers to the most used of the others.
 Registers allocate(const Region& region);
 
 /// The locations of a region's guest registers, and the code that reads and writes them.

@@ -107,7 +107,7 @@ void EdgeWriter::save_pipeline_state(const Instruction* end) {
   a_.cmp(ecx, 1);
   a_.cmove(rdx, ptr[rbx + static_cast<int>(offsetof(Execution, pipeline))]);
   a_.L(straight);
-  a_.and_(edx, ~(0xffU << 8 * offsetof(Previous, slow)));  // one_later()
+  a_.and_(edx, ~(std::uint32_t{Previous::kSlow} << 8 * offsetof(Previous, pointer_and_slow)));  // one_later()
   a_.shl(rdx, 32);
   a_.mov(ecx, std::bit_cast<std::uint32_t>(executed(end[-1], false)));
   a_.or_(rdx, rcx);

@@ -127,6 +127,12 @@ Stubs emit_stubs(Assembler& a) {
   a.mov(rbx, rdi);
   a.mov(rcx, rsi);
   a.mov(r14, ptr[rbx + static_cast<int>(offsetof(Execution, ram[0].data))]);
+  const bool has_floats = a.blocks.extensions().has_floats();
+  MEBOTS_ASSERT(!has_floats || a.options.banks == nullptr, "a round of cores does not pass flags of floats on");
+  if (has_floats) {
+    a.stmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
+    a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control))]);
+  }
   a.L(next_core);
   a.mov(r15, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   a.pxor(xmm15, xmm15);
@@ -144,6 +150,10 @@ Stubs emit_stubs(Assembler& a) {
   stubs.leave = a.getCurr();
   a.mov(qword[rbx + offset_of_host(offsetof(HostState, resume_point))], 0);
   a.cycles.add_to_counters();
+  if (has_floats) {
+    a.stmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_after))]);
+    a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
+  }
   a.mov(rdx, rbx);
   a.L(done);
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) a.pop(*reg);

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace mebots::soc {
+
+/// The extension that a core must have for a row of the tables of instructions. The last two are no instructions.
+enum class Extension : std::uint8_t {
+  standard,  // RV32IMC_Zicsr_Zifencei, machine mode
+  xpulp,     // Xpulp v2 as in RI5CY
+  a,
+  f,
+  zfinx,  // the operations of F on integer registers
+  zba,
+  zbb,
+  zbc,
+  zbs,
+  user,  // U mode
+};
+
+/// A set of extensions; `standard` is always one of them.
+class Extensions {
+ public:
+  constexpr Extensions() = default;
+  constexpr Extensions(Extension extension) { add(extension); }  // NOLINT: one extension is a set, too
+
+  constexpr bool has(Extension extension) const { return (bits_ & bit(extension)) != 0; }
+  constexpr void add(Extension extension) { bits_ |= bit(extension); }
+  constexpr Extensions with(Extension extension) const {
+    auto more = *this;
+    more.add(extension);
+    return more;
+  }
+  /// True if the core computes with floats, in registers of their own or not.
+  constexpr bool has_floats() const { return has(Extension::f) || has(Extension::zfinx); }
+  bool operator==(const Extensions&) const = default;
+
+ private:
+  static constexpr std::uint32_t bit(Extension extension) { return 1U << static_cast<unsigned>(extension); }
+
+  std::uint32_t bits_ = bit(Extension::standard);
+};
+
+/// All that can be together: Zfinx excludes F.
+inline constexpr auto kMostExtensions = [] {
+  Extensions most;
+  for (const auto extension : {Extension::xpulp, Extension::a, Extension::f, Extension::zba, Extension::zbb,
+                               Extension::zbc, Extension::zbs, Extension::user}) {
+    most.add(extension);
+  }
+  return most;
+}();
+
+/// Reads an ISA string such as "rv32imafc_zicsr_zba_zbb"; `u` is U mode. The result never has Xpulp. Throws Error that
+/// names the first extension that no core has here, or that is missing, and what to write instead.
+Extensions read_isa(std::string_view text);
+
+/// Returns the ISA string of a set, without Xpulp: "rv32imac_zicsr_zifencei_zba".
+std::string isa_string(Extensions extensions);
+
+/// Returns the extension that the name in an ISA string stands for, such as "A" or "Zba"; `standard` if no core has it
+/// as an option.
+Extension optional_extension(std::string_view name);
+
+// Registers: x0 to x31 are 0 to 31, f0 to f31 follow.
+inline constexpr unsigned kFirstFloat = 32;
+inline constexpr unsigned kRegisters = 64;
+
+}  // namespace mebots::soc
