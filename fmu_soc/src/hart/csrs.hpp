@@ -46,7 +46,9 @@ class Csrs {
   std::uint32_t pending() const { return word<csr::kMip>() & word<csr::kMie>(); }
   /// True if one of them is taken now (mstatus).
   bool interrupt_ready() const { return interrupt_ready_; }
-  bool interrupts_enabled() const { return state_.interrupts_on && word<csr::kMie>() != 0; }
+  bool interrupts_enabled() const {
+    return (state_.interrupts_on || state_.mode == Mode::user) && word<csr::kMie>() != 0;
+  }
 
   /// The mode of the next instruction.
   Mode mode() const { return state_.mode; }

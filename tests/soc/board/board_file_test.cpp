@@ -170,8 +170,25 @@ TEST(BoardFile, RefusesUnknownAndRepeatedKeysAndNames) {
               HasSubstr("/memories/0/name: the key 'name' occurs twice"));
   EXPECT_THAT(complaint(kRam, device("") + "," + device("", "d", "0x9000")), HasSubstr("is taken by another one"));
   EXPECT_THAT(complaint(kRam, device("", "2nd")), HasSubstr("a letter first"));
-  EXPECT_THAT(complaint(kRam, "", R"("core": "z80",)"), HasSubstr("/core: the word 'z80'"));
+  EXPECT_THAT(complaint(kRam, "", R"("core": "z80",)"), HasSubstr("/core: no core is named \"z80\""));
   EXPECT_THAT(complaint(kRam, "", R"("cluster_cores": 9,)"), HasSubstr("/cluster_cores: 9"));
+}
+
+TEST(BoardFile, NamesTheOptionsOfItsCore) {
+  const auto read = [](std::string_view keys) {
+    return parse_board(fmt::format(R"({{"name": "b", {} "memories": [{}], "devices": []}})", keys, kRam), "b.json");
+  };
+  const auto board = read(R"("core": "cv32e40p", "isa": "rv32imacu_zba",)");
+  EXPECT_EQ(board.core, "cv32e40p");
+  EXPECT_EQ(board.isa, Extensions(Extension::a).with(Extension::user).with(Extension::zba));
+  EXPECT_EQ(board.pmp_entries, 16U);
+  EXPECT_EQ(read(R"("core": "rv32imfc",)").isa, Extension::f);
+  EXPECT_EQ(read(R"("core": "rv32imcu", "pmp_entries": 4,)").pmp_entries, 4U);
+  EXPECT_EQ(read("").pmp_entries, 0U);
+  EXPECT_THAT(complaint(kRam, "", R"("isa": "rv32imdc",)"), HasSubstr("/isa: the instruction set \"rv32imdc\": 'd'"));
+  EXPECT_THAT(complaint(kRam, "", R"("core": "rv32imac", "isa": "rv32imc",)"), HasSubstr("leave isa out"));
+  EXPECT_THAT(complaint(kRam, "", R"("pmp_entries": 17,)"), HasSubstr("/pmp_entries: 17"));
+  EXPECT_THAT(complaint(kRam, "", R"("isa": "rv32imac", "cluster_cores": 8,)"), HasSubstr("/cluster_cores: a board"));
 }
 
 TEST(BoardFile, RefusesInvalidAddresses) {
