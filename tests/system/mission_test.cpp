@@ -62,7 +62,7 @@ TEST(Mission, EndsSoonAfterItsFirmwareCannotContinue) {
   EXPECT_LT(flight.summary.at("simulated_time").get<double>(), 1.0) << "it does not wait for a landing";
   EXPECT_EQ(flight.summary.at("fabric_controller").at("exit_code"), 255);
   EXPECT_EQ(flight.summary.at("fabric_controller").at("faulted"), true);
-  EXPECT_THAT(flight.output, HasSubstr("after load from nothing"));
+  EXPECT_THAT(flight.output, HasSubstr("after load access fault"));
   EXPECT_THAT(flight.output, HasSubstr("main.cpp:36"));
 }
 

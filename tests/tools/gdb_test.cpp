@@ -299,7 +299,7 @@ TEST_F(Gdb, ShowsWhichCoreOfTheClusterFaulted) {
                      kClusterProgram, kBoard);
   EXPECT_THAT(run.gdb, HasSubstr("Thread 3 received signal SIGSEGV"));
   EXPECT_THAT(run.gdb, HasSubstr("* 3    Thread 3 (cluster core 1)"));
-  EXPECT_THAT(run.err, HasSubstr("cluster core 1: trap without a handler: store into nothing"));
+  EXPECT_THAT(run.err, HasSubstr("cluster core 1: trap without a handler: store access fault"));
   EXPECT_EQ(run.exit_code, 101);
 }
 

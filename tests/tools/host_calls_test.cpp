@@ -140,7 +140,7 @@ TEST(HostConsole, PrintsWhateverOrderTheHalvesAreStoredIn) {
   for (const std::string_view store : {"sw t0, 0(t2)\nsw t1, 4(t2)", "sw t1, 4(t2)\nsw t0, 0(t2)",
                                        "sw t0, 0(t2)\nlui t1, 0x1010\naddi t4, t2, 4\nsw t1, 0(t4)"}) {
     const auto run = run_tool("run " + folder.program(console_program(store)));
-    EXPECT_THAT(run.out, StartsWith("Wow!instructions ")) << store;
+    EXPECT_THAT(run.out, StartsWith("Wow!\ninstructions ")) << store;
     EXPECT_EQ(run.exit_code, 3) << "7 >> 1" << run.err;
   }
 }

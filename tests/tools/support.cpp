@@ -25,6 +25,11 @@ Outcome run_tool(const std::string& arguments) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(out), read_file(err)};
 }
 
+Outcome run_program(std::string_view text, const std::string& options) {
+  const Folder folder;
+  return run_tool(fmt::format("run {} {}", folder.program(fmt::format("{}\n{}", text, kTohost)), options));
+}
+
 std::string tool_path() {
   return "'" MEBOTS_SOC_TOOL "'";
 }

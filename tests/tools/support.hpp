@@ -30,6 +30,8 @@ struct Outcome {
 
 /// Runs `mebots-soc` with these arguments (as the shell reads them).
 Outcome run_tool(const std::string& arguments);
+/// Runs a program of assembly text, which has the symbol tohost.
+Outcome run_program(std::string_view text, const std::string& options = "");
 /// Its path, quoted for the shell.
 std::string tool_path();
 

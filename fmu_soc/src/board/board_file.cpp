@@ -157,14 +157,20 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
 }
 
 /// Rejects an interrupt line that two devices share: firmware could not distinguish them, and each would lower the line
-/// of the other.
+/// of the other. Also rejects an interrupt controller that is no device of the board.
 void check_interrupts(const Node& root, const BoardDescription& board) {
-  std::map<int, std::string> taken;
+  std::map<std::pair<std::string, int>, std::string> taken;
+  std::vector<std::string> names;
+  for (const auto& device : board.devices) names.push_back(device.name);
   const auto devices = root.at("devices").elements();
   for (std::size_t i = 0; i < board.devices.size(); ++i) {
     const auto& device = board.devices[i];
+    const auto& controller = device.interrupt_controller;
+    if (!controller.empty() && std::ranges::find(names, controller) == names.end()) {
+      devices[i].at("interrupt_controller").complain_unknown("the device", controller, names);
+    }
     if (device.interrupt < 0) continue;
-    const auto [other, is_new] = taken.emplace(device.interrupt, device.name);
+    const auto [other, is_new] = taken.emplace(std::pair(controller, device.interrupt), device.name);
     if (is_new) continue;
     devices[i]
         .at("interrupt")
@@ -204,6 +210,17 @@ void check_parts(const Node& root, const BoardDescription& board) {
     }
     if (!device.is_on_bus()) loads.push_back(device.name);
   }
+}
+
+BoardAbsence read_absence(const Node& node) {
+  Object object(node);
+  BoardAbsence absence;
+  object.read("name", absence.name, &Node::readable_text);
+  object.read("base", absence.base, &read_address);
+  object.read("size", absence.size, &read_bytes);
+  object.read_if("text", absence.text, &Node::text);
+  object.finish();
+  return absence;
 }
 
 BoardSupply read_supply(const Node& node, const BoardDescription& board) {
@@ -329,6 +346,7 @@ BoardDescription read_root(const Node& root) {
   }
   const bool has_devices =
       object.read("devices", board.devices, data::list_of([&](const Node& node) { return read_device(node, names); }));
+  object.read_if("absent", board.absent, data::list_of(&read_absence));
   object.visit_if("supply", [&](const Node& member) { board.supply = read_supply(member, board); });
   object.visit_if("decisions", [&](const Node& member) { board.decisions_end_with = read_decisions(member, board); });
   object.read_if("libraries", board.libraries, data::list_of(&read_file_name));

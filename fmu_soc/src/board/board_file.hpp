@@ -51,6 +51,14 @@ struct BoardSupply {
   double least_v = 0;    // below this voltage, the chip switches off for good
 };
 
+/// An address range that the real machine uses and the board lacks. An access there is a fault whose message names it.
+struct BoardAbsence {
+  std::string name;
+  std::uint32_t base = 0;
+  std::uint32_t size = 0;  // bytes
+  std::string text;        // what to do without it
+};
+
 struct BoardDescription {
   std::string name;
   std::string text;
@@ -64,6 +72,7 @@ struct BoardDescription {
   std::vector<BoardMemory> memories;
   BoardInstructionCaches instruction_caches;
   std::vector<BoardDevice> devices;
+  std::vector<BoardAbsence> absent;
   BoardSupply supply;
   /// The device, or peripheral of a uDMA (spim0, spim1), that sends set-points and so ends a decision about a picture;
   /// empty = none.

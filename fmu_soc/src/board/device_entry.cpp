@@ -22,8 +22,14 @@ namespace {
 using data::Node;
 using data::Object;
 
-/// Reads an interrupt line of RI5CY and CV32E40P: software, timer, external, and 16 fast ones.
-int read_interrupt(const Node& node) {
+/// The sources of a PLIC that a device can be; number 0 does not exist. Source: RISC-V Platform-Level Interrupt
+/// Controller Specification 1.0.0.
+constexpr std::int64_t kMostSources = 1023;
+
+/// Reads an interrupt: a source of the interrupt controller, or a line of RI5CY and CV32E40P: software, timer,
+/// external, and 16 fast ones.
+int read_interrupt(const Node& node, bool has_controller) {
+  if (has_controller) return static_cast<int>(node.whole_number(1, kMostSources));
   const auto line = static_cast<int>(node.whole_number(0, 31));
   if (line != 3 && line != 7 && line != 11 && line < 16) {
     node.fail(ErrorCode::value_out_of_range,
@@ -354,7 +360,8 @@ std::string_view kind_without_address(const Object& object) {
 
 /// Checks a part: without an address, it must not have keys that a program could use.
 void check_part(const Node& node, const Object& object, const BoardDevice& device) {
-  for (const auto* key : {"base", "also_at", "span", "interrupt", "registers", "opcodes", "enumerations"}) {
+  for (const auto* key :
+       {"base", "also_at", "span", "interrupt", "interrupt_controller", "registers", "opcodes", "enumerations"}) {
     if (!object.has(key)) continue;
     node.at(key).complain(
         ErrorCode::invalid_value,
@@ -397,7 +404,13 @@ BoardDevice read_device(const Node& node, std::set<std::string>& names) {
   }
   object.read_if("also_at", device.also_at, data::list_of(&read_address));
   object.read_if("span", device.span, &read_bytes);
-  object.read_if("interrupt", device.interrupt, &read_interrupt);
+  object.read_if("interrupt_controller", device.interrupt_controller, &Node::readable_text);
+  object.read_if("interrupt", device.interrupt,
+                 [&](const Node& member) { return read_interrupt(member, !device.interrupt_controller.empty()); });
+  if (object.has("interrupt_controller") && !object.has("interrupt")) {
+    node.complain(ErrorCode::missing_key,
+                  "the key 'interrupt' is missing: it is the source of the interrupt controller");
+  }
   object.read_if("supply_voltage", device.supply_voltage_v, data::number(data::Limits::positive()));
   if (on_bus && (described || !object.has("span"))) {
     object.read("registers", device.registers, &read_registers);

@@ -41,9 +41,9 @@ class Bus {
   virtual void interrupt_taken(unsigned /*line*/) {}
   /// Called after a store into a watched word. If it returns true, the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;
-  /// Called for an ebreak at the core's pc. Returns true if it was a call of the host, which has been served. Then the
-  /// program continues after it.
-  virtual bool called_host() { return false; }
+  /// Called for an exception at the core's pc, such as an ebreak or ecall. Returns true if it was a call of the host,
+  /// which has been served. Then the program continues after the four bytes at the pc.
+  virtual bool called_host(std::uint32_t /*cause*/) { return false; }
 };
 
 }  // namespace mebots::soc

@@ -208,7 +208,7 @@ Stop Hart::leave() {
   MEBOTS_ASSERT(!sleeping_, "a core that sleeps runs nothing that it could leave");
   switch (why) {
     case Leave::trap:
-      if (e.trap_cause == cause::kBreakpoint && bus_.called_host()) {
+      if (bus_.called_host(e.trap_cause)) {
         set_pc(e.pc + 4);
         return Stop::device;
       }

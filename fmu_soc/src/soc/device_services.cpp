@@ -23,6 +23,17 @@ PartPort DeviceServices::part_at(const BoardDevice& entry, std::string_view plac
   return PartPort(dynamic_cast<AttachedPart*>(parts_.devices.find(found->name)));
 }
 
+bool DeviceServices::write_console(std::uint8_t byte) {
+  if (!parts_.listeners.console_byte) return false;
+  parts_.listeners.console_byte(byte);
+  return true;
+}
+
+int DeviceServices::read_console(Picoseconds now) {
+  if (!parts_.listeners.console_input) return kEnded;
+  return parts_.listeners.console_input(now, parts_.timeline.asleep());
+}
+
 double DeviceServices::load_energy_j(std::string_view load, Picoseconds now) const {
   if (load == kChipLoad) return parts_.power.energy_at(now).total_j();
   const auto* device = parts_.devices.find(load);

@@ -23,7 +23,11 @@ namespace mebots::soc {
 struct Listeners {
   std::function<void(std::string_view line)> console;
   std::function<void(std::string_view text)> faults;
-  std::function<void(std::string_view text)> observe = {};  // messages of debugger and profile
+  std::function<void(std::string_view text)> observe = {};   // messages of debugger and profile
+  std::function<void(std::uint8_t byte)> console_byte = {};  // output of serial ports; empty: `console` gets lines
+  /// Input of serial ports: a byte, or a result of ConsolePort::read_console(). `waits`: the core sleeps, so that the
+  /// host may wait for input until the chip's time is that of the host.
+  std::function<int(Picoseconds now, bool waits)> console_input = {};
 };
 
 /// The services of a chip to its devices.
@@ -75,6 +79,10 @@ class DeviceServices final : public ChipHost, private PictureRoll {
   const PictureRoll& pictures() const override { return *this; }
 
   gap8_devices::Signals& signals() override { return parts_.devices.signals(); }
+
+  bool write_console(std::uint8_t byte) override;
+  int read_console(Picoseconds now) override;
+  void end_program(std::int32_t exit_code) override { signals().exit_code = exit_code; }
 
  protected:
   std::vector<Device*> made_devices() const override { return parts_.devices.made(); }

@@ -20,6 +20,7 @@ DeviceSet::DeviceSet(const BoardDescription& board, std::span<const std::filesys
 void DeviceSet::make(ChipHost& host) {
   add_parts(host);
   add_on_bus(host);
+  connect_interrupts();
   check_attachments(host);
 }
 
@@ -45,12 +46,33 @@ void DeviceSet::add_on_bus(ChipHost& host) {
     const bool sets_power = device.get() == power_manager_ ||
                             dynamic_cast<gap8_devices::Fll*>(device.get()) != nullptr ||
                             dynamic_cast<gap8_devices::SocControl*>(device.get()) != nullptr;
-    slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, device.get(), sets_power});
+    slots_.push_back({entry.name, entry.base, entry.size(), entry.interrupt, nullptr, device.get(), sets_power});
     for (const auto address : entry.also_at) {
-      slots_.push_back({entry.name, address, entry.size(), -1, device.get()});
+      slots_.push_back({entry.name, address, entry.size(), -1, nullptr, device.get()});
     }
     members_.push_back({&entry, device.get()});
     owned_.push_back(std::move(device));
+  }
+}
+
+/// Connects devices with the interrupt controllers that their entries name.
+void DeviceSet::connect_interrupts() {
+  for (const auto& [entry, device] : members_) {
+    if (entry->interrupt_controller.empty()) continue;
+    auto* controller = dynamic_cast<InterruptController*>(find(entry->interrupt_controller));
+    if (controller == nullptr) {
+      throw Error(
+          fmt::format("board {}: {}: interrupt_controller \"{}\" is a device of another kind; name one of kind "
+                      "plic, or remove the key",
+                      board_.name, entry->name, entry->interrupt_controller));
+    }
+    if (std::cmp_greater(entry->interrupt, controller->last_source())) {
+      throw Error(fmt::format("board {}: {}: {} has no interrupt source {}; the last one is {}", board_.name,
+                              entry->name, entry->interrupt_controller, entry->interrupt, controller->last_source()));
+    }
+    for (auto& slot : slots_) {
+      if (slot.device == device) slot.controller = controller;
+    }
   }
 }
 
@@ -162,7 +184,13 @@ void DeviceSet::update_lines(Hart& hart, const Cluster* cluster, int cluster_int
   }
   if (!known) {
     for (const auto& slot : slots_) {
-      if (slot.interrupt >= 0) hart.set_interrupt(static_cast<unsigned>(slot.interrupt), slot.device->interrupt());
+      if (slot.controller != nullptr && slot.interrupt >= 0) {
+        slot.controller->set_source(static_cast<unsigned>(slot.interrupt), slot.device->interrupt());
+      }
+    }
+    for (const auto& slot : slots_) {
+      if (slot.controller == nullptr && slot.interrupt >= 0)
+        hart.set_interrupt(static_cast<unsigned>(slot.interrupt), slot.device->interrupt());
     }
   }
   if (cluster != nullptr && cluster_interrupt >= 0) {

@@ -36,6 +36,7 @@ class DeviceSet {
     std::uint32_t base = 0;
     std::uint32_t size = 0;  // bytes
     int interrupt = -1;
+    InterruptController* controller = nullptr;  // that has the interrupt as a source; null: a line of the core
     Device* device = nullptr;
     bool sets_power = false;  // clocks, voltage or the cluster's power
   };
@@ -109,6 +110,7 @@ class DeviceSet {
 
   void add_parts(ChipHost& host);
   void add_on_bus(ChipHost& host);
+  void connect_interrupts();
   void note_roles(const BoardDevice& entry, Device& device);
   void check_attachments(const ChipHost& host) const;
 

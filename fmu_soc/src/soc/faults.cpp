@@ -9,6 +9,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 namespace mebots::soc {
 namespace {
 
@@ -16,15 +18,16 @@ std::string_view cause_text(std::uint32_t cause) {
   if ((cause & cause::kInterrupt) != 0) return "interrupt";
   switch (cause) {
     case cause::kFetchAccess:
-      return "instruction fetch from nothing";
+      return "instruction access fault";
     case cause::kIllegalInstruction:
       return "illegal instruction";
     case cause::kBreakpoint:
       return "ebreak";
     case cause::kLoadAccess:
-      return "load from nothing";
+      return "load access fault";
     case cause::kStoreAccess:
-      return "store into nothing";
+      return "store access fault";
+    case cause::kUserEcall:
     case cause::kMachineEcall:
     case cause::kUserEcall:
       return "ecall";
@@ -41,10 +44,37 @@ std::string place_text(const Elf& program, std::uint32_t pc) {
   return fmt::format("pc 0x{:08x} in {}", pc, function.empty() ? "no function of the program" : function);
 }
 
-std::string text_of(const Exception& what, const Elf& program, const Hart& hart) {
+bool is_access_fault(std::uint32_t cause) {
+  return cause == cause::kFetchAccess || cause == cause::kLoadAccess || cause == cause::kStoreAccess;
+}
+
+/// Returns what the board has, or lacks, at an address.
+std::string address_text(const Soc& soc, std::uint32_t address) {
+  const auto& board = soc.board();
+  const auto absence = std::ranges::find_if(
+      board.absent, [address](const BoardAbsence& range) { return address - range.base < range.size; });
+  if (absence != board.absent.end()) {
+    return fmt::format("0x{:08x} is {}, which board {} lacks{}{}", address, absence->name, board.name,
+                       absence->text.empty() ? "" : ": ", absence->text);
+  }
+  if (const auto* slot = soc.devices().slot_at(address)) {
+    return fmt::format("device {} has no register for this access at its offset 0x{:x}", slot->name,
+                       address - slot->base);
+  }
+  std::string memories;
+  for (const auto& region : soc.memory().regions()) {
+    memories += fmt::format("{}0x{:08x} to 0x{:08x}", memories.empty() ? "" : ", ", region.base,
+                            region.base + (region.size - 1));
+  }
+  return fmt::format("board {} has nothing at 0x{:08x}; its memories are {}", board.name, address, memories);
+}
+
+std::string text_of(const Exception& what, const Soc& soc, const Hart& hart) {
+  const auto& program = soc.program();
   auto text = fmt::format("{} (mcause {}, mtval 0x{:08x}) at {}: {}", cause_text(what.cause), what.cause, what.value,
                           place_text(program, what.pc),
                           what.instruction == 0 ? "no instruction there" : disassemble(what.instruction, what.pc));
+  if (is_access_fault(what.cause)) return fmt::format("{}; {}", text, address_text(soc, what.value));
   if (what.cause != cause::kIllegalInstruction) return text;
   const auto advice = advice_for_illegal(what.instruction, hart.code().blocks.extensions(), program.architecture());
   return advice.empty() ? text : fmt::format("{}; {}", text, advice);
@@ -65,14 +95,15 @@ std::string stack_text(const Exception& what, const Elf& program, const Memory& 
 std::optional<int> Soc::gave_up() const {
   if (end() != End::exited || exit_code() == 0) return std::nullopt;
   const auto& ender = hart(hart_of_core(timeline_.ended_by()));
-  if (!ender.in_exception() || ender.fault().first.cause == cause::kMachineEcall) return std::nullopt;
+  const auto cause = ender.fault().first.cause;
+  if (!ender.in_exception() || cause == cause::kUserEcall || cause == cause::kMachineEcall) return std::nullopt;
   return timeline_.ended_by();
 }
 
 std::string Soc::unfinished_exception_text() const {
   if (!hart().in_exception()) return {};
   const auto& first = hart().fault().first;
-  return text_of(first, program_, hart()) + stack_text(first, program_, memory());
+  return text_of(first, *this, hart()) + stack_text(first, program_, memory());
 }
 
 std::string Soc::fault_text() const {
@@ -84,11 +115,11 @@ std::string Soc::fault_text() const {
   const auto whose = core == kFabricControllerCore ? "" : fmt::format("cluster core {}: ", core);
   if (giver) {
     return fmt::format("{}the program's own handler gave up, with exit code {}, after {}{}", whose, exit_code(),
-                       text_of(fault.first, program_, ender), stack_text(fault.first, program_, memory()));
+                       text_of(fault.first, *this, ender), stack_text(fault.first, program_, memory()));
   }
   auto text = fmt::format("{}{}: {}", whose,
                           fault.double_trap ? "an exception in its own trap handler" : "trap without a handler",
-                          text_of(fault.last, program_, ender));
+                          text_of(fault.last, *this, ender));
   if (fault.double_trap && fault.first.pc != fault.last.pc) {
     text += fmt::format("; it began with {} (mtval 0x{:08x}) at {}", cause_text(fault.first.cause), fault.first.value,
                         place_text(program_, fault.first.pc));

@@ -13,6 +13,7 @@ namespace mebots::soc {
 namespace {
 
 constexpr unsigned kArgument0 = 10;
+constexpr unsigned kArgument7 = 17;
 constexpr std::uint32_t kCommandSize = 8;
 constexpr std::uint64_t kPayload = 0xffff'ffff'ffff;
 
@@ -108,6 +109,16 @@ bool ProgramHost::serve_semihosting() {
   if (words != kCall) return false;
   const auto reply =
       calls_->semihosting(hardware_.controller().reg(kArgument0), hardware_.controller().reg(kArgument0 + 1));
+  hardware_.controller().set_reg(kArgument0, reply.value);
+  exit_code_ = reply.exit_code;
+  return true;
+}
+
+bool ProgramHost::serve_environment_call() {
+  if (!serves_ecall_) return false;
+  std::array<std::uint32_t, 6> arguments{};
+  for (unsigned i = 0; i < arguments.size(); ++i) arguments[i] = hardware_.controller().reg(kArgument0 + i);
+  const auto reply = calls_->environment_call(hardware_.controller().reg(kArgument7), arguments);
   hardware_.controller().set_reg(kArgument0, reply.value);
   exit_code_ = reply.exit_code;
   return true;

@@ -32,6 +32,9 @@ class HostCalls {
   virtual HostReply semihosting(std::uint32_t operation, std::uint32_t parameter) = 0;
   /// A system call through `tohost`: seven arguments. Source: riscv-isa-sim, fesvr/syscall.cc.
   virtual HostReply system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
+  /// A system call by ecall: the number in a7, six arguments from a0 on, the result in a0. Source: RISC-V Linux;
+  /// newlib, libgloss/riscv.
+  virtual HostReply environment_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
   /// A command through `tohost` to another device than that of system calls. It has no reply.
   virtual void device_command(unsigned device, unsigned command, std::uint64_t payload) = 0;
 };
@@ -44,8 +47,12 @@ class ProgramHost {
 
   /// Watches the word at this address. Throws Error if it is not in a memory.
   void watch(std::uint32_t address);
-  /// Sets the server of the program's calls; null removes it.
-  void serve(HostCalls* calls) { calls_ = calls; }
+  /// Sets the server of the program's calls; null removes it. `serves_ecall`: an ecall is a system call; otherwise it
+  /// is an exception.
+  void serve(HostCalls* calls, bool serves_ecall = false) {
+    calls_ = calls;
+    serves_ecall_ = calls != nullptr && serves_ecall;
+  }
 
   /// The watched word, with its upper half if it has one; 0 = no command.
   std::uint64_t command() const;
@@ -59,6 +66,8 @@ class ProgramHost {
   bool serve_stored() { return command() != 0 && serve_command(command()); }
   /// Serves the ebreak at the fabric controller's pc. Returns false if it is not a semihosting call.
   bool serve_semihosting();
+  /// Serves the ecall at the fabric controller's pc. Returns false if ecall is an exception.
+  bool serve_environment_call();
 
   /// Returns the exit code of a program that ended by a call.
   std::optional<std::uint32_t> exit_code() const { return exit_code_; }
@@ -74,6 +83,7 @@ class ProgramHost {
   std::optional<std::uint32_t> stop_word_;
   bool has_upper_half_ = false;  // if set, the program can send commands to devices of the host
   HostCalls* calls_ = nullptr;
+  bool serves_ecall_ = false;
   std::optional<std::uint32_t> exit_code_;
 };
 

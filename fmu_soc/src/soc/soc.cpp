@@ -13,8 +13,6 @@
 namespace mebots::soc {
 namespace {
 
-constexpr Picoseconds kWithoutEnd = kNever - 1;
-
 std::uint32_t checked_clock(const Chip& chip, const Settings& settings) {
   const auto clock_hz = static_cast<std::uint32_t>(std::llround(settings.clock_hz));
   const auto voltage_mv = static_cast<std::uint32_t>(std::lround(settings.voltage_v * kMilli));
@@ -78,25 +76,31 @@ void Soc::begin_step() {
 
 void Soc::advance(std::int64_t time_ns) {
   work_.set_alone(false);
-  run(time_ns * kPsPerNs, kNoLimit);
+  run(time_ns * kPsPerNs, kNoLimit, false);
   work_.publish(now());
 }
 
-void Soc::run_cycles(std::uint64_t cycle_limit) {
+void Soc::run_cycles(std::uint64_t cycle_limit, Picoseconds until) {
   work_.set_alone(true);
-  run(kWithoutEnd, cycle_limit);
+  run(until, cycle_limit, true);
 }
 
-void Soc::run(Picoseconds until, std::uint64_t cycle_limit) {
+bool Soc::sleeps_for_good() {
+  return running() && timeline_.asleep() && next_event() == kNever && cluster_next() == kNever;
+}
+
+void Soc::run(Picoseconds until, std::uint64_t cycle_limit, bool is_alone) {
   devices_.touch();  // an access from outside
   notify(now());
+  bool at_time = !is_alone;
   for (;;) {
     const auto event = next_event();
     const auto cluster = cluster_next();
     if (hardware_.cluster() != nullptr && hardware_.cluster()->longest_cycles() >= cycle_limit) break;
-    if (until == kWithoutEnd && !running()) break;  // timers of an ended program never stop
+    if (is_alone && !running()) break;  // timers of an ended program never stop
     if (timeline_.asleep()) {
       const auto first = std::min(event, cluster);
+      at_time = at_time || (first > until && first != kNever);
       if (first > until || first == kNever) break;
       if (event <= cluster) {
         advance_devices(event);
@@ -124,7 +128,10 @@ void Soc::run(Picoseconds until, std::uint64_t cycle_limit) {
       notify(now());
       return;
     }
-    if (!stop_comes) break;
+    if (!stop_comes) {
+      at_time = true;
+      break;
+    }
     if (event <= lead) {
       advance_devices(event);
     } else {
@@ -132,7 +139,7 @@ void Soc::run(Picoseconds until, std::uint64_t cycle_limit) {
     }
     notify(core_time());
   }
-  timeline_.reach(until == kWithoutEnd ? timeline_.reached(hardware_.cluster()) : until);
+  timeline_.reach(at_time ? until : timeline_.reached(hardware_.cluster()));
   notify(now());
 }
 

@@ -41,6 +41,8 @@ namespace mebots::soc {
 /// to kLead ticks late.
 class Soc final {
  public:
+  static constexpr Picoseconds kWithoutEnd = kNever - 1;
+
   /// Throws Error for a board, settings or a program that do not fit.
   Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
       Listeners listeners);
@@ -51,15 +53,17 @@ class Soc final {
   void begin_step();
   /// Advances to `time_ns`, which may not lie in the past.
   void advance(std::int64_t time_ns);
-  /// Runs until any core has executed `cycle_limit` active cycles, until the end, or until a sleep that nothing can
-  /// end. For programs that run alone.
-  void run_cycles(std::uint64_t cycle_limit);
+  /// Runs until any core has executed `cycle_limit` active cycles, until a time, until the end, or until a sleep that
+  /// nothing can end. For programs that run alone.
+  void run_cycles(std::uint64_t cycle_limit, Picoseconds until = kWithoutEnd);
   /// Switches the supply off: afterwards nothing runs, and nothing consumes energy.
   void power_off();
 
   End end() const { return timeline_.end(); }
   bool running() const { return timeline_.running(); }
   std::int32_t exit_code() const;
+  /// True if the fabric controller sleeps and no device or core will ever do anything.
+  bool sleeps_for_good();
   /// True if the fabric controller is in an endless loop that no interrupt can end.
   bool spins() const { return running() && hart().spins(); }
   /// Returns the first core that ended the program with an exit code that reports an error, if that core has taken an
@@ -119,7 +123,7 @@ class Soc final {
   static constexpr std::uint64_t kLead = 256;
   static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
-  void run(Picoseconds until, std::uint64_t cycle_limit);
+  void run(Picoseconds until, std::uint64_t cycle_limit, bool is_alone);
   bool run_controller(Picoseconds until, std::uint64_t cycle_limit, Picoseconds event);
   void handle(Stop stop);
   Picoseconds next_event();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "soc/system_bus.hpp"
 
+#include "hart/csr_numbers.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -117,6 +119,11 @@ BusReply SystemBus::store_narrow(std::uint32_t address, std::uint64_t cycle, std
     return unmodelled(address, true, true);
   }
   return BusReply::done(0, hardware_.chip().interconnect.fabric_controller_to_device);
+}
+
+bool SystemBus::called_host(std::uint32_t cause) {
+  if (cause == cause::kBreakpoint) return program_host_.serve_semihosting();
+  return (cause == cause::kMachineEcall || cause == cause::kUserEcall) && program_host_.serve_environment_call();
 }
 
 BusReply SystemBus::from_cluster(const ClusterAccess& access, Picoseconds time) {

@@ -56,7 +56,7 @@ class SystemBus final : public Bus {
   BusReply store_narrow(std::uint32_t address, std::uint64_t cycle, std::uint32_t value, unsigned size) override;
   void interrupt_taken(unsigned line) override { devices_.acknowledge(line, hardware_.controller()); }
   bool watched(std::uint32_t /*address*/) override { return program_host_.command() != 0; }
-  bool called_host() override { return program_host_.serve_semihosting(); }
+  bool called_host(std::uint32_t cause) override;
 
   /// An access of a cluster core to a device of the SoC, at the fabric controller's time if that is later.
   BusReply from_cluster(const ClusterAccess& access, Picoseconds time);

@@ -22,7 +22,7 @@ constexpr std::size_t kMostFiles = 256;
 
 }  // namespace
 
-HostFiles::HostFiles(const std::optional<std::string>& folder) {
+HostFiles::HostFiles(const std::optional<std::string>& folder, HostConsole& console) : console_(console) {
   if (!folder) return;
   std::error_code error;
   folder_ = std::filesystem::canonical(*folder, error);
@@ -80,21 +80,25 @@ int HostFiles::close(int file) {
   return std::fclose(held.release()) == 0 ? 0 : -EIO;
 }
 
-int HostFiles::read(int file, std::span<char> into) {
-  if (is_console(file)) return 0;
+long HostFiles::read(int file, std::span<char> into) {
+  if (is_console(file)) return console_.read(into);
   auto* held = file_of(file);
   if (held == nullptr) return -EBADF;
   std::fseek(held, 0, SEEK_CUR);  // required between writing and reading
   const auto count = std::fread(into.data(), 1, into.size(), held);
-  return count == 0 && std::ferror(held) != 0 ? (std::clearerr(held), -EIO) : static_cast<int>(count);
+  return count == 0 && std::ferror(held) != 0 ? (std::clearerr(held), -EIO) : static_cast<long>(count);
 }
 
-int HostFiles::write(int file, std::span<const char> bytes) {
-  auto* held = file == 2 ? stderr : is_console(file) ? stdout : file_of(file);
+long HostFiles::write(int file, std::span<const char> bytes) {
+  if (is_console(file) && file != kStandardError) {
+    console_.write(bytes);
+    return static_cast<long>(bytes.size());
+  }
+  auto* held = file == kStandardError ? stderr : file_of(file);
   if (held == nullptr) return -EBADF;
   if (!is_console(file)) std::fseek(held, 0, SEEK_CUR);
   const auto count = std::fwrite(bytes.data(), 1, bytes.size(), held);
-  return count == 0 && !bytes.empty() ? -EIO : static_cast<int>(count);
+  return count == 0 && !bytes.empty() ? -EIO : static_cast<long>(count);
 }
 
 long HostFiles::seek(int file, long offset, int origin) {

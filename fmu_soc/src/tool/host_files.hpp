@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tool/host_console.hpp"
+
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -12,19 +14,19 @@
 
 namespace mebots::soc::tool {
 
-/// The host's files for a program: 0, 1 and 2 are the console, whose input is empty. Other files must be below one
-/// folder. Negative results are -errno.
+/// The host's files for a program: 0 and 1 are the console, 2 is standard error. Other files must be below one folder.
+/// Negative results are -errno.
 class HostFiles {
  public:
-  /// Without a folder, there is only the console.
-  explicit HostFiles(const std::optional<std::string>& folder);
+  /// Without a folder, there is only the console, which must outlive the files.
+  HostFiles(const std::optional<std::string>& folder, HostConsole& console);
 
   /// `mode` as for fopen(). ":tt" is the console.
   int open(const std::string& name, const char* mode);
   int close(int file);
   /// Returns the number of bytes; 0 at the end.
-  int read(int file, std::span<char> into);
-  int write(int file, std::span<const char> bytes);
+  long read(int file, std::span<char> into);
+  long write(int file, std::span<const char> bytes);
   /// Returns the new position. `origin` as for fseek().
   long seek(int file, long offset, int origin);
   long length(int file);
@@ -37,12 +39,14 @@ class HostFiles {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   using File = std::unique_ptr<std::FILE, Close>;
+  static constexpr int kStandardError = 2;
   static constexpr int kFirstFile = 3;
 
   std::optional<std::filesystem::path> inside(const std::string& name) const;
   std::FILE* file_of(int file) const;
   int keep(std::FILE* file);
 
+  HostConsole& console_;
   std::optional<std::filesystem::path> folder_;
   std::vector<File> files_;  // from kFirstFile on
 };

@@ -37,38 +37,14 @@ enum class Operation : std::uint32_t {
   tick_frequency = 0x31,
 };
 
-/// Numbers of Linux's system calls on RISC-V that riscv-isa-sim serves.
-enum class SystemCall : std::uint32_t {
-  openat = 56,
-  close = 57,
-  lseek = 62,
-  read = 63,
-  write = 64,
-  exit = 93,
-  exit_group = 94,
-};
-
 constexpr std::uint32_t kFailed = 0xffffffff;
 constexpr std::uint32_t kEndOfInput = 0xffffffff;
 constexpr std::uint32_t kApplicationExit = 0x20026;  // ADP_Stopped_ApplicationExit
-constexpr std::uint32_t kLongestText = 1U << 20;
 constexpr std::uint64_t kCentiseconds = 100;
 constexpr std::uint64_t kTicks = 1'000'000;
-constexpr std::uint64_t kPsPerSecond = 1'000'000'000'000;
 
 /// Modes of fopen() by SYS_OPEN's number.
 constexpr std::array kModes{"r", "rb", "r+", "r+b", "w", "wb", "w+", "w+b", "a", "ab", "a+", "a+b"};
-
-/// Returns the mode of fopen() for flags of Linux's open().
-const char* mode_of(std::uint32_t flags) {
-  constexpr std::uint32_t kWrite = 1;
-  constexpr std::uint32_t kReadWrite = 2;
-  constexpr std::uint32_t kTruncate = 01000;
-  constexpr std::uint32_t kAppend = 02000;
-  if ((flags & kAppend) != 0) return (flags & kReadWrite) != 0 ? "a+b" : "ab";
-  if ((flags & kTruncate) != 0) return (flags & kReadWrite) != 0 ? "w+b" : "wb";
-  return (flags & (kWrite | kReadWrite)) != 0 ? "r+b" : "rb";
-}
 
 }  // namespace
 
@@ -82,23 +58,6 @@ std::optional<HostServices::Block> HostServices::words_at(std::uint32_t address)
   return words;
 }
 
-std::optional<std::string> HostServices::text_at(std::uint32_t address, std::uint32_t length) const {
-  if (length > kLongestText) return std::nullopt;
-  std::string text(length, '\0');
-  if (!soc_.memory().read(address, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()})) return std::nullopt;
-  return text;
-}
-
-/// Reads a text up to its final zero.
-std::optional<std::string> HostServices::text_at(std::uint32_t address) const {
-  std::string text;
-  for (std::uint8_t byte = 0; text.size() < kLongestText; text += static_cast<char>(byte)) {
-    if (!soc_.memory().read(address + static_cast<std::uint32_t>(text.size()), {&byte, 1})) return std::nullopt;
-    if (byte == 0) return text;
-  }
-  return std::nullopt;
-}
-
 /// Returns -1 for a failed operation, and stores its errno for SYS_ERRNO.
 HostReply HostServices::answer(long result) {
   if (result >= 0) return {static_cast<std::uint32_t>(result)};
@@ -107,25 +66,14 @@ HostReply HostServices::answer(long result) {
 }
 
 HostReply HostServices::open(const Block& block) {
-  const auto name = text_at(block[0], block[2]);
+  const auto name = calls_.text_at(block[0], block[2]);
   if (!name) return answer(-EFAULT);
   if (block[1] >= kModes.size()) return answer(-EINVAL);
   return answer(files_.open(*name, kModes[block[1]]));
 }
 
-/// Returns the number of bytes, or -errno.
-long HostServices::transfer(bool is_read, int file, std::uint32_t address, std::uint32_t count) {
-  auto bytes = text_at(address, std::min(count, kLongestText));
-  if (!bytes) return -EFAULT;
-  if (!is_read) return files_.write(file, *bytes);
-  const auto done = files_.read(file, *bytes);
-  if (done > 0)
-    soc_.poke(address, {reinterpret_cast<const std::uint8_t*>(bytes->data()), static_cast<std::size_t>(done)});
-  return done;
-}
-
 HostReply HostServices::write_text(std::uint32_t address) {
-  const auto text = text_at(address);
+  const auto text = calls_.text_at(address);
   return text ? answer(files_.write(1, *text)) : answer(-EFAULT);
 }
 
@@ -136,11 +84,6 @@ HostReply HostServices::command_line(std::uint32_t block_address) {
   const bool good = soc_.poke((*block)[0], {reinterpret_cast<const std::uint8_t*>(program_.c_str()), size + 1}) &&
                     soc_.poke(block_address + 4, {reinterpret_cast<const std::uint8_t*>(&size), sizeof size});
   return answer(good ? 0 : -EFAULT);
-}
-
-/// Returns simulated time. The host's time would differ between runs.
-std::uint64_t HostServices::time_in(std::uint64_t per_second) const {
-  return static_cast<std::uint64_t>(soc_.core_time()) / (kPsPerSecond / per_second);
 }
 
 HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t parameter) {
@@ -168,12 +111,14 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
     case Operation::read:
       return with(kThree, [&](const Block& block) -> HostReply {  // returns the number of bytes left
         const bool is_read = operation == static_cast<std::uint32_t>(Operation::read);
-        const auto done = transfer(is_read, static_cast<int>(block[0]), block[1], block[2]);
+        const auto done = calls_.transfer(is_read, static_cast<int>(block[0]), block[1], block[2]);
         if (done < 0) answer(done);
         return {block[2] - static_cast<std::uint32_t>(std::max(done, 0L))};
       });
-    case Operation::read_character:
-      return {kEndOfInput};
+    case Operation::read_character: {
+      char character = 0;
+      return {files_.read(0, {&character, 1}) == 1 ? static_cast<std::uint8_t>(character) : kEndOfInput};
+    }
     case Operation::is_error:
       return with(kOne, [&](const Block& block) -> HostReply { return {block[0] >> 31}; });
     case Operation::is_terminal:
@@ -188,19 +133,19 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
       return with(kOne, [&](const Block& block) { return answer(files_.length(static_cast<int>(block[0]))); });
     case Operation::remove:
       return with(kTwo, [&](const Block& block) {
-        const auto name = text_at(block[0], block[1]);
+        const auto name = calls_.text_at(block[0], block[1]);
         return answer(name ? files_.remove(*name) : -EFAULT);
       });
     case Operation::rename:
       return with(kFour, [&](const Block& block) {
-        const auto from = text_at(block[0], block[1]);
-        const auto to = text_at(block[2], block[3]);
+        const auto from = calls_.text_at(block[0], block[1]);
+        const auto to = calls_.text_at(block[2], block[3]);
         return answer(from && to ? files_.rename(*from, *to) : -EFAULT);
       });
     case Operation::clock:
-      return {static_cast<std::uint32_t>(time_in(kCentiseconds))};
+      return {static_cast<std::uint32_t>(calls_.time_in(kCentiseconds))};
     case Operation::time:
-      return {static_cast<std::uint32_t>(time_in(1))};
+      return {static_cast<std::uint32_t>(calls_.time_in(1))};
     case Operation::error_number:
       return {static_cast<std::uint32_t>(errno_)};
     case Operation::command_line:
@@ -213,7 +158,7 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
       return with(kTwo,
                   [&](const Block& block) { return HostReply::exit(block[0] == kApplicationExit ? block[1] : 1); });
     case Operation::elapsed: {
-      const auto ticks = time_in(kTicks);
+      const auto ticks = calls_.time_in(kTicks);
       const bool good = soc_.poke(parameter, {reinterpret_cast<const std::uint8_t*>(&ticks), sizeof ticks});
       return answer(good ? 0 : -EFAULT);
     }
@@ -223,30 +168,12 @@ HostReply HostServices::semihosting(std::uint32_t operation, std::uint32_t param
   return answer(-ENOSYS);
 }
 
+/// An openat through `tohost` has the length of the name before the flags. Source: riscv-isa-sim, fesvr/syscall.cc.
 HostReply HostServices::system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) {
-  const auto file = static_cast<int>(arguments[0]);
-  const auto result = [](long value) -> HostReply { return {static_cast<std::uint32_t>(value)}; };
-  switch (static_cast<SystemCall>(number)) {
-    case SystemCall::openat: {
-      const auto name = text_at(arguments[1]);
-      return result(name ? files_.open(*name, mode_of(arguments[3])) : -EFAULT);
-    }
-    case SystemCall::close:
-      return result(files_.close(file));
-    case SystemCall::lseek:
-      return result(files_.seek(file, static_cast<std::int32_t>(arguments[1]), static_cast<int>(arguments[2])));
-    case SystemCall::read:
-    case SystemCall::write:
-      return result(transfer(number == static_cast<std::uint32_t>(SystemCall::read), file, arguments[1], arguments[2]));
-    case SystemCall::exit:
-    case SystemCall::exit_group:
-      return HostReply::exit(arguments[0]);
+  if (number == SystemCalls::kOpenAt) {
+    return calls_.serve(number, std::array{arguments[0], arguments[1], arguments[3], arguments[4]});
   }
-  report_once(
-      fmt::format("system call {} through tohost is not served and answers ENOSYS; openat (56), close (57), "
-                  "lseek (62), read (63), write (64) and exit (93, 94) are",
-                  number));
-  return result(-ENOSYS);
+  return calls_.serve(number, arguments);
 }
 
 /// Device numbers of riscv-isa-sim: fesvr/htif.cc registers the console after the system calls.
@@ -258,14 +185,10 @@ void HostServices::device_command(unsigned device, unsigned command, std::uint64
     files_.write(1, {&character, 1});
     return;
   }
-  report_once(
+  calls_.report_once(
       fmt::format("command {} to device {} through tohost is not served; device 0 (system calls) and command 1 "
                   "of device 1 (write a character to the console) are",
                   command, device));
-}
-
-void HostServices::report_once(const std::string& request) {
-  if (reported_.insert(request).second) fmt::print(stderr, "mebots-soc: {}\n", request);
 }
 
 }  // namespace mebots::soc::tool

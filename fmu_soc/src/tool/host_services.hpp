@@ -4,14 +4,15 @@
 #include "soc/program_host.hpp"
 #include "soc/soc.hpp"
 #include "tool/host_files.hpp"
+#include "tool/system_calls.hpp"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace mebots::soc::tool {
 
@@ -19,10 +20,19 @@ namespace mebots::soc::tool {
 class HostServices final : public HostCalls {
  public:
   HostServices(Soc& soc, HostFiles& files, std::string program)
-      : soc_(soc), files_(files), program_(std::move(program)) {}
+      : soc_(soc), files_(files), calls_(soc, files), program_(std::move(program)) {}
+
+  /// SystemCalls::begin_program() for a program with its name as the first argument.
+  void begin_program(const std::string& name, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), name);
+    calls_.begin_program(arguments);
+  }
 
   HostReply semihosting(std::uint32_t operation, std::uint32_t parameter) override;
   HostReply system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) override;
+  HostReply environment_call(std::uint32_t number, std::span<const std::uint32_t> arguments) override {
+    return calls_.serve(number, arguments);
+  }
   void device_command(unsigned device, unsigned command, std::uint64_t payload) override;
 
  private:
@@ -30,21 +40,16 @@ class HostServices final : public HostCalls {
 
   template <std::size_t Count>
   std::optional<Block> words_at(std::uint32_t address) const;
-  std::optional<std::string> text_at(std::uint32_t address, std::uint32_t length) const;
-  std::optional<std::string> text_at(std::uint32_t address) const;
-  void report_once(const std::string& request);
   HostReply answer(long result);
   HostReply open(const Block& block);
-  long transfer(bool is_read, int file, std::uint32_t address, std::uint32_t count);
   HostReply write_text(std::uint32_t address);
   HostReply command_line(std::uint32_t block_address);
-  std::uint64_t time_in(std::uint64_t per_second) const;
 
   Soc& soc_;
   HostFiles& files_;
+  SystemCalls calls_;
   std::string program_;
-  std::set<std::string> reported_;  // unknown requests that have been reported
-  int errno_ = 0;                   // of the last operation that failed
+  int errno_ = 0;  // of the last operation that failed
 };
 
 }  // namespace mebots::soc::tool

@@ -9,10 +9,15 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -27,6 +32,7 @@ constexpr std::uint64_t kMiB = 1U << 20;
 constexpr std::uint64_t kFar = 64 * kMiB;
 constexpr std::uint64_t kMost = 2048 * kMiB;
 constexpr std::uint64_t kAddressSpace = std::uint64_t{1} << 32;
+constexpr auto kNoBoard = "none";
 
 struct Range {
   std::uint64_t begin = 0;
@@ -60,20 +66,21 @@ std::vector<Range> merged(const std::vector<Range>& ranges) {
 }
 
 /// Rounds a range to pages and adds space after the program for its heap and stack.
-Range with_margin(const Range& range) {
+Range with_margin(const Range& range, std::uint64_t heap) {
   const auto begin = range.begin / kPage * kPage;
-  const auto end = std::max(begin + 4 * kMiB, (range.end + kMiB + kPage - 1) / kPage * kPage);
+  const auto end = std::max(begin + 4 * kMiB, (range.end + heap + kPage - 1) / kPage * kPage);
   return {begin, std::min(end, kAddressSpace)};
 }
 
 }  // namespace
 
-BoardDescription board_around(const Elf& program) {
+BoardDescription board_around(const Elf& program, std::uint64_t heap) {
   BoardDescription board;
-  board.name = "none";
+  board.name = kNoBoard;
   std::uint64_t total = 0;
-  for (const auto& group : merged(ranges_of(program))) {
-    const auto range = with_margin(group);
+  const auto groups = merged(ranges_of(program));
+  for (const auto& group : groups) {
+    const auto range = with_margin(group, &group == &groups.back() ? heap : kMiB);
     BoardMemory ram;
     ram.name = fmt::format("ram{}", board.memories.empty() ? "" : std::to_string(board.memories.size() + 1));
     ram.base = static_cast<std::uint32_t>(range.begin);
@@ -89,18 +96,93 @@ BoardDescription board_around(const Elf& program) {
   return board;
 }
 
-std::filesystem::path board_file(const std::string& asked) {
+namespace {
+
+[[noreturn]] void refuse_ram(const std::string& text, std::string_view why) {
+  throw Error(fmt::format("--ram {}: {}; give an address and a size, such as 0x80000000:64M", text, why));
+}
+
+/// Reads a number, which may be hexadecimal, with a suffix K, M or G. Returns nullopt for anything else.
+std::optional<std::uint64_t> read_size(std::string_view text) {
+  std::uint64_t unit = 1;
+  constexpr std::string_view kSuffixes = "KMG";
+  if (const auto suffix = text.empty() ? kSuffixes.npos : kSuffixes.find(text.back()); suffix != kSuffixes.npos) {
+    unit = std::uint64_t{1} << 10 * (suffix + 1);
+    text.remove_suffix(1);
+  }
+  const bool is_hexadecimal = text.starts_with("0x");
+  if (is_hexadecimal) text.remove_prefix(2);
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, is_hexadecimal ? 16 : 10);
+  if (error != std::errc() || end != text.data() + text.size() || value > kAddressSpace / unit) return std::nullopt;
+  return value * unit;
+}
+
+}  // namespace
+
+void add_ram(BoardDescription& board, const std::string& text) {
+  const auto colon = text.find(':');
+  const auto base = read_size(std::string_view(text).substr(0, colon));
+  const auto size = colon == std::string::npos ? std::nullopt : read_size(std::string_view(text).substr(colon + 1));
+  if (!base || !size) refuse_ram(text, "this is no range of memory");
+  if (*size == 0 || *size % 4 != 0 || *base % 4 != 0) refuse_ram(text, "address and size must be multiples of 4");
+  if (*base + *size > kAddressSpace) refuse_ram(text, "this passes the end of the 32-bit address space");
+  if (*size > kMost) refuse_ram(text, fmt::format("a memory has at most {} MiB", kMost / kMiB));
+  for (const auto& device : board.devices) {
+    if (device.is_on_bus() && *base < device.base + std::uint64_t{device.size()} && device.base < *base + *size) {
+      refuse_ram(text, fmt::format("device {} of the board is at 0x{:08x}", device.name, device.base));
+    }
+  }
+  const auto same = std::ranges::find(board.memories, static_cast<std::uint32_t>(*base), &BoardMemory::base);
+  if (same != board.memories.end()) {
+    same->size = static_cast<std::uint32_t>(*size);
+    return;
+  }
+  BoardMemory ram;
+  ram.name = fmt::format("ram_0x{:08x}", *base);
+  ram.base = static_cast<std::uint32_t>(*base);
+  ram.size = static_cast<std::uint32_t>(*size);
+  ram.leaks = false;  // it belongs to no real chip
+  board.memories.push_back(ram);
+}
+
+Picoseconds time_of(std::string_view option, const std::string& text) {
+  double value = 0;
+  const auto* last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), last, value);
+  const std::string_view unit(end, static_cast<std::size_t>(last - end));
+  constexpr auto kUnits = std::to_array<std::pair<std::string_view, double>>(
+      {{"", 1e12}, {"s", 1e12}, {"ms", 1e9}, {"us", 1e6}, {"ns", 1e3}});
+  const auto* const found = std::ranges::find(kUnits, unit, &std::pair<std::string_view, double>::first);
+  const auto time_ps = found == kUnits.end() ? 0 : value * found->second;
+  if (error != std::errc() || !(time_ps >= 1) || time_ps > kLongestNs * 1e3) {
+    throw Error(fmt::format("{} {}: this is no time; give seconds, or a number with s, ms, us or ns, such as 2.5ms",
+                            option, text));
+  }
+  return std::llround(time_ps);
+}
+
+std::vector<std::filesystem::path> own_boards() {
   std::error_code error;
-  if (std::filesystem::exists(asked, error) || asked.find_first_of("/.") != std::string::npos) return asked;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  std::vector<std::string> known;
+  std::vector<std::filesystem::path> boards;
   // An installation has boards in share/, a build tree next to bin/.
   for (const auto* place : {"share/mebots/configs/boards", "configs/boards"}) {
     for (const auto& entry : std::filesystem::directory_iterator(program.parent_path().parent_path() / place, error)) {
-      if (entry.path().extension() != ".json") continue;
-      known.push_back(entry.path().stem().string());
-      if (known.back() == asked) return entry.path();
+      if (entry.path().extension() == ".json") boards.push_back(entry.path());
     }
+  }
+  std::ranges::sort(boards);
+  return boards;
+}
+
+std::filesystem::path board_file(const std::string& asked) {
+  std::error_code error;
+  if (std::filesystem::exists(asked, error) || asked.find_first_of("/.") != std::string::npos) return asked;
+  std::vector<std::string> known;
+  for (const auto& path : own_boards()) {
+    known.push_back(path.stem().string());
+    if (known.back() == asked) return path;
   }
   std::ranges::sort(known);
   known.erase(std::ranges::unique(known).begin(), known.end());

@@ -8,7 +8,10 @@
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <csignal>
+#include <cstdio>
+#include <string_view>
 
 int main(int argc, char** argv) {
   using namespace mebots::soc::tool;
@@ -16,13 +19,18 @@ int main(int argc, char** argv) {
   CLI::App app{"Runs bare-metal RISC-V programs on the simulated chip"};
   app.set_version_flag("--version", "mebots-soc " MEBOTS_VERSION);
   app.require_subcommand(1);
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a run that is killed keeps its lines
   Options options;
   auto* command = app.add_subcommand("run", "Run a program until it stores to tohost, exits or faults");
   add_options(*command, options);
   app.name("mebots-soc");
   if (const auto code = mebots::command_line::handle_hidden_options(app, MEBOTS_VERSION, argc, argv)) return *code;
+  // CLI11 does not pass what follows -- to a subcommand whose positional options have all they need.
+  auto** const last = argv + argc;
+  auto** const mark = std::find_if(argv, last, [](const char* text) { return std::string_view(text) == "--"; });
   try {
-    app.parse(argc, argv);
+    app.parse(static_cast<int>(mark - argv), argv);
+    if (mark != last) options.arguments.insert(options.arguments.end(), mark + 1, last);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     fmt::print(stderr, "mebots-soc: {}. `mebots-soc run --help` tells what it takes\n", error.what());

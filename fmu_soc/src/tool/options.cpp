@@ -22,11 +22,13 @@ struct NamedFile {
 constexpr auto kFooter =
     "Exit codes:\n"
     "  what the program stored to tohost, shifted right by one, or passed to EXIT (low 8 bits)\n"
-    "  101 a fault, the limit, kill in gdb, a sleep that nothing ends, an endless loop of a program without limit\n"
+    "  101 a fault, a limit, kill in gdb, a sleep that nothing ends, an endless loop of a program without limit\n"
     "  102 bad input: command line, files, program, board; nothing ran\n"
     "Examples:\n"
     "  mebots-soc run gate.elf --board ai_deck --max-instructions 3000000 --profile gate.json\n"
     "  mebots-soc run hello.elf --host-files .\n"
+    "  mebots-soc run zephyr.elf --board virt --console stdio --max-time 10s\n"
+    "  mebots-soc run --user coremark.elf 0 0 0x66 2000\n"
     "  mebots-soc run PULPDroNet_GAPuino --board gap8 --flash WeightsPULPDroNet.raw --pictures FOLDER";
 
 bool same_file(const std::string& a, const std::string& b) {
@@ -40,6 +42,10 @@ bool same_file(const std::string& a, const std::string& b) {
 void add_options(CLI::App& command, Options& options) {
   command.add_option("program", options.program, "ELF32 file for RV32IMC")->type_name("FILE.elf")->required();
   command
+      .add_option("arguments", options.arguments,
+                  "Arguments of the program, with --user; after -- they may begin with a dash")
+      ->type_name("ARGUMENT");
+  command
       .add_option("--board", options.board,
                   "Board file, or the name of one of MEbots' own; without one: RAM around the program's segments")
       ->type_name("BOARD");
@@ -48,6 +54,17 @@ void add_options(CLI::App& command, Options& options) {
                   "Core of a run without --board: cv32e40p (default), ri5cy, or rv32imc, whose mtvec and counters "
                   "follow the privileged specification alone")
       ->type_name("CORE");
+  command
+      .add_option("--ram", options.ram,
+                  "RAM of BASE:SIZE bytes, such as 0x80000000:64M, instead of RAM around the program's segments, or "
+                  "more RAM for the board; more than once for several")
+      ->type_name("BASE:SIZE");
+  command.add_flag("--user", options.user,
+                   "Serve ecall as Linux's system calls (console, files, heap, time, exit), for programs of newlib");
+  command
+      .add_option("--console", options.console,
+                  "Input of the console: stdio, the standard input; pty, a new pseudo terminal for input and output")
+      ->type_name("stdio|pty");
   command
       .add_option("--devices", options.device_folders,
                   "Folder with the libraries of devices that the board names; default: the folder of the board")
@@ -91,6 +108,9 @@ void add_options(CLI::App& command, Options& options) {
             return good ? std::string() : fmt::format("'{}' is not a whole number from 0 on", text);
           },
           ""));
+  command.add_option("--max-time", options.max_time, "Stop at this simulated time, such as 2s or 500us")
+      ->type_name("TIME");
+  command.add_option("--timeout", options.timeout, "Stop after this time of the host, such as 10s")->type_name("TIME");
   command.footer(kFooter);
 }
 
@@ -111,6 +131,12 @@ void check(const Options& options) {
     for (const auto& file : *list) {
       if (file.path.empty()) throw Error(fmt::format("{} has an empty file name; give a path", file.option));
     }
+  }
+  if (options.console && options.console != "stdio" && options.console != "pty") {
+    throw Error(fmt::format("--console {}: there are stdio and pty", *options.console));
+  }
+  if (!options.arguments.empty() && !options.user) {
+    throw Error(fmt::format("\"{}\" is an argument of the program, which only --user passes on", options.arguments[0]));
   }
   if (options.core && options.board) {
     throw Error(fmt::format("--core {}: the board names its core; leave --core out", *options.core));

@@ -71,30 +71,78 @@ class InstructionLimit final : public Observer {
   std::uint64_t last_;
 };
 
+struct Limits {
+  std::optional<std::uint64_t> instructions;
+  std::optional<Picoseconds> time;
+  std::optional<Picoseconds> wall_time;
+};
+
+/// The limit that ended a run.
+enum class Reached : std::uint8_t { none, instructions, time, wall_time };
+
 /// Runs in pieces, because every instruction takes a cycle or more: with N instructions left, N cycles are safe. The
 /// limit counts the fabric controller's instructions.
-void run_instructions(Soc& soc, observe::Session& session, std::optional<std::uint64_t> limit, std::uint64_t slice) {
-  const auto& counters = soc.hart().counters();
-  std::optional<InstructionLimit> last;
-  while (soc.running()) {
-    const auto before = busiest_cycles(soc);
-    const auto cluster_lead = before - counters.cycles;
-    auto piece = slice;
-    if (limit && !last) {
-      const auto left = *limit - counters.instructions;
-      if (left == 0) return;
+class LimitedRun {
+ public:
+  LimitedRun(Soc& soc, observe::Session& session, const Limits& limits, std::uint64_t slice)
+      : soc_(soc),
+        session_(session),
+        limits_(limits),
+        slice_(limits.wall_time ? std::min(slice, kShortSlice) : slice) {}
+
+  Reached run() {
+    auto reached = Reached::none;
+    while (soc_.running() && reached == Reached::none) {
+      const auto before = busiest_cycles(soc_);
+      reached = run_piece(before);
+      if (busiest_cycles(soc_) == before && soc_.sleeps_for_good()) break;
+      if (!limits_.instructions && soc_.spins()) break;
+    }
+    if (last_) session_.remove(*last_);
+    return reached;
+  }
+
+ private:
+  /// Pieces of a run with a limit of the host's time.
+  static constexpr std::uint64_t kShortSlice = 1U << 22;
+  static constexpr Picoseconds kTimeSlice = 10'000'000'000;
+
+  Reached run_piece(std::uint64_t before) {
+    const auto& counters = soc_.hart().counters();
+    auto piece = slice_;
+    if (limits_.instructions && !last_) {
+      const auto left = *limits_.instructions - counters.instructions;
+      const auto cluster_lead = before - counters.cycles;
+      if (left == 0) return Reached::instructions;
       if (left > cluster_lead) {
-        piece = std::min(slice, left - cluster_lead);
+        piece = std::min(piece, left - cluster_lead);
       } else {
-        session.add(last.emplace(*limit));  // cycles cannot tell any more
+        session_.add(last_.emplace(*limits_.instructions));  // cycles cannot tell any more
       }
     }
-    soc.run_cycles(before + piece);
-    if (busiest_cycles(soc) == before) break;  // asleep for good
-    if (!limit && soc.spins()) break;
+    soc_.run_cycles(before + piece, piece_end());
+    if (limits_.time && soc_.running() && soc_.now() >= *limits_.time) return Reached::time;
+    return limits_.wall_time && wall_time() >= *limits_.wall_time ? Reached::wall_time : Reached::none;
   }
-  if (last) session.remove(*last);
-}
+
+  /// A core that sleeps advances in time, not in cycles.
+  Picoseconds piece_end() const {
+    const auto end = limits_.wall_time ? soc_.now() + kTimeSlice : Soc::kWithoutEnd;
+    return limits_.time ? std::min(end, *limits_.time) : end;
+  }
+
+  Picoseconds wall_time() const {
+    const std::chrono::nanoseconds passed = std::chrono::steady_clock::now() - start_;
+    return passed.count() * kPsPerNs;
+  }
+
+  Soc& soc_;
+  observe::Session& session_;
+  Limits limits_;
+  std::uint64_t slice_;
+  std::optional<InstructionLimit> last_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 std::optional<std::uint32_t> tohost_of(const Soc& soc) {
   const auto address = soc.program().symbol("tohost");
@@ -110,7 +158,23 @@ unsigned last_hart(const Soc& soc) {
   return cluster == nullptr ? kFabricControllerHart : hart_of_core(cluster->core_stopped_by_observer());
 }
 
-std::string missing_end_text(const Soc& soc, const Options& options) {
+/// Returns why a program that has not ended itself runs no more.
+std::string reason_text(const Soc& soc, const Options& options, Reached reached) {
+  switch (reached) {
+    case Reached::instructions:
+      return fmt::format("limit of {} instructions reached", *options.max_instructions);
+    case Reached::time:
+      return fmt::format("limit of {} of simulated time reached (--max-time)", *options.max_time);
+    case Reached::wall_time:
+      return fmt::format("limit of {} of the host's time reached (--timeout)", *options.timeout);
+    case Reached::none:
+      break;
+  }
+  if (soc.hart().sleeping()) return "nothing is left that could wake the core, which sleeps";
+  return "endless loop";
+}
+
+std::string missing_end_text(const Soc& soc, const Options& options, Reached reached) {
   const auto number = last_hart(soc);
   const auto pc = soc.hart(number).pc();
   const auto function = soc.program().where(pc);
@@ -118,11 +182,9 @@ std::string missing_end_text(const Soc& soc, const Options& options) {
   const auto place =
       fmt::format("{}pc 0x{:08x} in {}", whose, pc, function.empty() ? "no function of the program" : function);
   const bool at_limit = options.max_instructions && soc.hart().counters().instructions == *options.max_instructions;
+  if (at_limit) reached = Reached::instructions;
   if (soc.end() == End::stopped && !at_limit) return fmt::format("stopped by the debugger at {}", place);
-  if (soc.hart().sleeping()) return fmt::format("the core sleeps at {} and nothing is left that could wake it", place);
-  auto text = options.max_instructions
-                  ? fmt::format("limit of {} instructions reached at {}", *options.max_instructions, place)
-                  : fmt::format("endless loop at {}", place);
+  auto text = fmt::format("{} at {}", reason_text(soc, options, reached), place);
   if (soc.spins()) {
     text += ", an endless jump to itself: no enabled interrupt can end it";
     if (!soc.program().symbol("tohost")) text += "; the program has no symbol tohost to end by";
@@ -172,20 +234,61 @@ observe::Requests requests_of(const Options& options) {
   return requests;
 }
 
+/// Heap and stack of a program with an operating system's calls. Only touched pages take memory of the host.
+constexpr std::uint64_t kUserHeap = std::uint64_t{128} << 20;
+constexpr std::uint64_t kHeap = std::uint64_t{1} << 20;
+
+BoardDescription board_of(const Options& options, const Elf& program) {
+  BoardDescription board;
+  if (options.board) {
+    board = read_board(board_file(*options.board));
+  } else if (options.ram.empty()) {
+    board = board_around(program, options.user ? kUserHeap : kHeap);
+  } else {
+    board.name = "none";
+  }
+  for (const auto& ram : options.ram) add_ram(board, ram);
+  // A program for an operating system reads counters that CV32E40P stops at reset.
+  if (!options.board && options.user) set_core(board, "rv32imc");
+  if (options.core) set_core(board, *options.core);
+  return board;
+}
+
+HostConsole::Kind console_kind(const Options& options) {
+  if (options.console) return *options.console == "pty" ? HostConsole::Kind::pty : HostConsole::Kind::stdio;
+  return options.user ? HostConsole::Kind::lines : HostConsole::Kind::output;
+}
+
+Listeners listeners_of(HostConsole& console, const Options& options) {
+  Listeners listeners;
+  listeners.console = [&console](std::string_view line) { console.write(std::string(line) + '\n'); };
+  listeners.faults = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
+  listeners.console_byte = [&console](std::uint8_t byte) {
+    const auto character = static_cast<char>(byte);
+    console.write({&character, 1});
+  };
+  if (options.console) {
+    listeners.console_input = [&console](Picoseconds now, bool waits) { return console.read_byte(now, waits); };
+  }
+  return listeners;
+}
+
+Limits limits_of(const Options& options) {
+  Limits limits;
+  limits.instructions = options.max_instructions;
+  if (options.max_time) limits.time = time_of("--max-time", *options.max_time);
+  if (options.timeout) limits.wall_time = time_of("--timeout", *options.timeout);
+  return limits;
+}
+
 }  // namespace
 
 int run(const Options& options) {
   const auto program = Elf::read(options.program);
-  auto chip = gap8();
-  BoardDescription board;
-  if (options.board) {
-    board = read_board(board_file(*options.board));
-    chip = chip_of(board);
-  } else {
-    board = board_around(program);
-    chip.timing.kind = CoreKind::cv32e40p;
-  }
-  if (options.core) set_core(board, *options.core);
+  const auto limits = limits_of(options);
+  const auto board = board_of(options, program);
+  auto chip = options.board ? chip_of(board) : gap8();
+  if (!options.board) chip.timing.kind = CoreKind::cv32e40p;
   require_own_chip(options.program, board);
   Settings settings;
   settings.translate = !options.interpret;
@@ -206,14 +309,13 @@ int run(const Options& options) {
                               *options.pictures, board.name, kFlashKind));
     }
   }
-  Listeners listeners;
-  listeners.console = [](std::string_view line) { fmt::print("{}\n", line); };
-  listeners.faults = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
-  Soc soc(board, chip, settings, program, listeners);
+  HostConsole console(console_kind(options));
+  Soc soc(board, chip, settings, program, listeners_of(console, options));
   if (const auto tohost = program.symbol("tohost")) soc.program_host().watch(*tohost);
-  HostFiles files(options.host_files);
+  HostFiles files(options.host_files, console);
   HostServices services(soc, files, options.program);
-  soc.program_host().serve(&services);
+  soc.program_host().serve(&services, options.user);
+  if (options.user) services.begin_program(options.program, options.arguments);
   std::optional<Signature> signature;
   if (options.signature) signature.emplace(*options.signature, soc);
   std::optional<observe::TextFile> json;
@@ -221,18 +323,24 @@ int run(const Options& options) {
   observe::Session session(requests_of(options), soc);
 
   const auto start = std::chrono::steady_clock::now();
-  run_instructions(soc, session, options.max_instructions, options.power_trace ? kFineSlice : kSlice);
+  const auto reached = LimitedRun(soc, session, limits, options.power_trace ? kFineSlice : kSlice).run();
   const auto host_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto tohost = tohost_of(soc);
   const auto code = has_seen_all(soc, options) ? 0 : exit_code(soc, tohost);
   const auto report = report_of(soc, host_s, tohost);
+  console.end_line();
   print(report);
   if (json) {
     json->print("{}", json_text(report));
     json->close();
   }
   const bool is_reported = soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
-  if (code == kFaultOrLimit && !is_reported) fmt::print(stderr, "mebots-soc: {}\n", missing_end_text(soc, options));
+  if (code == kFaultOrLimit && !is_reported) {
+    fmt::print(stderr, "mebots-soc: {}\n", missing_end_text(soc, options, reached));
+  }
+  if (const auto advice = advice_after_fault(soc, options); !advice.empty()) {
+    fmt::print(stderr, "mebots-soc: {}\n", advice);
+  }
   print_remarks(soc, !options.board);
   session.finish(code);
   if (signature) signature->write(soc);

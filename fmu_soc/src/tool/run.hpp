@@ -3,6 +3,7 @@
 
 #include "board/board_file.hpp"
 #include "elf/elf.hpp"
+#include "mebots/soc/time.hpp"
 #include "observe/text_file.hpp"
 #include "soc/soc.hpp"
 
@@ -12,15 +13,26 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mebots::soc::tool {
 
 /// Makes the board of a program that names none. It has RAM where the program's segments are loaded and where they run,
 /// and no device. A RAM begins at the page of its lowest segment, has at least 4 MiB, and ends at least 1 MiB past its
-/// highest segment. Segments with more than 64 MiB between them get a RAM each. Throws Error if that would be more than
-/// 2 GiB.
-BoardDescription board_around(const Elf& program);
+/// highest segment; the last one ends `heap` bytes past it. Segments with more than 64 MiB between them get a RAM each.
+/// Throws Error if that would be more than 2 GiB.
+BoardDescription board_around(const Elf& program, std::uint64_t heap);
+
+/// Adds RAM given as BASE:SIZE, such as 0x80000000:64M. A memory of the board with this base gets the size. Throws
+/// Error for another form, and for RAM that overlaps a device.
+void add_ram(BoardDescription& board, const std::string& text);
+
+/// Returns a time given as 10s, 2.5ms or 3 (seconds). Throws Error that names the option.
+Picoseconds time_of(std::string_view option, const std::string& text);
+
+/// Returns the board files that came with this program.
+std::vector<std::filesystem::path> own_boards();
 
 /// Returns the file of a board, which is given by its path or by the name of a board that came with this program.
 /// Throws Error that lists those boards for a name that is not one of them.
@@ -50,6 +62,10 @@ class Signature {
 /// What the user asked `mebots-soc run` for.
 struct Options {
   std::string program;
+  std::vector<std::string> arguments;
+  bool user = false;
+  std::vector<std::string> ram;
+  std::optional<std::string> console;
   std::optional<std::string> board;
   std::optional<std::string> core;
   std::vector<std::string> device_folders;
@@ -65,6 +81,8 @@ struct Options {
   std::optional<std::string> host_files;
   std::optional<int> gdb_port;
   std::optional<std::uint64_t> max_instructions;
+  std::optional<std::string> max_time;
+  std::optional<std::string> timeout;
 };
 
 /// Lets the command take them, with what its help says of each; they are set when the command line is parsed.
@@ -73,6 +91,10 @@ void add_options(CLI::App& command, Options& options);
 /// Throws Error for contradictory options: an empty name, one file for two purposes, an input of the run as its output,
 /// a path to a folder that does not exist.
 void check(const Options& options);
+
+/// Returns what the user can do about the fault that ended a run: an option that serves the program's system call, or a
+/// board that has a device at the address. Empty if there is nothing to say.
+std::string advice_after_fault(const Soc& soc, const Options& options);
 
 inline constexpr int kFaultOrLimit = 101;
 inline constexpr int kBadInput = 102;

@@ -411,7 +411,7 @@ TEST(Cluster, ConnectsL1OnlyWhileItIsOn) {
   EXPECT_EQ(system.soc.end(), End::faulted);
   EXPECT_TRUE(system.soc.faulted());
   ASSERT_EQ(system.faults.size(), 1U);
-  EXPECT_NE(system.faults[0].find("load from nothing"), std::string::npos) << system.faults[0];
+  EXPECT_NE(system.faults[0].find("load access fault"), std::string::npos) << system.faults[0];
 }
 
 TEST(Cluster, ReportsTheFaultedCore) {

@@ -92,7 +92,8 @@ struct BoardDevice {
   std::uint32_t base = 0;
   std::vector<std::uint32_t> also_at;  // further base addresses of the same registers
   std::uint32_t span = 0;              // bytes of address space, if more than the registers take
-  int interrupt = -1;                  // bit of mip; -1 = none
+  int interrupt = -1;                  // bit of mip, or source of the interrupt controller; -1 = none
+  std::string interrupt_controller;    // device that collects the interrupt; empty = the core itself
   double supply_voltage_v = 0;
   std::vector<BoardRegister> registers;  // by offset
   std::vector<BoardState> states;

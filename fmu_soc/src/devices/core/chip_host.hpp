@@ -99,7 +99,43 @@ class DeviceSource {
   virtual std::vector<Device*> made_devices() const = 0;
 };
 
+/// The console of a program that runs alone, byte by byte.
+class ConsolePort {
+ public:
+  static constexpr int kNothingYet = -1;
+  static constexpr int kEnded = -2;  // there will never be input again
+
+  virtual ~ConsolePort() = default;
+  /// Writes a byte. Returns false, without effect, if the console takes whole lines only (DeviceHost::print()).
+  virtual bool write_console(std::uint8_t byte) = 0;
+  /// Takes the next byte of input. Returns kNothingYet or kEnded if there is none.
+  virtual int read_console(Picoseconds now) = 0;
+};
+
+/// Ends the program of the fabric controller.
+class ProgramEnd {
+ public:
+  virtual ~ProgramEnd() = default;
+  virtual void end_program(std::int32_t exit_code) = 0;
+};
+
 /// All services of the chip. A kind passes to its device only those that the device needs.
-class ChipHost : public DeviceHost, public PowerSource, public PartSource, public ImageSource, public DeviceSource {};
+class ChipHost : public DeviceHost,
+                 public PowerSource,
+                 public PartSource,
+                 public ImageSource,
+                 public DeviceSource,
+                 public ConsolePort,
+                 public ProgramEnd {};
+
+/// A device that collects the interrupts of others and has one line to the core. Its entry's `interrupt` is that line.
+class InterruptController {
+ public:
+  virtual ~InterruptController() = default;
+  /// Returns the highest number of a source; the lowest is 1.
+  virtual unsigned last_source() const = 0;
+  /// Sets the level of a source.
+  virtual void set_source(unsigned source, bool level) = 0;
+};
 
 }  // namespace mebots::soc

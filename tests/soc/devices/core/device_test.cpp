@@ -271,7 +271,7 @@ TEST(Bus, RefusesAccessesOtherThanAlignedWords) {
   system.soc.advance(1 * kMs);
   EXPECT_EQ(system.soc.end(), End::faulted);
   ASSERT_EQ(system.faults.size(), 1U);
-  EXPECT_THAT(system.faults[0], HasSubstr("load from nothing (mcause 5, mtval 0x1a18b000) at pc 0x1c00000"));
+  EXPECT_THAT(system.faults[0], HasSubstr("load access fault (mcause 5, mtval 0x1a18b000) at pc 0x1c00000"));
   EXPECT_THAT(system.faults[0], HasSubstr("in at: lbu a0, 0(s0)"));
 }
 

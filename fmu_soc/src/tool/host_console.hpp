@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/soc/time.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace mebots::soc::tool {
+
+/// The console of a program: standard output with or without standard input, or a pseudo terminal.
+class HostConsole {
+ public:
+  enum class Kind : std::uint8_t {
+    output,  // no input
+    lines,   // standard input as its terminal delivers it
+    stdio,   // standard input byte by byte: sets its terminal to raw mode, until the process ends
+    pty,     // announces the name of a pseudo terminal on standard error
+  };
+
+  /// Throws Error if there is no pseudo terminal.
+  explicit HostConsole(Kind kind);
+  HostConsole(const HostConsole&) = delete;
+  HostConsole& operator=(const HostConsole&) = delete;
+  ~HostConsole();
+
+  bool has_input() const { return input_ >= 0; }
+  /// Writes to standard output, or to the terminal. While no program has the pseudo terminal open, the bytes are lost.
+  void write(std::span<const char> bytes);
+  /// Ends an unfinished line on standard output, before other text.
+  void end_line();
+  /// Takes a byte as ConsolePort::read_console() does. A file on standard input always has its next byte. Otherwise, if
+  /// `waits`, waits for a byte until the wall clock has advanced as far as `now`.
+  int read_byte(Picoseconds now, bool waits);
+  /// Waits for input. Returns the number of bytes; 0 at its end.
+  long read(std::span<char> into);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool fill(int timeout_ms);
+  int milliseconds_ahead(Picoseconds now);
+
+  Kind kind_;
+  int input_ = -1;        // file descriptor; -1 = none
+  bool is_file_ = false;  // the input never has to be waited for
+  bool ended_ = false;
+  bool in_line_ = false;  // the last byte on standard output was not the end of a line
+  std::array<char, 4096> buffer_{};
+  std::size_t next_ = 0;
+  std::size_t end_ = 0;
+  std::optional<Clock::time_point> start_;  // when the chip's time was 0
+};
+
+}  // namespace mebots::soc::tool
