@@ -4,28 +4,103 @@
 #include "mebots/assert.hpp"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
+#include <fstream>
 #include <new>
+#include <vector>
 
 namespace mebots::soc {
 namespace {
+
+/// Larger regions and their marks are searched, saved and restored page by page, so that memory which no program has
+/// touched costs nothing.
+constexpr std::size_t kLargeSize = std::size_t{8} << 20;
+constexpr std::size_t kPageSize = 4096;
+
+/// Returns which pages of this process, from that of `first` to that of `last`, have ever been written; all of them if
+/// the system does not tell. Source: Linux, Documentation/admin-guide/mm/pagemap.rst.
+std::vector<bool> written_pages(const std::uint8_t* first, const std::uint8_t* last) {
+  const auto page = reinterpret_cast<std::uintptr_t>(first) / kPageSize;
+  const auto count = reinterpret_cast<std::uintptr_t>(last) / kPageSize - page + 1;
+  std::vector<bool> written(count, true);
+  std::vector<std::uint64_t> entries(count);
+  const auto bytes = static_cast<std::streamsize>(count * sizeof entries[0]);
+  std::ifstream map("/proc/self/pagemap", std::ios::binary);
+  map.seekg(static_cast<std::streamoff>(page * sizeof entries[0]));
+  if (::sysconf(_SC_PAGESIZE) != long{kPageSize} || !map.read(reinterpret_cast<char*>(entries.data()), bytes))
+    return written;
+  for (std::size_t i = 0; i < count; ++i) written[i] = entries[i] >> 62 != 0;  // in memory or swapped out
+  return written;
+}
+
+/// Calls `visit` with the begin and the size of pieces that hold all bytes which are not 0. A large array has a piece
+/// for each page.
+template <typename Visit>
+void for_pieces(const std::uint8_t* bytes, std::size_t size, Visit visit) {
+  if (size < kLargeSize) {
+    visit(std::size_t{0}, size);
+    return;
+  }
+  const auto offset = reinterpret_cast<std::uintptr_t>(bytes) % kPageSize;
+  const auto written = written_pages(bytes, bytes + (size - 1));
+  for (std::size_t first = 0; first < size; first += kPageSize) {
+    const auto count = std::min(kPageSize, size - first);
+    if (written[(offset + first) / kPageSize] || written[(offset + first + count - 1) / kPageSize]) visit(first, count);
+  }
+}
 
 /// Calls `visit` with every word of the region that has one of the marks. Marks are rare, so eight words are tested
 /// together.
 template <typename Visit>
 void for_marked(const Region& region, std::uint8_t marks, Visit visit) {
   const auto pattern = 0x0101'0101'0101'0101ULL * marks;
-  const auto count = region.size / 4;
-  for (std::uint32_t first = 0; first < count; first += 8) {
-    const auto words = std::min(count - first, std::uint32_t{8});
-    std::uint64_t several = 0;
-    std::memcpy(&several, region.marks.get() + first, words);
-    if ((several & pattern) == 0) continue;
-    for (auto word = first; word < first + words; ++word) {
-      if ((region.marks[word] & marks) != 0) visit(word);
+  for_pieces(region.marks.get(), region.size / 4, [&](std::size_t begin, std::size_t count) {
+    for (auto first = begin; first < begin + count; first += 8) {
+      const auto words = std::min(begin + count - first, std::size_t{8});
+      std::uint64_t several = 0;
+      std::memcpy(&several, region.marks.get() + first, words);
+      if ((several & pattern) == 0) continue;
+      for (auto word = first; word < first + words; ++word) {
+        if ((region.marks[word] & marks) != 0) visit(static_cast<std::uint32_t>(word));
+      }
     }
+  });
+}
+
+/// Visits the pages of a large region that hold anything but zeros: their numbers, and their bytes.
+void visit_pages(Region& region, state::Visitor& v) {
+  std::vector<std::uint32_t> pages;
+  std::vector<std::uint8_t> bytes;
+  const auto is_empty = [&](std::size_t first, std::size_t count) {
+    const auto* begin = region.data.get() + first;
+    return *begin == 0 && std::memcmp(begin, begin + 1, count - 1) == 0;
+  };
+  if (!v.restores()) {
+    for_pieces(region.data.get(), region.size, [&](std::size_t first, std::size_t count) {
+      if (is_empty(first, count)) return;
+      pages.push_back(static_cast<std::uint32_t>(first / kPageSize));
+      bytes.insert(bytes.end(), region.data.get() + first, region.data.get() + first + count);
+    });
+  }
+  v(region.name + ".pages", pages);
+  v(region.name, bytes);
+  if (!v.restores()) return;
+  for_pieces(region.data.get(), region.size, [&](std::size_t first, std::size_t count) {
+    if (!is_empty(first, count)) std::memset(region.data.get() + first, 0, count);
+  });
+  std::size_t at = 0;
+  for (const auto page : pages) {
+    const auto first = std::size_t{page} * kPageSize;
+    const auto count = first < region.size ? std::min(kPageSize, region.size - first) : 0;
+    if (count == 0 || bytes.size() - at < count) {
+      throw Error(ErrorCode::state_damaged,
+                  fmt::format("a saved state is damaged: page {} of memory {}", page, region.name));
+    }
+    std::memcpy(region.data.get() + first, bytes.data() + at, count);
+    at += count;
   }
 }
 
@@ -157,7 +232,11 @@ void Memory::visit(state::Visitor& v) {
   for (auto& region : regions_) {
     loop_ends.clear();
     for_marked(region, Region::kLoop, [&](std::uint32_t word) { loop_ends.push_back(word); });
-    v(region.name, std::span(region.data.get(), region.size));
+    if (region.size < kLargeSize) {
+      v(region.name, std::span(region.data.get(), region.size));
+    } else {
+      visit_pages(region, v);
+    }
     v(region.name + ".loop_ends", loop_ends);
     if (!v.restores()) continue;
     for_marked(region, Region::kLoop, [&](std::uint32_t word) { region.marks[word] ^= Region::kLoop; });

@@ -43,7 +43,7 @@ std::string device(std::string_view more, std::string_view name = "d", std::stri
 }
 
 TEST(BoardFile, OfTheRepositoryAreGood) {
-  for (const auto* name : {"ai_deck", "gap8", "gap8_bare", "pulp_open", "ri5cy"}) {
+  for (const auto* name : {"ai_deck", "gap8", "gap8_bare", "pulp_open", "ri5cy", "virt"}) {
     EXPECT_EQ(read_board(fmt::format("{}/configs/boards/{}.json", MEBOTS_SOURCE_DIR, name)).name, name);
   }
 }

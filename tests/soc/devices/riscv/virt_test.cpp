@@ -539,6 +539,27 @@ TEST(Virt, ARestoredStateContinuesWithTheSameBits) {
   EXPECT_TRUE(state::save(second.soc) == state::save(straight.soc));
 }
 
+TEST(Virt, AStateHoldsOnlyThePagesThatAProgramHasWritten) {
+  constexpr std::string_view kStores =
+      "_start: li a0, 0x84000ffc\nsw a0, 0(a0)\nli a1, 0x87fffffc\nsw a1, 0(a1)\n1: j 1b";
+  VirtSystem first(kStores);
+  first.soc.run_cycles(1'000);
+  const auto state = state::save(first.soc);
+  EXPECT_LT(state.size(), 100'000U) << "of 128 MiB of RAM";
+  VirtSystem second("_start: li a0, 0x85000000\nsw a0, 0(a0)\n1: j 1b");
+  second.soc.run_cycles(1'000);
+  state::restore(second.soc, state);
+  const auto word_at = [&](std::uint32_t address) {
+    std::uint32_t word = 1;
+    EXPECT_TRUE(second.soc.memory().read(address, {reinterpret_cast<std::uint8_t*>(&word), sizeof word}));
+    return word;
+  };
+  EXPECT_EQ(word_at(0x84000ffc), 0x84000ffcU);
+  EXPECT_EQ(word_at(0x87fffffc), 0x87fffffcU);
+  EXPECT_EQ(word_at(0x85000000), 0U) << "what the other program has written is gone";
+  EXPECT_TRUE(state::save(second.soc) == state);
+}
+
 TEST(Virt, ARunEndsAtItsTimeAndAnEndlessSleepBeforeIt) {
   VirtSystem runs("_start: j _start");
   runs.soc.run_cycles(~std::uint64_t{0}, 5'000'000);
