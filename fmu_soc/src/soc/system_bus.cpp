@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
+#include <string_view>
 
 namespace mebots::soc {
 namespace {
@@ -22,6 +24,37 @@ struct Area {
   std::uint32_t size;
 };
 constexpr std::array<Area, 3> kAreas{{{0x1A10'0000, 0x2'0000}, {0x0020'0000, 0x5000}, {0x1B20'0000, 0x5000}}};
+
+constexpr std::string_view kMtimerKind = "aclint_mtimer";
+constexpr std::uint32_t kMtime = 0x7ff8;  // offsets in such a device
+constexpr std::uint32_t kMtimeHigh = 0x7ffc;
+
+/// Executes the CSR instruction at the core's pc if it reads `time` or `timeh`, or accesses `satp`, on a board with a
+/// timer of the platform. `time` shows MTIME. `satp` reads 0 and ignores writes, as in a core whose only mode of
+/// address translation is Bare; programs clear it at their start. Returns false for any other instruction. Source:
+/// RISC-V Privileged Specification 20211203, sections 3.2.1 and 4.1.11.
+bool serves_platform_register(Hardware& hardware, const DeviceSet& devices, Picoseconds now) {
+  constexpr std::uint32_t kSystem = 0x73;
+  constexpr std::uint32_t kTime = 0xc01;
+  constexpr std::uint32_t kTimeHigh = 0xc81;
+  constexpr std::uint32_t kSatp = 0x180;
+  const auto& entries = hardware.board().devices;
+  const auto entry = std::ranges::find(entries, kMtimerKind, &BoardDevice::kind);
+  std::uint32_t word = 0;
+  auto& hart = hardware.controller();
+  const auto bytes = std::span(reinterpret_cast<std::uint8_t*>(&word), sizeof word);
+  if (entry == entries.end() || !hardware.memory().read(hart.pc(), bytes)) return false;
+  const auto number = word >> 20;
+  const auto function = word >> 12 & 7U;
+  const bool is_read = function == 2 && (word >> 15 & 31U) == 0;  // csrrs with x0
+  const bool is_time = is_read && (number == kTime || number == kTimeHigh);
+  const bool is_access = (function & 3U) != 0;
+  if ((word & 0x7fU) != kSystem || !(is_time || (is_access && number == kSatp))) return false;
+  std::uint32_t value = 0;
+  if (is_time) devices.find(entry->name)->load(number == kTime ? kMtime : kMtimeHigh, now, value);
+  hart.set_reg(word >> 7 & 31U, value);
+  return true;
+}
 
 }  // namespace
 
@@ -123,6 +156,7 @@ BusReply SystemBus::store_narrow(std::uint32_t address, std::uint64_t cycle, std
 
 bool SystemBus::called_host(std::uint32_t cause) {
   if (cause == cause::kBreakpoint) return program_host_.serve_semihosting();
+  if (cause == cause::kIllegalInstruction) return serves_platform_register(hardware_, devices_, timeline_.core_time());
   return (cause == cause::kMachineEcall || cause == cause::kUserEcall) && program_host_.serve_environment_call();
 }
 

@@ -186,6 +186,39 @@ _start: li t0, COUNT
   EXPECT_GT(system.result(3), 17U);
 }
 
+TEST(Virt, RegisterTimeShowsMtimeAndSatpIsBare) {
+  VirtSystem system(R"(
+_start: csrw satp, zero
+    li t0, COUNT
+    li t2, RESULTS
+    li t1, 7
+    sw t1, 4(t0)
+    .rept 500
+    nop
+    .endr
+    rdtime a0
+    rdtimeh a1
+    lw a2, 0(t0)
+    li a3, -1
+    csrw satp, a3
+    csrr a3, satp
+    sw a0, 0(t2)
+    sw a1, 4(t2)
+    sw a2, 8(t2)
+    sw a3, 12(t2)
+1:  j 1b
+)");
+  system.soc.run_cycles(2'000);
+  EXPECT_GE(system.result(0), 50U);
+  EXPECT_LE(system.result(2) - system.result(0), 1U);
+  EXPECT_EQ(system.result(1), 7U);
+  EXPECT_EQ(system.result(3), 0U);
+  EXPECT_TRUE(system.faults.empty());
+  VirtSystem writes("_start: nop\n.word 0xc0151073\n1: j 1b");  // csrw time, a0
+  writes.soc.run_cycles(100);
+  EXPECT_EQ(writes.faults.size(), 1U);
+}
+
 TEST(Virt, MtimeCanBeWrittenAndMovesTheNextInterrupt) {
   VirtSystem system("_start: j _start");
   auto& timer = system.device("mtimer");
