@@ -57,7 +57,7 @@ TEST_F(BadInput, OfTheCommandLineIsRefused) {
   expect_refused("run " + program_ + " --gdb 65536", "");
   expect_refused("run " + program_ + " --trace-cycles", "--trace FILE");
   expect_refused("run ''", "empty file name");
-  for (const auto* option : {"--board", "--signature", "--trace", "--profile", "--power-trace", "--json"}) {
+  for (const auto* option : {"--board", "--signature", "--trace", "--profile", "--power-trace", "--json", "--page"}) {
     expect_refused(fmt::format("run {} {} ''", program_, option), fmt::format("{} has an empty file name", option));
   }
 }
@@ -118,6 +118,8 @@ TEST_F(BadInput, OfOneFileForTwoThingsIsRefusedAndNothingIsOverwritten) {
 TEST_F(BadInput, OfProfilesAndPowerTracesOfUnknownKindsIsRefused) {
   expect_refused(fmt::format("run {} --profile {}", program_, folder_ / "p.txt"), "must end in .json");
   expect_refused(fmt::format("run {} --power-trace {}", program_, folder_ / "p.txt"), "must end in .json");
+  expect_refused(fmt::format("run {} --page {} --profile {}", program_, folder_ / "p.html", folder_ / "p.callgrind"),
+                 "must end with .json, or be left out");
 }
 
 TEST_F(BadInput, OfASignatureWithoutItsSymbolsIsRefused) {

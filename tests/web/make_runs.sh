@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Usage: make_runs.sh MEBOTS CONFIGS OUT. Creates the runs for page_test.mjs, and their pages.
+# Usage: make_runs.sh MEBOTS CONFIGS OUT MEBOTS_SOC PROGRAM.elf. Creates the runs for page_test.mjs, and their pages.
 set -euo pipefail
-mebots=$1 configs=$2 out=$3
+mebots=$1 configs=$2 out=$3 soc=$4 program=$5
 mkdir -p "$out"
 # The tests use the times of a flight with these models, whose motors start immediately.
 models=(motors.rotor_data=crazyflie_bench motors.bus.resistance=0 battery.cell.name=bitcraze_250 world.drone.name=crazyflie_bench
@@ -18,3 +18,4 @@ models=(motors.rotor_data=crazyflie_bench motors.bus.resistance=0 battery.cell.n
 "$mebots" report "$out/system"
 "$mebots" report "$out/flight" "$out/fast" --out "$out/beside.html"
 "$mebots" report "$out/short" "$out/flight" --out "$out/lengths.html"
+"$soc" run "$program" --board ai_deck --page "$out/chip.html" --json "$out/chip.json" >"$out/chip.txt"

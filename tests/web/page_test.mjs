@@ -177,20 +177,71 @@ const tests = {
     assert.ok(await page.evaluate(() => globalThis.mebots.span.isWhole));
   },
 
-  async "shift and drag on a plot choose a span"({ page }) {
+  async "a drag on a plot chooses a span, a click the moment, and shift exchanges them"({ page }) {
     await setTime(page, 1);
     const box = await (await page.$(".chart .u-over")).boundingBox();
-    await page.keyboard.down("Shift");
-    await page.mouse.move(box.x + 0.25 * box.width, box.y + 20);
-    await page.mouse.down();
-    await page.mouse.move(box.x + 0.75 * box.width, box.y + 20, { steps: 3 });
-    await page.mouse.up();
-    await page.keyboard.up("Shift");
-    const { start, stop, time } = await page.evaluate(() => ({ start: globalThis.mebots.span.start, stop: globalThis.mebots.span.stop, time: globalThis.mebots.clock.time }));
+    const drag = async (from, to) => {
+      await page.mouse.move(box.x + from * box.width, box.y + 20);
+      await page.mouse.down();
+      await page.mouse.move(box.x + to * box.width, box.y + 20, { steps: 3 });
+      await page.mouse.up();
+      return page.evaluate(() => ({ start: globalThis.mebots.span.start, stop: globalThis.mebots.span.stop, time: globalThis.mebots.clock.time }));
+    };
+    const { start, stop, time } = await drag(0.25, 0.75);
     assert.ok(Math.abs(start - 1) < 0.05 && Math.abs(stop - 3) < 0.05, `${start} to ${stop}`);
     assert.equal(time, 1);
     assert.equal(await page.$(".marked"), null);
     await page.keyboard.press("Escape");
+    const clicked = await drag(0.625, 0.625);
+    assert.ok(Math.abs(clicked.time - 2.5) < 0.05 && clicked.start === 0 && clicked.stop === 4, JSON.stringify(clicked));
+    await page.keyboard.down("Shift");
+    const moved = await drag(0.25, 0.75);
+    await page.keyboard.up("Shift");
+    assert.ok(Math.abs(moved.time - 3) < 0.05 && moved.start === 0 && moved.stop === 4, JSON.stringify(moved));
+  },
+
+  async "every plot marks the time under the pointer, and its numbers are of that time"({ page }) {
+    await setTime(page, 1);
+    const box = await (await page.$(".chart .u-over")).boundingBox();
+    await page.mouse.move(box.x + 0.75 * box.width, box.y + 20);
+    const lines = await page.$$eval(".panel .pointed", (found) => found.map((line) => [line.style.display, parseFloat(line.style.left)]));
+    assert.ok(lines.length >= 8, `${lines.length} lines`);
+    for (const [display, left] of lines) assert.ok(display === "block" && Math.abs(left - 75) < 1, `${display} ${left}`);
+    const pointed = await page.evaluate(() => globalThis.mebots.span.pointed);
+    const text = await page.$eval('.values b[data-variable="battery.cell.voltage"]', (cell) => cell.textContent);
+    const wanted = valueAt("flight", "battery.cell.voltage", pointed);
+    assert.ok(Math.abs(numberOf(text) - wanted) <= 1e-3 * wanted, `${text}, not ${wanted}`);
+    assert.equal(await page.evaluate(() => globalThis.mebots.clock.time), 1);
+    await page.mouse.move(5, 5);
+    assert.equal(await page.evaluate(() => globalThis.mebots.span.pointed), null);
+  },
+
+  async "scene, columns and every plot take another size by a drag or by keys"({ page }) {
+    const sizeOf = (selector, which) => page.$eval(selector, (part, name) => part.getBoundingClientRect()[name], which);
+    const drag = async (selector, x, y) => {
+      const box = await (await page.$(selector)).boundingBox();
+      await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+      await page.mouse.down();
+      await page.mouse.move(box.x + box.width / 2 + x, box.y + box.height / 2 + y, { steps: 3 });
+      await page.mouse.up();
+      await frame(page);
+    };
+    for (const [part, handle, which, x, y] of [[".left", "main > .handle", "width", -150, 0], [".stage", ".left > .handle", "height", 0, -90],
+      [".panel-stack .chart canvas", ".panel-stack > .handle", "height", 0, 60], [".panel-lanes .lane-area", ".panel-lanes > .handle", "height", 0, 30]]) {
+      await page.$eval(handle, (bar) => bar.scrollIntoView({ block: "center" }));
+      const before = await sizeOf(part, which);
+      await drag(handle, x, y);
+      const after = await sizeOf(part, which);
+      assert.ok(Math.abs(after - before - x - y) < 8, `${part}: ${before} to ${after}`);
+      await page.focus(handle);
+      await page.keyboard.press(which === "width" ? "ArrowRight" : "ArrowDown");
+      await frame(page);
+      assert.ok((await sizeOf(part, which)) > after + 8, `${part} takes no keys`);
+      await page.$eval(handle, (bar) => bar.dispatchEvent(new MouseEvent("dblclick", { bubbles: true })));
+      await frame(page);
+      assert.ok(Math.abs((await sizeOf(part, which)) - before) < 2, `${part} is not as before`);
+    }
+    await page.evaluate(() => document.activeElement?.blur());
   },
 
   async "the picture is the last that the camera took"({ page }) {
@@ -236,7 +287,7 @@ const tests = {
   },
 
   async "looking closer shows means over less time"({ page }) {
-    const span = () => page.$eval(".panel .unit:nth-of-type(2)", (note) => Number(/over ([\d.]+) s/.exec(note.textContent)[1]));
+    const span = () => page.$eval(".panel .unit:nth-of-type(2)", (note) => /over (.*)$/.exec(note.textContent)[1]).then(numberOf);
     const before = await span();
     await page.evaluate(() => document.querySelector(".panels").scrollTo(0, 0));
     const box = await (await page.$(".panel-stack .u-over")).boundingBox();
@@ -301,7 +352,18 @@ const systemTests = {
     assert.match(text, /bus\.voltage \[V\]/); // the only variable that changes there, by its name
     assert.match(text, /2 values: W/);
     assert.equal((await page.$$(".graph .bundle path")).length, 2);
-    assert.equal((await page.$$(".connections tbody tr")).length, 3);
+    const rows = await page.$$eval(".connections tbody tr", (found) => found.map((row) => row.textContent));
+    assert.equal(rows.length, 2 + 3, rows.join("\n")); // FMUs, connections
+    assert.match(rows[0], /fmu_batteryEquivalent-circuit battery/); // what it is, in the words of its description
+    await page.$eval(".graph .box", (box) => box.dispatchEvent(new MouseEvent("click")));
+    assert.equal((await page.$$(".connections tbody tr")).length, 1 + 3);
+  },
+
+  async "each FMU has a plot before any has its second one, and equal curves are one"({ page }) {
+    const titles = await page.$$eval(".panel h2", (found) => found.map((title) => title.textContent));
+    assert.equal(new Set(titles.slice(0, 2).map((title) => title.split(":")[0])).size, 2, titles.join("; "));
+    const names = await page.$$eval(".panel .value", (found) => found.map((value) => value.textContent));
+    assert.ok(names.some((name) => /^rotor\[1\]\.\w+, and 3 alike/.test(name)), names.join("; "));
   },
 
   async "it plots what moves and tells the time of every instance"({ page }) {
@@ -381,6 +443,56 @@ const lengthsTests = {
   },
 };
 
+const chipReport = () => JSON.parse(readFileSync(join(runs, "chip.json"), "utf8"));
+const close = (text, wanted) => assert.ok(Math.abs(numberOf(text) - wanted) <= 1e-3 * Math.abs(wanted), `${text}, not ${wanted}`);
+
+const chipTests = {
+  async "the page of a program has the numbers of its report"({ page }) {
+    const report = chipReport();
+    const happened = await page.$eval(".story .happened", (text) => text.textContent);
+    assert.match(happened, /^Ran [\d.]+ ms: exit 0; /);
+    close(/exit 0; ([\d.]+ [mµn]?J)/.exec(happened)[1], report.chip_j);
+    const rows = await page.$$eval(".chip .energy tbody tr", (found) => found.map((row) => [...row.cells].map((cell) => cell.textContent)));
+    const used = Object.entries(report.parts_j).filter(([, joules]) => joules > 0);
+    const sum = rows.findIndex(([name]) => name === "chip");
+    assert.equal(sum, used.length);
+    for (const [name, joules] of used) close(rows.find(([shown]) => shown === name.replaceAll("_", " "))[1], joules);
+    close(rows[sum][1], report.chip_j);
+    close(rows[sum][2], report.chip_mean_w);
+    const text = await page.$eval(".chip", (part) => part.textContent);
+    for (const cores of [report.controller, report.cluster]) {
+      assert.ok(text.includes(cores.instructions.toLocaleString("en")) && text.includes((cores.cycles / cores.instructions).toFixed(3)), text);
+    }
+  },
+
+  async "power over time integrates to the energy of each part"({ page }) {
+    const report = chipReport();
+    for (const part of ["fc_background", "cluster_cores", "leakage"]) {
+      const { mean, end } = await page.evaluate((name) => {
+        const run = globalThis.mebots.runs[0];
+        return { mean: run.curve({ rate_of: `chip.${name}` }).values(run.end)[1], end: run.end };
+      }, part);
+      assert.ok(Math.abs(mean * end - report.parts_j[part]) < 1e-9 * report.parts_j[part], part);
+      assert.ok(Math.abs(end - report.time_s) < 1e-12);
+    }
+  },
+
+  async "its functions have all cycles of all cores, and its lines the time at which they were printed"({ page }) {
+    const report = chipReport();
+    await page.click('[data-tab="Profile"]');
+    const cycles = await page.evaluate(() => {
+      const file = globalThis.mebots.runs[0].header.profiles[0];
+      return file.mebots.windows.flatMap(({ parts }) => parts.filter((_, i) => i % 5 === 2)).reduce((sum, count) => sum + count, 0);
+    });
+    assert.equal(cycles, report.controller.cycles + report.cluster.cycles);
+    const names = await page.$$eval(".functions tbody td:first-child", (found) => found.map((cell) => cell.textContent));
+    assert.ok(names.includes("cluster_wait"), names.join(", "));
+    await page.click('[data-tab="Messages"]');
+    const lines = await page.$$eval(".messages tr", (found) => found.map((row) => row.textContent));
+    assert.match(lines.find((line) => line.includes("cluster: all right")), /^[\d.]+ ms/);
+  },
+};
+
 let failures = 0;
 async function check(browser, file, cases, options) {
   const { page, problems, requests } = await open(browser, file, options);
@@ -412,6 +524,7 @@ try {
   await check(browser, pageOf("system"), systemTests);
   await check(browser, join(runs, "beside.html"), besideTests);
   await check(browser, join(runs, "lengths.html"), lengthsTests);
+  await check(browser, join(runs, "chip.html"), chipTests);
   const size = statSync(pageOf("flight")).size;
   if (size > 3e6) {
     ++failures;

@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds the page from the data of the runs.
 import { Clock } from "./clock";
+import { panelsOf } from "./data/panels";
 import { readPayload } from "./data/payload";
 import { fetchPayload, follow, makeInputs } from "./live";
 import { Run } from "./data/run";
-import { shown } from "./data/units";
+import { setTimeScale, shown } from "./data/units";
 import { element } from "./dom";
 import { LOOKS, type PathColour, Stage } from "./scene/stage";
 import { isDark, setTheme } from "./theme";
+import { makeChip } from "./view/chip";
 import { makeComparison } from "./view/compare";
 import { makeFlames } from "./view/flame";
 import { makeGraph } from "./view/graph";
+import { makeHandle } from "./view/handle";
 import { makeMessages } from "./view/messages";
 import { makePanel } from "./view/panel";
 import { makePicture } from "./view/picture";
 import { makeSignals } from "./view/signals";
 import { finalValues, makeStatistics } from "./view/statistics";
 import { makeStory, openingTime } from "./view/story";
-import { makeTabs } from "./view/tabs";
+import { makeTabs, type Tab } from "./view/tabs";
 import { makeThinNote } from "./view/thin";
 import { makeTimeline, nextSpeed } from "./view/timeline";
 import { Window as Span } from "./view/window";
@@ -28,42 +31,53 @@ declare global {
   }
 }
 
+/** Without a scene, so few panels have room for curves of this height [px]. */
+const FEW_PANELS = 4;
+const ROOMY_HEIGHT = 150;
+
 async function main(): Promise<void> {
   const isLive = document.getElementById("mebots-data")!.textContent!.trim() === "";
   const payload = isLive ? await fetchPayload() : readPayload(await globalThis.window.mebots.inflated("mebots-data"));
   const runs = payload.runs.map((header) => new Run(header, payload));
   const run = runs[0];
   const clock = new Clock(Math.max(...runs.map(({ end }) => end)));
+  if (!isLive) setTimeScale(clock.end);
   const span = new Span(clock.end);
   const stage = makeStage(runs, clock);
   const panels = element("div", { class: "panels" });
   const plot = (name: string) => {
     const panel: HTMLElement = makePanel({ title: name, kind: "lines", curves: [{ variable: name, label: name.slice(run.instanceOf(name).length + 1) }] },
-      runs, clock, span, () => panel.remove());
+      runs, clock, span, { onClose: () => panel.remove() });
     panels.prepend(panel);
     panel.scrollIntoView({ block: "nearest" });
   };
   panels.append(makeThinNote(run, span));
-  for (const info of run.panels) panels.append(makePanel(info, runs, clock, span));
+  const infos = panelsOf(run);
+  const height = !stage && infos.length <= FEW_PANELS ? ROOMY_HEIGHT : undefined;
+  for (const info of infos) panels.append(makePanel(info, runs, clock, span, { height }));
+  const isChip = run.header.chip != null;
   const tabs = makeTabs([
     ...(runs.length > 1 ? [{ name: "Runs", content: () => makeComparison(runs) }] : []),
-    ...(stage ? [] : [{ name: "System", content: () => makeGraph(run, clock) }]),
+    ...(isChip ? [{ name: "Chip", content: () => makeChip(run) }, makeProfileTab(run, span)] : []),
+    ...(stage || isChip ? [] : [{ name: "System", content: () => makeGraph(run, clock) }]),
     { name: "Messages", content: () => makeMessages(run, clock) },
     { name: "Variables", content: () => makeSignals(run, clock, plot) },
     ...(stage ? [{ name: "System", content: () => makeGraph(run, clock) }] : []),
     ...(isLive ? [{ name: "Inputs", content: () => makeInputs(run) }] : []),
     { name: "Numbers", content: () => makeStatistics(run) },
-    ...(run.header.profiles.length > 0 ? [{ name: "Profile", content: () => makeFlames(run.header.profiles, span) }] : []),
+    ...(run.header.profiles.length > 0 && !isChip ? [makeProfileTab(run, span)] : []),
   ]);
   const left = element("div", { class: "left" });
   if (stage) {
     if (run.pictures.length > 0) stage.root.append(makePicture(run, clock));
-    left.append(stage.root);
+    left.append(stage.root, makeSplit("height of the scene", "y", stage.root, left, "--top"));
   }
   left.append(tabs.root);
+  const body = element("main", {}, left);
+  body.append(makeSplit("width of the left side", "x", left, body, "--left"), panels);
   const page = document.getElementById("page")!;
   page.classList.toggle("no-scene", !stage);
-  page.replaceChildren(makeHeading(runs), ...(runs.length === 1 ? [makeStory(run)] : []), element("main", {}, left, panels), makeTimeline(run, clock, span));
+  page.replaceChildren(makeHeading(runs), ...(runs.length === 1 ? [makeStory(run)] : []), body, makeTimeline(run, clock, span));
   listenToKeys(clock, span, stage, run);
   const asked = timeOfAddress();
   clock.set(isLive ? clock.end : asked ?? openingTime(run));
@@ -74,6 +88,23 @@ async function main(): Promise<void> {
   document.documentElement.dataset.state = "ready";
   const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
   if (stage && !isLive && asked === null && !isCalm) clock.play();
+}
+
+function makeProfileTab(run: Run, span: Span): Tab {
+  return { name: "Profile", content: () => makeFlames(run.header.profiles, span) };
+}
+
+/** A handle between a part of a grid and the rest of it. `track`: the size of the part in the grid's template. */
+function makeSplit(label: string, axis: "x" | "y", part: HTMLElement, grid: HTMLElement, track: string): HTMLElement {
+  const least = 160; // pixels
+  const sizeOf = (one: HTMLElement) => (axis === "x" ? one.clientWidth : one.clientHeight);
+  return makeHandle({
+    label, axis, size: () => sizeOf(part),
+    resize: (size) => {
+      if (size === null) grid.style.removeProperty(track);
+      else grid.style.setProperty(track, `${Math.min(Math.max(size, least), Math.max(least, sizeOf(grid) - least))}px`);
+    },
+  });
 }
 
 /** The moment that an address asks for: flight.html#t=12.5 opens there and does not play. */
@@ -92,7 +123,7 @@ function makeStage(runs: Run[], clock: Clock): Stage | null {
     const name = `${instance}.${variable}`;
     if (run.has(name)) colours.push({ label, unit: run.unit(name), values: () => run.values(name)! });
   }
-  for (const panel of run.panels) {
+  for (const panel of panelsOf(run)) {
     if (panel.kind !== "stack") continue;
     const sum = run.sum(panel.curves);
     if (sum) colours.push({ label: panel.title.toLowerCase(), unit: sum.unit, values: () => sum.values(clock.end / 110) });
@@ -139,7 +170,8 @@ const KEYS: [string, string][] = [
   ["home, end", "begin, end"],
   ["+ \u2212", "faster, slower"],
   [LOOKS.map((_, i) => i + 1).join(" "), `camera: ${LOOKS.join(", ")}`],
-  ["shift + drag, ctrl + wheel, two fingers", "on a plot: zoom in; double click or escape: show all"],
+  ["click, shift + drag", "on a plot: choose the moment"],
+  ["drag, ctrl + wheel, two fingers", "on a plot: zoom in; double click or escape: show all"],
   ["/", "search a variable"],
   ["d", "dark or light"],
 ];

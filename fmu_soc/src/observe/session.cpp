@@ -6,7 +6,7 @@ namespace mebots::soc::observe {
 Session::Session(const Requests& requests, Soc& soc) : soc_(soc), observers_(soc.harts()) {
   if (requests.trace) trace_.emplace(requests.names.trace, *requests.trace, requests.trace_columns, soc.harts());
   if (requests.profile) profile_.emplace(requests.names.profile, *requests.profile, soc);
-  if (requests.power_trace) soc.listen(&power_trace_.emplace(requests.names.power_trace, *requests.power_trace, soc));
+  if (requests.power_trace) listen(power_trace_.emplace(requests.names.power_trace, *requests.power_trace, soc));
   if (requests.gdb_port) gdb_.emplace(*requests.gdb_port, soc, requests.gdb_kill, requests.announce);
   for (unsigned number = 0; number < soc.harts(); ++number) {
     if (trace_) observers_[number].add(trace_->hart(number));
@@ -34,6 +34,11 @@ void Session::add(Observer& observer) {
 void Session::remove(Observer& observer) {
   observers_[0].remove(observer);
   attach(0);
+}
+
+void Session::listen(StateListener& listener) {
+  listeners_.add(listener);
+  soc_.listen(&listeners_);
 }
 
 void Session::restored() {

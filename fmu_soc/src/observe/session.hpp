@@ -56,6 +56,18 @@ class Observers final : public Observer {
   std::vector<Observer*> list_;
 };
 
+/// Combines several listeners; they are called in the order in which they were added.
+class StateListeners final : public StateListener {
+ public:
+  void add(StateListener& listener) { list_.push_back(&listener); }
+  void changed(Picoseconds time) override {
+    for (auto* listener : list_) listener->changed(time);
+  }
+
+ private:
+  std::vector<StateListener*> list_;
+};
+
 /// The recordings that a user has requested of a run: files, or a port. `names` are the options or parameters that set
 /// them, for messages.
 struct Requests {
@@ -88,6 +100,8 @@ class Session {
   /// Adds an observer of the fabric controller until it is removed.
   void add(Observer& observer);
   void remove(Observer& observer);
+  /// Adds a listener, which must outlive the session.
+  void listen(StateListener& listener);
   /// Called after the chip was restored to an earlier state.
   void restored();
   /// Ends a step of the caller.
@@ -104,6 +118,7 @@ class Session {
   std::optional<PowerTrace> power_trace_;
   std::optional<debug::GdbServer> gdb_;
   std::deque<Observers> observers_;  // by hart
+  StateListeners listeners_;
 };
 
 }  // namespace mebots::soc::observe

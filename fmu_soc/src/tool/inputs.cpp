@@ -162,13 +162,17 @@ Picoseconds time_of(std::string_view option, const std::string& text) {
   return std::llround(time_ps);
 }
 
+std::vector<std::filesystem::path> own_folders(std::string_view name) {
+  std::error_code error;
+  const auto root = std::filesystem::read_symlink("/proc/self/exe", error).parent_path().parent_path();
+  return {root / "share/mebots" / name, root / name};
+}
+
 std::vector<std::filesystem::path> own_boards() {
   std::error_code error;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
   std::vector<std::filesystem::path> boards;
-  // An installation has boards in share/, a build tree next to bin/.
-  for (const auto* place : {"share/mebots/configs/boards", "configs/boards"}) {
-    for (const auto& entry : std::filesystem::directory_iterator(program.parent_path().parent_path() / place, error)) {
+  for (const auto& folder : own_folders("configs/boards")) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
       if (entry.path().extension() == ".json") boards.push_back(entry.path());
     }
   }

@@ -93,6 +93,10 @@ void add_options(CLI::App& command, Options& options) {
       ->type_name("FILE");
   command.add_option("--json", options.json, "Write the report as JSON, in SI units, into this file")
       ->type_name("FILE");
+  command
+      .add_option("--page", options.page,
+                  "Write a page for a browser into this file: energy by part, counts, functions, power over time")
+      ->type_name("FILE.html");
   command.add_flag("--interpret", options.interpret, "Do not translate hot code to host code; counts are the same");
   command
       .add_option("--host-files", options.host_files,
@@ -127,6 +131,7 @@ void check(const Options& options) {
   add("--profile", options.profile);
   add("--power-trace", options.power_trace);
   add("--json", options.json);
+  add("--page", options.page);
   for (const auto* list : {&inputs, &outputs}) {
     for (const auto& file : *list) {
       if (file.path.empty()) throw Error(fmt::format("{} has an empty file name; give a path", file.option));
@@ -168,6 +173,11 @@ void check(const Options& options) {
                                 outputs[i].option, outputs[i].path));
       }
     }
+  }
+  if (options.page && options.profile && std::filesystem::path(*options.profile).extension() != ".json") {
+    throw Error(
+        fmt::format("--page shows a profile in speedscope's format; --profile {} must end with .json, or be left out",
+                    *options.profile));
   }
   if (options.trace_cycles && !options.trace) {
     throw Error("--trace-cycles needs --trace FILE: it adds a column to that file");

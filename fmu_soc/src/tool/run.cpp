@@ -5,6 +5,7 @@
 #include "observe/session.hpp"
 #include "observe/text_file.hpp"
 #include "tool/host_services.hpp"
+#include "tool/page.hpp"
 #include "tool/report.hpp"
 
 #include "devices/gap8/himax.hpp"
@@ -121,6 +122,7 @@ class LimitedRun {
       }
     }
     soc_.run_cycles(before + piece, piece_end());
+    session_.stepped();
     if (limits_.time && soc_.running() && soc_.now() >= *limits_.time) return Reached::time;
     return limits_.wall_time && wall_time() >= *limits_.wall_time ? Reached::wall_time : Reached::none;
   }
@@ -156,6 +158,10 @@ std::optional<std::uint32_t> tohost_of(const Soc& soc) {
 unsigned last_hart(const Soc& soc) {
   const auto* cluster = soc.cluster();
   return cluster == nullptr ? kFabricControllerHart : hart_of_core(cluster->core_stopped_by_observer());
+}
+
+bool has_reported_end(const Soc& soc) {
+  return soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
 }
 
 /// Returns why a program that has not ended itself runs no more.
@@ -195,6 +201,13 @@ std::string missing_end_text(const Soc& soc, const Options& options, Reached rea
   return text;
 }
 
+/// How the program ended, for its page.
+std::string outcome_text(const Soc& soc, const Options& options, Reached reached, int code) {
+  if (soc.end() == End::faulted) return "fault: " + soc.fault_text();
+  return code == kFaultOrLimit && !has_reported_end(soc) ? missing_end_text(soc, options, reached)
+                                                         : fmt::format("exit {}", code);
+}
+
 /// The program has taken all pictures, and nothing but one more could wake it.
 bool has_seen_all(const Soc& soc, const Options& options) {
   return options.pictures && soc.hart().sleeping() && soc.devices().wait_for_picture();
@@ -223,11 +236,11 @@ void print_remarks(const Soc& soc, bool is_alone) {
   }
 }
 
-observe::Requests requests_of(const Options& options) {
+observe::Requests requests_of(const Options& options, const std::optional<RunPage>& page) {
   observe::Requests requests;
   requests.trace = options.trace;
   requests.trace_columns.cycles = options.trace_cycles;
-  requests.profile = options.profile;
+  requests.profile = page ? page->profile() : options.profile;
   requests.power_trace = options.power_trace;
   requests.gdb_port = options.gdb_port;
   requests.announce = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
@@ -259,9 +272,13 @@ HostConsole::Kind console_kind(const Options& options) {
   return options.user ? HostConsole::Kind::lines : HostConsole::Kind::output;
 }
 
-Listeners listeners_of(HostConsole& console, const Options& options) {
+/// `page` may be empty; it must outlive the listeners.
+Listeners listeners_of(HostConsole& console, std::optional<RunPage>& page, const Options& options) {
   Listeners listeners;
-  listeners.console = [&console](std::string_view line) { console.write(std::string(line) + '\n'); };
+  listeners.console = [&console, &page](std::string_view line) {
+    console.write(std::string(line) + '\n');
+    if (page) page->printed(line);
+  };
   listeners.faults = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
   listeners.console_byte = [&console](std::uint8_t byte) {
     const auto character = static_cast<char>(byte);
@@ -309,8 +326,10 @@ int run(const Options& options) {
                               *options.pictures, board.name, kFlashKind));
     }
   }
+  std::optional<RunPage> page;
+  if (options.page) page.emplace(*options.page, options.profile);
   HostConsole console(console_kind(options));
-  Soc soc(board, chip, settings, program, listeners_of(console, options));
+  Soc soc(board, chip, settings, program, listeners_of(console, page, options));
   if (const auto tohost = program.symbol("tohost")) soc.program_host().watch(*tohost);
   HostFiles files(options.host_files, console);
   HostServices services(soc, files, options.program);
@@ -320,10 +339,12 @@ int run(const Options& options) {
   if (options.signature) signature.emplace(*options.signature, soc);
   std::optional<observe::TextFile> json;
   if (options.json) json.emplace("--json", *options.json);
-  observe::Session session(requests_of(options), soc);
+  observe::Session session(requests_of(options, page), soc);
+  if (page) page->follow(soc, session);
 
   const auto start = std::chrono::steady_clock::now();
-  const auto reached = LimitedRun(soc, session, limits, options.power_trace ? kFineSlice : kSlice).run();
+  const auto slice = options.power_trace || page ? kFineSlice : kSlice;
+  const auto reached = LimitedRun(soc, session, limits, slice).run();
   const auto host_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto tohost = tohost_of(soc);
   const auto code = has_seen_all(soc, options) ? 0 : exit_code(soc, tohost);
@@ -334,8 +355,7 @@ int run(const Options& options) {
     json->print("{}", json_text(report));
     json->close();
   }
-  const bool is_reported = soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
-  if (code == kFaultOrLimit && !is_reported) {
+  if (code == kFaultOrLimit && !has_reported_end(soc)) {
     fmt::print(stderr, "mebots-soc: {}\n", missing_end_text(soc, options, reached));
   }
   if (const auto advice = advice_after_fault(soc, options); !advice.empty()) {
@@ -343,6 +363,7 @@ int run(const Options& options) {
   }
   print_remarks(soc, !options.board);
   session.finish(code);
+  if (page) page->write(report, options.program, outcome_text(soc, options, reached, code));
   if (signature) signature->write(soc);
   return code;
 }

@@ -34,6 +34,9 @@ Picoseconds time_of(std::string_view option, const std::string& text);
 /// Returns the board files that came with this program.
 std::vector<std::filesystem::path> own_boards();
 
+/// Returns where a folder of MEbots' data may be: in the share/ of an installation, or next to the bin/ of a build.
+std::vector<std::filesystem::path> own_folders(std::string_view name);
+
 /// Returns the file of a board, which is given by its path or by the name of a board that came with this program.
 /// Throws Error that lists those boards for a name that is not one of them.
 std::filesystem::path board_file(const std::string& asked);
@@ -77,6 +80,7 @@ struct Options {
   std::optional<std::string> profile;
   std::optional<std::string> power_trace;
   std::optional<std::string> json;
+  std::optional<std::string> page;
   bool interpret = false;
   std::optional<std::string> host_files;
   std::optional<int> gdb_port;

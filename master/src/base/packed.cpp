@@ -14,21 +14,7 @@ namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{256} << 20;
 
-using Compressor = std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)>;
 using Decompressor = std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>;
-
-/// `bound` and `compress` are libdeflate's functions of one format.
-template <typename Bound, typename Compress>
-std::string packed(std::string_view bytes, Packing packing, Bound bound, Compress compress) {
-  constexpr int kFastLevel = 1;
-  constexpr int kSmallLevel = 9;  // higher levels take four times as long for 5 % less
-  const Compressor compressor(libdeflate_alloc_compressor(packing == Packing::fast ? kFastLevel : kSmallLevel),
-                              &libdeflate_free_compressor);
-  if (compressor == nullptr) throw Error(ErrorCode::system_failure, "out of memory while compressing");
-  std::string result(bound(compressor.get(), bytes.size()), '\0');
-  result.resize(compress(compressor.get(), bytes.data(), bytes.size(), result.data(), result.size()));
-  return result;
-}
 
 /// Returns the unpacked size: the last four bytes of a gzip file, lowest first.
 std::size_t size_at_end_of(std::string_view file) {
@@ -40,14 +26,6 @@ std::size_t size_at_end_of(std::string_view file) {
 }
 
 }  // namespace
-
-std::string deflated(std::string_view bytes, Packing packing) {
-  return packed(bytes, packing, libdeflate_zlib_compress_bound, libdeflate_zlib_compress);
-}
-
-std::string gzipped(std::string_view bytes, Packing packing) {
-  return packed(bytes, packing, libdeflate_gzip_compress_bound, libdeflate_gzip_compress);
-}
 
 std::string gunzipped(std::string_view bytes) {
   constexpr std::size_t kLeastBytes = 18;  // of header and trailer

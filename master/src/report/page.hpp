@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "mebots/page_file.hpp"
 #include "report/run_folder.hpp"
 
-#include <filesystem>
 #include <span>
 #include <string>
 
 namespace mebots::master::report {
-
-/// The parts of the page, built from web/.
-struct PageParts {
-  std::string frame;   ///< page.html, with the places of the others in it
-  std::string script;  ///< page.js or report.js
-  std::string style;   ///< page.css or report.css
-};
 
 /// Reads the parts of the page of runs. Throws Error for an installation that was built without them (MEBOTS_PAGES).
 PageParts read_page_parts();
@@ -23,8 +16,7 @@ PageParts read_page_parts();
 /// `read_page_parts`.
 PageParts read_data_page_parts();
 
-/// Returns an HTML document that shows the first run in full and compares the others with it. It needs no network.
-/// Script and data are deflated (RFC 1950) and in base64.
+/// Returns an HTML document that shows the first run in full and compares the others with it.
 std::string make_page(const PageParts& parts, std::span<const RunFolder> runs);
 
 /// Returns the page of a run in progress. It fetches data only from its own server.
@@ -41,8 +33,5 @@ std::string make_data_page(const PageParts& parts, const std::string& title, std
 /// each, and so on. Successive values differ little, so their upper bytes compress well. A constant column is a single
 /// number in the header.
 std::string payload_of(std::span<const RunFolder> runs);
-
-/// Encodes as in RFC 4648. Throws Error for more than 2 GiB.
-std::string base64(std::string_view bytes);
 
 }  // namespace mebots::master::report

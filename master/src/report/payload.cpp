@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/page.hpp"
 
-#include "mebots/error.hpp"
-
-#include <fmt/format.h>
-#include <openssl/evp.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <limits>
 
 namespace mebots::master::report {
 namespace {
@@ -92,16 +86,6 @@ std::string payload_of(std::span<const RunFolder> runs) {
   std::string bytes;
   for (unsigned shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(text.size() >> shift & 0xff);
   return bytes + text + blocks.bytes();
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::size_t kMost = std::numeric_limits<int>::max();
-  if (bytes.size() > kMost) throw Error(ErrorCode::value_out_of_range, "a page can contain at most 2 GiB");
-  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL appends a zero
-  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), reinterpret_cast<const unsigned char*>(bytes.data()),
-                  static_cast<int>(bytes.size()));
-  text.pop_back();
-  return text;
 }
 
 }  // namespace mebots::master::report

@@ -271,16 +271,6 @@ TEST_F(Report, DeflatedBytesInflateToWhatTheyWere) {
   EXPECT_EQ(back, text);
 }
 
-TEST_F(Report, Base64HasTheVectorsOfRfc4648) {
-  using master::report::base64;
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("foob"), "Zm9vYg==");
-  EXPECT_EQ(base64("\xff\xfe"), "//4=");
-}
-
 TEST_F(Report, NamesAreTextAndNoMarkup) {
   RunFolder run;
   run.name = "<script>alert(1)</script>";

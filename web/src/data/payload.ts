@@ -63,9 +63,12 @@ export interface RunHeader {
   span: number; // of so many rows two are here
   whole: [number, number][]; // but all of them within these times
   kept: number;
-  columns: { name: string; unit: string; still?: number; block?: Place }[];
+  /** Numbers of a column: all the same, in a block, or here. */
+  columns: { name: string; unit: string; still?: number; block?: Place; values?: number[] }[];
   scene: Place | null;
   profiles: Json[];
+  /** The report of `mebots-soc run`, whose page has no system. */
+  chip?: Json;
   /** `every`: one picture of this many is kept; `shrunk`: pixels of the file per pixel. Both are absent in live data. */
   pictures: { name: string; every?: number; pictures: (Place & { time: number; shrunk?: number })[] }[];
 }

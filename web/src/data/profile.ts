@@ -28,6 +28,15 @@ export interface Slice {
   to: number;
   /** `hart`: its number in the file, or one of the two below. */
   tree(hart: number, cost: Cost, withIdle: boolean): Call;
+  functions(withIdle: boolean): FunctionCost[];
+}
+
+/** What a function cost by itself, on all harts [J, s]. */
+export interface FunctionCost {
+  name: string;
+  energy: number;
+  time: number;
+  cycles: number;
 }
 
 export class WindowedProfile {
@@ -66,14 +75,33 @@ export class WindowedProfile {
         const value = cores.reduce((total, core) => total + core.value, 0);
         return { name: "chip", value, children: hart === BY_CORE ? cores : added(cores.flatMap(({ children }) => children)) };
       },
+      functions: (withIdle) => this.functionCosts(sums, withIdle),
     };
+  }
+
+  private functionCosts(sums: Float64Array[][], withIdle: boolean): FunctionCost[] {
+    const found = new Map<string, FunctionCost>();
+    sums.forEach((own, number) => {
+      for (let node = 0; node < own[0].length; ++node) {
+        const name = this.nodeName(number, node);
+        if (own.every((costs) => costs[node] === 0) || (!withIdle && IDLE.has(name))) continue;
+        const sum = found.get(name) ?? { name, energy: 0, time: 0, cycles: 0 };
+        for (const [i, cost] of COSTS.entries()) sum[cost] += own[i][node] * SCALES[cost][0];
+        found.set(name, sum);
+      }
+    });
+    return [...found.values()];
+  }
+
+  private nodeName(number: number, node: number): string {
+    return node === 0 ? this.harts[number] : this.file.shared.frames[this.file.mebots.harts[number].nodes[2 * node + 1]].name;
   }
 
   private hartTree(hart: number, own: Float64Array, scale: number, withIdle: boolean): Call {
     const { nodes } = this.file.mebots.harts[hart];
     const calls: Call[] = [];
     for (let node = 0; node < own.length; ++node) {
-      const name = node === 0 ? this.harts[hart] : this.file.shared.frames[nodes[2 * node + 1]].name;
+      const name = this.nodeName(hart, node);
       calls.push({ name, value: withIdle || !IDLE.has(name) ? own[node] * scale : 0, children: [] });
     }
     for (let node = own.length - 1; node > 0; --node) { // a child's number is above its parent's

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A run as the page shows it: columns by name, values by time, curves with their rates.
 import { type Message, readMessages } from "./messages";
-import { type CurveInfo, type Json, numbersOf, type PanelInfo, type Payload, type RunHeader, type SystemInfo, type VariableInfo } from "./payload";
+import { type CurveInfo, type Json, numbersOf, type Payload, type RunHeader, type SystemInfo, type VariableInfo } from "./payload";
 import { rateUnit, shown } from "./units";
 
 export interface Picture {
@@ -170,9 +170,8 @@ export class Run {
     if (known) return known;
     const place = this.places.get(name);
     if (!place) return undefined;
-    const made = place.block
-      ? numbersOf(this.payload.bytes(place.block))
-      : new Float64Array(this.kept).fill(place.still ?? NaN);
+    const made = place.block ? numbersOf(this.payload.bytes(place.block))
+      : place.values ? Float64Array.from(place.values) : new Float64Array(this.kept).fill(place.still ?? NaN);
     this.numbers.set(name, made);
     return made;
   }
@@ -242,35 +241,6 @@ export class Run {
         return parts[0].map((_, row) => parts.reduce((total, values) => total + values[row], 0));
       },
     };
-  }
-
-  /** The panels of the config, else the first variables that change. */
-  get panels(): PanelInfo[] {
-    const asked = this.system?.view.panels ?? [];
-    return asked.length > 0 ? asked : this.defaultPanels();
-  }
-
-  private defaultPanels(): PanelInfo[] {
-    const panels = new Map<string, PanelInfo>();
-    const states: CurveInfo[] = [];
-    for (const name of this.variables) {
-      if (this.stands(name) && !this.header.live) continue; // at its start everything stands
-      const instance = this.instanceOf(name);
-      const type = this.info(name)?.type;
-      if (type === "Boolean" || type === "Enumeration") {
-        states.push({ variable: name });
-        continue;
-      }
-      const unit = this.unit(name);
-      // Numbers without units may be of different kinds: each has its own plot.
-      const key = unit === "-" ? name : `${instance} [${unit}]`;
-      const panel = panels.get(key) ?? { title: instance, kind: "lines" as const, curves: [] };
-      panels.set(key, panel);
-      if (panel.curves.length < 6) panel.curves.push({ variable: name, label: name.slice(instance.length + 1) });
-    }
-    const found = [...panels.values()].slice(0, 12);
-    if (states.length > 0) found.push({ title: "States", kind: "lanes", curves: states.slice(0, 10) });
-    return found;
   }
 
   instanceOf(name: string): string {

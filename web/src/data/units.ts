@@ -10,6 +10,23 @@ export const SHARE = "s/s";
 
 const RATES: Record<string, string> = { J: "W", s: SHARE, m: "m/s", rad: "rad/s", "m/s": "m/s2", C: "A", "1": "1/s", "-": "1/s" };
 
+/** What is measured in a unit, and then the unit's own name. */
+const UNIT_WORDS: Record<string, string> = {
+  V: "voltage volt", A: "current ampere", W: "power watt", J: "energy joule", s: "time second", m: "length distance metre",
+  "m/s": "speed velocity", "m/s2": "acceleration", rad: "angle radian", "rad/s": "angular_speed rate", Hz: "frequency clock hertz", N: "force newton",
+  "N.m": "torque newton metre", degC: "temperature celsius", K: "temperature kelvin", kg: "mass kilogram", Pa: "pressure pascal", Ohm: "resistance",
+};
+
+/** Words that a search finds variables of a unit by. */
+export function wordsOf(unit: string): string {
+  return (UNIT_WORDS[unit] ?? "").replaceAll("_", " ");
+}
+
+/** "voltage" of V; empty for a unit without a word. */
+export function meaningOf(unit: string): string {
+  return (UNIT_WORDS[unit] ?? "").split(" ")[0].replaceAll("_", " ");
+}
+
 /** Formats "N.m" as "N·m" and "m/s2" as "m/s²"; empty for a number without a unit. */
 export function shownUnit(unit: string): string {
   if (unit === "-" || unit === "1" || unit === "") return "";
@@ -49,6 +66,18 @@ export function shown(value: number, unit: string): string {
   return name === "" ? text : `${text} ${prefix}${name}`;
 }
 
+let timeScale: [number, string] = [1, "s"];
+
+/** Chooses the unit of all moments by the length of the run: a chip's program may end after a millisecond. */
+export function setTimeScale(end: number): void {
+  timeScale = end >= 1 || !(end > 0) ? [1, "s"] : end >= 1e-3 ? [1e-3, "ms"] : [1e-6, "µs"];
+}
+
 export function shownTime(seconds: number): string {
-  return `${seconds.toFixed(2)} s`;
+  return `${(seconds / timeScale[0]).toFixed(2)} ${timeScale[1]}`;
+}
+
+/** A mark of a time axis: as many digits as it needs. */
+export function shownTick(seconds: number): string {
+  return `${+(seconds / timeScale[0]).toFixed(6)} ${timeScale[1]}`;
 }

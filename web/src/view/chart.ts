@@ -2,30 +2,44 @@
 // Curves over time by uPlot: over each other, or stacked as parts of a whole.
 import uPlot from "uplot";
 import type { Clock } from "../clock";
-import { prefixFor, shownUnit } from "../data/units";
+import { prefixFor, shownTick, shownUnit } from "../data/units";
 import { element } from "../dom";
 import { styleColour } from "../theme";
+import { addCursors } from "./cursor";
 import { AXIS, curveColour, curveDash, type Drawing, type RunCurve } from "./drawing";
 import { makeScrubbable } from "./scrub";
 import type { Window } from "./window";
 
 const HEIGHT = 84;
+const LEAST_HEIGHT = 50;
 const FONT = "11px system-ui, sans-serif";
 
 export class Chart implements Drawing {
   readonly root = element("div", { class: "chart" });
-  private readonly cursor = element("div", { class: "moment" });
+  private readonly cursors = element("div", { class: "cursors" });
   private plot: uPlot | null = null;
+  private pixels: number;
   private readonly runCount: number;
 
   constructor(
     private readonly kind: string, private readonly curves: RunCurve[], private readonly clock: Clock, private readonly window: Window,
+    private readonly firstHeight = HEIGHT,
   ) {
+    this.pixels = firstHeight;
     this.runCount = new Set(curves.map((entry) => entry.runIndex)).size;
     new ResizeObserver(() => this.fit()).observe(this.root);
-    clock.onTime(() => this.moveCursor());
+    addCursors(this.cursors, clock, window);
     window.onChange(() => this.showWindow());
     for (const run of new Set(curves.map((entry) => entry.run))) run.onData(() => this.plot?.setData(this.data(), false));
+  }
+
+  get height(): number {
+    return this.pixels;
+  }
+
+  setHeight(height: number | null): void {
+    this.pixels = Math.max(LEAST_HEIGHT, height ?? this.firstHeight);
+    this.fit();
   }
 
   redraw(): void {
@@ -38,15 +52,14 @@ export class Chart implements Drawing {
     const width = this.root.clientWidth;
     if (width === 0) return;
     if (!this.plot) this.make(width);
-    else if (this.plot.width !== width) this.plot.setSize({ width, height: HEIGHT });
-    this.moveCursor();
+    else if (this.plot.width !== width || this.plot.height !== this.pixels) this.plot.setSize({ width, height: this.pixels });
   }
 
   private make(width: number): void {
     const data = this.data();
     this.plot = new uPlot(this.options(width, data), data, this.root);
-    this.plot.over.append(this.cursor);
-    makeScrubbable(this.plot.over, this.clock, this.window);
+    this.plot.over.append(this.cursors);
+    makeScrubbable(this.plot.over, this.clock, this.window, { drag: "chooses" });
     this.showWindow();
   }
 
@@ -80,13 +93,13 @@ export class Chart implements Drawing {
     const name = shownUnit(unit);
     return {
       width,
-      height: HEIGHT,
+      height: this.pixels,
       legend: { show: false },
       cursor: { show: false },
       padding: [8, AXIS.right, 0, 0],
       scales: { x: { time: false }, y: { range: (_plot, low, high) => niceRange(low, high, stacked) } },
       axes: [
-        { stroke: text, grid, font: FONT, size: 22, ticks: { show: false }, values: (_plot, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) },
+        { stroke: text, grid, font: FONT, size: 22, ticks: { show: false }, values: (_plot, ticks) => ticks.map(shownTick) },
         {
           stroke: text, grid, font: FONT, size: AXIS.left, ticks: { show: false }, space: 13,
           values: (_plot, ticks, _axis, _space, step) => ticks.map((tick) => tickText(tick / factor, step / factor, prefix, name)),
@@ -116,15 +129,6 @@ export class Chart implements Drawing {
   private showWindow(): void {
     if (this.curves.some(({ curve }) => curve.isRate)) this.plot?.setData(this.data(), false);
     this.plot?.setScale("x", { min: this.window.start, max: this.window.stop });
-    this.moveCursor();
-  }
-
-  private moveCursor(): void {
-    if (!this.plot) return;
-    const { start, stop } = this.window;
-    const share = (this.clock.time - start) / (stop - start);
-    this.cursor.style.display = share < 0 || share > 1 ? "none" : "block";
-    this.cursor.style.left = `${100 * share}%`;
   }
 }
 
@@ -158,6 +162,8 @@ function tickText(value: number, step: number, prefix: string, unit: string): st
 function niceRange(low: number | null, high: number | null, fromZero: boolean): [number, number] {
   if (low == null || high == null) return [0, 1];
   const bottom = fromZero ? Math.min(0, low) : low;
-  const span = high - bottom || Math.abs(high) || 1;
+  // A difference of totals is exact to about nine digits: less is no change.
+  const isStill = high - bottom < 1e-7 * Math.abs(high);
+  const span = isStill ? Math.abs(high) || 1 : high - bottom;
   return [fromZero && bottom === 0 ? 0 : bottom - 0.06 * span, high + 0.06 * span];
 }

@@ -15,6 +15,10 @@ export interface RunCurve {
 
 export interface Drawing {
   readonly root: HTMLElement;
+  /** In pixels. */
+  readonly height: number;
+  /** null: the first height. */
+  setHeight(height: number | null): void;
   redraw(): void;
 }
 

@@ -7,6 +7,7 @@ import { BY_CORE, BY_FUNCTION, type Call, type Cost, COSTS, treeOf, WindowedProf
 import type { Json } from "../data/payload";
 import { shown, shownTime } from "../data/units";
 import { element } from "../dom";
+import { makeFunctions } from "./functions";
 import type { Window } from "./window";
 
 const UNITS: Record<string, [number, string]> = { nanoseconds: [1e-9, "s"], none: [1, "-"] };
@@ -24,7 +25,9 @@ export function makeFlames(profiles: Json[], window: Window): HTMLElement {
   const note = element("p", { class: "faint", id: "flame-note" });
   const windowed = WindowedProfile.of(profiles);
   const choices = windowed ? windowedChoices(windowed, window) : wholeChoices(profiles);
+  const functions = windowed ? makeFunctions(windowed, window, () => asleep.checked) : null;
   const draw = () => {
+    functions?.draw();
     const { tree, unit, factor, note: said } = choices.read(asleep.checked);
     note.textContent = said;
     drawing.replaceChildren();
@@ -46,7 +49,7 @@ export function makeFlames(profiles: Json[], window: Window): HTMLElement {
   new ResizeObserver(() => draw()).observe(drawing.parentElement ?? drawing);
   queueMicrotask(draw);
   return element("div", { class: "profile scroll" },
-    element("div", { class: "bar-line" }, ...choices.inputs, element("label", {}, asleep, " with sleep")), note, drawing);
+    element("div", { class: "bar-line" }, ...choices.inputs, element("label", {}, asleep, " with sleep")), note, drawing, ...(functions ? [functions.root] : []));
 }
 
 interface Choices {
@@ -70,7 +73,7 @@ function windowedChoices(profile: WindowedProfile, window: Window): Choices {
       const span = `from ${shownTime(slice.from)} to ${shownTime(slice.to)}`;
       const total = `${shown(tree.value, profile.unit(chosen))}${chosen === "energy" ? `, ${shown(tree.value / (slice.to - slice.from || 1), "W")} in the mean` : ""}${withIdle ? "" : " while awake"}`;
       return { tree, factor: 1, unit: profile.unit(chosen),
-        note: `${total}, ${span}${window.isWhole ? "; ctrl and wheel on a plot choose a span" : ", the span of the plots in whole windows of the profile"}. Click a box to zoom in.` };
+        note: `${total}, ${span}${window.isWhole ? "; a drag on a plot chooses a span" : ", the span of the plots in whole windows of the profile"}. Click a box to zoom in.` };
     },
   };
 }

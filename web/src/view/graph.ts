@@ -3,7 +3,7 @@
 import type { Clock } from "../clock";
 import type { SystemInfo } from "../data/payload";
 import type { Run } from "../data/run";
-import { shownUnit } from "../data/units";
+import { shown, shownUnit } from "../data/units";
 import { dotted, element, svg } from "../dom";
 
 const BOX = { width: 170, height: 58 };
@@ -42,7 +42,7 @@ export function makeGraph(run: Run, clock: Clock): HTMLElement {
   const list = element("div", { class: "connections" });
   const bundles = bundlesOf(run, system);
   let show = () => {};
-  const choose = (chosen: Bundle[], title: string) => (show = showConnections(run, clock, list, chosen, title));
+  const choose = (chosen: Bundle[], title: string, instances: string[] = []) => (show = showConnections(run, clock, list, chosen, title, makeInstances(system, instances)));
   clock.onTime(() => show());
   const taken: Place[] = [...places.values()].map(([x, y]) => ({ x, y, ...BOX }));
   for (const bundle of bundles) {
@@ -52,10 +52,10 @@ export function makeGraph(run: Run, clock: Clock): HTMLElement {
   }
   for (const name of names) {
     const touching = bundles.filter((bundle) => bundle.from === name || bundle.to === name);
-    drawing.append(makeBox(name, system.instances[name].model, places.get(name)!, () => choose(touching, name)));
+    drawing.append(makeBox(name, system.instances[name].model, places.get(name)!, () => choose(touching, name, [name])));
   }
   root.append(drawing, list);
-  choose(bundles, "All connections");
+  choose(bundles, "All connections", names);
   return root;
 }
 
@@ -138,8 +138,19 @@ function edgeOf([x, y]: [number, number], [px, py]: [number, number]): [number, 
   return [x + share * dx, y + share * dy];
 }
 
+/** What each instance is: its model, the model's own description, and its step. */
+function makeInstances(system: SystemInfo, names: string[]): HTMLElement[] {
+  if (names.length === 0) return [];
+  const rows = names.map((name) => {
+    const { model, text, step } = system.instances[name];
+    return element("tr", {}, element("td", { class: "whole" }, name), element("td", { class: "whole" }, shortened(model)), element("td", { class: "faint" }, text ?? ""), element("td", { class: "number" }, shown(step, "s")));
+  });
+  return [element("h3", {}, names.length === 1 ? names[0] : `${names.length} FMUs`),
+    element("table", {}, element("thead", {}, element("tr", {}, ...["instance", "model", "what it is", "step"].map((head) => element("th", { class: "whole" }, head)))), element("tbody", {}, ...rows))];
+}
+
 /** Returns the function that updates the values to the moment. */
-function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bundle[], title: string): () => void {
+function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bundle[], title: string, before: HTMLElement[]): () => void {
   const rows = bundles.flatMap((bundle) => bundle.connections);
   const body = element("tbody", {});
   const values: [HTMLElement, string][] = [];
@@ -151,7 +162,11 @@ function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bun
   const show = () => {
     for (const [cell, name] of values) cell.textContent = run.textAt(name, clock.time);
   };
-  into.replaceChildren(element("h3", {}, `${title}: ${rows.length} connection${rows.length === 1 ? "" : "s"}`),
+  if (rows.length === 0) {
+    into.replaceChildren(...before, element("p", { class: "faint" }, "No connections."));
+    return show;
+  }
+  into.replaceChildren(...before, element("h3", {}, `${title}: ${rows.length} connection${rows.length === 1 ? "" : "s"}`),
     element("table", {}, element("thead", {}, element("tr", {}, ...["from", "to", "unit", "now"].map((head) => element("th", {}, head)))), body));
   show();
   return show;

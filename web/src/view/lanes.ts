@@ -3,6 +3,7 @@
 import type { Clock } from "../clock";
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
+import { addCursors } from "./cursor";
 import { AXIS, type Drawing, type RunCurve } from "./drawing";
 import { makeScrubbable } from "./scrub";
 import type { Window } from "./window";
@@ -14,8 +15,12 @@ const GAP = 3;
 const NAME = 16;
 const NAME_FONT = "11px system-ui, sans-serif";
 
+/** The least that a lane may be scaled to, and the most. */
+const SCALES = [0.6, 6];
+
 interface Lane {
   entry: RunCurve;
+  name: HTMLElement;
   top: number;
   height: number;
 }
@@ -24,38 +29,58 @@ interface Lane {
 export class Lanes implements Drawing {
   readonly root = element("div", { class: "lanes" });
   private readonly canvas = element("canvas", {});
-  private readonly cursor = element("div", { class: "moment" });
+  private readonly area = element("div", { class: "lane-area" }, this.canvas);
   private readonly lanes: Lane[] = [];
+  private readonly isAbove: boolean; // names over the lanes
+  private readonly natural: number;
 
-  constructor(curves: RunCurve[], private readonly clock: Clock, private readonly window: Window) {
+  constructor(curves: RunCurve[], clock: Clock, private readonly window: Window) {
     const names = laneNames(curves);
-    const isAbove = widest(names) > AXIS.left - 6; // as soon as one has no room beside the lanes
-    let bottom = 0;
+    this.isAbove = widest(names) > AXIS.left - 6; // as soon as one has no room beside the lanes
     curves.forEach((entry, i) => {
-      const height = isWords(entry) ? WORDS : SHADES;
-      const top = bottom + (isAbove ? NAME : 0);
       const name = element("div", { class: "lane-name", title: `${entry.curve.variable}, ${entry.run.name}` }, names[i]);
-      name.style.top = `${isAbove ? bottom : top}px`;
-      name.style.lineHeight = `${isAbove ? NAME : height}px`;
       this.root.append(name);
-      this.lanes.push({ entry, top, height });
-      bottom = top + height + GAP;
+      this.lanes.push({ entry, name, top: 0, height: 0 });
     });
-    this.root.classList.toggle("above", isAbove);
+    this.natural = this.layOut(1);
+    this.root.classList.toggle("above", this.isAbove);
     this.root.style.setProperty("--axis-left", `${AXIS.left}px`);
     this.root.style.setProperty("--axis-right", `${AXIS.right}px`);
-    const area = element("div", { class: "lane-area" }, this.canvas, this.cursor);
-    area.style.height = `${bottom}px`;
-    this.root.append(area);
-    makeScrubbable(area, clock, window);
-    new ResizeObserver(() => this.redraw()).observe(area);
-    clock.onTime(() => this.showMoment());
+    this.root.append(this.area);
+    addCursors(this.area, clock, window);
+    makeScrubbable(this.area, clock, window, { drag: "chooses" });
+    new ResizeObserver(() => this.redraw()).observe(this.area);
     window.onChange(() => this.redraw());
-    this.showMoment();
+  }
+
+  /** Places lanes and names, and returns the height. */
+  private layOut(scale: number): number {
+    let bottom = 0;
+    for (const lane of this.lanes) {
+      lane.height = scale * (isWords(lane.entry) ? WORDS : SHADES);
+      lane.top = bottom + (this.isAbove ? NAME : 0);
+      lane.name.style.top = `${this.isAbove ? bottom : lane.top}px`;
+      lane.name.style.lineHeight = `${this.isAbove ? NAME : lane.height}px`;
+      bottom = lane.top + lane.height + GAP;
+    }
+    this.area.style.height = `${bottom}px`;
+    return bottom;
+  }
+
+  get height(): number {
+    return this.area.clientHeight;
+  }
+
+  /** Names keep their size, so only the rest is scaled. */
+  setHeight(height: number | null): void {
+    const fixed = this.lanes.length * (GAP + (this.isAbove ? NAME : 0));
+    const scale = height === null ? 1 : (height - fixed) / (this.natural - fixed);
+    this.layOut(Math.min(Math.max(scale, SCALES[0]), SCALES[1]));
+    this.redraw();
   }
 
   redraw(): void {
-    const area = this.canvas.parentElement!;
+    const { area } = this;
     const scale = devicePixelRatio;
     this.canvas.width = area.clientWidth * scale;
     this.canvas.height = area.clientHeight * scale;
@@ -65,7 +90,6 @@ export class Lanes implements Drawing {
     context.textBaseline = "middle";
     const most = this.greatest();
     for (const lane of this.lanes) this.drawLane(context, lane, most.get(lane.entry.curve.unit) ?? 1, area.clientWidth);
-    this.showMoment();
   }
 
   /** By unit, of the lanes of shades: those of one unit can be compared. */
@@ -123,13 +147,6 @@ export class Lanes implements Drawing {
       context.fillRect(from, top, to - from, height);
     }
     context.globalAlpha = 1;
-  }
-
-  private showMoment(): void {
-    const { start, stop } = this.window;
-    const share = (this.clock.time - start) / (stop - start);
-    this.cursor.style.display = share < 0 || share > 1 ? "none" : "block";
-    this.cursor.style.left = `${100 * share}%`;
   }
 }
 

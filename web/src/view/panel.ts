@@ -8,10 +8,18 @@ import { element } from "../dom";
 import { onTheme } from "../theme";
 import { Chart } from "./chart";
 import { curveColour, curveDash, type Drawing, type RunCurve } from "./drawing";
+import { makeHandle } from "./handle";
 import { Lanes } from "./lanes";
 import type { Window } from "./window";
 
-export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window: Window, onClose?: () => void): HTMLElement {
+interface Options {
+  /** Adds a button that removes the panel. */
+  onClose?: () => void;
+  /** Of curves [px]. */
+  height?: number;
+}
+
+export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window: Window, { onClose, height }: Options = {}): HTMLElement {
   // Parts with a constant sum have no sum to compare: only the first run's are shown.
   const runs = isShares(info, allRuns[0]) ? allRuns.slice(0, 1) : allRuns;
   const curves = curvesOf(info, runs);
@@ -33,8 +41,10 @@ export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window:
     root.append(element("p", { class: "empty" }, "None of these variables was recorded."));
     return root;
   }
-  const drawing: Drawing = kind === "lanes" ? new Lanes(curves, clock, window) : new Chart(kind, curves, clock, window);
-  root.append(drawing.root);
+  const drawing: Drawing = kind === "lanes" ? new Lanes(curves, clock, window) : new Chart(kind, curves, clock, window, height);
+  root.append(drawing.root, makeHandle({
+    label: `height of ${info.title}`, axis: "y", size: () => drawing.height, resize: (height) => drawing.setHeight(height),
+  }));
   const outputs = curves.map((entry, i) => {
     const value = makeValue(entry, runCount, window);
     if (kind === "lanes") value.swatch.remove(); // their colours are those of states
@@ -42,10 +52,11 @@ export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window:
     return { ...value, paint: () => paintSwatch(value.swatch, curveColour(entry, i, runCount), curveDash(curves, i, runCount)) };
   });
   const show = () => {
-    for (const output of outputs) output.show(clock.time);
+    for (const output of outputs) output.show(window.pointed ?? clock.time);
   };
   clock.onTime(show);
   window.onChange(show);
+  window.onPoint(show);
   onTheme(() => {
     for (const output of outputs) output.paint();
     drawing.redraw();
@@ -62,7 +73,7 @@ function isShares(info: PanelInfo, run: Run): boolean {
 /** The time over which a shown value is a mean. */
 function meanNote(window: Window): HTMLElement {
   const note = element("span", { class: "unit" });
-  const show = () => (note.textContent = ` mean over ${Number(window.mean.toPrecision(2))} s`);
+  const show = () => (note.textContent = ` mean over ${shown(Number(window.mean.toPrecision(2)), "s")}`);
   window.onChange(show);
   show();
   return note;

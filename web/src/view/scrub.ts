@@ -1,25 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pointer on anything that lies along time: drag moves the moment; shift and drag, the wheel or two fingers zoom in; double
-// click shows all again.
+// The pointer on anything that lies along time. On a plot a drag of the mouse chooses a span, and a click the moment; on the
+// timeline a drag moves the moment. Shift exchanges the two. A finger moves the moment, two fingers or ctrl and wheel zoom, a
+// double click shows all.
 import type { Clock } from "../clock";
 import { element } from "../dom";
 import type { Window } from "./window";
 
-/** `left` and `right` [px]: margins of the element outside the time axis. */
-export function makeScrubbable(target: HTMLElement, clock: Clock, window: Window, left = 0, right = 0): void {
-  const timeAt = (event: MouseEvent) => {
+/** A mouse that moves less [px] has clicked. */
+const CLICK = 4;
+
+interface Options {
+  /** What a drag of the mouse does without shift. */
+  drag: "chooses" | "moves";
+  /** The times that the target spans, if they are not those of the window. */
+  along?: Window;
+}
+
+export function makeScrubbable(target: HTMLElement, clock: Clock, window: Window, { drag, along = window }: Options): void {
+  const shareAt = (event: MouseEvent) => {
     const box = target.getBoundingClientRect();
-    const share = (event.clientX - box.left - left) / Math.max(1, box.width - left - right);
-    return window.start + Math.min(Math.max(share, 0), 1) * (window.stop - window.start);
+    return Math.min(Math.max((event.clientX - box.left) / Math.max(1, box.width), 0), 1);
   };
+  const timeAt = (event: MouseEvent) => along.start + shareAt(event) * (along.stop - along.start);
   const fingers = new Map<number, PointerEvent>(); // or the mouse
-  let marked: { from: number; box: HTMLElement } | null = null; // a span that shift and drag choose
+  let marked: { from: PointerEvent; box: HTMLElement } | null = null; // a span that a drag chooses
+  const isDrag = (event: MouseEvent) => Math.abs(event.clientX - marked!.from.clientX) >= CLICK;
   const showMarked = (event: MouseEvent) => {
-    const share = (time: number) => (time - window.start) / (window.stop - window.start);
-    const [low, high] = [marked!.from, timeAt(event)].sort((a, b) => a - b);
-    const width = target.getBoundingClientRect().width - left - right;
-    marked!.box.style.left = `${left + width * share(low)}px`;
-    marked!.box.style.width = `${width * (share(high) - share(low))}px`;
+    const [low, high] = [shareAt(marked!.from), shareAt(event)].sort((a, b) => a - b);
+    marked!.box.hidden = !isDrag(event);
+    marked!.box.style.left = `${100 * low}%`;
+    marked!.box.style.width = `${100 * (high - low)}%`;
+  };
+  const moveTo = (event: MouseEvent) => {
+    clock.pause();
+    clock.set(timeAt(event));
   };
   const spread = () => {
     const [one, other] = [...fingers.values()];
@@ -27,18 +41,17 @@ export function makeScrubbable(target: HTMLElement, clock: Clock, window: Window
   };
   target.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || fingers.size === 2) return;
-    if (event.shiftKey && fingers.size === 0) {
-      marked = { from: timeAt(event), box: element("div", { class: "marked" }) };
+    target.setPointerCapture(event.pointerId);
+    if (event.pointerType === "mouse" && (drag === "chooses") !== event.shiftKey) {
+      marked = { from: event, box: element("div", { class: "marked", hidden: "" }) };
       target.append(marked.box);
-      target.setPointerCapture(event.pointerId);
       return;
     }
     fingers.set(event.pointerId, event);
-    target.setPointerCapture(event.pointerId);
-    clock.pause();
-    if (fingers.size === 1) clock.set(timeAt(event));
+    if (fingers.size === 1) moveTo(event);
   });
   target.addEventListener("pointermove", (event) => {
+    if (event.pointerType === "mouse") window.point(timeAt(event));
     if (marked) return showMarked(event);
     if (!fingers.has(event.pointerId)) return;
     if (fingers.size === 1) return clock.set(timeAt(event));
@@ -47,14 +60,18 @@ export function makeScrubbable(target: HTMLElement, clock: Clock, window: Window
     const [one, other] = [...fingers.values()].map(timeAt);
     window.zoom(before / spread(), (one + other) / 2);
   });
+  target.addEventListener("pointerleave", () => window.point(null));
   for (const end of ["pointerup", "pointercancel"] as const) {
     target.addEventListener(end, (event) => {
       fingers.delete(event.pointerId);
       if (!marked) return;
-      const [low, high] = [marked.from, timeAt(event)].sort((a, b) => a - b);
+      const [low, high] = [timeAt(marked.from), timeAt(event)].sort((a, b) => a - b);
+      const wasDrag = isDrag(event);
       marked.box.remove();
       marked = null;
-      if (end === "pointerup" && high > low) window.set(low, high);
+      if (end === "pointercancel") return;
+      if (wasDrag && high > low) window.set(low, high);
+      else moveTo(event);
     });
   }
   target.addEventListener(

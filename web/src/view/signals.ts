@@ -2,17 +2,11 @@
 // Every recorded variable: found by words of its name, unit or meaning, its value at the moment, plotted at a click.
 import type { Clock } from "../clock";
 import type { Run } from "../data/run";
-import { shownUnit } from "../data/units";
+import { shownUnit, wordsOf } from "../data/units";
 import { element } from "../dom";
 
 const MOST_ROWS = 400;
 
-/** Words for units that a search finds. */
-const UNIT_WORDS: Record<string, string> = {
-  V: "volt voltage", A: "ampere current", W: "watt power", J: "joule energy", s: "second time", m: "metre length distance",
-  "m/s": "speed velocity", rad: "radian angle", "rad/s": "angular speed rate", Hz: "hertz clock frequency", N: "newton force",
-  "N.m": "newton metre torque", degC: "celsius temperature", K: "kelvin temperature",
-};
 /** What else a variable with this meaning may be called. */
 const SYNONYMS: Record<string, string[]> = {
   altitude: ["position.z", "height"], height: ["position.z", "altitude"], battery: ["cell."], charge: ["state_of_charge", "soc"],
@@ -27,7 +21,7 @@ export function makeSignals(run: Run, clock: Clock, plot: (name: string) => void
   const all = run.variables.map((name) => {
     const text = run.info(name)?.text ?? "";
     const unit = run.unit(name);
-    return { name, text, unit, hay: `${name} ${text} ${unit} ${UNIT_WORDS[unit] ?? ""}`.toLowerCase() };
+    return { name, text, unit, hay: `${name} ${text} ${unit} ${wordsOf(unit)}`.toLowerCase() };
   });
   const show = () => {
     if (root.offsetParent === null) return;

@@ -4,6 +4,7 @@ import type { Json } from "../data/payload";
 import { type Run, rowAt } from "../data/run";
 import { shown, shownTime } from "../data/units";
 import { element } from "../dom";
+import { cyclesPerInstruction } from "./chip";
 import { finalValues } from "./statistics";
 
 /** The first time at which a recorded variable is not 0, of those whose name ends so. */
@@ -30,7 +31,7 @@ function energy(summary: Json): string {
   const total = shown(delivered, "J");
   const used = Object.entries<Json>(parts).filter(([name, value]) => typeof value === "number" && !["open_circuit", "imbalance"].includes(name));
   const [name, largest] = used.reduce((best, one) => (one[1] > best[1] ? one : best), ["", 0] as [string, Json]);
-  return name === "" || largest > delivered ? total : `${total}, ${((100 * largest) / delivered).toFixed(0)} % of it ${name}`;
+  return name === "" || largest > delivered ? total : `${total}, ${((100 * largest) / delivered).toFixed(0)} % of it ${name.replaceAll("_", " ")}`;
 }
 
 function charge(summary: Json): string {
@@ -38,12 +39,20 @@ function charge(summary: Json): string {
   return typeof left === "number" && summary.units?.state_of_charge === "1" ? `${(100 * left).toFixed(1)} % of the charge left` : "";
 }
 
+/** Mean power, and what the controller executed, of a program on the chip alone. */
+function chip({ header }: Run): string {
+  if (!header.chip) return "";
+  const { chip_mean_w, controller, cluster } = header.chip;
+  const counts = `${cluster ? "controller" : "core"}: ${controller.instructions.toLocaleString("en")} instructions, ${cyclesPerInstruction(controller)} cycles each`;
+  return `${chip_mean_w === null ? "" : `${shown(chip_mean_w, "W")} in the mean; `}${counts}`;
+}
+
 /** One sentence on a run that has ended; "" if it left no results. */
 export function storyOf(run: Run): string {
   const { summary } = run;
   if (summary.outcome === undefined) return "";
   const end = `${crossing(run) ? "ended after" : "ran"} ${shown(summary.simulated_time ?? run.end, "s")}: ${String(summary.outcome).replaceAll("_", " ")}`;
-  const facts = [crossing(run), end, energy(summary), charge(summary)].filter((fact) => fact !== "");
+  const facts = [crossing(run), end, energy(summary), charge(summary), chip(run)].filter((fact) => fact !== "");
   if (facts.length === 1) {
     const values = finalValues(summary).filter(({ value, unit }) => typeof value === "number" && unit !== "-").slice(0, 3);
     facts.push(...values.map(({ label, value, unit }) => `${label} ${shown(value, unit)}`));
@@ -67,11 +76,11 @@ export function makeStory(run: Run): HTMLElement {
 
 /**
  * The moment at which the page opens: of a flight that of its first picture or, without pictures, one in which the body
- * moves; of another run the start.
+ * moves; of another run the end, where its results are.
  */
 export function openingTime(run: Run): number {
   const names = (run.scene?.bodies?.[0]?.position ?? []) as string[];
-  if (names.length === 0 || run.times.length < 2) return 0;
+  if (names.length === 0 || run.times.length < 2) return run.end;
   const instance = run.system?.view.scene?.instance ?? "";
   const columns = names.map((name) => run.values(`${instance}.${name}`)).filter((values) => values !== undefined);
   const away = (row: number) => Math.hypot(...columns.map((values) => values[row] - values[0]));

@@ -19,12 +19,13 @@ export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElemen
   const now = element("output", { class: "now", id: "now" });
   const track = element("div", { class: "track", role: "slider", tabindex: "0", "aria-label": "moment", "aria-valuemin": "0", "aria-valuemax": String(clock.end) });
   const shownSpan = element("div", { class: "span" });
+  const pointed = element("div", { class: "pointed" });
   const done = element("div", { class: "done" });
   const knob = element("div", { class: "knob" });
   const markArea = element("div", { class: "marks" });
-  track.append(element("div", { class: "rail" }), shownSpan, done, markArea, knob);
+  track.append(element("div", { class: "rail" }), shownSpan, done, markArea, pointed, knob);
   const whole = new Window(clock.end);
-  makeScrubbable(track, clock, whole);
+  makeScrubbable(track, clock, window, { drag: "moves", along: whole });
   const showMarks = () => {
     const tags = run.marks.map((mark) => makeMark(mark, clock));
     markArea.replaceChildren(...tags);
@@ -53,6 +54,10 @@ export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElemen
   clock.onTime(showTime);
   clock.onState(showState);
   window.onChange(showSpan);
+  window.onPoint(() => {
+    pointed.style.display = window.pointed === null ? "none" : "block";
+    pointed.style.left = `${(100 * (window.pointed ?? 0)) / (clock.end || 1)}%`;
+  });
   showTime();
   showState();
   showSpan();
@@ -63,11 +68,16 @@ export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElemen
 function keepApart(marks: HTMLElement[]): void {
   let end = -Infinity;
   for (const mark of marks) {
+    const words = mark.firstElementChild as HTMLElement;
     mark.classList.remove("quiet");
-    const box = mark.firstElementChild!.getBoundingClientRect();
-    const quiet = box.left < end + 8 || mark.classList.contains("warning");
+    words.style.marginLeft = "";
+    const box = words.getBoundingClientRect();
+    const over = Math.max(0, box.right + 4 - innerWidth); // the last words would leave the page
+    const quiet = box.left - over < end + 8 || mark.classList.contains("warning");
     mark.classList.toggle("quiet", quiet);
-    if (!quiet) end = box.right;
+    if (quiet) continue;
+    words.style.marginLeft = `${-over}px`;
+    end = box.right - over;
   }
 }
 

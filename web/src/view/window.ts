@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The span of time that all plots show: the whole run until somebody looks closer.
+// The span of time that all plots show: the whole run until somebody looks closer. And the time under the pointer, which all
+// plots mark.
 
 export class Window {
   private from = 0;
   private to: number;
+  private at: number | null = null;
   private readonly listeners: (() => void)[] = [];
+  private readonly pointListeners: (() => void)[] = [];
 
   constructor(private end: number) {
     this.to = end;
@@ -53,5 +56,20 @@ export class Window {
 
   reset(): void {
     this.set(0, this.end);
+  }
+
+  /** The time under the pointer, null if it is on no plot. */
+  get pointed(): number | null {
+    return this.at;
+  }
+
+  point(time: number | null): void {
+    if (time === this.at) return;
+    this.at = time;
+    for (const listener of this.pointListeners) listener();
+  }
+
+  onPoint(listener: () => void): void {
+    this.pointListeners.push(listener);
   }
 }

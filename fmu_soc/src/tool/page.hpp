@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/page_file.hpp"
+#include "observe/session.hpp"
+#include "observe/text_file.hpp"
+#include "tool/power_course.hpp"
+#include "tool/report.hpp"
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace mebots::soc::tool {
+
+/// A file in the folder for temporary files. The destructor removes it.
+class ScratchFile {
+ public:
+  /// `ending`: the end of its name, such as .json. Throws Error if it cannot be created.
+  explicit ScratchFile(std::string_view ending);
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  ~ScratchFile();
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+/// The page of a run: energy by part, counts, functions, and power over time. It is the page of `mebots report`, with
+/// the chip in place of a system.
+class RunPage {
+ public:
+  /// Throws Error if the file cannot be written or this installation has no pages. `profile`: the file that the user
+  /// wants, if any.
+  RunPage(const std::string& path, const std::optional<std::string>& profile);
+
+  /// The file for the profile, in speedscope's format.
+  const std::string& profile() const { return profile_ ? *profile_ : scratch_->path(); }
+
+  /// Records the chip from now on. The chip must outlive the page.
+  void follow(const Soc& soc, observe::Session& session);
+  /// Adds a line that the program printed.
+  void printed(std::string_view line);
+  /// Writes the page. `outcome` says how the program ended. The profile is complete.
+  void write(const ChipReport& report, const std::string& program, const std::string& outcome);
+
+ private:
+  PageParts parts_;
+  observe::TextFile file_;
+  std::optional<std::string> profile_;
+  std::optional<ScratchFile> scratch_;
+  const Soc* soc_ = nullptr;
+  std::optional<PowerCourse> course_;
+  std::string log_;
+  std::size_t lines_ = 0;
+};
+
+}  // namespace mebots::soc::tool

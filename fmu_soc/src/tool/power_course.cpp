@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tool/power_course.hpp"
+
+#include <utility>
+
+namespace mebots::soc::tool {
+
+PowerCourse::PowerCourse(const Soc& soc) : soc_(soc) {
+  for (const auto& slot : soc.devices()) {
+    if (!slot.entry->states.empty()) devices_.push_back(slot.entry->name);
+  }
+  add(soc.now());
+}
+
+void PowerCourse::changed(Picoseconds time) {
+  if (time - points_.back().time >= spacing_) add(time);
+}
+
+void PowerCourse::finish() {
+  if (soc_.now() > points_.back().time) add(soc_.now());
+}
+
+void PowerCourse::add(Picoseconds time) {
+  Point point;
+  point.time = time;
+  for (const auto& component : soc_.power().energy_at(time).components()) point.parts_j.push_back(component.energy_j);
+  for (const auto& slot : soc_.devices()) {
+    if (!slot.entry->states.empty()) point.devices_j.push_back(slot.device->energy_j(time));
+  }
+  for (std::size_t i = 0; i < point.in_state.size(); ++i) point.in_state[i] = soc_.state_times().total(i);
+  points_.push_back(std::move(point));
+  if (points_.size() >= kMost) halve();
+}
+
+/// Keeps the first and the last point.
+void PowerCourse::halve() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const bool stays = i % 2 == 0 || i + 1 == points_.size();
+    if (stays && i != kept) points_[kept] = std::move(points_[i]);
+    if (stays) ++kept;
+  }
+  points_.resize(kept);
+  spacing_ *= 2;
+}
+
+}  // namespace mebots::soc::tool

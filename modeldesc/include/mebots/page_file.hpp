@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace mebots {
+
+/// The parts of a page, built from web/.
+struct PageParts {
+  std::string frame;   ///< page.html, with the places of the others in it
+  std::string script;  ///< page.js or report.js
+  std::string style;   ///< page.css or report.css
+};
+
+/// Reads page.html and `name`.js and .css from a folder. Throws Error if one of them cannot be read.
+PageParts read_page_parts(const std::filesystem::path& folder, const std::string& name);
+
+/// Returns an HTML document with the script and the data in it. It needs no network. Script and data are deflated
+/// (RFC 1950) and in base64.
+std::string fill_page(const PageParts& parts, const std::string& title, std::string_view data);
+
+/// Returns the same without data: the page fetches them from its own server, and only from there.
+std::string fill_live_page(const PageParts& parts, const std::string& title);
+
+}  // namespace mebots

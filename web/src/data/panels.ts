@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// The panels of a run. If its config has none: all that varies, by instance and unit. The first panel of each instance comes
+// before the second one of any.
+import type { CurveInfo, PanelInfo } from "./payload";
+import type { Run } from "./run";
+import { meaningOf } from "./units";
+
+const MOST_CURVES = 6;
+const MOST_PANELS = 14;
+const MOST_STATES = 10;
+
+interface Found {
+  instance: string;
+  unit: string;
+  names: string[];
+}
+
+/** The panels of the config, else those of all that varies. */
+export function panelsOf(run: Run): PanelInfo[] {
+  const asked = run.system?.view.panels ?? [];
+  return asked.length > 0 ? asked : defaultPanels(run);
+}
+
+function defaultPanels(run: Run): PanelInfo[] {
+  const varying = run.variables.filter((name) => run.header.live || !run.stands(name)); // at the start of a live run everything stands
+  const isState = (name: string) => ["Boolean", "Enumeration"].includes(run.info(name)?.type ?? "");
+  const found = taken(groupsOf(run, varying.filter((name) => !isState(name))).map((group) => panelOf(run, group)));
+  const states = varying.filter(isState).slice(0, MOST_STATES);
+  const lanes: PanelInfo[] = states.length > 0 ? [{ title: "States", kind: "lanes", curves: states.map((variable) => ({ variable })) }] : [];
+  return [...found, ...lanes];
+}
+
+/** By instance and unit. Numbers without units may be of different kinds: each has its own plot. */
+function groupsOf(run: Run, names: string[]): Found[] {
+  const groups = new Map<string, Found>();
+  for (const name of names) {
+    const unit = run.unit(name);
+    const instance = run.instanceOf(name);
+    const key = unit === "-" ? name : `${instance} ${unit}`;
+    const group = groups.get(key) ?? { instance, unit, names: [] };
+    groups.set(key, group);
+    group.names.push(name);
+  }
+  return [...groups.values()];
+}
+
+function panelOf(run: Run, { instance, unit, names }: Found): PanelInfo & { instance: string } {
+  const curves = run.header.live ? names.map((variable) => ({ variable, label: shortName(variable, instance) })) : joined(run, instance, names);
+  const rest = curves.length > MOST_CURVES ? `, ${MOST_CURVES} of ${curves.length}` : "";
+  const meaning = meaningOf(unit) || (curves.length === 1 ? curves[0].label ?? "" : "");
+  return { instance, title: `${instance}${meaning === "" ? "" : `: ${meaning}`}${rest}`, kind: "lines", curves: curves.slice(0, MOST_CURVES) };
+}
+
+const shortName = (name: string, instance: string) => name.slice(instance.length + 1);
+
+/** Variables with the same values share a curve: "rotor[1].speed, and 3 alike". */
+function joined(run: Run, instance: string, names: string[]): CurveInfo[] {
+  const found: { variable: string; alike: number }[] = [];
+  for (const variable of names) {
+    const values = run.values(variable)!;
+    const same = found.find((other) => run.values(other.variable)!.every((value, row) => Object.is(value, values[row])));
+    if (same) ++same.alike;
+    else found.push({ variable, alike: 0 });
+  }
+  return found.map(({ variable, alike }) => ({ variable, label: shortName(variable, instance) + (alike > 0 ? `, and ${alike} alike` : "") }));
+}
+
+/** The first panel of each instance, then the second one of each, and so on. */
+function taken(panels: (PanelInfo & { instance: string })[]): PanelInfo[] {
+  const seen = new Map<string, number>();
+  const round = panels.map(({ instance }) => {
+    const count = seen.get(instance) ?? 0;
+    seen.set(instance, count + 1);
+    return count;
+  });
+  return panels.map((_, i) => i).sort((a, b) => round[a] - round[b] || a - b).slice(0, MOST_PANELS).map((i) => panels[i]);
+}

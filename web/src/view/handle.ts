@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// A bar between two parts of the page, or below one, that a drag or the arrow keys move. A double click restores the size.
+import { element } from "../dom";
+
+const KEY_STEP = 16; // pixels
+
+interface Options {
+  /** For screen readers: "height of the plot". */
+  label: string;
+  /** "x": it moves to the left and right. */
+  axis: "x" | "y";
+  /** The size that it changes [px]. */
+  size: () => number;
+  /** Sets the size [px]; null restores the first one. */
+  resize: (size: number | null) => void;
+}
+
+export function makeHandle({ label, axis, size, resize }: Options): HTMLElement {
+  const bar = element("div", {
+    class: `handle handle-${axis}`, role: "separator", tabindex: "0", "aria-label": label, "aria-orientation": axis === "x" ? "vertical" : "horizontal",
+    title: `Drag: ${label}. Double click: as before`,
+  });
+  const place = (event: PointerEvent) => (axis === "x" ? event.clientX : event.clientY);
+  let start: { at: number; size: number } | null = null;
+  bar.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    event.preventDefault();
+    bar.setPointerCapture(event.pointerId);
+    start = { at: place(event), size: size() };
+  });
+  bar.addEventListener("pointermove", (event) => {
+    if (start) resize(start.size + place(event) - start.at);
+  });
+  for (const end of ["pointerup", "pointercancel"] as const) bar.addEventListener(end, () => (start = null));
+  bar.addEventListener("dblclick", () => resize(null));
+  const [less, more] = axis === "x" ? ["ArrowLeft", "ArrowRight"] : ["ArrowUp", "ArrowDown"];
+  bar.addEventListener("keydown", (event) => {
+    if (event.key !== less && event.key !== more) return;
+    event.preventDefault();
+    event.stopPropagation(); // the page's keys move the moment
+    resize(size() + (event.key === more ? KEY_STEP : -KEY_STEP));
+  });
+  return bar;
+}
