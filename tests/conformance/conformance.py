@@ -48,24 +48,25 @@ def failures(verdicts):
 
 def page(versions, results):
     lines = ["# Conformance", "",
-             "Written by `scripts/conformance.sh`, which says where its programs come from. Every program ran twice, translated and "
-             "interpreted; it passes only when both do.", "",
+             "Look up which published test suites the model of the chip passes. `scripts/conformance.sh` generates this page; its first comment",
+             "names the sources of the programs. Every program runs twice, translated and interpreted, and passes only if both runs pass.", "",
              "| suite | judged by | passed |", "|---|---|---|"]
     for name, judged, verdicts in results:
         lines.append(f"| {name} | {judged} | {sum(v.passed for v in verdicts)} of {len(verdicts)} |")
     failed = [line for _, _, verdicts in results for line in failures(verdicts)]
-    lines += ["", "## What does not pass", "", *(failed or ["Nothing."])]
+    lines += ["", "## Failures", "", *(failed or ["None."])]
     lines += ["", "## Instructions of whole programs", "",
-              "The same in Spike; each program is run once and checks its own result. One more or one fewer counts as a failure.", "",
+              "Every program executes as many instructions as in Spike; a difference of one is a failure. Each program runs its main loop once and "
+              "checks its own result.", "",
               "| program | " + " | ".join(f"`{level}`" for level in benchmarks.LEVELS) + " |", "|---|---|---|"]
     notes = {verdict.name: verdict.note for verdict in results[-1][2]}
     for program in dict.fromkeys(name.split()[0] for name in notes):
         lines.append(f"| {program} | " + " | ".join(notes[f"{program} {level}"] for level in benchmarks.LEVELS) + " |")
-    return "\n".join([*lines, "", "## With what", "", *(f"- {what}: {version}" for what, version in versions.items())]) + "\n"
+    return "\n".join([*lines, "", "## Versions", "", *(f"- {what}: {version}" for what, version in versions.items())]) + "\n"
 
 
 def main():
-    parser = argparse.ArgumentParser(description="The chip beside suites that others wrote")
+    parser = argparse.ArgumentParser(description="Run published test suites on the model of the chip")
     parser.add_argument("folder", type=pathlib.Path, help="with checkouts of riscv-tests, riscv-arch-test, embench-iot, coremark")
     parser.add_argument("soc", type=pathlib.Path, help="the program mebots-soc")
     parser.add_argument("--out", type=pathlib.Path, help="write the page to this file too")
@@ -75,9 +76,9 @@ def main():
     try:
         with tempfile.TemporaryDirectory() as name:
             work = pathlib.Path(name)
-            results = [("riscv-tests: " + ", ".join(riscv_tests.SUITES), "themselves", riscv_tests.judge(folder, soc, work, each)),
-                       ("riscv-arch-test: " + ", ".join(arch_test.SUITES), "the words that Spike leaves", arch_test.judge(folder, soc, work, each)),
-                       ("Embench-IoT, CoreMark", "themselves, and Spike's count of instructions", benchmarks.judge(folder, soc, work, each))]
+            results = [("riscv-tests: " + ", ".join(riscv_tests.SUITES), "the tests", riscv_tests.judge(folder, soc, work, each)),
+                       ("riscv-arch-test: " + ", ".join(arch_test.SUITES), "equal signatures in Spike", arch_test.judge(folder, soc, work, each)),
+                       ("Embench-IoT, CoreMark", "the programs, and Spike's number of instructions", benchmarks.judge(folder, soc, work, each))]
         versions = {"Spike": run([spike(), "--help"])[1].splitlines()[0], "compiler": run([COMPILER, "--version"])[1].splitlines()[0]}
     except CannotRun as error:
         print(f"conformance.sh: {error}", file=sys.stderr)
