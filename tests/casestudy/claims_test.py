@@ -217,7 +217,7 @@ class Arithmetic(unittest.TestCase):
         self.assertIsNone(landing.least(found(c100=False, c110=True)), "10.5 % was not flown")
         self.assertIsNone(landing.least(found(c110=True)))
 
-    def test_who_passed_in_the_published_data_has_crossed_the_opening(self):
+    def test_flights_that_passed_in_the_published_data_crossed_the_opening(self):
         for chip, file in study.PUBLISHED.items():
             for name, part in json.loads(file.read_text())["robustness"].items():
                 self.assertLessEqual(part["passed"], part["crossed"], (chip, name))

@@ -76,7 +76,7 @@ TEST(CheckBehaviour, StateThatLeaksBetweenRunsAndInstancesIsFound) {
   EXPECT_THAT(of("bytes"), Contains(HasSubstr("error: after restoring a serialised state in another instance: y is")));
 }
 
-TEST(CheckBehaviour, WhatIsLeftBehindIsCounted) {
+TEST(CheckBehaviour, CountsResourcesThatAreNotReleased) {
   if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "it owns malloc, which the check asks for its count";
   EXPECT_THAT(of("leak"),
               Contains(testing::ContainsRegex("100 instances were freed and leaked 1[0-9]{5} bytes of heap")));
@@ -125,7 +125,7 @@ TEST(CheckBehaviour, FindingsThatAreNotReportedAreCounted) {
   EXPECT_THAT(to_text(report), HasSubstr("clean at level standard; 1 more at a higher --level"));
 }
 
-TEST(CheckBehaviour, WhatAllFmusOfAProcessShareIsWatchedInEveryCall) {
+TEST(CheckBehaviour, ChecksTheSharedStateOfTheProcessAfterEveryCall) {
   EXPECT_THAT(of("umask", 30, Level::interoperable),
               testing::ElementsAre(testing::AllOf(HasSubstr("warning: fmi2DoStep at 0.3"),
                                                   HasSubstr("the mask of file modes became 000"))));
@@ -221,7 +221,7 @@ void leave_processes(Left& left) {
   _exit(0);
 }
 
-TEST(CheckBehaviour, WhatTheFmuLeavesBehindEndsWithTheCheck) {
+TEST(CheckBehaviour, EndsProcessesOfTheFmuAfterTheCheck) {
   auto* const memory = mmap(nullptr, sizeof(Left), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(memory, MAP_FAILED);
   auto& left = *new (memory) Left{};

@@ -23,7 +23,7 @@ std::vector<std::string> with(const std::string& piece, const std::string& other
   return findings(report);
 }
 
-TEST(CheckSchema, WhatTheStandardAllowsPasses) {
+TEST(CheckSchema, PassesEveryFormThatTheStandardAllows) {
   EXPECT_THAT(with("{culprit:", "{culprit:"), IsEmpty());
   EXPECT_THAT(with("max=\"100\"", "max=\"INF\" nominal=\" 1e3 \" quantity=\"Length\""), IsEmpty());
   EXPECT_THAT(with("</ModelVariables>", "<!-- a comment --></ModelVariables>"), IsEmpty());

@@ -137,7 +137,7 @@ class Sequences(unittest.TestCase):
         for rate in rates.values():
             self.assertLessEqual(rate, MOST_WRONG)
 
-    def test_what_is_there_is_found(self):
+    def test_detects_a_true_difference(self):
         chance = random.Random(2)
         needed = []
         for _ in range(100):

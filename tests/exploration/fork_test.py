@@ -213,7 +213,7 @@ class Forks(StudyCase):
         self.sweep()
         self.assertEqual({row["simulated_time [s]"] for row in self.rows("missions.csv")}, {"0.2"})
 
-    def test_what_cannot_change_in_a_mission_is_bad_input(self):
+    def test_refuses_factors_that_cannot_change_during_a_mission(self):
         self.study(fork={"at": 0.5, "variables": ["a.gain"]})
         self.assertIn("only inputs and tunable parameters", self.sweep(code=2))
         self.study(fork={"at": 0.5, "variables": ["a.offset"]})

@@ -98,7 +98,7 @@ def fault_of(fault, raised, torn, again):
 
 
 class EachCall(StudyCase):
-    def test_that_fails_gives_a_message_no_torn_file_and_the_same_tables_at_the_next_call(self):
+    def test_a_failed_write_gives_a_message_no_torn_file_and_the_same_tables_at_the_next_call(self):
         preload = library(self.folder)
         done = subprocess.run([sys.executable, __file__, "--faults", str(self.study()), str(self.folder / "out"), str(preload)],
                               env=dict(os.environ, LD_PRELOAD=str(preload)), capture_output=True, text=True, timeout=280)

@@ -167,7 +167,7 @@ class Studies(StudyCase):
 
 
 class TemporaryFolders(unittest.TestCase):
-    def test_that_killed_runs_left_empty_are_removed_by_the_next_run(self):
+    def test_the_next_run_removes_empty_folders_of_killed_runs(self):
         with tempfile.TemporaryDirectory() as name, unittest.mock.patch("tempfile.gettempdir", return_value=name):
             old, young, used = (pathlib.Path(name) / f"mebots-sweep-{one}" for one in ("old", "young", "used"))
             for folder in (old, young, used):

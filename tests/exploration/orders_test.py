@@ -67,7 +67,7 @@ class Replies(StudyCase):
         rows = [Measurer(study, ["integral", "deep.out"])(record) for record in self.RECORDS]
         np.testing.assert_array_equal(columns, np.array([[math.nan if one is None else one for one in row] for row in rows]))
 
-    def test_that_were_damaged_on_the_way_are_refused(self):
+    def test_refuses_damaged_orders(self):
         parts = reply_of(self.RECORDS)
         with self.assertRaises(ValueError):
             reply_from(parts | {"lines": parts["lines"].replace(b"far", b"fat")})

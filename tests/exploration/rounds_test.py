@@ -119,7 +119,7 @@ class Rounds(StudyCase):
             self.assertEqual(self.bytes_of(name, "one"), self.bytes_of(name, "two"))
         self.assertLess(len(self.rows("missions.csv", "one")), 180)
 
-    def test_what_was_flown_for_the_round_to_come_was_not_known_before(self):
+    def test_missions_of_the_round_in_progress_do_not_count_as_known_before(self):
         self.study(design={"kind": "grid", "factors": {"a.offset": [0, 1, 2]}}, objectives={"out": OUT},
                    draws={"replicates": 30, "seed": 1, "variables": {"a.real_in": {"uniform": [0, 3]}}},
                    rounds={"size": 5, "racing": True})

@@ -403,7 +403,7 @@ class BadInput(StudyCase):
         self.study(design={"kind": "list", "file": "designs.csv"})
         self.assertIn("designs.csv: this is not a CSV file in UTF-8", self.refused())
 
-    def test_what_can_never_be_decided_is_refused(self):
+    def test_refuses_questions_that_cannot_be_decided(self):
         self.study(constraints={"success": {"above": 95}})
         self.assertIn("/constraints/success/above: 95 must be >= 0 and <= 1", self.refused())
         self.study(rounds={"size": 5, "stop": {"objective": "success", "above": 1.5}})

@@ -67,7 +67,7 @@ class Calibration(StudyCase):
             self.assertEqual(len(set(drawn)), 19)
             self.assertTrue(all(-1 < position < 1 for position in drawn))
 
-    def test_what_the_mission_or_a_factor_sets_is_not_drawn(self):
+    def test_does_not_draw_parameters_that_the_mission_or_a_factor_sets(self):
         self.mission(**{"battery.calibration.resistance": 1})
         found = self.run_mission()[0]["uncertainty"]
         self.assertEqual(found["parameters"], [name for name in NAMES if name != "battery.calibration.resistance"])

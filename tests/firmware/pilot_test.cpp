@@ -30,7 +30,7 @@ pilot_command_t see(pilot_t& pilot, int pictures, navigator_output_t seen, std::
   return command;
 }
 
-TEST(Pilot, WithoutAnySightingHoversAndTurnsLeft) {
+TEST(Pilot, HoversAndTurnsLeftIfNoGateWasSeen) {
   auto pilot = new_pilot();
   const auto command = see(pilot, 50, kNothing);
   EXPECT_EQ(pilot.phase, PILOT_SEARCH);
@@ -114,7 +114,7 @@ TEST(Pilot, FliesStraightThroughAGateThatLeftTheViewAndIsDoneBehindIt) {
   EXPECT_EQ(see(pilot, 1, kNothing, kCruise).velocity_um_s, 0);
 }
 
-TEST(Pilot, NothingSeenOnTheWayThroughTurnsTheDrone) {
+TEST(Pilot, DoesNotTurnForPicturesDuringTheCrossing) {
   auto pilot = new_pilot();
   see(pilot, 5, {0, 255, 400});
   ASSERT_EQ(pilot.phase, PILOT_THROUGH);

@@ -124,7 +124,7 @@ class NewCells(FolderCase):
         self.assertFalse((self.folder / "cell.json").exists())
         new_cell(self.folder / "cell.json", name="x", capacity=240, mass=7, c_rate=1, resistance=0.08)
 
-    def test_what_a_seller_prints_becomes_a_cell(self):
+    def test_computes_a_cell_from_the_printed_data_of_a_seller(self):
         said = self.run_mebots(*self.WORDS)
         self.assertIn("series_resistance: 0.0625 Ohm", said)
         self.valid(self.folder / "cell.json")

@@ -140,7 +140,7 @@ class Commands(FlightCase):
         again = subprocess.run([MEBOTS, "run", str(out / "mission.json"), "--out", str(self.folder / "again")], capture_output=True, text=True)
         self.assertEqual(again.returncode, 0, again.stderr)
 
-    def test_what_cannot_be_replayed_is_refused(self):
+    def test_refuses_logs_that_cannot_be_replayed(self):
         airframe, out = ("--airframe", self.airframe), ("--out", self.folder / "bad")
         self.assertIn("no such file", self.run_mebots(self.folder / "nothing", *airframe, *out, code=2))
         (self.folder / "pose").write_bytes(usd_log([(8, "estPose", ["locSrv.x(f)"])], [(8, 0, (1.0,)), (8, 9, (1.0,))]))

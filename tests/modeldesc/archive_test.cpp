@@ -63,7 +63,7 @@ class ArchiveTest : public testing::Test {
   TemporaryFolder folder_{"archive"};
 };
 
-TEST_F(ArchiveTest, WhatIsPackedComesOutTheSame) {
+TEST_F(ArchiveTest, UnpacksTheSameBytes) {
   std::string large(3 << 20, '\0');
   for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>((i * i) >> 7);
   write_file(folder_.path() / "a", "text");

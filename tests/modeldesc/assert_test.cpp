@@ -32,7 +32,7 @@ TEST(AssertDeathTest, AbortsWithFileLineFunctionConditionAndReason) {
   EXPECT_EXIT(checked_half(-2, evaluations), testing::KilledBySignal(SIGABRT), "assertion failed: number >= 0\n");
 }
 
-TEST(AssertDeathTest, WithoutAssertionsTheConditionIsNotEvaluated) {
+TEST(AssertDeathTest, DoesNotEvaluateTheConditionWithoutAssertions) {
   int evaluations = 0;
   EXPECT_EQ(unchecked_half(3, evaluations), 1);
   EXPECT_EQ(evaluations, 0);

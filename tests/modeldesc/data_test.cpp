@@ -100,7 +100,7 @@ TEST(Document, ReportsLineColumnAndPointerOfEachValue) {
   });
 }
 
-TEST(Document, OfAValueNamesTheNearestKnownPlace) {
+TEST(Document, NamesTheNearestKnownPlaceOfAValue) {
   auto document = JsonDocument::of({{"a", {{"b", 1}}}, {"c", 2}}, "x.ssp", {{"/a", "part.xml:7"}});
   document.read([](const Node& root) {
     EXPECT_EQ(root.at("a").at("b").place(), "x.ssp: part.xml:7: /a/b");
@@ -108,7 +108,7 @@ TEST(Document, OfAValueNamesTheNearestKnownPlace) {
   });
 }
 
-TEST(Document, OfAValueReadsAsTheTextOfIt) {
+TEST(Document, ReadsAValueAsItsText) {
   const auto listed = [](Document& document) {
     std::vector<std::string> values;
     document.read([&](const Node& root) {
@@ -126,7 +126,7 @@ TEST(Document, OfAValueReadsAsTheTextOfIt) {
   EXPECT_EQ(listed(value), listed(text));
 }
 
-TEST(Document, OfAValueTakesNumbersThatAreNotFiniteForNull) {
+TEST(Document, ReadsNonFiniteNumbersAsNull) {
   auto document = JsonDocument::of(std::numeric_limits<double>::infinity(), "f.json", {});
   document.read([](const Node& root) { EXPECT_EQ(root.kind(), Kind::null); });
 }

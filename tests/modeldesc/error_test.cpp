@@ -22,7 +22,7 @@ TEST(Error, CarriesCodeAndTextThroughTheBaseClass) {
   }
 }
 
-TEST(Error, OfATextAloneHasNoCode) {
+TEST(Error, HasNoCodeIfItHasOnlyAText) {
   EXPECT_EQ(Error("text").code(), ErrorCode::unspecified);
 }
 

@@ -34,7 +34,7 @@ TEST(NearestNames, APartOfANameIsAnsweredByTheWholeName) {
   EXPECT_EQ(suggest("voltage", kNames), "Did you mean 'cell.voltage'?");
 }
 
-TEST(NearestNames, WithoutAnythingNearTheKnownOnesAreListed) {
+TEST(NearestNames, ListsAllNamesIfNoneIsNear) {
   EXPECT_EQ(suggest("xyzzy", std::vector<std::string>{"a1", "b2"}), "Known are 'a1', 'b2'.");
   EXPECT_EQ(suggest("x", std::vector<std::string>{}), "There are none.");
 }

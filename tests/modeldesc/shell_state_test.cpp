@@ -109,7 +109,7 @@ TEST(ShellState, LeadsOutOfStateError) {
   ASSERT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);
 }
 
-TEST(ShellState, OfEveryPhaseCanBeSavedAndRestored) {
+TEST(ShellState, CanBeSavedAndRestoredInEveryPhase) {
   Lag instantiated;
   fmi2FMUstate state = instantiated.save();
   Lag lag;
@@ -193,7 +193,7 @@ std::vector<char> of_another_build(std::vector<char> bytes) {
   return bytes;
 }
 
-TEST(ShellState, OfAnotherBuildsLayoutIsRefusedInAFreshInstanceAndInPlace) {
+TEST(ShellState, IsRefusedIfAnotherBuildHasAnotherLayout) {
   Lag lag;
   lag.start();
   drive(lag, 0, 5);

@@ -83,7 +83,7 @@ TEST(ShellValues, AreRefusedOutsideTheirLimitsWithNothingChanged) {
   EXPECT_EQ(lag.real("left.u"), 7);
 }
 
-TEST(ShellValues, OfOutputsAndOfFixedParametersAfterInitialisationCannotBeSet) {
+TEST(ShellValues, CannotBeSetForOutputsAndForFixedParametersAfterInitialisation) {
   Lag lag;
   EXPECT_EQ(lag.set("left.y", 1), fmi2Error);
   EXPECT_THAT(lag.last_message(), HasSubstr("left.y is an output"));
@@ -200,7 +200,7 @@ TEST(ShellValues, AStepPastTheStopTimeIsRefused) {
   EXPECT_EQ(lag.step(0.1 + 0.1, 0.1), fmi2OK);
 }
 
-TEST(ShellValues, OfTwoInstancesDoNotMix) {
+TEST(ShellValues, AreSeparateForTwoInstances) {
   Lag one("one");
   Lag two("two");
   ASSERT_EQ(one.set("left.u", 1), fmi2OK);

@@ -85,7 +85,7 @@ TEST(Units, AreProductsOfPowersOfKnownUnits) {
   EXPECT_EQ(unit("degC").offset, 273.15);
 }
 
-TEST(Units, ThatAreNoneAreAnsweredByTheNearest) {
+TEST(Units, SuggestsTheNearestUnitForAnUnknownOne) {
   const auto error_of = [](const char* text) -> std::string {
     try {
       parse_unit(text);

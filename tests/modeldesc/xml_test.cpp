@@ -29,7 +29,7 @@ void expect_round_trip(const ModelDescription& written) {
   EXPECT_EQ(write_xml(read), text);
 }
 
-TEST(Xml, OfOurFmusReadsBackAsItWasWritten) {
+TEST(Xml, ReadsBackAsWrittenForTheShippedFmus) {
   expect_round_trip(of("fmu_battery"));
   expect_round_trip(of("fmu_motors"));
   expect_round_trip(of("fmu_world"));

@@ -43,7 +43,7 @@ TEST(Motors, ThrustFallsWhenTheBusSags) {
   EXPECT_GT(stand.outputs.rotor_thrust_n[0], 0.5 * before_n);
 }
 
-TEST(Motors, WithoutVoltageEverythingGoesDark) {
+TEST(Motors, TakesNoPowerWithoutVoltage) {
   Stand stand;
   stand.command(0.75);
   stand.settle();
@@ -162,7 +162,7 @@ TEST(Motors, InputsOfWhichNoPowerCouldBeANumberAreRefused) {
   EXPECT_THAT(message([](Inputs& in) { in.body_climb_m_per_s = -1e300; }), HasSubstr("body.climb = -1e+300 m/s"));
 }
 
-TEST(Motors, WhatTheLimitsAdmitGivesNumbers) {
+TEST(Motors, GivesFiniteNumbersWithinTheLimits) {
   Parameters parameters;
   parameters.inflow = true;
   constexpr double kMost = 1e40;

@@ -45,7 +45,7 @@ TEST_F(BadInput, AnUnknownBoardListsThoseThatThereAre) {
                  "pulp_open, ri5cy");
 }
 
-TEST_F(BadInput, OfTheCommandLineIsRefused) {
+TEST_F(BadInput, IsRefusedOnTheCommandLine) {
   expect_refused("", "");
   expect_refused("run", "mebots-soc: program is required");
   expect_refused("walk x", "mebots-soc: ");
@@ -62,7 +62,7 @@ TEST_F(BadInput, OfTheCommandLineIsRefused) {
   }
 }
 
-TEST_F(BadInput, OfAFlashThatIsNotThereOrThatTheBoardLacksIsRefused) {
+TEST_F(BadInput, IsRefusedIfTheFlashFileOrTheFlashIsMissing) {
   expect_refused(fmt::format("run {} --board gap8 --flash /nowhere", program_), "--flash /nowhere: this is not a file");
   expect_refused(fmt::format("run {} --board gap8 --flash /dev/zero", program_),
                  "--flash /dev/zero: this is not a file");
@@ -72,7 +72,7 @@ TEST_F(BadInput, OfAFlashThatIsNotThereOrThatTheBoardLacksIsRefused) {
                  "board ri5cy has no device of kind gap8_udma");
 }
 
-TEST_F(BadInput, OfPicturesThatAreNotThereOrNoneOfTheCameraIsRefused) {
+TEST_F(BadInput, IsRefusedIfPicturesAreMissingOrDoNotFitTheCamera) {
   const auto with = [&](std::string_view board) {
     return fmt::format("run {} --board {} --pictures {}", program_, board, folder_ / ".");
   };
@@ -88,12 +88,12 @@ TEST_F(BadInput, OfPicturesThatAreNotThereOrNoneOfTheCameraIsRefused) {
   expect_refused(with("ri5cy"), "board ri5cy has no device of kind gap8_udma");
 }
 
-TEST_F(BadInput, OfAProgramForAnotherChipIsRefusedByItsName) {
+TEST_F(BadInput, IsRefusedWithTheNameOfAnotherChip) {
   write_file(folder_ / "gap9.elf", read_file(program_) + "/sdk/pmsis_api/include/pmsis/chips/gap9");
   expect_refused(fmt::format("run {} --board gap8", folder_ / "gap9.elf"), "this program is for GAP9");
 }
 
-TEST_F(BadInput, OfFilesThatCannotBeReadOrWrittenIsRefused) {
+TEST_F(BadInput, IsRefusedIfFilesCannotBeReadOrWritten) {
   expect_refused("run /nowhere/x.elf", "/nowhere/x.elf: no such file");
   expect_refused("run /", "is not a regular file");
   expect_refused("run /dev/zero", "is not a regular file");
@@ -107,7 +107,7 @@ TEST_F(BadInput, OfFilesThatCannotBeReadOrWrittenIsRefused) {
   expect_refused(fmt::format("run {} --board /", program_), "cannot be read");
 }
 
-TEST_F(BadInput, OfOneFileForTwoThingsIsRefusedAndNothingIsOverwritten) {
+TEST_F(BadInput, IsRefusedIfTwoOutputsHaveTheSameFile) {
   const auto before = read_file(program_);
   expect_refused(fmt::format("run {} --trace {}", program_, program_), "is also the program");
   EXPECT_EQ(read_file(program_), before);
@@ -115,19 +115,19 @@ TEST_F(BadInput, OfOneFileForTwoThingsIsRefusedAndNothingIsOverwritten) {
   expect_refused(fmt::format("run {} --trace {} --signature {}", program_, file, file), "both name");
 }
 
-TEST_F(BadInput, OfProfilesAndPowerTracesOfUnknownKindsIsRefused) {
+TEST_F(BadInput, IsRefusedForUnknownKindsOfProfilesAndPowerTraces) {
   expect_refused(fmt::format("run {} --profile {}", program_, folder_ / "p.txt"), "must end in .json");
   expect_refused(fmt::format("run {} --power-trace {}", program_, folder_ / "p.txt"), "must end in .json");
   expect_refused(fmt::format("run {} --page {} --profile {}", program_, folder_ / "p.html", folder_ / "p.callgrind"),
                  "must end with .json, or be left out");
 }
 
-TEST_F(BadInput, OfASignatureWithoutItsSymbolsIsRefused) {
+TEST_F(BadInput, IsRefusedForASignatureWithoutItsSymbols) {
   expect_refused(fmt::format("run {} --signature {}", program_, folder_ / "s"), "has no symbol begin_signature");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "s"));
 }
 
-TEST_F(BadInput, OfProgramsForAnotherMachineIsRefusedWithTheReason) {
+TEST_F(BadInput, IsRefusedWithTheReasonForAnotherMachine) {
   expect_refused(damaged(0, "ELF"), "not an ELF file");
   expect_refused(damaged(4, "\x02"), "64-bit");
   expect_refused(damaged(5, "\x02"), "big-endian");
@@ -139,13 +139,13 @@ TEST_F(BadInput, OfProgramsForAnotherMachineIsRefusedWithTheReason) {
   expect_refused("run " + (folder_ / "empty.elf"), "cut short");
 }
 
-TEST_F(BadInput, OfTohostOutsideTheMemoryIsRefused) {
+TEST_F(BadInput, IsRefusedIfTohostIsOutsideTheMemory) {
   const Folder folder;
   expect_refused("run " + folder.program("_start: nop\n1: j 1b\n.globl tohost\n.set tohost, 0x10000000"),
                  "tohost is at 0x10000000, where there is no memory");
 }
 
-TEST_F(BadInput, OfABoardThatDoesNotHoldTheProgramIsRefused) {
+TEST_F(BadInput, IsRefusedIfTheProgramDoesNotFitTheBoard) {
   expect_refused(fmt::format("run {} --board '{}/configs/boards/ai_deck.json'", program_, MEBOTS_SOURCE_DIR),
                  "lies outside the board's memories");
 }

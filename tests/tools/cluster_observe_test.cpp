@@ -196,7 +196,7 @@ TEST(ClusterTrace, HasALineForEveryInstructionOfEveryHart) {
 }
 
 /// A profile alone leaves hot code translated.
-TEST(ClusterProfile, OfTranslatedCodeIsThatOfInterpretedCode) {
+TEST(ClusterProfile, IsTheSameForTranslatedAndInterpretedCode) {
   for (const std::string_view program : {"cluster_selftest", "network_bench"}) {
     ProfiledCluster interpreted("interpreted.json", program, 12 * kMs, false);
     ProfiledCluster translated("translated.json", program, 12 * kMs, true);

@@ -214,7 +214,7 @@ inner: nop
   EXPECT_THAT(run.gdb, HasSubstr(" < _start+0x"));
 }
 
-TEST_F(Gdb, ThatDisconnectsLetsTheRunContinueWithTheSameCounts) {
+TEST_F(Gdb, ContinuesTheRunWithTheSameCountsAfterItDisconnects) {
   const Folder folder;
   const auto plain = run_tool("run " + folder.program(fmt::format("{}{}", kProgram, kTohost)));
   const Debugged run("break add_up\ncontinue\ndetach\n");

@@ -138,7 +138,7 @@ TEST(Profile, SplitsTheRunByCallStackAndAddsUpExactly) {
   EXPECT_EQ(run.stacks.at("_start;middle;leaf").energy_fj > 0, true);
 }
 
-TEST(Profile, OfATailCallPutsTheNewFunctionInThePlaceOfTheOld) {
+TEST(Profile, ReplacesTheFrameAtATailCall) {
   const Profiled run(
       ".globl _start\n.type _start, @function\n_start: li sp, 0x1C070000\ncall tail\nj finish\n.size _start, . - "
       "_start\n");
@@ -148,7 +148,7 @@ TEST(Profile, OfATailCallPutsTheNewFunctionInThePlaceOfTheOld) {
   EXPECT_EQ(run.stacks.count("_start;tail;leaf"), 0U);
 }
 
-TEST(Profile, OfRecursionHasAFrameForEveryLevel) {
+TEST(Profile, HasAFrameForEveryLevelOfRecursion) {
   const Profiled run(
       ".globl _start\n.type _start, @function\n_start: li sp, 0x1C070000\nli a5, 4\ncall down\nj finish\n"
       ".size _start, . - _start\n");
@@ -223,7 +223,7 @@ TEST(Profile, HearsThatACoreWokeWhichSleptInARestoredState) {
 
 /// Calls, direct and by a register, tail calls, a jump table, code that continues into the next function, and
 /// recursion, 3000 times, with occasional interrupts.
-TEST(Profile, OfTranslatedCodeIsThatOfInterpretedCode) {
+TEST(Profile, IsTheSameForTranslatedAndInterpretedCode) {
   constexpr std::string_view kProgram = R"(
     .globl _start
     .type _start, @function
@@ -354,7 +354,7 @@ TEST(Profile, BySpansOfTimeAddsUpToTheWholeExactly) {
   EXPECT_EQ(written["windows"][3]["parts"][3], 100'000'000);
 }
 
-TEST(Profile, OfALongRunJoinsSpansAndLosesNothing) {
+TEST(Profile, JoinsSpansOfALongRunWithoutLoss) {
   Cost total;
   const auto written = windowed(3000, 1000, total);
   EXPECT_LT(written["windows"].size(), observe::ProfileWindows::kMost);

@@ -107,14 +107,14 @@ TEST(Run, WritesTheSignatureWordsEightDigitsALine) {
   EXPECT_EQ(read_file(folder / "signature"), "00000003\nabcdef01\n00000012\n");
 }
 
-TEST(Run, OfFirmwareWithItsOwnOptimisationLevelAndMemoryMap) {
+TEST(Run, ExecutesFirmwareWithItsOptimisationLevelAndMemoryMap) {
   const std::string program = MEBOTS_BINARY_DIR "/firmware/own_map.elf";
   EXPECT_EQ(Elf::read(program).entry(), 0x1C040000U);
   const auto run = run_tool(fmt::format("run {} --board {}/configs/boards/ai_deck.json", program, MEBOTS_SOURCE_DIR));
   EXPECT_EQ(run.exit_code, 23) << run.out << run.err;
 }
 
-TEST(Run, OfFirmwareInCxxThatFailsNamesItsLinesAndCallers) {
+TEST(Run, NamesLinesAndCallersOfFailingFirmwareInCxx) {
   const auto run = run_tool(fmt::format("run {}/firmware/cxx.elf --board {}/configs/boards/ai_deck.json",
                                         MEBOTS_BINARY_DIR, MEBOTS_SOURCE_DIR));
   EXPECT_EQ(run.exit_code, 255) << run.out << run.err;
@@ -128,7 +128,7 @@ TEST(Run, OfFirmwareInCxxThatFailsNamesItsLinesAndCallers) {
   EXPECT_THAT(run.err, HasSubstr("(main.cpp:36) < main+0x"));
 }
 
-TEST(Run, OfFirmwareOfWhichAClusterCoreFailsNamesCoreCauseLineAndCallersOnBothBoards) {
+TEST(Run, NamesCoreCauseLineAndCallersIfAClusterCoreFails) {
   for (const std::string board : {"ai_deck", "gap8"}) {
     SCOPED_TRACE(board);
     const auto run = run_tool(fmt::format("run {}/firmware/{}cluster_fault.elf --board {}/configs/boards/{}.json",
@@ -142,7 +142,7 @@ TEST(Run, OfFirmwareOfWhichAClusterCoreFailsNamesCoreCauseLineAndCallersOnBothBo
   }
 }
 
-TEST(Run, OfAProgramWithoutTohostThatSpinsEndsWithTheReason) {
+TEST(Run, EndsWithTheReasonIfAProgramWithoutTohostSpins) {
   const Folder folder;
   const auto run = run_tool("run " + folder.program("_start: nop\nforever: j forever"));
   EXPECT_EQ(run.exit_code, 101);
@@ -150,7 +150,7 @@ TEST(Run, OfAProgramWithoutTohostThatSpinsEndsWithTheReason) {
   EXPECT_THAT(run.err, HasSubstr("no symbol tohost"));
 }
 
-TEST(Run, OfACoreThatSleepsForGoodEndsWithTheReason) {
+TEST(Run, EndsWithTheReasonIfACoreCannotWakeUp) {
   const auto run = run_program("_start: nop\nwfi\n1: j 1b");
   EXPECT_EQ(run.exit_code, 101);
   EXPECT_THAT(run.err, HasSubstr("at pc 0x80000006"));
@@ -194,7 +194,7 @@ TEST(Run, AfterAFaultSaysPcFunctionInstructionCauseAndCallers) {
   }
 }
 
-TEST(Run, OfAJumpToNowhereNamesTheCaller) {
+TEST(Run, NamesTheCallerOfAJumpToUnmappedMemory) {
   const auto run =
       run_program("_start: la sp, s\nli a0, 0x30000000\nsend: jalr a0\n1: j 1b\n.bss\n.space 64\ns:\n.text");
   EXPECT_EQ(run.exit_code, 101);
@@ -202,7 +202,7 @@ TEST(Run, OfAJumpToNowhereNamesTheCaller) {
   EXPECT_THAT(run.err, HasSubstr("called from send+0x2"));
 }
 
-TEST(Run, OfEndlessRecursionSaysWhereTheStackWent) {
+TEST(Run, ReportsTheStackPointerAfterEndlessRecursion) {
   const auto run = run_program(
       "_start: li sp, 0x80001000\ncall deep\n1: j 1b\n.globl deep\n.type deep, @function\n"
       "deep: addi sp, sp, -16\nsw ra, 12(sp)\ncall deep\nret\n.size deep, . - deep\n.space 8192");
@@ -210,7 +210,7 @@ TEST(Run, OfEndlessRecursionSaysWhereTheStackWent) {
   EXPECT_THAT(run.err, HasSubstr("in deep")) << "its stack grew over its code, or into nothing";
 }
 
-TEST(Run, OfAStackThatLeavesTheMemorySaysSo) {
+TEST(Run, ReportsAStackOutsideTheMemory) {
   const auto run = run_program(
       "_start: lui sp, 0x80000\ncall deep\n1: j 1b\n.globl deep\n.type deep, @function\n"
       "deep: addi sp, sp, -16\nsw ra, 12(sp)\ncall deep\nret\n.size deep, . - deep");
@@ -219,7 +219,7 @@ TEST(Run, OfAStackThatLeavesTheMemorySaysSo) {
   EXPECT_THAT(run.err, HasSubstr("the stack pointer 0x7ffffff0 is outside the memory"));
 }
 
-TEST(Run, OfAHandlerThatFaultsItselfReportsTheFirstException) {
+TEST(Run, ReportsTheFirstExceptionIfItsHandlerFaults) {
   const auto run = run_program(
       "_start: la t0, handler\ncsrw mtvec, t0\nli a0, 0x40000000\nculprit: lw a1, 0(a0)\n1: j 1b\n.balign 4\n"
       "handler: nop\nagain: sw a1, 8(a0)");
@@ -228,7 +228,7 @@ TEST(Run, OfAHandlerThatFaultsItselfReportsTheFirstException) {
   EXPECT_THAT(run.err, HasSubstr("it began with load access fault (mtval 0x40000000) at pc 0x80000010 in culprit"));
 }
 
-TEST(Run, OfAHandlerThatCallsItselfEndsToo) {
+TEST(Run, EndsIfAHandlerCallsItself) {
   const auto run = run_program("_start: la t0, handler\ncsrw mtvec, t0\necall\n.balign 4\nhandler: ecall");
   EXPECT_EQ(run.exit_code, 101);
   EXPECT_THAT(run.err, HasSubstr("an exception in its own trap handler: ecall"));
@@ -276,7 +276,7 @@ TEST(Run, NamesTheExtensionOfAnInstructionThatTheCoreLacks) {
   EXPECT_THAT(atomic.err, HasSubstr("the program was compiled for rv32i2p"));
 }
 
-TEST(Run, OfAHandlerThatNeverReturnsNamesTheException) {
+TEST(Run, NamesTheExceptionIfItsHandlerDoesNotReturn) {
   const auto run =
       run_program("_start: la t0, handler\ncsrw mtvec, t0\n.word 0x0062a3af\n.balign 256\nhandler: j handler");
   EXPECT_EQ(run.exit_code, 101);
@@ -285,7 +285,7 @@ TEST(Run, OfAHandlerThatNeverReturnsNamesTheException) {
   EXPECT_THAT(run.err, HasSubstr("amoadd.w"));
 }
 
-TEST(Run, WithoutABoardEntersAHandlerThatCv32e40pWouldMoveAndSaysSo) {
+TEST(Run, ReportsAHandlerThatCv32e40pWouldMoveWithoutABoard) {
   const std::string_view program =
       "_start: la t0, handler\ncsrw mtvec, t0\ncsrr a0, mcycle\necall\n.balign 4\nhandler: la t0, tohost\nli t1, 5\n"
       "sw t1, 0(t0)\n1: j 1b";

@@ -150,7 +150,7 @@ TEST(WorldState, IsRefusedWhenCutShort) {
   EXPECT_THROW(state::restore(rig.world, bytes), Error);
 }
 
-TEST(WorldState, OfAnotherSceneIsRefused) {
+TEST(WorldState, IsRefusedIfTheSceneDiffers) {
   FlightRig with_gate(shipped_scene("gate_easy"));
   FlightRig without(shipped_scene("empty"));
   EXPECT_THROW(state::restore(without.world, state::save(with_gate.world)), Error);

@@ -107,7 +107,7 @@ TEST(Cases, TheRunEndsAtThePointAfterTheLastRow) {
   EXPECT_THAT(early.text(), HasSubstr("ended at 0.5 s, before the last expected row at 1 s"));
 }
 
-TEST(Cases, WhatGoesWrongInARunIsAnErrorOfTheCase) {
+TEST(Cases, ReportsAFailedRunAsAnErrorOfTheCase) {
   const CaseFolder folder;
   const auto unknown = folder.run("time,real_uot\n0,0\n");
   EXPECT_EQ(unknown.verdict, Verdict::error);

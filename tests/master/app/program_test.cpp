@@ -313,7 +313,7 @@ TEST_F(Program, ACommandWhoseOutputHasNoRoomFails) {
   }
 }
 
-TEST_F(Program, WhatIsToBeTypedNextIsQuotedForTheShell) {
+TEST_F(Program, QuotesSuggestedCommandsForTheShell) {
   write_file(folder.path() / "d.json", R"({"name": "d", "text": "A length", "step": 1, "stop_time": 1, "variables": [
       {"name": "out", "causality": "output", "unit": "m", "text": "A length"}]})");
   EXPECT_THAT(run({"new-fmu", "d.json", "--out", "my fmu"}).out, HasSubstr("cmake -S 'my fmu' -B 'my fmu'/build "));

@@ -28,7 +28,7 @@ TEST(Time, AFractionOfANanosecondIsRefused) {
   EXPECT_EQ(to_nanoseconds(1.0 / 3.0), std::nullopt);
 }
 
-TEST(Time, WhatDoesNotFitIsRefused) {
+TEST(Time, RefusesTimesOutOfRange) {
   EXPECT_EQ(to_nanoseconds(1e10), std::nullopt);
   EXPECT_EQ(to_nanoseconds(std::numeric_limits<double>::infinity()), std::nullopt);
   EXPECT_EQ(to_nanoseconds(std::numeric_limits<double>::quiet_NaN()), std::nullopt);

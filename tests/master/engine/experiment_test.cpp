@@ -126,7 +126,7 @@ TEST(Booleans, AreOneOrZeroWhateverNumberAnFmuUses) {
   }
 }
 
-TEST(Texts, ThatAreNotUtf8NeverReachTheResults) {
+TEST(Texts, AreReplacedInResultsIfTheyAreNotUtf8) {
   for (const std::string process : {"shared", "own"}) {
     modeldesc::TemporaryFolder folder("mebots-test");
     test::write_file(folder.path() / "c.json", test::with_probe(pair_config(process)));

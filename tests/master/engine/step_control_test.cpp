@@ -250,7 +250,7 @@ std::string jump(const std::string& rollback, double tolerance = 1e-4) {
                      held.path().string(), rollback, tolerance);
 }
 
-TEST(StepControl, WithRollbackNoStepOverAJumpIsTooLong) {
+TEST(StepControl, LimitsTheStepOverAJumpWithRollback) {
   TestRun never(jump("never"));
   TestRun required(jump("required"));
   const auto& without = *never.to_end().simulation().step_statistics();

@@ -42,7 +42,7 @@ int parallel_windows(double serial_s, double parallel_s) {
   return parallel;
 }
 
-TEST(ThreadPolicy, WhatIsFasterIsKept) {
+TEST(ThreadPolicy, KeepsTheFasterSetting) {
   EXPECT_GT(parallel_windows(10e-3, 5e-3), 9600) << "2 windows of 66 are for comparing";
   EXPECT_LT(parallel_windows(10e-3, 11e-3), 20);
   EXPECT_LT(parallel_windows(10e-3, 9.9e-3), 20) << "what is within the noise stays serial";

@@ -104,7 +104,7 @@ TEST(PlainText, BytesThatAreNotUtf8AreReplacedOneByOne) {
   EXPECT_EQ(valid_utf8("\xf4\x90\x80\x80").size(), 12U);                          // above U+10FFFF
 }
 
-TEST(PlainText, NothingThatATerminalActsOnIsLeft) {
+TEST(PlainText, RemovesAllControlCharactersOfTerminals) {
   EXPECT_EQ(one_line("a\nb\r\tc\x1b[31m\x7f\xc2\x9b é"), "a\\nb\\r\\tc\\x1b[31m\\x7f\\u009b é");
   EXPECT_EQ(one_line(std::string_view("\0", 1)), "\\x00");
 }

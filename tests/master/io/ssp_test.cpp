@@ -163,7 +163,7 @@ TEST_F(Ssp, TheStepOfTheOpenSimulationPlatformIsUnderstood) {
   EXPECT_EQ(loaded.system.step, (ExactTime{1, 50}));
 }
 
-TEST_F(Ssp, WhatCannotBeUsedIsSaidWithFileAndLine) {
+TEST_F(Ssp, ReportsUnsupportedElementsWithFileAndLine) {
   EXPECT_THAT(error_of(R"(<ssd:Elements><ssd:Component name="a"/></ssd:Elements>)"),
               AllOf(HasSubstr("test.ssp: SystemStructure.ssd, line 5"), HasSubstr("\"a\" has no source")));
   EXPECT_THAT(error_of(R"(<ssd:Elements><ssd:Component name="a" source="../x.fmu"/></ssd:Elements>)"),
@@ -537,7 +537,7 @@ TEST_F(Ssp, AComponentMayBeAnotherSsd) {  // 5.5
       HasSubstr("refers to itself"));
 }
 
-TEST_F(Ssp, WhatIsWrittenHasItsValuesInFilesWithUnits) {
+TEST_F(Ssp, WritesParameterValuesToFilesWithUnits) {
   test::write_file(folder.path() / "first.json", test::with_probe(R"({"step": 0.1, "stop_time": 1, "connections": [],
     "instances": {"a b": {"fmu": "COUPLING", "parameters": {"speed_in": 2.5, "level": "high"}}, "a_b": {"fmu": "COUPLING", "parameters": {"celsius": 1}}}})"));
   ASSERT_EQ(run({"convert", "first.json", "second.ssp"}).code, 0);
@@ -606,7 +606,7 @@ TEST_F(Osp, SimulatorsInitialValuesStepsAndConnectionsBecomeASystem) {
   EXPECT_EQ(run({"run", "truck.json"}).code, 0);
 }
 
-TEST_F(Osp, WhatCannotBeUsedIsSaidWithItsLine) {
+TEST_F(Osp, ReportsUnsupportedElementsWithTheirLine) {
   EXPECT_THAT(
       refused(
           R"(<VariableConnection><Variable simulator="a" name="mass_x"/><Variable simulator="b" name="mass_x"/></VariableConnection>)"),

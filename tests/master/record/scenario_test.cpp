@@ -128,7 +128,7 @@ TEST(Scenario, NoiseIsNormalAndTheSameEveryTime) {
   EXPECT_NEAR(beyond_two / count, 0.0455, 4 * std::sqrt(0.0455 / count));
 }
 
-TEST(Scenario, WhatMakesNoSenseIsRefusedBeforeTheFirstStep) {
+TEST(Scenario, RefusesInvalidEntriesBeforeTheFirstStep) {
   const auto refused = [](const std::string& scenario) {
     return test::input_error([&] {
       TestRun run(system_with(scenario));

@@ -245,7 +245,7 @@ TEST(InputSignals, OutsideTheRowsTheNearestValueHoldsOrTheRunIsRefused) {
       << "the last step begins at 0.9 s";
 }
 
-TEST(InputSignals, WhatFallsBetweenThePointsIsSaid) {
+TEST(InputSignals, ReportsSignalPointsBetweenCommunicationPoints) {
   const auto notices = [](const std::string& csv, const std::string& inputs = kToReal) {
     const Files files(csv);
     return TestRun(probe_with(files, inputs)).system.notices;

@@ -135,7 +135,7 @@ TEST_F(Checkpoints, AFolderOfPicturesThatIsGoneIsMadeAgain) {
   EXPECT_FALSE(std::filesystem::is_empty(folder.path() / "seen" / "pictures" / "a.buffer"));
 }
 
-TEST_F(Checkpoints, WhatWasWrittenAfterTheLastCheckpointIsCutOff) {
+TEST_F(Checkpoints, TruncatesResultsAfterTheLastCheckpoint) {
   ASSERT_EQ(run({"run", "two.json", "--out", "straight"}).code, 0);
   const auto child = start({"run", "two.json", "--out", "killed", "--quiet", "--checkpoint-every", "0.5"});
   while (!std::filesystem::exists(folder.path() / "killed" / "checkpoint.bin")) {

@@ -288,7 +288,7 @@ TEST(Outcomes, TheFirstThatHoldsCounts) {
             "else");
 }
 
-TEST(Outcomes, WithoutRulesARunIsCompleted) {
+TEST(Outcomes, AreCompletedWithoutRules) {
   EXPECT_EQ(TestRun(one_probe("")).to_end().outcomes->outcome(), "completed");
 }
 

@@ -190,7 +190,7 @@ TEST_F(Containment, ChangesOfTheProcessByAStepAreReportedAndReverted) {
   }
 }
 
-TEST_F(Containment, OfManyInstancesTheFmuIsKnownWhereTheInstanceIsNot) {
+TEST_F(Containment, NamesTheFmuIfTheInstanceIsUnknown) {
   constexpr int kCount = 60;  // more than are watched individually
   std::string instances;
   for (int i = 0; i < kCount; ++i) instances += fmt::format(R"({}"i{}": {{"fmu": "PROBE"}})", i == 0 ? "" : ", ", i);

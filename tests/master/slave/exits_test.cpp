@@ -285,7 +285,7 @@ TEST_F(Exits, ATextAtAnAddressWhereNothingIsIsAnErrorOfItsInstance) {
   }
 }
 
-TEST_F(Exits, WhatIsChangedOfTheThreadAndTimersIsReportedWithTheInstance) {
+TEST_F(Exits, ReportsChangesOfThreadAndTimersWithTheInstance) {
   const auto ended = run("meddle_thread");
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.err,

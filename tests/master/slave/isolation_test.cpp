@@ -279,7 +279,7 @@ TEST_F(Isolation, AnFmuEndsItsOwnHelpers) {
   EXPECT_EQ(result.code, 0) << result.err;
 }
 
-TEST(Guard, WithoutTheKernelsHelpAProcessSignalsItselfAlone) {
+TEST(Guard, AllowsSignalsToItselfOnlyWithoutLandlock) {
   const Bystander bystander;
   const auto other = bystander.process();
   const auto tried = fork();
@@ -323,7 +323,7 @@ INSTANTIATE_TEST_SUITE_P(Each, Forgery,
                                          Fault{"forge_calls", "within its deadline of 1 s"}),
                          [](const auto& fault) { return std::string(fault.param.name); });
 
-TEST_F(Isolation, WhatGoesWrongWhenAnInstanceIsFreedFailsAndKeepsTheResults) {
+TEST_F(Isolation, KeepsTheResultsIfFreeingAnInstanceFails) {
   give_b(R"("process": "own")");
   ASSERT_EQ(run({}).code, 0);
   const auto csv = result("results.csv");

@@ -430,7 +430,7 @@ TEST(Cluster, MoreCoresThanTheBoardHasAreRefused) {
   EXPECT_THROW(BoardSystem("_start: j _start\n", settings), Error);
 }
 
-TEST(Cluster, WithoutCoresDoesNotExist) {
+TEST(Cluster, DoesNotExistWithoutCores) {
   Settings settings;
   settings.cluster_cores = 0;
   BoardSystem system(R"(

@@ -45,7 +45,7 @@ std::vector<std::uint8_t> with_byte(std::size_t at, std::uint8_t value) {
   return bytes;
 }
 
-TEST(Elf, OfAnotherChipsSdkIsRecognisedByItsHeaders) {
+TEST(Elf, RecognisesTheSdkOfAnotherChipByItsHeaders) {
   EXPECT_EQ(other_chip_of("\x7f"
                           "ELF /home/somebody/gap_sdk/rtos/pmsis/pmsis_api/include/pmsis/chips/gap9 x"),
             "GAP9");
@@ -87,7 +87,7 @@ TEST(Elf, ReturnsTheLineOfTheSource) {
   }
 }
 
-TEST(Elf, WithBrokenLinesHasNone) {
+TEST(Elf, HasNoLinesIfTheLineTableIsBroken) {
   const auto whole = program_with_lines(5);
   std::mt19937 random(7);
   int without = 0;
@@ -103,7 +103,7 @@ TEST(Elf, WithBrokenLinesHasNone) {
   EXPECT_GT(without, 100) << "some of them hit the lines";
 }
 
-TEST(Elf, OfAnotherKindIsRefusedWithTheReason) {
+TEST(Elf, IsRefusedWithTheReasonIfItIsOfAnotherKind) {
   EXPECT_THAT(error_of(with_byte(0, 0)), HasSubstr("not an ELF file"));
   EXPECT_THAT(error_of(with_byte(4, 2)), HasSubstr("64-bit"));
   EXPECT_THAT(error_of(with_byte(5, 2)), HasSubstr("big-endian"));
@@ -114,7 +114,7 @@ TEST(Elf, OfAnotherKindIsRefusedWithTheReason) {
   EXPECT_THAT(error_of({}), HasSubstr("cut short"));
 }
 
-TEST(Elf, OfAMissingFileNamesIt) {
+TEST(Elf, NamesAMissingFile) {
   try {
     Elf::read("/nowhere/fw.elf");
     FAIL();
@@ -132,7 +132,7 @@ TEST(Elf, TruncatedAtAnyLengthIsAnErrorOrWhole) {
   }
 }
 
-TEST(Elf, WithSegmentsOverEachOtherIsRefused) {
+TEST(Elf, IsRefusedIfSegmentsOverlap) {
   // A second program header that repeats the first, because GNU ld writes code and data of this program as one segment.
   auto bytes = program();
   std::uint32_t table = 0;
@@ -148,7 +148,7 @@ TEST(Elf, WithSegmentsOverEachOtherIsRefused) {
   EXPECT_THAT(error_of(bytes), HasSubstr("overlap"));
 }
 
-TEST(Elf, WithDamagedBytesNeverCrashes) {
+TEST(Elf, DoesNotCrashTheReaderWithDamagedBytes) {
   std::mt19937 random(3);  // NOLINT: the same damage each time
   int refused = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -192,7 +192,7 @@ TEST(Elf, SupportsLoadAndRunAddresses) {
   EXPECT_THAT(error_of(with_data_segment(0x20000, 0x100f, 16, 64)), HasSubstr("overlap at their load addresses"));
 }
 
-TEST(Elf, OfASectionWithoutBytesHasNoLoadAddressToOverlap) {
+TEST(Elf, AllowsOverlapWithASectionWithoutBytes) {
   EXPECT_EQ(error_of(with_data_segment(0x20000, 0x1008, 0, 4096)), "no error") << "NOLOAD after data with AT>";
   EXPECT_EQ(error_of(with_data_segment(0x20000, 0xfffffff0, 0, 4096)), "no error");
   EXPECT_THAT(error_of(with_data_segment(0xfffffff0, 0x1010, 0, 4096)), HasSubstr("run address 0xfffffff0 passes"));

@@ -38,7 +38,7 @@ TEST(EnergyTable, InterpolatesLinearlyAndRefusesPointsOutside) {
   EXPECT_THROW(read("J"), Error);
 }
 
-TEST(Energy, OfAWorkingCoreIsInstructionsAccessesBackgroundAndLeakage) {
+TEST(Energy, IsInstructionsAccessesBackgroundAndLeakageForAWorkingCore) {
   // Iterations of one load, one store, one addition, one jump.
   BoardSystem system(
       BoardSystem::assembled("_start: li s0, 0x1C060000\n1: lw a0, 0(s0)\nsw a1, 4(s0)\naddi a2, a2, 1\nj 1b\n"), {},
@@ -60,7 +60,7 @@ TEST(Energy, OfAWorkingCoreIsInstructionsAccessesBackgroundAndLeakage) {
   EXPECT_EQ(ledger.total_j(), ledger.core_active_j() + ledger.memory_j() + ledger.standing_j());
 }
 
-TEST(Energy, OfSiliconGivesTheCurrentsThatItWasCalibratedOn) {
+TEST(Energy, GivesTheCurrentsOfTheCalibrationOnSilicon) {
   // A GAPuino at 1.2 V and 250 MHz, in reset and with its cluster off: 1.3 and 9.3 mA of a 1.8 V rail
   // (bench/silicon/points.json). L2, the fabric controller's memory and its core have leakage; a sleeping core has a
   // gated clock.
@@ -78,7 +78,7 @@ TEST(Energy, OfSiliconGivesTheCurrentsThatItWasCalibratedOn) {
   EXPECT_EQ(read_board(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json").energy, "gap8_silicon");
 }
 
-TEST(Energy, OfASleepingCoreIsItsGatedClockBackgroundAndLeakage) {
+TEST(Energy, IsGatedClockBackgroundAndLeakageForASleepingCore) {
   BoardSystem system("_start: wfi\nj _start\n");
   system.soc.advance(1'000'000'000);
   const auto before = system.soc.energy();
@@ -88,7 +88,7 @@ TEST(Energy, OfASleepingCoreIsItsGatedClockBackgroundAndLeakage) {
   EXPECT_NEAR(spent_j, expected_j, 1e-9 * expected_j) << "difference of two sums";
 }
 
-TEST(Energy, OfInstructionsGoesWithTheSquareOfTheVoltage) {
+TEST(Energy, IsProportionalToTheSquareOfTheVoltageForInstructions) {
   Settings low;
   low.voltage_v = 1.0;
   BoardSystem at_1v2(kForEver);
@@ -99,7 +99,7 @@ TEST(Energy, OfInstructionsGoesWithTheSquareOfTheVoltage) {
       << "the table has four digits";
 }
 
-TEST(Energy, OfLeakageDoublesFromRoomTemperatureToFifty) {
+TEST(Energy, DoublesForLeakageFromRoomTemperatureToFifty) {
   Settings warm;
   warm.temperature_c = 50;
   BoardSystem at_25(kForEver);
@@ -146,7 +146,7 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_GT(spent_j, 0);
 }
 
-TEST(Energy, OfTheClusterIsZeroWhileItIsOff) {
+TEST(Energy, IsZeroForTheClusterWhileItIsOff) {
   BoardSystem system(R"(
 _start: li s0, POWER_MANAGER_BASE
     la a0, core
@@ -188,7 +188,7 @@ void add(Activity& all, unsigned core, const CoreActivity& one) {
   all.far_words += one.far_accesses;
 }
 
-TEST(Energy, OfTheClustersCoresAddsUpToTheLedgerAtAllSettings) {
+TEST(Energy, AddsUpOverTheClustersCoresToTheLedgerAtAllSettings) {
   EnergyMeter meter(gap8().energy, {0, 65536, 2}, {25, 1.2, 100e6, 175e6});
   Activity now;
   add(now, 0, {30'000'000, 1'000, 400, 7});

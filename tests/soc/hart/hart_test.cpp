@@ -60,7 +60,7 @@ TEST(Trap, ReportsCauseAddressAndInstruction) {
   }
 }
 
-TEST(Trap, OfAFetchWithoutMemoryHasTheTargetAsPc) {
+TEST(Trap, HasTheTargetAsPcForAFetchWithoutMemory) {
   Machine machine(fmt::format(R"(
 _start: la t0, handler
     csrw mtvec, t0
@@ -89,7 +89,7 @@ TEST(Trap, DoesNotCountTheInstructionAsRetired) {
   EXPECT_EQ(machine.reg(22) - machine.reg(21), 7U);
 }
 
-TEST(Trap, WithoutAHandlerEndsTheCoreWithItsCause) {
+TEST(Trap, EndsTheCoreWithItsCauseIfThereIsNoHandler) {
   Machine machine("_start: nop\nat: .word 0xffffffff\n");
   ASSERT_EQ(machine.run(), Stop::fault);
   EXPECT_FALSE(machine.hart().fault().double_trap);
@@ -149,7 +149,7 @@ _start: li t0, -1
   EXPECT_EQ(machine.reg(11), 0U);
 }
 
-TEST(Csr, OfCv32e40pKeepsTheBitsOfItsManual) {
+TEST(Csr, KeepsTheBitsOfTheManualOnCv32e40p) {
   Machine machine(fmt::format(R"(
 _start: .option norvc
     csrr s2, mtvec
@@ -307,7 +307,7 @@ TEST(Csr, HasItsNameFromTheTable) {
   for (const auto& named : csr::named()) EXPECT_EQ(csr::name(named.number), named.name);
 }
 
-TEST(Counter, OfInstructionsCanBeSetStoppedAndRead) {
+TEST(Counter, CanBeSetStoppedAndReadForInstructions) {
   Machine machine(fmt::format(R"(
 _start: li t0, 100
     csrw minstret, t0
@@ -455,7 +455,7 @@ done: {})",
   EXPECT_LE(machine.hart().code().blocks.decoded(), 2U * (200 * 4 + 30) + 500 * 2 * 2);
 }
 
-TEST(Memory, OfTheSecondRegionWorksLikeTheFirst) {
+TEST(Memory, WorksInTheSecondRegionAsInTheFirst) {
   Machine machine(
       fmt::format("_start: li s0, 0x70000ffc\nli a0, 0x12345678\nsw a0, 0(s0)\nlw a1, 0(s0)\nlbu a2, 3(s0)\n"
                   "sb a0, 3(s0)\nlw a3, 0(s0)\n{}",

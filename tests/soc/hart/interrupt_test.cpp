@@ -60,7 +60,7 @@ TEST(Interrupt, WaitsUntilItIsEnabled) {
   EXPECT_EQ(off.reg(20), 0U) << "mstatus.MIE is 0";
 }
 
-TEST(Interrupt, OfTheHighestPriorityComesFirst) {
+TEST(Interrupt, IsTakenInOrderOfPriority) {
   Machine machine(counting(0, "csrwi mstatus, 8\nli t1, -1\ncsrw mie, t1"));
   machine.hart().set_interrupt(kTimer, true);
   machine.hart().set_interrupt(kExternal, true);

@@ -139,23 +139,23 @@ void expect_all(const std::vector<Case>& cases, CoreKind kind) {
   for (const auto& c : cases) EXPECT_EQ(cycles_of(c.body, kind), c.cycles) << c.name << ":\n" << c.body;
 }
 
-TEST(Timing, OfCv32e40pFollowsTheTable) {
+TEST(Timing, FollowsTheTableOfCv32e40p) {
   expect_all(kBoth, CoreKind::cv32e40p);
   expect_all(kOnlyCv32e40p, CoreKind::cv32e40p);
 }
 
-TEST(Timing, OfRi5cyFollowsTheTable) {
+TEST(Timing, FollowsTheTableOfRi5cy) {
   expect_all(kBoth, CoreKind::ri5cy);
   expect_all(kOnlyRi5cy, CoreKind::ri5cy);
 }
 
-TEST(Timing, OfALoadAfterALoadIntoOneRegisterStallsOnRi5cyOnly) {
+TEST(Timing, StallsALoadAfterALoadIntoTheSameRegisterOnRi5cyOnly) {
   // 16 loads in a row have 15 pairs.
   EXPECT_EQ(cycles_of("lw t0, 4(a0)", CoreKind::ri5cy) * kRepeats, 16 + 15);
   EXPECT_EQ(cycles_of("lw t0, 4(a0)\nlw t1, 4(a0)", CoreKind::ri5cy), 2);
 }
 
-TEST(Timing, OfEcallAndMretTogetherIsNine) {
+TEST(Timing, IsNineCyclesForEcallAndMret) {
   Machine machine(fmt::format(R"(
 _start: .option norvc
     la t0, handler

@@ -301,7 +301,7 @@ TEST(HardwareLoop, RunsItsBodyAsOftenAsItsCountSays) {
   }
 }
 
-TEST(HardwareLoop, OfOneInstructionWorks) {
+TEST(HardwareLoop, RepeatsABodyOfOneInstruction) {
   auto machine = finished("lp_setupi 1, 100, 4\naddi a0, a0, 3\n");
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(10), 300U);

@@ -117,7 +117,7 @@ bool has_target(const Decoded& decoded) {
   return decoded.op == Op::jal || is_branch(decoded.op);
 }
 
-TEST(Disassembly, OfEveryCompressedWordIsThatOfBinutils) {
+TEST(Disassembly, AgreesWithBinutilsForEveryCompressedWord) {
   std::vector<std::uint8_t> code;
   std::vector<std::uint32_t> words;
   for (std::uint32_t word = 0; word < 0x10000; ++word) {
@@ -150,7 +150,7 @@ TEST(Disassembly, OfEveryCompressedWordIsThatOfBinutils) {
   }
 }
 
-TEST(Disassembly, OfRandomWordsIsThatOfBinutils) {
+TEST(Disassembly, AgreesWithBinutilsForRandomWords) {
   std::mt19937 random(1);  // NOLINT: the same words each time
   std::vector<std::uint32_t> words;
   for (const auto& row : encodings()) {

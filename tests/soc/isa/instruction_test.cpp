@@ -154,7 +154,7 @@ TEST(Instruction, CompressedOnTwoRegistersComputesTheSame) {
   }
 }
 
-TEST(Instruction, WithAnImmediateComputesLikeItsRegisterForm) {
+TEST(Instruction, ComputesTheSameWithAnImmediateAsWithARegister) {
   const std::vector<std::pair<std::string, std::string>> pairs{{"addi", "add"}, {"slti", "slt"}, {"sltiu", "sltu"},
                                                                {"xori", "xor"}, {"ori", "or"},   {"andi", "and"},
                                                                {"slli", "sll"}, {"srli", "srl"}, {"srai", "sra"}};

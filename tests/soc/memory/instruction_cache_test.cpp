@@ -152,7 +152,7 @@ TEST(Fetch, FenceOfInstructionsEmptiesTheCache) {
   EXPECT_EQ(with, without + 10 * 1 + 9 * 15);
 }
 
-TEST(Fetch, OfALoopThatDoesNotFitMissesInEveryIteration) {
+TEST(Fetch, MissesInEveryIterationOfALoopThatDoesNotFit) {
   // 8 KiB of straight code through 4 KiB.
   const auto program = assemble(R"(
     .option norvc

@@ -53,7 +53,7 @@ TEST(Decisions, DivideTheTimeFromTheRequestToTheSetPoints) {
   EXPECT_EQ(sum_of_parts(last), last.latency);
 }
 
-TEST(Decisions, OfAPictureThatArrivesDuringAnotherOneBeginWithItsWait) {
+TEST(Decisions, BeginWithTheWaitOfAPictureThatArrivesDuringAnotherOne) {
   Decisions decisions("flight");
   decisions.picture_stored(picture(0, 0, 0, 10), work(0, 0));
   decisions.picture_stored(picture(12, 12, 12, 25), work(15, 0));
@@ -152,7 +152,7 @@ void fly(BoardSystem& system, std::int64_t end_ms, std::int64_t step_ns) {
   }
 }
 
-TEST(Decisions, OfAProgramHavePartsThatAddUpToTheLatency) {
+TEST(Decisions, HavePartsThatAddUpToTheLatency) {
   BoardSystem system(kDecides, {}, BoardSystem::narrow());
   fly(system, 100, 2 * kMs);
   const auto& decisions = system.soc.decisions();

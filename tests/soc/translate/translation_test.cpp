@@ -268,7 +268,7 @@ _start: li s0, 0x800f0000
   EXPECT_EQ(pair.translated.hart().fault().last.value, 0x80100000U);
 }
 
-TEST(Translation, OfABusyBoardKeepsEveryBitOfTheState) {
+TEST(Translation, KeepsEveryBitOfTheStateOfABusyBoard) {
   const auto program = BoardSystem::assembled(R"(
 _start: la t0, handler
     csrw mtvec, t0

@@ -59,7 +59,7 @@ Face face_with(std::vector<Vector3d> corners) {
   return face;
 }
 
-TEST(CameraCulling, WhatCoversAPixelIsNeverLeftOut) {
+TEST(CameraCulling, KeepsEveryFaceThatCoversAPixel) {
   Triangles triangles;
   int covering = 0;
   int left_out = 0;

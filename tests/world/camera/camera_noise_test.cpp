@@ -93,7 +93,7 @@ TEST(CameraNoise, IsUncorrelatedBetweenNeighboursRowsFramesAndSeeds) {
   EXPECT_NEAR(correlation(frame, noise_frame(noise, kNoisySize, 17, 4), 1.0), 0.0, kFive);
 }
 
-TEST(CameraNoise, OfAPixelDoesNotDependOnTheSizeOfThePicture) {
+TEST(CameraNoise, DoesNotDependOnTheSizeOfThePicture) {
   const PixelNoise noise(3.0);
   const std::vector<float> wide = noise_row(noise, 323, 1, 2, 3);
   for (const std::size_t width : {8, 9, 10, 11, 322}) {
@@ -132,7 +132,7 @@ TEST(CameraNoise, SaturatesAtBlackAndWhite) {
   EXPECT_NEAR(black / 32000.0, share, 5.0 * 0.5 / std::sqrt(32000.0));
 }
 
-TEST(CameraNoise, OfZeroLeavesTheExactPicture) {
+TEST(CameraNoise, KeepsTheExactPictureIfItIsZero) {
   Renderer quiet(testing::patterned_room(), {}, 0.0);
   Renderer noisy(testing::patterned_room(), {}, 2.0);
   const Pose from = testing::pose({0.0, 0.0, 1.0});

@@ -68,7 +68,7 @@ double centre_of(const Picture& picture, int row) {
   return sum / weight;
 }
 
-TEST(CameraSensor, WithoutAnyEffectIsTheRenderer) {
+TEST(CameraSensor, EqualsTheRendererWithoutEffects) {
   const scene::Scene scene = testing::patterned_room();
   Renderer renderer(scene, {}, 0.0);
   Sensor sensor(scene, {}, {}, {});

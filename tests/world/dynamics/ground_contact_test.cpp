@@ -58,7 +58,7 @@ TEST(GroundContact, ContinuesOverLowHopsAndEndsWithHigherOnes) {
   EXPECT_FALSE(hovering.has_landed()) << "flew at 5 cm for 5 s";
 }
 
-TEST(GroundContact, OfADroneThatStoodThereIsNoDescent) {
+TEST(GroundContact, IsNoDescentForADroneThatWasOnTheGround) {
   GroundContact contact(true, kHeight_m, 0, 1000 * kMs);
   touch(contact, 0, 5000);
   EXPECT_FALSE(contact.has_landed());
@@ -115,7 +115,7 @@ TEST(SinkingFlight, IsGroundedFromTheTimeThatThrustAndWeightGive) {
   for (const double command : rig.outputs.rotor_command) EXPECT_GT(command, 0.0) << "the motors are on";
 }
 
-TEST(SinkingFlight, ThatGetsItsThrustBackFliesAndKeepsTheNote) {
+TEST(SinkingFlight, FliesAgainWithThrustAndKeepsTheNote) {
   WeakFlight flight;
   flight.run(6.0, 0.97);
   ASSERT_EQ(flight.rig.outputs.drone_phase, FlightPhase::grounded);
@@ -126,7 +126,7 @@ TEST(SinkingFlight, ThatGetsItsThrustBackFliesAndKeepsTheNote) {
   EXPECT_EQ(flight.rig.outputs.drone_grounded_time_s, came_down_s);
 }
 
-TEST(SinkingFlight, ThatIsCommandedToLandHasLanded) {
+TEST(SinkingFlight, HasLandedIfItWasCommandedToLand) {
   WeakFlight flight;
   flight.run(6.0, 0.97);
   flight.rig.inputs.setpoint_mode = FlightMode::land;

@@ -242,7 +242,7 @@ void fly(FlightRig& rig, int steps) {
   }
 }
 
-TEST(Physics, WithEveryEffectTheDroneFliesAndARestoredRunContinuesWithTheSameBits) {
+TEST(Physics, ContinuesWithTheSameBitsAfterARestoreWithAllEffects) {
   FlightRig straight(shipped_scene("gate_easy"), everything());
   fly(straight, 1500);
   FlightRig other(shipped_scene("gate_easy"), everything());

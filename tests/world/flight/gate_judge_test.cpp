@@ -125,7 +125,7 @@ TEST_P(AnyPose, ThroughAndOnlyAHandBackIsTurnedBack) {
   EXPECT_EQ(drone.fly({-0.1, 0.0, 0.0}), Events{Kind::turned_back});
 }
 
-TEST_P(AnyPose, WhoWasTurnedBackAndFliesThroughAgainHasPassed) {
+TEST_P(AnyPose, PassesIfTheDroneCrossesAgainAfterTurningBack) {
   Puppet drone = puppet();
   drone.fly({0.5, 0.0, 0.0});
   drone.fly({-0.5, 0.0, 0.0});
@@ -134,7 +134,7 @@ TEST_P(AnyPose, WhoWasTurnedBackAndFliesThroughAgainHasPassed) {
   EXPECT_TRUE(drone.judge.turned_back()) << "it did come back";
 }
 
-TEST_P(AnyPose, WhoWasTurnedBackAndFliesPastHasNotPassed) {
+TEST_P(AnyPose, DoesNotPassIfTheDroneFliesPastAfterTurningBack) {
   Puppet drone = puppet();
   drone.fly({0.5, 0.0, 0.0});
   drone.fly({-0.5, 0.0, 0.0});
@@ -180,7 +180,7 @@ TEST_P(AnyPose, FromBehindIsNeitherCrossedNorPassed) {
   EXPECT_TRUE(drone.judge.passed());
 }
 
-TEST_P(AnyPose, WhoNeverComesThereHasNoLateralError) {
+TEST_P(AnyPose, HasNoLateralErrorBeforeTheGateIsReached) {
   Puppet drone = puppet();
   drone.fly({-0.1, 0.1, 0.0});
   EXPECT_FALSE(drone.judge.reached());

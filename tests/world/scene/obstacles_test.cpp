@@ -289,7 +289,7 @@ TEST_F(RangeOver, AMeshIsThatOfTheBoxOfItsShape) {
     EXPECT_NEAR(sensor.distance_m(at({x, 0.013, 3.0})), from({x, 0.013, 3.0}), 1e-9);
 }
 
-TEST_F(RangeOver, WhatMovesIsThereWhileItPasses) {
+TEST_F(RangeOver, MeasuresAMovingObstacleWhileItPasses) {
   scene::Box box;
   box.p_W_m = {-1.0, 0.0, 0.5};
   box.size_m = {0.4, 0.4, 0.2};

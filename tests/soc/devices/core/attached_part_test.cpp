@@ -50,7 +50,7 @@ TEST(BoardPart, ConsumesByStateTimeAndBytes) {
   EXPECT_NEAR(part.energy_j(12'000'000'000), expected_j, kSumRounding * expected_j);
 }
 
-TEST(BoardPart, WithoutStatesConsumesByBytesOnly) {
+TEST(BoardPart, ConsumesByBytesOnlyIfItHasNoStates) {
   auto entry = memory_part();
   entry.states.clear();
   entry.initial_state.clear();
@@ -119,7 +119,7 @@ double joules_of(const BoardSystem& system, std::string_view name) {
   return system.soc.power().energy_j(*system.soc.devices().find(name));
 }
 
-TEST(BoardPart, OfGap8sBoardConsumesByBytesOnTheHyperBus) {
+TEST(BoardPart, ConsumesByBytesOnTheHyperBusOfGap8) {
   auto system = moving();
   system.soc.advance(2 * kMs);
   ASSERT_TRUE(system.faults.empty()) << system.faults.front();

@@ -210,7 +210,7 @@ BoardDevice link() {
       .devices.back();
 }
 
-TEST(DescribedDevice, WithoutStatesShowsInputsAndParametersDirectly) {
+TEST(DescribedDevice, ShowsInputsAndParametersDirectlyIfItHasNoStates) {
   const auto entry = link();
   DescribedDevice device(entry, ear());
   EXPECT_EQ(read(device, 0xC), 1U) << "true at the start";

@@ -275,7 +275,7 @@ TEST(Bus, RefusesAccessesOtherThanAlignedWords) {
   EXPECT_THAT(system.faults[0], HasSubstr("in at: lbu a0, 0(s0)"));
 }
 
-TEST(Board, WithAnotherLayoutOfRegistersIsRefused) {
+TEST(Board, IsRefusedIfALibraryHasAnotherLayoutOfRegisters) {
   auto board = read_board(MEBOTS_SOURCE_DIR "/configs/boards/ai_deck.json");
   board.devices[1].registers[0].offset = 0x40;
   try {
@@ -347,7 +347,7 @@ std::string refusal(const BoardDescription& board) {
   return {};
 }
 
-TEST(Board, WithAnUnknownKindIsRefused) {
+TEST(Board, IsRefusedIfAKindIsUnknown) {
   auto board = with_two_timers();
   EXPECT_EQ(refusal(board), "");
   board.devices.back().kind = "timr";
@@ -357,7 +357,7 @@ TEST(Board, WithAnUnknownKindIsRefused) {
   EXPECT_THAT(refusal(board), HasSubstr("other is a second power manager"));
 }
 
-TEST(Board, WithAMissingLibraryIsRefused) {
+TEST(Board, IsRefusedIfALibraryIsMissing) {
   auto board = with_two_timers();
   board.libraries = {"wheels.so"};
   EXPECT_THAT(refusal(board), HasSubstr("its library wheels.so is not there"));

@@ -99,7 +99,7 @@ BoardDescription with_lines(double frame_lines, double exposure_lines) {
   return board;
 }
 
-TEST(Camera, WithLinesTakesTheTimeOfExposureAndRows) {
+TEST(Camera, TakesTheTimeOfExposureAndRowsIfItHasLines) {
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, with_lines(260, 30));
   system.soc.advance(2 * kMs);
   system.camera().offer(picture(64 * 40), system.soc.now());
@@ -111,7 +111,7 @@ TEST(Camera, WithLinesTakesTheTimeOfExposureAndRows) {
   EXPECT_NEAR(system.result(6), static_cast<double>(ready_ns), 1000);
 }
 
-TEST(Camera, WithLinesReadsOutAtMostOnePicturePerFrame) {
+TEST(Camera, ReadsOutAtMostOnePicturePerFrameIfItHasLines) {
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 4096, 0), {}, with_lines(344, 30));
   system.soc.advance(2 * kMs);
   auto& camera = system.camera();
@@ -182,7 +182,7 @@ TEST(StateTimes, AreWaitingUntilAPictureArrivesAndAsleepAfterwards) {
   EXPECT_NEAR(seconds_of(system.soc, ChipState::waiting) + seconds_of(system.soc, ChipState::asleep), slept_s, 1e-12);
 }
 
-TEST(StateTimes, OfTheClusterDoNotDependOnTheSteps) {
+TEST(StateTimes, DoNotDependOnTheStepsForTheCluster) {
   constexpr std::string_view kTwoMilliseconds = R"(
 _start: li s0, POWER_MANAGER_BASE
     la a0, core
