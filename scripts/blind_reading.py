@@ -6,7 +6,8 @@ Usage: scripts/blind_reading.py [--seed N] [--commit COMMIT] [--texts]
 
 Prints 40 comments, 20 messages, 10 help texts and the names of 5 pages. Equal seed and commit give equal texts. A reader lists
 every sentence that was not clear at the first reading. With --texts the pages are printed too. The headings contain the number of
-sentences: texts of at least three words between full stops; a cell of a table counts as a text.
+sentences: texts of at least three words between full stops. A heading or a cell of a table counts as a text, also if it is a
+fragment. Code, comments of HTML and targets of links do not count.
 """
 from __future__ import annotations
 
@@ -62,8 +63,8 @@ def drawn(seed: int, commit: str | None) -> dict[str, list[Draw]]:
 
 
 def sentences(text: str) -> int:
-    """Returns the number of sentences in a text, or in a page without its code."""
-    prose = re.sub(r"^(```|~~~).*?^\1\s*$|^    .*?$", "", text, flags=re.MULTILINE | re.DOTALL)
+    """Returns the number of sentences in a text, or in a page without its code, comments and targets of links."""
+    prose = re.sub(r"^(```|~~~).*?^\1\s*$|^    .*?$|<!--.*?-->|(?<=\])\([^)\s]*\)", "", text, flags=re.MULTILINE | re.DOTALL)
     parts = re.split(r"\n\s*\n|\n(?=[-#|])|\||(?<=[.!?])\s", prose)
     return sum(len(re.findall(r"[A-Za-z]{2,}", part)) >= 3 for part in parts)
 
