@@ -110,9 +110,9 @@ def main():
     parser.add_argument("--integer-epochs", type=int, default=2)
     parser.add_argument("--rate", type=float, default=4e-3, help="highest learning rate in floating point")
     parser.add_argument("--begin", type=pathlib.Path,
-                        help="weights file to go on with among clutter, instead of a new network")
+                        help="weights file to continue with in rooms with clutter, instead of a new network")
     parser.add_argument("--clutter-epochs", type=int, default=4)
-    parser.add_argument("--clutter-rate", type=float, default=8e-4, help="highest learning rate among clutter")
+    parser.add_argument("--clutter-rate", type=float, default=8e-4, help="highest learning rate with clutter")
     arguments = parser.parse_args()
     torch.manual_seed(SEED)
     torch.set_num_threads(1)  # sums in one order on any machine

@@ -7,7 +7,7 @@
 
 #define PERIOD_NS (20 * NS_PER_MS)
 #define STILL_PERIODS 25    // half a second without a micrometre
-#define BRAKING_PERIODS 25  // for the wheels to come to rest
+#define BRAKING_PERIODS 25  // until the wheels stop
 #define STEERING_PER_S 2    // rim speed to either side per heading, in um/s per urad over the half track
 
 enum { THERE = 0, BUMPED = 2, STUCK = 3 };
@@ -22,7 +22,7 @@ static int32_t way_um(void) {
   return ((int32_t)WHEELS_WAY_LEFT + (int32_t)WHEELS_WAY_RIGHT) / 2;
 }
 
-// Until the distance is behind it; what ended it.
+// Drives the distance. Returns the reason why it stopped.
 static int go(int32_t distance_um, int32_t speed_um_s, int64_t* time_ns) {
   int32_t before_um = way_um();
   int still = 0;

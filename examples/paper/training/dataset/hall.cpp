@@ -96,7 +96,7 @@ bool keeps_away(const Scene& scene, const Vector3d& p_W, double reach_m, double 
                      [&](const Gate& gate) { return (p_W - gate.p_W_m).head<2>().norm() >= clear_m + reach_m; });
 }
 
-/// Returns a gate behind the first gate, in about the same direction.
+/// Returns a gate after the first gate, in about the same direction.
 Gate next_gate(Random& random, const Gate& first, double length_m, double half_width_m) {
   Gate gate = random_gate(random, true, length_m, half_width_m);
   gate.yaw_rad = first.yaw_rad + random.between(-0.4, 0.4);

@@ -408,9 +408,9 @@ mebots::world::scene::Scene room_of(const Options& options, Random& random) {
 void refuse_contradictions(const Options& options) {
   const char* why = nullptr;
   if (options.clutter && options.task != Task::sight) {
-    why = "the task is command, whose rooms and labels know no clutter. Add --task sight, or leave --clutter out";
+    why = "the task is command, whose rooms have no clutter. Add --task sight, or omit --clutter";
   } else if (options.clutter && !options.scene.empty()) {
-    why = "clutter stands in random rooms, --scene names a fixed one. Leave one of the two out";
+    why = "clutter needs random rooms, but --scene names a fixed room. Omit one of the two options";
   }
   if (why == nullptr) return;
   fmt::print(stderr, "mebots-dataset: --clutter: {}\n", why);
@@ -419,20 +419,21 @@ void refuse_contradictions(const Options& options) {
 
 Options read_options(int argc, char** argv) {
   Options options;
-  CLI::App app("Pictures of random rooms as the drone's network gets them, with what it is to say");
+  CLI::App app("Render pictures of random rooms with the labels for training");
   app.add_option("--out", options.out, "Path of the files to write, without their endings")->required();
-  app.add_option("--task", options.task, "What the labels say: the expert's yaw command, or where the gate is")
+  app.add_option("--task", options.task, "Content of the labels: the expert's yaw command, or the position of the gate")
       ->transform(
           CLI::CheckedTransformer(std::map<std::string, Task>{{"command", Task::command}, {"sight", Task::sight}}));
-  app.add_option("--seed", options.seed, "Other seeds, other rooms")->capture_default_str();
+  app.add_option("--seed", options.seed, "Seed of the random rooms")->capture_default_str();
   app.add_option("--scenes", options.scenes, "Number of rooms")->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--pictures", options.pictures, "Pictures of each room")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  app.add_option("--field-of-view", options.field_of_view_rad, "Of the lens [rad]; default: another one in each room")
+  app.add_option("--field-of-view", options.field_of_view_rad,
+                 "Field of view of the lens [rad]; default: random in each room")
       ->check(CLI::Range(0.1, 3.0));
   app.add_flag("--clutter", options.clutter,
-               "Random rooms with much that is not a gate. Needs --task sight, excludes --scene");
+               "Add other objects to the random rooms. Needs --task sight, excludes --scene");
   app.add_option("--scene", options.scene, "A scene file instead of random rooms")->check(CLI::ExistingFile);
   try {
     app.parse(argc, argv);
