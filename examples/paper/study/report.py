@@ -99,7 +99,7 @@ def life(entry):
 
 
 def endurance(page, data):
-    page.heading("How long it flies, and how that ends")
+    page.heading("Endurance and end of each flight")
     rows = [(MOTORS[motors], BATTERIES[battery][0], kind, n(entry["to_ten_s"], 0), n(entry["air_s"], 0), life(entry))
             for motors, lives in data["lives"].items() for battery, kinds in lives.items()
             for kind, entry in kinds.items() if kind != "empty"]
@@ -153,19 +153,20 @@ def speeds(page, data):
         [flights[name] for name in SHOWN], [title(name, flights[name]) for name in SHOWN],
         scenario("hard")["world.scene.name"], data["adaptive"]["first_view"]))
     page.table(("speed [km/h]", "outcome", "at the plane [s]", "on the ground [s]", "path to the plane [m]", "charge left [%]",
-                "off the middle [cm]"),
+                "off the centre [cm]"),
                [(name, plain(f["outcome"]), n(f["gate_s"]), n(f["end_s"]), n(f["path_m"], 2), n(f["charge"], 2),
                  n(None if f["lateral_m"] is None else 100 * f["lateral_m"])) for name, f in flights.items()])
-    page.text("The adaptive flight over time. When the frame lets it go it darts back at 5 km/h. The likely cause is the stabiliser's "
+    page.text("The adaptive flight over time. When it is free of the frame, it flies back at 5 km/h. The likely cause is the stabiliser's "
               "integrals, which had pushed against the frame for 50 s; we did not examine it.")
     page.figure("course", "Time course of the hard adaptive flight", figures.course(data["adaptive"]["course"]))
 
 
 def robustness(page, data):
     page.heading("From starts drawn at random")
-    page.text("Passed: the centre crossed the opening and the drone landed behind the frame, clear of it. Intervals: 95 % (Wilson). "
+    page.text("A flight passes if the centre crosses the opening and the drone lands after the frame without contact to it. "
+              "Intervals: 95 % (Wilson). "
               f"A drone that the referee calls stuck is left on the frame for {STUCK_S:.0f} s more.")
-    page.table(("starts", "flights", "passed", "95 %", "without a touch", "crossed the opening", "not passed", "straight on would pass"),
+    page.table(("starts", "flights", "passed", "95 %", "without a touch", "crossed the opening", "not passed", "would pass in a straight line"),
                [(name, n(part["flights"], 0), n(part["passed"], 0),
                  Number(" to ".join(f"{100 * x:.0f}" for x in part["interval"]) + " %"), n(part["clean"], 0),
                  n(part["crossed"], 0),
@@ -183,10 +184,10 @@ def robustness(page, data):
 def failures(page, name, found):
     if not found:
         return
-    page.text(f"{name}: {len(found)} of those that did not pass, each with what the camera saw a metre before the gate. A click shows "
+    page.text(f"{name}: {len(found)} flights that did not pass, each with the camera's picture a metre before the gate. A click shows "
               "the flight, where its page was made: `examples/paper/run.sh --parts hard` flies every one again, with all that can be "
               "recorded, and writes the pages beside its report.")
-    page.markdown.append(f"![What the camera saw a metre before the gate]({PICTURES}failures_{name}.png)")
+    page.markdown.append(f"![The camera's picture a metre before the gate]({PICTURES}failures_{name}.png)")
     figures.style.save(figures.failures(found), page.folder / f"failures_{name}.png")
     for failed in found:
         forwards, left, turned = failed["start"]
@@ -199,7 +200,7 @@ def clocks(page, data):
     page.heading("The cluster's clock")
     page.text("The hard flight with the adaptive policy from the same random starts at each clock, at the least voltage that "
               "allows it, the fabric controller at 50 MHz. Means over the flights that crossed the opening. Ten flights a row "
-              "cannot rank success, so that only energy is compared.")
+              "are too few to compare the rates of success, so only energy is compared.")
     page.figure("clocks", "The chip's energy up to the gate by clock and cores", figures.clocks(data["clocks"]))
     page.table(("cores", "clock [MHz]", "supply [V]", "crossed", "pictures/s", "chip [mW]", "at the gate [s]", "chip up to it [J]"),
                [(n(r["cores"], 0), n(r["clock_mhz"], 0), n(r["voltage_v"], 2), Number(f"{r['crossed']} of {r['flights']}"),
@@ -207,7 +208,7 @@ def clocks(page, data):
 
 
 def joules(page, data):
-    page.heading("Where the joules go")
+    page.heading("Energy by consumer")
     shown = {"hard, adaptive": data["adaptive"]["phases"], "easy, 1 km/h": data["batteries"]["phases"]}
     page.figure("joules", "Joules by phase and consumer", figures.phases(shown))
     for name, phases in shown.items():
@@ -225,7 +226,7 @@ def joules(page, data):
 
 
 def what_it_rests_on(page, data):
-    page.heading("What this rests on")
+    page.heading("Sources and assumptions")
     for line in data.get("notes", []):
         page.text(line)
     page.text("Replayed with their own loads, the hard flights' charge comes back to "
@@ -233,7 +234,7 @@ def what_it_rests_on(page, data):
     sources = json.loads((ROOT / "examples/paper/scenarios.json").read_text())
     page.table(("scenario", "parameter", "value", "source"),
                [(name, key, entry["value"], entry["source"]) for name, entries in sources.items()
-                for key, entry in entries.items()], "What was assumed")
+                for key, entry in entries.items()], "Assumed values")
 
 
 def numbers(rows, texts):
@@ -262,7 +263,7 @@ def on_both_chips(page, data, beside):
     page.table(("target", "what", "paper", first, second), bench, "Targets, bench motors")
     page.table(("target", "what", "reading", first, second), read, "Targets, other readings")
     chip_columns = ("chip [J]", "camera [J]", "chip's part of the cell's joules [%]")
-    page.table(("speed [km/h]", "chip", "outcome", "at the plane [s]", "off the middle [cm]", "charge left [%]", "pictures", "latency [ms]",
+    page.table(("speed [km/h]", "chip", "outcome", "at the plane [s]", "off the centre [cm]", "charge left [%]", "pictures", "latency [ms]",
                 *chip_columns), numbers(chips.of_speeds(both), 3), "Experiment B")
     page.text(f"Experiment A: the charges used in the 24 easy flights are at most {chips.charge_apart(data, beside):.3f} % of the "
               f"capacity apart. With {second}: "
