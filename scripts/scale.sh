@@ -14,5 +14,5 @@ run() {
 run 'Scale.*'
 for fmu in "$build"/fmus/fmu_{battery,motors,soc,world}.fmu; do  # fmu_gap8 contains no program
   echo "$(basename "$fmu"):"
-  MEBOTS_CYCLED_FMU=$(realpath "$fmu") run 'Scale.InstancesThatComeAndGo*:Scale.ArchivesThat*'
+  MEBOTS_CYCLED_FMU=$(realpath "$fmu") run 'Scale.InstancesRelease*:Scale.ClosedArchives*'
 done

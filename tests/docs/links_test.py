@@ -42,7 +42,7 @@ class Links(unittest.TestCase):
         self.assertGreater(len(pages), 40)
         self.assertEqual([], [link for page in pages for link in broken_links(page)])
 
-    def test_links_to_nothing_are_found_and_code_is_passed_over(self):
+    def test_finds_broken_links_and_ignores_code(self):
         with tempfile.TemporaryDirectory() as folder:
             page = Path(folder) / "page.md"
             page.write_text("# Is `a` here?\n[good](#is-a-here) [bad](#there) [gone](gone.md) `[code](gone.md)`\n")

@@ -44,7 +44,7 @@ class Intervals(unittest.TestCase):
         for edge in share_sequence(30, 100, 0.01):
             self.assertAlmostEqual(answers.share_evidence(30, 100, edge), math.log(100), 6)
 
-    def test_of_nothing_everything_is_possible(self):
+    def test_without_missions_every_share_is_possible(self):
         self.assertEqual(share_sequence(0, 0, 0.05), (0, 1))
         self.assertEqual(wilson(0, 0, 0.05), (0, 1))
         one = Moments().add([1.0])

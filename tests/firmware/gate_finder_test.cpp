@@ -255,7 +255,7 @@ TEST(Navigator, TurnsLeftForAGateOnTheLeftAndReturnsItsDistance) {
   }
 }
 
-TEST(Navigator, SaysNothingOfAPictureWithoutGate) {
+TEST(Navigator, ReportsNoGateInAPictureWithoutGate) {
   const std::vector<std::uint8_t> pixels(std::size_t{320} * 320, 100);
   const auto seen = finder_navigate(pixels.data(), 320, 320);
   EXPECT_EQ(seen.confidence, 0);

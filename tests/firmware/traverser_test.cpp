@@ -327,7 +327,7 @@ TEST(Traverser, SearchesAtOnceWhereItWasPushedBack) {
   EXPECT_EQ(search.velocity_um_s, 0);
 }
 
-TEST(Traverser, EntersNothingThatItHasNotFlownTo) {
+TEST(Traverser, EntersOnlyAGateThatItHasApproached) {
   auto traverser = new_traverser();
   see(traverser, 75, {0, 0, 100, 127});
   EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH) << "0.7 m";
@@ -461,7 +461,7 @@ TEST(Traverser, OneOrTwoPicturesOfALargeGateDoNotMakeItNear) {
   }
 }
 
-TEST(Traverser, ForgetsTheSizeOfAGateOnceItMustBeBehind) {
+TEST(Traverser, DiscardsTheSizeOfAGateAfterItsDistanceIsFlown) {
   auto traverser = new_traverser();
   fly_to(traverser, kSizeAt1mBy50Degrees, 2.15, 0.7);
   const sight_t next_gate{0, 0, size_in_127ths(0.3), 127};

@@ -52,7 +52,7 @@ def episode(env, actions, **reset):
 
 
 class Environments(unittest.TestCase):
-    def test_gymnasiums_checker_finds_nothing(self):
+    def test_passes_the_checker_of_gymnasium(self):
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             check_env(hover(), skip_render_check=True)

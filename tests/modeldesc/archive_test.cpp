@@ -199,7 +199,7 @@ TEST_F(ArchiveTest, ArchivesOfOtherKindsAreNamed) {
   }
 }
 
-TEST_F(ArchiveTest, WhyAFileIsMissingIsSaidWithTheWayOut) {
+TEST_F(ArchiveTest, ReportsTheReasonAndTheRemedyForAMissingFile) {
   const auto why = [&](const std::vector<std::string>& files) {
     const auto folder = folder_.path() / "unpacked";
     fs::remove_all(folder);

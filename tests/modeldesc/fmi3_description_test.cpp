@@ -55,7 +55,7 @@ class Fmi3DescriptionTest : public testing::Test {
   TemporaryFolder folder_{"description"};
 };
 
-TEST_F(Fmi3DescriptionTest, GroupsBecomeArraysWhereTheDescriptionSaysSo) {
+TEST_F(Fmi3DescriptionTest, GroupsBecomeArraysIfTheDescriptionRequestsIt) {
   const std::string variables = std::string(kPosition) + R"(,
     {"name": "{rotor}.thrust", "causality": "output", "unit": "N", "text": "Thrust"},
     {"name": "{axis}.limit", "causality": "parameter", "unit": "m", "start": 1, "text": "Limit"})";

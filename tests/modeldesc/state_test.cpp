@@ -66,7 +66,7 @@ Pack changed() {
   return pack;
 }
 
-TEST(State, RestoredObjectKnowsWhatTheSavedOneKnew) {
+TEST(State, RestoredObjectEqualsTheSavedOne) {
   const Pack saved = changed();
   Pack restored;
   restore(restored, save(saved));

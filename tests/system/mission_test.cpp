@@ -121,7 +121,7 @@ TEST_F(GateEasy, SameInputGivesTheSameBits) {
   EXPECT_TRUE(second.results == flight_->results) << "results.csv differs between two runs";
 }
 
-TEST_F(GateEasy, OrderOfInstancesAndConnectionsIsNothingToTheBits) {
+TEST_F(GateEasy, BitsDoNotDependOnTheOrderOfInstancesAndConnections) {
   auto config = every_point("gate_easy");
   nlohmann::ordered_json reversed;
   std::vector<std::string> names;

@@ -168,7 +168,7 @@ TEST(ClusterProfile, ForCallgrindHasAPartForEachHartThatRan) {
   for (unsigned number = 0; number < 9; ++number) EXPECT_EQ(self.at(number + 1), run.profile.hart(number).total());
 }
 
-TEST(ClusterProfile, LeavesOutCoresThatRanNothing) {
+TEST(ClusterProfile, OmitsCoresThatExecutedNothing) {
   const Folder folder;
   BoardSystem system("_start: li t0, POWER_MANAGER_BASE\nsw zero, POWER_MANAGER_EXIT_OFFSET(t0)\nnop\n");
   observe::Profile profile("--profile", folder / "p.json", system.soc);

@@ -23,7 +23,7 @@ TEST(WorldHeap, StepsInFlightAndOnTheGroundAllocateNothing) {
   EXPECT_EQ(allocations(), before) << "in flight";
 }
 
-TEST(WorldHeap, ACrazyflieOfItsOwnAllocatesNothing) {
+TEST(WorldHeap, TheCrazyflieControllerAllocatesNothing) {
   auto parameters = test::FlightRig::small_camera();
   parameters.stabiliser_controller = FlightController::crazyflie;
   parameters.stabiliser_state = StateSource::estimate;

@@ -109,7 +109,7 @@ TEST_F(Referee, LandingInTheOpeningIsStuck) {
   EXPECT_FALSE(rig.outputs.gate_passed);
 }
 
-TEST_F(Referee, AWreckCountsForNothing) {
+TEST_F(Referee, IgnoresTheMotionOfAWreck) {
   // The rotors stop behind the gate: it crossed, but does not complete a passage with a landing.
   FlightRig rig(shipped_scene("gate_easy"), start(0.5, 0.0));
   rig.take_off_and_fly();

@@ -110,7 +110,7 @@ TEST(Maps, ValuesThatAreNamedBecomeOthers) {
               HasSubstr("a map needs two Booleans"));
 }
 
-TEST(Units, AConversionIsSaid) {
+TEST(Units, ReportsAConversion) {
   TestRun run(pair("", R"({"from": "a.celsius", "to": "b.kelvin_in"})"));
   EXPECT_THAT(run.system.notices, testing::Contains("a.celsius -> b.kelvin_in: converted from [degC] to [K]"));
 }
@@ -211,7 +211,7 @@ std::string loop(const std::string& parameters) {
       parameters);
 }
 
-TEST(InitialLoops, ALinearLoopThatSweepingDrivesApartIsSolved) {
+TEST(InitialLoops, SolvesALinearLoopThatSweepsMakeDiverge) {
   // x = 4 - 3 x
   EXPECT_NEAR(at_start(loop(R"("a": 4, "b": -3)"), "b.loop_out"), 1, 1e-11);  // Newton stops at 1e-12 relative
 }
@@ -453,7 +453,7 @@ TEST(Discard, AStepIsDividedWhereTheConfigAllows) {
   }
 }
 
-TEST(Discard, DividingEndsWhenNothingHelps) {
+TEST(Discard, DividingEndsAtTheShortestStep) {
   TestRun run(
       R"({"step": 0.1, "stop_time": 0.2, "instances": {"a": {"fmu": "COUPLING", "parameters": {"behaviour": "refuse"}, "on_discard": "divide"}}, "connections": []})");
   EXPECT_THAT([&] { run.to_end(); }, testing::ThrowsMessage<SlaveError>(Not(HasSubstr("on_discard"))));

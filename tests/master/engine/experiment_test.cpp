@@ -75,7 +75,7 @@ TEST(SetupExperiment, ValuesAreThoseOfTheArguments) {
   EXPECT_THAT(coarse.to_end().column("a.x"), ElementsAre(1, 0.5, 0.25, 0.125, 0.0625));
 }
 
-TEST(SetupExperiment, ADefaultToleranceThatIsNoneIsNotPassed) {
+TEST(SetupExperiment, DoesNotPassAnInvalidDefaultTolerance) {
   for (const std::string bad : {"0", "-1e-6", "INF", "NaN"}) {
     const test::ChangedFmu fmu("experiment", R"(tolerance="0.0625")", fmt::format(R"(tolerance="{}")", bad));
     EXPECT_EQ(arguments_of("", fmu.path().string())["has_tolerance"], 0) << bad;

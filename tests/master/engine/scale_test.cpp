@@ -130,7 +130,7 @@ TEST(Scale, ReadingALargeConfigIsInterrupted) {
   EXPECT_LT(childrens_processor_s() - before, 2.0) << "all of it would take longer";
 }
 
-TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
+TEST(Scale, InstancesReleaseAllResources) {
   if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "heap and mappings are the sanitizer's own";
   const auto fmu = std::make_shared<Fmu>(cycled_fmu());
   Messages messages;
@@ -154,7 +154,7 @@ TEST(Scale, InstancesThatComeAndGoLeaveNothingBehind) {
   EXPECT_LE(after.heap_bytes, before.heap_bytes + 1024) << "a byte per instance would show";
 }
 
-TEST(Scale, ArchivesThatAreOpenedAndClosedLeaveNothingBehind) {
+TEST(Scale, ClosedArchivesReleaseAllResources) {
   if (kSanitizerTakesCrashesAndMemory) GTEST_SKIP() << "heap and mappings are the sanitizer's own";
   const auto open = [] { Fmu(cycled_fmu()).require_library(); };
   for (int i = 0; i < 5; ++i) open();
@@ -170,7 +170,7 @@ TEST(Scale, ArchivesThatAreOpenedAndClosedLeaveNothingBehind) {
   EXPECT_LE(after.heap_bytes, before.heap_bytes + kLargest * static_cast<std::size_t>(count));
 }
 
-TEST(Scale, ProcessesThatComeAndGoLeaveNothingBehind) {
+TEST(Scale, EndedProcessesReleaseAllResources) {
   const auto whole_run = [] {
     TestRun run(fmt::format(
         R"({{"step": 1, "stop_time": 2, "instances": {{"a": {{"fmu": "{}", "process": "own"}}}}, "connections": []}})",

@@ -31,7 +31,7 @@ TEST(CleanFmus, ThePageListsEachFunctionThatChangesTheProcess) {
   }
 }
 
-TEST(CleanFmus, OursAreSoWhenTheyAreLoaded) {
+TEST(CleanFmus, TheShippedFmusAreCleanWhenTheyAreLoaded) {
   for (const auto* const name : {"fmu_battery.fmu", "fmu_motors.fmu", "fmu_world.fmu", "fmu_soc.fmu"}) {
     Fmu fmu(kBinaryDir / "fmus" / name);
     fmu.require_library();

@@ -71,7 +71,7 @@ TEST(Fmu, ABinaryForAnotherPlatformOnlyIsNamed) {
   EXPECT_THAT(load_error(probe.path()), AllOf(HasSubstr("no binary for 64-bit Linux"), HasSubstr("win64")));
 }
 
-TEST(Fmu, ALibraryThatIsNoneIsNamed) {
+TEST(Fmu, NamesAFileThatIsNotALibrary) {
   const ChangedProbe probe([](std::string&) {}, PROBE_DESCRIPTION);
   EXPECT_THAT(load_error(probe.path()), AllOf(HasSubstr("cannot be loaded"), HasSubstr("probe.so")));
 }
@@ -129,7 +129,7 @@ TEST(Fmu, OneInstancePerProcessIsRespected) {
               AllOf(HasSubstr("one instance per process"), HasSubstr("/instances/b/process")));
 }
 
-TEST(Fmu, AnFmuThatCannotSaveItsStateSaysSo) {
+TEST(Fmu, ReportsAnFmuThatCannotSaveItsState) {
   const ChangedProbe probe(
       [](std::string& xml) { replace(xml, "canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", ""); });
   test::Messages messages;

@@ -429,7 +429,7 @@ TEST_F(Ssp, ConnectionsMapDiscreteValuesInARun) {
   EXPECT_EQ(value("q.mode_out"), "7");  // `both`
 }
 
-TEST_F(Ssp, ValuesThatNothingTakesAreLeftOutWithANotice) {  // 5.3.3, 6.2
+TEST_F(Ssp, OmitsValuesWithoutAReceiverWithANotice) {  // 5.3.3, 6.2
   const auto loaded = load(
       binding(real("a.celsius", "5") + real("a.nothing", "1") + real("elsewhere.k", "1") + real("a.bare_out", "1") +
               R"(<ssv:Parameter name="a.unknown"><ssv:Binary value="00"/></ssv:Parameter>)") +
@@ -765,7 +765,7 @@ TEST_F(Ssp, ValuesThatNoFmuCanTakeAreRefused) {
   EXPECT_THAT(error_of(with_value(R"(<ssv:String value="&#xD800;"/>)", "")), HasSubstr("not a character of XML"));
 }
 
-TEST_F(Ssp, AnInputThatFitsNothingIsAnsweredWithThePlaceInTheSsd) {
+TEST_F(Ssp, ReportsAnUnmatchedInputWithItsPlaceInTheSsd) {
   FmuLibrary library;
   const auto loaded = load(two() + R"(
     <ssd:Connections><ssd:Connection startElement="a" startConnector="bare_oot" endElement="b" endConnector="real_in"/></ssd:Connections>)");

@@ -129,7 +129,7 @@ TEST(InputDeviation, AnInputThatKnowsItsSourcesDerivativesIsFarOnlyInTheFirstSte
   EXPECT_EQ(input["largest_at"], 0.1);
 }
 
-TEST(InputDeviation, OnALineBetweenTwoKnownEndsThereIsNone) {
+TEST(InputDeviation, IsZeroOnALineBetweenTwoKnownEnds) {
   EXPECT_NEAR(deviation(ramp("{}", true, "gauss-seidel"))["largest"].get<double>(), 0, 1e-14);
   // Held at the later end, it is wrong at the start.
   const auto input = deviation(ramp("{}", false, "gauss-seidel"));

@@ -61,7 +61,7 @@ TEST_F(Report, LeavesOutTextsByName) {
   EXPECT_THAT(results.texts, ElementsAre("a.word"));
 }
 
-TEST_F(Report, ALineThatAKilledRunCutOffSaysNothing) {
+TEST_F(Report, IgnoresALineThatAKilledRunTruncated) {
   const auto results = read_results(table("time [s],a.x [m]\n0,4\n1,5\n2,6"));
   EXPECT_THAT(results.columns[1].values, ElementsAre(4, 5));
 }

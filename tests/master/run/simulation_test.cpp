@@ -100,7 +100,7 @@ std::string ring(const std::vector<std::string>& names) {
                      instances[0], instances[1], instances[2]);
 }
 
-TEST(Simulation, TheOrderOfInstancesIsNothingToTheResults) {
+TEST(Simulation, DoesNotDependOnTheOrderOfInstances) {
   TestRun first(ring({"a", "b", "c"}));
   first.to_end();
   for (const auto& order : {std::vector<std::string>{"c", "b", "a"}, {"b", "c", "a"}, {"c", "a", "b"}}) {

@@ -237,7 +237,7 @@ TEST_F(Containment, CodeInWhichAThreadRunsStaysInMemory) {
       << "the thread sanitizer may have started one as well";
 }
 
-TEST_F(Containment, AnFmuThatChangesNothingIsNotSpokenOf) {
+TEST_F(Containment, DoesNotReportAnFmuWithoutChanges) {
   EXPECT_THAT(run("").err, Not(HasSubstr("changed")));
 }
 

@@ -417,7 +417,7 @@ TEST_F(Sandbox, EndsAsItsFmuEndsAndTakesEverythingWithIt) {
   unsetenv("MEBOTS_TEST");
 }
 
-TEST_F(Isolation, ProcessesThatAnFmuLeavesBehindGoWithTheRun) {
+TEST_F(Isolation, EndsProcessesOfAnFmuWithTheRun) {
   setenv("MEBOTS_TEST", folder.path().c_str(), 1);
   give_b(R"("process": "own")");
   EXPECT_EQ(run({"--set", "b.fault=orphan", "--set", "b.fault_time=0.9"}).code, 0);

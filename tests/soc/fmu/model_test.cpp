@@ -324,7 +324,7 @@ TEST(Model, RefusesAStepBeyondItsLongestTime) {
 }
 
 /// The gate firmware with one picture repeatedly.
-TEST(Model, TakesNothingFromTheHeapInAStepOnceItsCodeIsTranslated) {
+TEST(Model, AllocatesNothingInAStepAfterItsCodeIsTranslated) {
   Variables variables;
   const std::vector<std::uint8_t> picture(320 * 240, 100);
   variables.parameters.camera_frame_height = 240;

@@ -81,7 +81,7 @@ TEST(InstructionCache, TheShiftRegisterSelectsTheWayOfARefill) {
   EXPECT_TRUE(cache.holds(1) && cache.holds(3) && cache.holds(4) && cache.holds(5));
 }
 
-TEST(InstructionCache, PrefersInvalidWaysIfTheBoardSaysSo) {
+TEST(InstructionCache, PrefersInvalidWaysIfTheBoardRequestsIt) {
   InstructionCache cache({64, 16, 4, 9, 0, true}, InstructionCache::Users::several);
   for (std::uint32_t line = 1; line <= 4; ++line) cache.fetch(line, 0);
   for (std::uint32_t line = 1; line <= 4; ++line) EXPECT_TRUE(cache.holds(line)) << line;

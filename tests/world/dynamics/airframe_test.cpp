@@ -69,7 +69,7 @@ TEST(Airframe, DragIsAgainstTheMotionThroughTheAirAlongBodyAxes) {
   EXPECT_TRUE(f.isApprox(Eigen::Vector3d(-0.02 * 1.0, -0.01 * 1.0, 0.0), 1e-12)) << f.transpose();
 }
 
-TEST(Airframe, AirThatMovesAlongPullsNothing) {
+TEST(Airframe, AirAtTheSpeedOfTheBodyCausesNoDrag) {
   RigidState state;
   state.v_WB_m_per_s = {1.0, 2.0, 3.0};
   EXPECT_EQ(drag_force(airframe_drone(), state, state.v_WB_m_per_s).norm(), 0.0);

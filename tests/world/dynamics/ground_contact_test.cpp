@@ -134,7 +134,7 @@ TEST(SinkingFlight, HasLandedIfItWasCommandedToLand) {
   EXPECT_EQ(flight.rig.outputs.drone_phase, FlightPhase::landed);
 }
 
-TEST(SinkingFlight, ATouchAndGoIsNone) {
+TEST(SinkingFlight, IsNotDetectedForATouchAndGo) {
   WeakFlight flight;
   flight.run(std::sqrt(2 * kFall_m / (0.03 * kGravity_m_per_s2)) + 0.3, 0.97);
   flight.run(2.0, 1.05);

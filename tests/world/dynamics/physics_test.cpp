@@ -183,7 +183,7 @@ TEST(Link, ReportsTheDelayOfSetpointsAndWhenRotorsFollowThem) {
   EXPECT_NEAR(rig.outputs.setpoint_link_time_s + rig.outputs.setpoint_control_time_s, took_s, 1e-9);
 }
 
-TEST(Imu, FeelsTheWeightAtRestAndNothingInFreeFall) {
+TEST(Imu, MeasuresTheWeightAtRestAndZeroInFreeFall) {
   FlightRig standing;
   standing.run(0.5);
   EXPECT_NEAR(standing.outputs.imu_acceleration_m_per_s2[2], kGravity_m_per_s2, 1e-3);

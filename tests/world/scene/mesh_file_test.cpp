@@ -108,7 +108,7 @@ TEST_F(MeshFile, ColoursBecomeGreysAsPicturesKeepThem) {
   EXPECT_NEAR(mesh.materials[0].light, 128.0, 0.01);  // the linear light of sRGB 128
 }
 
-TEST_F(MeshFile, BothSidesAreSeenWhereTheFileSaysSo) {
+TEST_F(MeshFile, ShowsBothSidesIfTheFileRequestsIt) {
   gltf["materials"] = json::parse(R"([{"doubleSided": true}])");
   gltf["meshes"][0]["primitives"][0]["material"] = 0;
   const Mesh mesh = read();

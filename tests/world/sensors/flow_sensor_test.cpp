@@ -73,7 +73,7 @@ TEST(FlowSensor, SeesItsOwnTurningAndAHeading) {
   EXPECT_NEAR(counted(other, west, 1.0, 1'000).x, 48.83 * 0.4 / 0.1, 1.0);
 }
 
-TEST(FlowSensor, IsBlindTooNearTooFastAndWhereNothingIs) {
+TEST(FlowSensor, MeasuresNothingTooNearTooFastOrWithoutASurface) {
   RigidState still;
   RigidState fast;
   fast.w_WB_W_rad_per_s = {0.0, 7.5, 0.0};
