@@ -37,7 +37,8 @@ void put(std::string& page, std::string_view name, std::string_view text) {
   const auto place = fmt::format("{{{{{}}}}}", name);
   const auto at = page.find(place);
   if (at == std::string::npos) {
-    throw Error(ErrorCode::system_failure, fmt::format("page.html lacks the placeholder for {}; install MEbots again", place));
+    throw Error(ErrorCode::system_failure,
+                fmt::format("page.html lacks the placeholder for {}; install MEbots again", place));
   }
   page.replace(at, place.size(), text);
 }

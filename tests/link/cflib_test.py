@@ -41,7 +41,7 @@ class State:
         scf.cf.log.add_config(self._log)
         self._log.data_received_cb.add_callback(self._take)
         self._log.start()
-        while not self.rows:  # until then the drone's clock is unknown
+        while not self.rows or not self["supervisor.info"] & 8:  # until then the drone's clock is unknown
             time.sleep(0.01)
 
     def _take(self, time_ms, data, _block):
