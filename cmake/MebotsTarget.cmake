@@ -46,6 +46,8 @@ function(mebots_test name)
   target_link_libraries(${name} PRIVATE ${ARG_LIBRARIES} mebots_test_support GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE MEBOTS_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                              MEBOTS_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  # What is tested keeps its optimisation; a test's own code compiles in four fifths of the time.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   set(longest_s 300)
   if(MEBOTS_SANITIZE)
     set(longest_s 1800)  # a whole mission is up to ten times as slow, and beside other work more

@@ -33,7 +33,7 @@ sources update
 
 plain="-O2 -fPIC -ffp-contract=off"
 build() {
-  # Where musl calls fma() by name, it first queries whether the compiler has a fast one.
+  # musl calls fma() by name only if the compiler says that it is fast.
   (cd "$place"/musl-*/ && ./configure "--target=$target" "CROSS_COMPILE=$target-" \
     "CFLAGS=$plain -U__FP_FAST_FMA -U__FP_FAST_FMAF" && make -j"$(nproc)" lib/libc.a)
   cmake -S "$place"/libccd-*/ -B "$place/libccd" -G Ninja -DCMAKE_BUILD_TYPE=None "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" \

@@ -68,7 +68,7 @@ def ask(question, build, folder):
 
 
 def missing_lines(question, output):
-    """Returns the lines of the page's answer that the output lacks, or has in another order. "..." stands for any lines."""
+    """Returns the lines of the page's answer that are not in the output in this order. "..." stands for any lines."""
     lines = [line.rstrip() for line in output.splitlines()]
     missing, at = [], 0
     for wanted in question.answer:

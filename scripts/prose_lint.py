@@ -79,7 +79,7 @@ def all_lines(paths: list[str]) -> Iterator[Line]:
 
 
 def prose(line: Line) -> str | None:
-    """Returns the part of a line that people read; None if there is none."""
+    """Returns the part of a line that people read, or None."""
     suffix = pathlib.Path(line.path).suffix
     if suffix in PAGES:
         return None if line.text.startswith(("```", "    ")) else line.text.strip(" |#-*")

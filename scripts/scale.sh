@@ -6,7 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=${1:-build/ci}
-# Without the per-thread cache (tcache), which the allocator counts as used, every byte counts.
+# The allocator counts its per-thread cache (tcache) as used, so the measurement turns it off.
 export GLIBC_TUNABLES=glibc.malloc.tcache_count=0
 run() {
   MEBOTS_CYCLES=10000 "$build/bin/master_test" --gtest_brief=1 --gtest_filter="$1" | grep -v '^Running main'

@@ -121,12 +121,12 @@ inline bool Interpreter::run(const Block& block, std::uint32_t stall) {
 inline bool Interpreter::run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs) {
   MEBOTS_ASSERT(walk_ == nullptr, "with an observer, run() is used");
   if (!run(block, stall)) return false;
-  // Between linked blocks, only the limit, interrupts, code changes and the lines need a check.
+  // Between linked blocks, only the limit, interrupts, PMP, code changes and the lines need a check.
   auto& e = execution_;
   const auto& blocks = blocks_;
   const auto& limit = limit_;
   while (e.link != nullptr && *e.link != 0 && e.leave == Leave::normal && !csrs.interrupt_ready() &&
-         !blocks.is_stale()) {
+         !csrs.is_guarded() && !blocks.is_stale()) {
     const auto& next = blocks.block(*e.link);
     if (next.pc != e.pc || !blocks.is_present(next)) break;
     if (blocks.delays_jump(next, e.pipeline.two_before, e.pipeline.before)) break;

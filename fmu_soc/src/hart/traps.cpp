@@ -114,9 +114,9 @@ std::uint32_t Traps::handler_of(std::uint32_t cause) const {
   if (csrs_.has_gap8_interrupts()) {
     const auto vectors = csrs_.handlers() & ~0xffU;
     if (is_interrupt) return vectors + 4 * (cause & 31U);
-    return vectors + (cause == cause::kIllegalInstruction ? kIllegalVector
-                      : cause == cause::kMachineEcall     ? kCallVector
-                                                          : kAccessVector);
+    return vectors + (cause == cause::kIllegalInstruction                           ? kIllegalVector
+                      : cause == cause::kMachineEcall || cause == cause::kUserEcall ? kCallVector
+                                                                                    : kAccessVector);
   }
   const bool is_vectored = (csrs_.handlers() & 1U) != 0 && is_interrupt;
   return (csrs_.handlers() & ~3U) + (is_vectored ? 4 * (cause & 31U) : 0);

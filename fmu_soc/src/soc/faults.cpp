@@ -29,7 +29,6 @@ std::string_view cause_text(std::uint32_t cause) {
       return "store access fault";
     case cause::kUserEcall:
     case cause::kMachineEcall:
-    case cause::kUserEcall:
       return "ecall";
     case cause::kLoadMisaligned:
     case cause::kStoreMisaligned:
@@ -71,9 +70,11 @@ std::string address_text(const Soc& soc, std::uint32_t address) {
 
 std::string text_of(const Exception& what, const Soc& soc, const Hart& hart) {
   const auto& program = soc.program();
-  auto text = fmt::format("{} (mcause {}, mtval 0x{:08x}) at {}: {}", cause_text(what.cause), what.cause, what.value,
-                          place_text(program, what.pc),
-                          what.instruction == 0 ? "no instruction there" : disassemble(what.instruction, what.pc));
+  auto text =
+      fmt::format("{} (mcause {}, mtval 0x{:08x}) at {}: {}", cause_text(what.cause), what.cause, what.value,
+                  place_text(program, what.pc),
+                  what.instruction == 0 ? "no instruction there"
+                                        : disassemble(what.instruction, what.pc, hart.code().blocks.extensions()));
   if (is_access_fault(what.cause)) return fmt::format("{}; {}", text, address_text(soc, what.value));
   if (what.cause != cause::kIllegalInstruction) return text;
   const auto advice = advice_for_illegal(what.instruction, hart.code().blocks.extensions(), program.architecture());

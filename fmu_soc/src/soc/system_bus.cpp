@@ -31,8 +31,8 @@ constexpr std::uint32_t kMtimeHigh = 0x7ffc;
 
 /// Executes the CSR instruction at the core's pc if it reads `time` or `timeh`, or accesses `satp`, on a board with a
 /// timer of the platform. `time` shows MTIME. `satp` reads 0 and ignores writes, as in a core whose only mode of
-/// address translation is Bare; programs clear it at their start. Returns false for any other instruction. Source:
-/// RISC-V Privileged Specification 20211203, sections 3.2.1 and 4.1.11.
+/// address translation is Bare; programs clear it at their start. In U mode both are illegal instructions. Returns
+/// false for any other instruction. Source: RISC-V Privileged Specification 20211203, sections 3.2.1 and 4.1.11.
 bool serves_platform_register(Hardware& hardware, const DeviceSet& devices, Picoseconds now) {
   constexpr std::uint32_t kSystem = 0x73;
   constexpr std::uint32_t kTime = 0xc01;
@@ -46,9 +46,10 @@ bool serves_platform_register(Hardware& hardware, const DeviceSet& devices, Pico
   if (entry == entries.end() || !hardware.memory().read(hart.pc(), bytes)) return false;
   const auto number = word >> 20;
   const auto function = word >> 12 & 7U;
-  const bool is_read = function == 2 && (word >> 15 & 31U) == 0;  // csrrs with x0
-  const bool is_time = is_read && (number == kTime || number == kTimeHigh);
   const bool is_access = (function & 3U) != 0;
+  const bool is_read = (function & 2U) != 0 && (word >> 15 & 31U) == 0;  // csrrs and csrrc that change no bit
+  const bool is_time = is_read && (number == kTime || number == kTimeHigh);
+  if (hart.mode() != Mode::machine) return false;  // mcounteren.TM is 0
   if ((word & 0x7fU) != kSystem || !(is_time || (is_access && number == kSatp))) return false;
   std::uint32_t value = 0;
   if (is_time) devices.find(entry->name)->load(number == kTime ? kMtime : kMtimeHigh, now, value);

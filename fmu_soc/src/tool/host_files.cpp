@@ -5,6 +5,9 @@
 
 #include <fmt/core.h>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <string_view>
@@ -47,17 +50,23 @@ std::FILE* HostFiles::file_of(int file) const {
   return file >= kFirstFile && index < files_.size() ? files_[index].get() : nullptr;
 }
 
-int HostFiles::open(const std::string& name, const char* mode) {
-  if (name == kConsole) return *mode == 'r' ? 0 : *mode == 'w' ? 1 : 2;
+int HostFiles::open(const std::string& name, int flags) {
+  const bool is_read = (flags & O_ACCMODE) == O_RDONLY;
+  if (name == kConsole) return is_read || (flags & O_CREAT) == 0 ? 0 : (flags & O_APPEND) == 0 ? 1 : 2;
   if (name == kFeatures) {
-    return *mode == 'r' ? keep(::fmemopen(const_cast<char*>(kFeatureBytes.data()), kFeatureBytes.size(), "r"))
-                        : -EACCES;
+    return is_read ? keep(::fmemopen(const_cast<char*>(kFeatureBytes.data()), kFeatureBytes.size(), "r")) : -EACCES;
   }
   const auto path = inside(name);
   if (!path) return -EACCES;
   std::error_code error;
   if (std::filesystem::is_directory(*path, error)) return -EISDIR;
-  return keep(std::fopen(path->c_str(), mode));
+  // O_NOFOLLOW: a link to a file that does not exist yet is no part of the canonical path.
+  const int descriptor = ::open(path->c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor < 0) return errno == ELOOP ? -EACCES : -errno;
+  const auto* const mode = is_read ? "rb" : (flags & O_ACCMODE) == O_WRONLY ? "wb" : "r+b";
+  auto* const file = ::fdopen(descriptor, mode);
+  if (file == nullptr) ::close(descriptor);
+  return keep(file);
 }
 
 /// Returns the number of a newly opened file, or -errno if `file` is null.

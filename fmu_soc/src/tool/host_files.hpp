@@ -21,8 +21,8 @@ class HostFiles {
   /// Without a folder, there is only the console, which must outlive the files.
   HostFiles(const std::optional<std::string>& folder, HostConsole& console);
 
-  /// `mode` as for fopen(). ":tt" is the console.
-  int open(const std::string& name, const char* mode);
+  /// Opens a file with flags of POSIX's open(). ":tt" is the console.
+  int open(const std::string& name, int flags);
   int close(int file);
   /// Returns the number of bytes; 0 at the end.
   long read(int file, std::span<char> into);

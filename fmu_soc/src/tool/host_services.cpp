@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -44,7 +46,13 @@ constexpr std::uint64_t kCentiseconds = 100;
 constexpr std::uint64_t kTicks = 1'000'000;
 
 /// Modes of fopen() by SYS_OPEN's number.
-constexpr std::array kModes{"r", "rb", "r+", "r+b", "w", "wb", "w+", "w+b", "a", "ab", "a+", "a+b"};
+/// SYS_OPEN numbers the modes of fopen(): each as text and as binary, which are the same here.
+constexpr std::array kModes{O_RDONLY,
+                            O_RDWR,
+                            O_WRONLY | O_CREAT | O_TRUNC,
+                            O_RDWR | O_CREAT | O_TRUNC,
+                            O_WRONLY | O_CREAT | O_APPEND,
+                            O_RDWR | O_CREAT | O_APPEND};
 
 }  // namespace
 
@@ -68,8 +76,9 @@ HostReply HostServices::answer(long result) {
 HostReply HostServices::open(const Block& block) {
   const auto name = calls_.text_at(block[0], block[2]);
   if (!name) return answer(-EFAULT);
-  if (block[1] >= kModes.size()) return answer(-EINVAL);
-  return answer(files_.open(*name, kModes[block[1]]));
+  const auto mode = block[1] / 2;  // the lowest bit: binary
+  if (mode >= kModes.size()) return answer(-EINVAL);
+  return answer(files_.open(*name, kModes[mode]));
 }
 
 HostReply HostServices::write_text(std::uint32_t address) {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/system_calls.hpp"
 
+#include "hart/csr_numbers.hpp"
 #include "mebots/error.hpp"
 
 #include <fmt/core.h>
+
+#include <fcntl.h>
 
 #include <algorithm>
 #include <array>
@@ -125,21 +128,25 @@ constexpr std::uint64_t kMicroseconds = 1'000'000;
 constexpr std::uint64_t kNanoseconds = 1'000'000'000;
 constexpr std::uint32_t kAlignment = 16;  // of the stack
 constexpr unsigned kStackPointer = 2;
+constexpr std::uint32_t kFloatsOn = 3U << 13;  // mstatus.FS, which an operating system sets before a program starts
 /// Space that the heap leaves for the stack: a quarter of the RAM, at most Linux's default.
 constexpr std::uint32_t kMostStack = 8U << 20;
 /// What a shell reports for a program that a signal has ended.
 constexpr std::uint32_t kSignalled = 128;
 
-/// Returns the mode of fopen() for flags of Linux's open().
-const char* mode_of(std::uint32_t flags) {
-  constexpr std::uint32_t kWrite = 1;
-  constexpr std::uint32_t kReadWrite = 2;
-  constexpr std::uint32_t kTruncate = 01000;
-  constexpr std::uint32_t kAppend = 02000;
-  if ((flags & kAppend) != 0) return (flags & kReadWrite) != 0 ? "a+b" : "ab";
-  if ((flags & kTruncate) != 0) return (flags & kReadWrite) != 0 ? "w+b" : "wb";
-  return (flags & (kWrite | kReadWrite)) != 0 ? "r+b" : "rb";
-}
+/// Flags of open() as a program's C library numbers them. Both number O_RDONLY, O_WRONLY and O_RDWR alike.
+struct OpenFlags {
+  std::uint32_t append, create, truncate, exclusive;
+
+  int to_host(std::uint32_t flags) const {
+    const auto bit = [flags](std::uint32_t mask, int value) { return (flags & mask) != 0 ? value : 0; };
+    return static_cast<int>(flags & 3U) | bit(append, O_APPEND) | bit(create, O_CREAT) | bit(truncate, O_TRUNC) |
+           bit(exclusive, O_EXCL);
+  }
+};
+constexpr OpenFlags kLinuxFlags{.append = 02000, .create = 0100, .truncate = 01000, .exclusive = 0200};
+/// newlib, sys/_default_fcntl.h: its _open() passes them to call 1024 unchanged.
+constexpr OpenFlags kNewlibFlags{.append = 0x8, .create = 0x200, .truncate = 0x400, .exclusive = 0x800};
 
 std::uint32_t end_of(const Elf& program) {
   std::uint32_t end = 0;
@@ -180,7 +187,9 @@ void SystemCalls::begin_program(const std::vector<std::string>& arguments) {
     throw Error(fmt::format("--user: {}: the arguments need more memory than there is after the program's end 0x{:08x}",
                             program.origin(), least_break_));
   }
-  soc_.hart().set_reg(kStackPointer, top);
+  auto& hart = soc_.hart();
+  hart.set_reg(kStackPointer, top);
+  if (hart.code().blocks.extensions().has(Extension::f)) hart.set_csr(csr::kMstatus, kFloatsOn);
   break_ = least_break_;
   most_break_ = ram->base + (ram->size - stack);
 }
@@ -219,9 +228,9 @@ bool SystemCalls::poke(std::uint32_t address, std::span<const std::uint64_t> wor
   return soc_.poke(address, {reinterpret_cast<const std::uint8_t*>(words.data()), words.size_bytes()});
 }
 
-long SystemCalls::open(std::uint32_t name, std::uint32_t flags) {
+long SystemCalls::open(std::uint32_t name, int flags) {
   const auto text = text_at(name);
-  return text ? files_.open(*text, mode_of(flags)) : -EFAULT;
+  return text ? files_.open(*text, flags) : -EFAULT;
 }
 
 /// writev: an address and a length for each part.
@@ -279,9 +288,9 @@ HostReply SystemCalls::serve(std::uint32_t number, std::span<const std::uint32_t
   const auto result = [](long value) -> HostReply { return {static_cast<std::uint32_t>(value)}; };
   switch (static_cast<Call>(number)) {
     case Call::openat:
-      return result(open(arguments[1], arguments[2]));
+      return result(open(arguments[1], kLinuxFlags.to_host(arguments[2])));
     case Call::open:
-      return result(open(arguments[0], arguments[1]));
+      return result(open(arguments[0], kNewlibFlags.to_host(arguments[1])));
     case Call::close:
       return result(files_.close(file));
     case Call::lseek:

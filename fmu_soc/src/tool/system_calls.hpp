@@ -41,7 +41,8 @@ class SystemCalls {
 
  private:
   bool poke(std::uint32_t address, std::span<const std::uint64_t> words);
-  long open(std::uint32_t name, std::uint32_t flags);
+  /// `flags` as for open() of the host.
+  long open(std::uint32_t name, int flags);
   long write_parts(int file, std::uint32_t parts, std::uint32_t count);
   long status(int file, std::uint32_t address);
   long move_break(std::uint32_t address);

@@ -133,6 +133,11 @@ Stubs emit_stubs(Assembler& a) {
     a.stmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
     a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control))]);
   }
+  // Stores the flags that were raised, and gives the caller its own control word back.
+  const auto leave_floats = [&a] {
+    a.stmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_after))]);
+    a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
+  };
   a.L(next_core);
   a.mov(r15, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);
   a.pxor(xmm15, xmm15);
@@ -150,16 +155,14 @@ Stubs emit_stubs(Assembler& a) {
   stubs.leave = a.getCurr();
   a.mov(qword[rbx + offset_of_host(offsetof(HostState, resume_point))], 0);
   a.cycles.add_to_counters();
-  if (has_floats) {
-    a.stmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_after))]);
-    a.ldmxcsr(dword[rbx + offset_of_host(offsetof(HostState, float_control_outside))]);
-  }
+  if (has_floats) leave_floats();
   a.mov(rdx, rbx);
   a.L(done);
   for (auto reg = saved.rbegin(); reg != saved.rend(); ++reg) a.pop(*reg);
   a.ret();
 
   a.L(limit);
+  if (has_floats) leave_floats();  // such a core is alone: there is no next one
   emit_next_core(a, next_core, done);
 
   if (a.blocks.fetched() != nullptr && a.fetches.are_inline()) {

@@ -10,10 +10,11 @@ namespace mebots::world {
 /// Returns the force [N] of a drone's air on a drone below it, along that drone's -z axis, as in gym-pybullet-drones
 /// (Panerati et al., IROS 2021), whose numbers were measured on Crazyflies:
 ///
-///   F = 2267.18 (r / 4 dz)^2 exp(-(dxy / (0.16 dz - 0.11))^2 / 2),   dz > 0, dxy < 10
+///   F = 2267.18 (r / 4 dz)^2 exp(-(dxy / (0.16 dz - 0.11))^2 / 2),   dz > 0.6875, dxy < 10
 ///
 /// `to_above_W_m` = (dx, dy, dz) is from the lower to the upper drone, r the radius of the upper one's rotors. The
-/// formula knows neither thrust nor attitude. Nearer than 0.69 m its column is narrow, and it grows with 1 / dz^2.
+/// formula knows neither thrust nor attitude. At 0.6875 m its column has no width. Below, it would widen again while
+/// the force grows with 1 / dz^2, beyond any thrust; so the force is 0 there.
 inline double downwash(const Eigen::Vector3d& to_above_W_m, double rotor_radius_m) {
   constexpr double kStrength_n = 2267.18;
   constexpr double kWidening = 0.16;
@@ -21,10 +22,10 @@ inline double downwash(const Eigen::Vector3d& to_above_W_m, double rotor_radius_
   constexpr double kReach_m = 10.0;
   const double dz_m = to_above_W_m.z();
   const double dxy_m = to_above_W_m.head<2>().norm();
-  if (!(dz_m > 0.0) || !(dxy_m < kReach_m)) return 0.0;
-  const double ratio = rotor_radius_m / (4.0 * dz_m);
   const double width_m = kWidening * dz_m - kNarrowing_m;
-  const double aside = dxy_m == 0.0 ? 0.0 : dxy_m / width_m;  // 0 in the middle of a column of any width
+  if (!(width_m > 0.0) || !(dxy_m < kReach_m)) return 0.0;
+  const double ratio = rotor_radius_m / (4.0 * dz_m);
+  const double aside = dxy_m / width_m;
   return kStrength_n * ratio * ratio * std::exp(-0.5 * aside * aside);
 }
 

@@ -3,6 +3,7 @@
 #include "test_system.hpp"
 
 #include "base/packed.hpp"
+#include "mebots/packed.hpp"
 #include "record/sink/png_file.hpp"
 #include "report/page.hpp"
 
@@ -21,15 +22,15 @@
 namespace mebots::test {
 namespace {
 
-using master::deflated;
 using master::gunzipped;
-using master::gzipped;
-using master::Packing;
 using master::report::payload_of;
 using master::report::read_results;
 using master::report::read_run_folder;
 using master::report::ResultTable;
 using master::report::RunFolder;
+using mebots::deflated;
+using mebots::gzipped;
+using mebots::Packing;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;

@@ -214,7 +214,14 @@ class Filler {
       throw InputError(ErrorCode::invalid_value,
                        fmt::format("{{{}}}: a whole number can be added to an index alone", expression));
     }
-    return found->second.get<std::int64_t>() + (expression[sign] == '-' ? -*offset : *offset);
+    const auto index = found->second.get<std::int64_t>();
+    std::int64_t sum = 0;
+    const bool overflows = expression[sign] == '-' ? __builtin_sub_overflow(index, *offset, &sum)
+                                                   : __builtin_add_overflow(index, *offset, &sum);
+    if (overflows) {
+      throw InputError(ErrorCode::value_out_of_range, fmt::format("{{{}}}: the sum exceeds 64 bits", expression));
+    }
+    return sum;
   }
 
   const Values& values_;
