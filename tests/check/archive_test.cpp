@@ -42,7 +42,7 @@ TEST(CheckArchive, FoldersOfLaterEditionsOfTheStandardAreKnown) {
 TEST(CheckArchive, ADescriptionInAFolderIsPointedAt) {
   Workshop workshop;
   EXPECT_THAT(findings(workshop.archive({{"culprit/modelDescription.xml", culprit_description("none")}})),
-              Contains(HasSubstr("modelDescription.xml is not at the top")));
+              Contains(HasSubstr("modelDescription.xml is not at the root of the archive")));
 }
 
 TEST(CheckArchive, ABombIsFoundWithoutUnpackingIt) {

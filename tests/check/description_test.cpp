@@ -127,11 +127,11 @@ TEST_F(CheckDescription, StructureIsComplete) {
   EXPECT_THAT(with("<Outputs><Unknown index=\"2\" dependencies=\"\"/></Outputs>", ""),
               Contains(HasSubstr("Outputs lacks \"y\"")));
   EXPECT_THAT(with("<Unknown index=\"2\" dependencies=\"\"/>", "<Unknown index=\"1\"/><Unknown index=\"2\"/>"),
-              Contains(HasSubstr("Outputs holds \"u\"")));
+              Contains(HasSubstr("Outputs lists \"u\"")));
   EXPECT_THAT(with("initial=\"exact\"><Real start=\"0\"", "><Real"),
               Contains(HasSubstr("InitialUnknowns lacks \"y\"")));
   EXPECT_THAT(with("</Outputs>", "</Outputs><InitialUnknowns><Unknown index=\"3\"/></InitialUnknowns>"),
-              Contains(HasSubstr("InitialUnknowns holds \"gain\"")));
+              Contains(HasSubstr("InitialUnknowns lists \"gain\"")));
 }
 
 TEST_F(CheckDescription, OsmpBinariesAreWhole) {

@@ -50,7 +50,7 @@ TEST(CheckFmi1, AppliesTheGrammarOfFmi1) {
 
 TEST(CheckFmi1, ReportsFaultyVariables) {
   EXPECT_THAT(of_changed_tank(R"(name="rate")", R"(name="level")"),
-              Contains(HasSubstr("a variable before has the name \"level\"")));
+              Contains(HasSubstr("an earlier variable also has the name \"level\"")));
   EXPECT_THAT(of_changed_tank("<Name>inflow</Name>", "<Name>flow</Name>"),
               ElementsAre(HasSubstr("\"flow\", which is not a variable")));
   EXPECT_THAT(of_changed_tank(R"(<Real start="0.25"/>)", "<Real/>", Level::pedantic),

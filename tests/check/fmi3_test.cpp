@@ -93,7 +93,7 @@ TEST(CheckFmi3, EachMistakeOfADescriptionIsNamed) {
   expect("canGetAndSetFMUState=\"true\" ", "", "canSerializeFMUState without canGetAndSetFMUState");
   expect("stopTime=\"1\"", "stopTime=\"-1\"", "stopTime -1 is before startTime 0");
   expect("name=\"y2\"", "name=\"u\"", "the name u is already taken");
-  expect("valueReference=\"8\"", "valueReference=\"4\"", "the value reference 4 is that of another variable");
+  expect("valueReference=\"8\"", "valueReference=\"4\"", "the value reference 4 is also that of another variable");
   expect("causality=\"independent\"", "causality=\"local\"", "there are 0 independent variables");
   expect("causality=\"parameter\" variability=\"fixed\"", "causality=\"parameter\" variability=\"discrete\"",
          "causality parameter cannot have variability discrete");
@@ -103,7 +103,7 @@ TEST(CheckFmi3, EachMistakeOfADescriptionIsNamed) {
   expect("declaredType=\"Mode\"", "declaredType=\"Length\"", "Length is a <Float64Type>");
   expect("unit=\"m\" min", "unit=\"km\" min", "the unit km is not defined");
   expect("start=\"1 2\"", "start=\"1 20\"", "u: start 20 is above max 9");
-  expect("causality=\"input\" start=\"1\"", "causality=\"input\" start=\"7\"", "start 7 is no item of Mode");
+  expect("causality=\"input\" start=\"1\"", "causality=\"input\" start=\"7\"", "start 7 is not an item of Mode");
   expect("start=\"1 2\"", "start=\"1 2 3\"", "u has 3 start values for 2 elements");
   expect("<Dimension valueReference=\"1\"/>", "<Dimension valueReference=\"3\"/>",
          "not a structural parameter or constant");

@@ -154,7 +154,7 @@ TEST_F(ArchiveTest, BackslashesAreReadAsSlashesWithANotice) {
 TEST_F(ArchiveTest, DecompressionBombsAreRefused) {
   const std::string zeros(20 << 20, '\0');
   expect_refused(with_entry("bomb", zeros), "more than 1000 times");
-  expect_refused(with_entry("big", zeros), "over the limit of 1000000 bytes", {.total_bytes = 1'000'000});
+  expect_refused(with_entry("big", zeros), "above the limit of 1000000 bytes", {.total_bytes = 1'000'000});
   expect_refused(with_entry("one", "x"), "2 entries are more than the limit of 1", {.entries = 1});
 }
 

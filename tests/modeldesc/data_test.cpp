@@ -276,7 +276,7 @@ TEST(Text, HoldsNoZeroByte) {
     FAIL();
   } catch (const Mistakes& mistakes) {
     EXPECT_THAT(mistakes.what(),
-                AllOf(HasSubstr("f.json:1:2: /name"), HasSubstr(R"("a.fmu\u0000x" holds a zero byte)")));
+                AllOf(HasSubstr("f.json:1:2: /name"), HasSubstr(R"("a.fmu\u0000x" contains a zero byte)")));
   }
 }
 

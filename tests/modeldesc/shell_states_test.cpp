@@ -33,7 +33,7 @@ TEST(Shell, SaysWhichInterfaceItSpeaks) {
 TEST(Shell, RefusesAWrongGuidKindNameOrResourceLocation) {
   const std::string guid = LagFmu::get().description().guid;
   const std::string uri = LagFmu::get().resource_uri();
-  expect_refused("a", fmi2CoSimulation, "{other}", uri.c_str(), "{other} is not this library's ");
+  expect_refused("a", fmi2CoSimulation, "{other}", uri.c_str(), "the GUID {other} differs from this library's ");
   expect_refused("a", fmi2CoSimulation, nullptr, uri.c_str(), "GUID (null)");
   expect_refused("a", fmi2ModelExchange, guid.c_str(), uri.c_str(), "only co-simulation");
   expect_refused("", fmi2CoSimulation, guid.c_str(), uri.c_str(), "instance name is missing");

@@ -154,7 +154,7 @@ TEST(Fmi1, GivesNoticeOfAVariableThatIsLeftOut) {
   const test::ChangedFmu fmu("tank1", R"(name="start" valueReference="5")", R"(name="rate" valueReference="5")");
   TestRun run(fmt::format(R"({{"step": 1, "stop_time": 1, "instances": {{"a": {{"fmu": "{}"}}}}, "connections": []}})",
                           fmu.path().string()));
-  EXPECT_THAT(run.system.notices, Contains(HasSubstr("a variable before has the name \"rate\"")));
+  EXPECT_THAT(run.system.notices, Contains(HasSubstr("an earlier variable also has the name \"rate\"")));
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ TEST(ProcessState, TheHandlersThatEndARunArePutBack) {
   const auto before = std::signal(SIGINT, SIG_DFL);
   const master::ProcessState state;
   std::signal(SIGINT, SIG_IGN);
-  EXPECT_THAT(state.put_right(), ElementsAre("the handler of signal 2 (SIGINT) is another (put back)"));
+  EXPECT_THAT(state.put_right(), ElementsAre("the handler of signal 2 (SIGINT) changed (put back)"));
   EXPECT_EQ(std::signal(SIGINT, before), SIG_DFL);
 }
 
@@ -279,7 +279,7 @@ TEST_F(Exits, ATextAtAnAddressWhereNothingIsIsAnErrorOfItsInstance) {
   for (const std::string process : {"", "--isolate"}) {
     const auto ended = run("bad_string", process);
     EXPECT_EQ(ended.code, 1) << process;
-    EXPECT_THAT(ended.err, HasSubstr("fmi2GetString gave the address 0x8 for the text of string_out")) << process;
+    EXPECT_THAT(ended.err, HasSubstr("fmi2GetString returned the address 0x8 for the text of string_out")) << process;
     EXPECT_THAT(ended.err, HasSubstr("instance 'b' at 0.5 s")) << process;
     EXPECT_EQ(summary()["outcome"], "failed") << process;
   }
@@ -291,7 +291,7 @@ TEST_F(Exits, ReportsChangesOfThreadAndTimersWithTheInstance) {
   EXPECT_THAT(ended.err,
               AllOf(HasSubstr("b: warning: the FMU probe.fmu changed the whole process in fmi2EnterInitialization"),
                     HasSubstr("the signal mask blocks SIGINT, SIGTERM (put back)"),
-                    HasSubstr("the handler of signal 2 (SIGINT) is another (put back)"),
+                    HasSubstr("the handler of signal 2 (SIGINT) changed (put back)"),
                     HasSubstr("ITIMER_REAL, as by alarm(), runs (stopped)"), HasSubstr("ITIMER_PROF runs (stopped)"),
                     HasSubstr("the priority (nice value) became"), HasSubstr("the parent-death signal became SIGUSR2"),
                     HasSubstr("the alternate signal stack changed (put back)")));
