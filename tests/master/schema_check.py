@@ -30,7 +30,7 @@ CASES = [
     (["step"], ABSENT, False),
     (["stop_time"], ABSENT, False),
     (["instances"], ABSENT, False),
-    (["connections"], ABSENT, False),
+    (["connections"], ABSENT, True),
     (["stpe"], 0.1, False),
     (["$schema"], "mebots-config.schema.json", True),
     (["$schema"], 1, False),
