@@ -130,8 +130,9 @@ TEST(CheckBehaviour, ChecksTheSharedStateOfTheProcessAfterEveryCall) {
               testing::ElementsAre(testing::AllOf(HasSubstr("warning: fmi2DoStep at 0.3"),
                                                   HasSubstr("the mask of file modes became 000"))));
   EXPECT_THAT(of("rounding", 30, Level::interoperable),
-              Contains(testing::AllOf(HasSubstr("warning: fmi2Instantiate: the floating-point environment of the thread changed"),
-                                      HasSubstr("rounding upward"))));
+              Contains(testing::AllOf(
+                  HasSubstr("warning: fmi2Instantiate: the floating-point environment of the thread changed"),
+                  HasSubstr("rounding upward"))));
 }
 
 TEST(CheckBehaviour, AnFmuMayEndTheRun) {
