@@ -448,7 +448,7 @@ class BadInput(StudyCase):
         self.assertIn("not an expression", self.refused())
         for text in ("integral" + "+integral" * 20000, "1" + "+1" * 150, "-" * 150 + "integral"):
             self.study(objectives={"x": {"expression": text}})
-            self.assertIn(f"the objective 'x': '{text[:40]}...' is too long an expression", self.refused())
+            self.assertIn(f"the objective 'x': '{text[:40]}...' is too long", self.refused())
         self.study(objectives={"x": {"expression": "(" * 1500 + "integral" + ")" * 1500}})
         self.assertIn("is not an expression", self.refused())
         self.study(objectives={"integral": {"summary": "integral"}, "x": {"expression": "integral" + "+integral" * 90}})
