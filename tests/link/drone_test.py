@@ -126,6 +126,21 @@ class Firmware(unittest.TestCase):
         self.assertAlmostEqual(inputs.yaw_rate_rad_per_s, math.pi / 4, places=6)
         self.assertAlmostEqual(inputs.altitude_m, 0.4, places=6)
 
+    def test_a_take_off_is_accepted_as_soon_as_the_supervisor_says_that_the_drone_can_fly(self):
+        take_off = struct.pack("<BBff?f", 7, 0, 1.0, 0.0, False, 2.0)
+        beside = STANDING._replace(position_m=(0.0, 1.0, 0.0145))
+        drone = Drone(["bcFlow2"], beside)
+        for _ in range(40):
+            can_fly = drone.info & 8 != 0
+            (answer,) = drone.handle(Packet(8, 0, take_off))
+            self.assertEqual(answer.data[3] == 0, can_fly, f"at {drone.now_ms} ms")
+            drone.control()
+            if can_fly:
+                self.assertEqual(drone.setpoint.position_m, (0.0, 1.0))  # it rises where it stands
+                return
+            drone.advance(beside)
+        self.fail("the drone never could fly")
+
     def test_old_set_points_level_the_drone_out_and_then_lock_it(self):
         flying = STANDING._replace(motors=(0.5,) * 4, velocity_m_per_s=(0.3, 0.0, 0.0))
         self.hover()

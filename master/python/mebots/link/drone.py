@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One drone: what its firmware does between the link and the simulated controller.
+"""A drone's firmware between the link and the simulated controller.
 
 Its behaviour follows from packets, readings and simulated time alone, so that a recorded run can be repeated.
 """
@@ -50,7 +50,7 @@ class Drone:
         self._parameters = Parameters(parameters(decks), self._changed)
         self._log = Log(variables(self))
         self._memories = Memories()
-        self._high_level = HighLevel(self._planner, self._parameters, self._memories.trajectories)
+        self._high_level = HighLevel(self._planner, self.supervisor, self._parameters, self._memories.trajectories)
         self._loop = PositionLoop(self._parameters)
         self._console: list[Packet] = []
         self._printed: set[str] = set()
@@ -81,11 +81,12 @@ class Drone:
         """Returns the inputs of the simulated drone for the next period."""
         if not self.is_powered:
             return self._loop.update(OFF, self.now, False)
-        self._high_level.is_blocked = not self.supervisor.can_fly
-        if self._high_level.is_blocked and self._planner.is_active:
-            self._planner.stop()
         if self.supervisor.can_fly:
             self._follow_planner()
+        else:
+            if self._planner.is_active:
+                self._planner.stop()
+            self._rest()
         if self.now_ms % supervisor.PERIOD_MS == 0:
             self._supervise()
         allowed = self.supervisor.can_fly

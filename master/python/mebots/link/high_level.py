@@ -11,6 +11,7 @@ from typing import NamedTuple
 from mebots.link.crtp import Errno, Packet
 from mebots.link.parameters import Parameters
 from mebots.link.planner import Planner
+from mebots.link.supervisor import Supervisor
 from mebots.link.trajectories import PIECE_BYTES, Piece
 
 _DEFINITIONS = 31
@@ -27,15 +28,16 @@ class _Trajectory(NamedTuple):
 class HighLevel:
     """Decodes commands, and gives them to the planner.
 
+    :param supervisor: allows or refuses flights.
     :param memory: the uploaded trajectories.
     """
 
-    def __init__(self, planner: Planner, parameters: Parameters, memory: bytearray) -> None:
+    def __init__(self, planner: Planner, supervisor: Supervisor, parameters: Parameters, memory: bytearray) -> None:
         self._planner = planner
+        self._supervisor = supervisor
         self._parameters = parameters
         self._memory = memory
         self._trajectories = [_Trajectory()] * _DEFINITIONS
-        self.is_blocked = False
 
     def handle(self, packet: Packet, time_s: float) -> list[Packet]:
         command = packet.data[0] if packet.data else -1
@@ -54,7 +56,7 @@ class HighLevel:
 
     def _fly(self, group: int) -> Errno | None:
         """Returns the answer to a command that is not executed; None if it is executed."""
-        if self.is_blocked:
+        if not self._supervisor.can_fly:
             return Errno.BUSY
         return None if self._is_in(group) else Errno.NONE
 
