@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `mebots deploy` is written in Python (master/python/mebots/deploy): the program becomes the interpreter that runs it.
 #include "command.hpp"
+#include "python_words.hpp"
 
 #include <fmt/format.h>
 
@@ -28,22 +29,16 @@ struct DeployOptions {
   bool json = false;
 };
 
-template <typename Value>
-void add_value(std::vector<std::string>& words, const std::string& option, const std::optional<Value>& value) {
-  if (value) words.insert(words.end(), {option, fmt::format("{}", *value)});
-}
-
-std::vector<std::string> words_of(const DeployOptions& options) {
-  std::vector<std::string> words = {options.model.string(), "--data", options.data.string(), "--out",
-                                    options.out.string()};
-  if (!options.board.empty()) words.insert(words.end(), {"--board", options.board});
-  if (!options.crop.empty()) words.insert(words.end(), {"--crop", options.crop});
-  add_value(words, "--percentile", options.percentile);
-  add_value(words, "--input-scale", options.input_scale);
+Words words_of(const DeployOptions& options) {
+  Words words = {options.model.string(), "--data", options.data.string(), "--out", options.out.string()};
+  add_word(words, "--board", options.board);
+  add_word(words, "--crop", options.crop);
+  add_number(words, "--percentile", options.percentile);
+  add_number(words, "--input-scale", options.input_scale);
   // With "=", because the value may begin with a minus.
   if (options.input_offset) words.push_back(fmt::format("--input-offset={}", *options.input_offset));
-  add_value(words, "--pictures", options.pictures);
-  add_value(words, "--vectors", options.vectors);
+  add_number(words, "--pictures", options.pictures);
+  add_number(words, "--vectors", options.vectors);
   if (options.no_measure) words.emplace_back("--no-measure");
   if (options.json) words.emplace_back("--json");
   return words;

@@ -2,6 +2,7 @@
 // `mebots replay`, `mebots identify` and `mebots new-cell` are written in Python (master/python/mebots/flight). The
 // program is replaced by the interpreter that runs them.
 #include "command.hpp"
+#include "python_words.hpp"
 
 #include <fmt/format.h>
 
@@ -15,15 +16,6 @@ namespace mebots::app {
 namespace {
 
 using Path = std::filesystem::path;
-using Words = std::vector<std::string>;
-
-void add_word(Words& words, const std::string& option, const Path& value) {
-  if (!value.empty()) words.insert(words.end(), {option, value.string()});
-}
-
-void add_number(Words& words, const std::string& option, const std::optional<double>& value) {
-  if (value) words.insert(words.end(), {option, fmt::format("{}", *value)});
-}
 
 struct ReplayOptions {
   Path log;

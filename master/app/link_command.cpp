@@ -2,8 +2,7 @@
 // `mebots link` is written in Python (master/python/mebots/link). The program is replaced by the interpreter that runs
 // it.
 #include "command.hpp"
-
-#include <fmt/format.h>
+#include "python_words.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -30,28 +29,19 @@ struct LinkOptions {
   Path replay;
 };
 
-template <typename T>
-void add_option(std::vector<std::string>& words, const std::string& option, const std::optional<T>& value) {
-  if (value) words.insert(words.end(), {option, fmt::format("{}", *value)});
-}
-
-void add_text(std::vector<std::string>& words, const std::string& option, const std::string& text) {
-  if (!text.empty()) words.insert(words.end(), {option, text});
-}
-
-std::vector<std::string> words_of(const LinkOptions& options) {
-  std::vector<std::string> words = {options.config.string()};
+Words words_of(const LinkOptions& options) {
+  Words words = {options.config.string()};
   // A replay must not write over the run that it repeats.
   const auto out = options.out.empty() && options.replay.empty() ? default_results(options.config) : options.out;
-  add_text(words, "--out", out.string());
-  add_option(words, "--drones", options.drones);
-  add_option(words, "--spacing", options.spacing_m);
-  add_text(words, "--decks", options.decks);
-  add_option(words, "--stop-time", options.stop_time_s);
-  add_text(words, "--host", options.host);
-  add_option(words, "--port", options.port);
-  add_option(words, "--idle", options.idle_s);
-  add_text(words, "--replay", options.replay.string());
+  add_word(words, "--out", out);
+  add_number(words, "--drones", options.drones);
+  add_number(words, "--spacing", options.spacing_m);
+  add_word(words, "--decks", options.decks);
+  add_number(words, "--stop-time", options.stop_time_s);
+  add_word(words, "--host", options.host);
+  add_number(words, "--port", options.port);
+  add_number(words, "--idle", options.idle_s);
+  add_word(words, "--replay", options.replay);
   for (const auto& assignment : options.set) words.push_back("--set=" + assignment);
   return words;
 }

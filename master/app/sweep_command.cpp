@@ -2,6 +2,7 @@
 // `mebots sweep` is written in Python (master/python/mebots/exploration). The program is replaced by the interpreter
 // that runs it.
 #include "command.hpp"
+#include "python_words.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -23,15 +24,15 @@ struct SweepOptions {
   std::vector<Path> reuse;
 };
 
-std::vector<std::string> words_of(const SweepOptions& options) {
-  std::vector<std::string> words;
+Words words_of(const SweepOptions& options) {
+  Words words;
   if (!options.study.empty()) words.push_back(options.study.string());
-  if (!options.mission.empty()) words.insert(words.end(), {"--mission", options.mission.string()});
-  if (!options.out.empty()) words.insert(words.end(), {"--out", options.out.string()});
+  add_word(words, "--mission", options.mission);
+  add_word(words, "--out", options.out);
   if (options.jobs > 0) words.insert(words.end(), {"--jobs", std::to_string(options.jobs)});
   if (options.dry_run) words.emplace_back("--dry-run");
-  if (!options.status.empty()) words.insert(words.end(), {"--status", options.status.string()});
-  for (const auto& folder : options.reuse) words.insert(words.end(), {"--reuse", folder.string()});
+  add_word(words, "--status", options.status);
+  for (const auto& folder : options.reuse) add_word(words, "--reuse", folder);
   return words;
 }
 
