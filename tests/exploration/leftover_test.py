@@ -83,10 +83,10 @@ class Sweeps(LeftoverCase):
                     self.mission(a=(place, isolation))
                     self.study(fork={"at": 0.5, "variables": ["a.gain"]})
                     told = self.sweep(code=2, out=f"fork_{place}")
-                    self.assertIn(f"the state of leftover_{place}.fmu is not all", told)
+                    self.assertIn(f"the saved state of leftover_{place}.fmu is incomplete", told)
         self.study(objectives=None, draws={"replicates": 2, "variables": {"a.gain": {"uniform": [0, 1]}}}, design={"kind": "grid", "factors": {"/stop_time": [1]}},
                    splitting={"score": "a.sum", "above": 3, "missions": 4, "reseed": ["a.gain"]})
-        self.assertIn("the state of leftover_tokens.fmu is not all", self.sweep(code=2, out="levels"))
+        self.assertIn("the saved state of leftover_tokens.fmu is incomplete", self.sweep(code=2, out="levels"))
 
     def test_a_fork_of_a_clean_fmu_gives_what_writing_on_the_way_gives(self):
         self.mission(a=("nothing", {}))

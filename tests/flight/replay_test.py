@@ -121,7 +121,7 @@ class Commands(FlightCase):
         self.run_mebots(self.folder / "log00", "--airframe", self.airframe, "--out", self.folder / "log00", code=2)
         (self.folder / "page" / "replay.html").mkdir(parents=True)
         said = self.run_mebots(self.folder / "log00", "--airframe", self.airframe, "--out", self.folder / "page", code=2)
-        self.assertIn("replay.html is a folder there", said)
+        self.assertIn("replay.html in it is a folder", said)
 
     def test_the_command_writes_a_page_tables_and_a_mission_that_flies_again(self):
         out = self.folder / "out"
