@@ -14,6 +14,9 @@ namespace mebots::soc::csr {
 #define MEBOTS_CSR(constant, number, ...) inline constexpr unsigned k##constant = number;
 #include "hart/csrs.inc"
 
+/// mstatus.FS = Dirty. A core has Off and Dirty alone: writing Initial or Clean sets Dirty.
+inline constexpr std::uint32_t kFloatsOn = 3U << 13;
+
 /// Which cores have the registers of a row.
 /// `floats`: F or Zfinx; `user`: U mode; `pmp`: entries of physical memory protection.
 enum class Core : std::uint8_t { every, ri5cy, gap8, floats, user, pmp };

@@ -23,11 +23,10 @@ constexpr std::uint32_t kMisaValue = (1U << 30) | letter('I') | letter('M') | le
 constexpr std::uint32_t kMieBit = 1U << 3;
 constexpr std::uint32_t kMpieBit = 1U << 7;
 constexpr unsigned kMppShift = 11;
-constexpr std::uint32_t kFloatsOn = 3U << 13;  // FS: dirty. It is Off or Dirty; writing Initial or Clean sets Dirty
 constexpr std::uint32_t kSomeDirty = 1U << 31;
 constexpr std::uint32_t kModifiesPrivilege = 1U << 17;
 constexpr std::uint32_t kWaitTraps = 1U << 21;
-constexpr std::uint32_t kCounterEnables = 0xfffffffdU;  // all but `time`, which is no register here
+constexpr std::uint32_t kCounterEnables = 0xfffffffdU;  // without TM: U mode cannot read `time`
 constexpr std::uint32_t kInhibitCycle = 1U << 0;
 constexpr std::uint32_t kInhibitInstret = 1U << 2;
 /// Software, timer and external interrupt of machine mode, and 16 fast lines.
@@ -341,7 +340,7 @@ void Csrs::visit(state::Visitor& v) {
 }
 
 std::uint32_t Csrs::mstatus() const {
-  const auto floats = timing_.options.has(Extension::f) && !execution_.float_off ? kFloatsOn | kSomeDirty : 0U;
+  const auto floats = timing_.options.has(Extension::f) && !execution_.float_off ? csr::kFloatsOn | kSomeDirty : 0U;
   return static_cast<std::uint32_t>(state_.mode_before) << kMppShift | (state_.interrupts_on ? kMieBit : 0U) |
          (state_.interrupts_were_on ? kMpieBit : 0U) | (state_.modifies_privilege ? kModifiesPrivilege : 0U) |
          (state_.wait_traps ? kWaitTraps : 0U) | floats;
@@ -350,7 +349,7 @@ std::uint32_t Csrs::mstatus() const {
 void Csrs::set_mstatus(std::uint32_t value) {
   state_.interrupts_on = (value & kMieBit) != 0;
   state_.interrupts_were_on = (value & kMpieBit) != 0;
-  if (timing_.options.has(Extension::f)) execution_.float_off = (value & kFloatsOn) == 0;
+  if (timing_.options.has(Extension::f)) execution_.float_off = (value & csr::kFloatsOn) == 0;
   if (timing_.options.has(Extension::user)) {
     const auto before = value >> kMppShift & 3U;
     if (before == 0 || before == 3) state_.mode_before = static_cast<Mode>(before);

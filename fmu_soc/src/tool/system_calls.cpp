@@ -128,10 +128,9 @@ constexpr std::uint64_t kMicroseconds = 1'000'000;
 constexpr std::uint64_t kNanoseconds = 1'000'000'000;
 constexpr std::uint32_t kAlignment = 16;  // of the stack
 constexpr unsigned kStackPointer = 2;
-constexpr std::uint32_t kFloatsOn = 3U << 13;  // mstatus.FS, which an operating system sets before a program starts
 /// Space that the heap leaves for the stack: a quarter of the RAM, at most Linux's default.
 constexpr std::uint32_t kMostStack = 8U << 20;
-/// What a shell reports for a program that a signal has ended.
+/// A shell adds the number of the signal that ended a program to this exit code.
 constexpr std::uint32_t kSignalled = 128;
 
 /// Flags of open() as a program's C library numbers them. Both number O_RDONLY, O_WRONLY and O_RDWR alike.
@@ -189,7 +188,8 @@ void SystemCalls::begin_program(const std::vector<std::string>& arguments) {
   }
   auto& hart = soc_.hart();
   hart.set_reg(kStackPointer, top);
-  if (hart.code().blocks.extensions().has(Extension::f)) hart.set_csr(csr::kMstatus, kFloatsOn);
+  // An operating system switches the float registers on before a program starts.
+  if (hart.code().blocks.extensions().has(Extension::f)) hart.set_csr(csr::kMstatus, csr::kFloatsOn);
   break_ = least_break_;
   most_break_ = ram->base + (ram->size - stack);
 }
