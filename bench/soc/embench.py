@@ -24,7 +24,7 @@ from run import GCC, HERE, ROOT, run, simulators
 BASE = 0x1C000000
 LEAST_MEAN = 2.0
 LEAST = 0.4
-# Approximate instructions of the short and the long run, for which a scale is chosen.
+# Approximate numbers of instructions; the programs' repetitions are chosen to reach them in the short and the long run.
 SHORT_INSTRUCTIONS, LONG_INSTRUCTIONS = 30e6, 300e6
 BOARD_SUPPORT = "void initialise_board(void) {}\nvoid start_trigger(void) {}\nvoid stop_trigger(void) {}\n"
 

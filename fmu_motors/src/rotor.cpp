@@ -10,9 +10,9 @@
 namespace mebots::motors {
 namespace {
 
-/// Returns the speed above which the power of a decelerating rotor is negative. Its power divided by its speed is
-/// a + b k w + J (u - w) (linear + quadratic (u + w)); the result is the positive root of this quadratic, which is
-/// positive at w = u.
+/// Returns the speed above which the power of a decelerating rotor is negative. At speed w
+/// and steady speed u, power / w = a + b k w + J (u - w) (linear + quadratic (u + w)). This parabola in w is positive
+/// at w = u; the result is its positive root.
 double speed_of_zero_power(const RotorData& rotor, const RotorDrive& drive, const SpeedLaw& law) {
   const double u = drive.steady_speed_rad_per_s;
   const double square = rotor.inertia_kg_m2 * law.quadratic_per_rad;  // times -w^2

@@ -56,7 +56,7 @@ struct Calibration {
   std::vector<std::string> warnings;
 };
 
-/// One drone with its body, stabiliser, take-off and landing, gates, sensors, camera, link.
+/// A drone: body, stabiliser, take-off and landing, gates, sensors, camera and link.
 ///
 /// A step of the world calls begin_step(); for each inner step push(), move(), judge() and control(), each for all
 /// drones before the next; and write_outputs(). Between push() and move(), the world moves the bodies.

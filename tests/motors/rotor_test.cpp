@@ -92,7 +92,7 @@ TEST(Rotor, ResultDoesNotDependOnTheStep) {
 }
 
 TEST(Rotor, InertiaIsThatOfARotorSlowedByItsDragTorque) {
-  // The file states this derivation; here it is repeated.
+  // The rotor file derives its inertia: drag torque per speed squared, divided by the deceleration per speed squared.
   const RotorData rotor = bench_rotor();
   EXPECT_NEAR(rotor.inertia_kg_m2,
               rotor.torque_per_thrust_m * rotor.thrust_coefficient / rotor.spin_down.quadratic_per_rad,

@@ -167,7 +167,7 @@ bool emit_multiply_add(Assembler& c, const Instruction* at, Apply apply) {
   copy_float(c, at->rs1, xmm0);
   const auto factor = c.registers.in_vector_for(at->rs2, xmm1);
   apply(xmm0, factor, c.registers.in_vector_for(third_register(*at), xmm2));
-  // Of a NaN, the interpreter decides the flags.
+  // If the result is a NaN, the interpreter computes the flags.
   Label nan;
   c.ucomiss(xmm0, xmm0);
   c.jp(nan, kNear);
@@ -245,8 +245,8 @@ const Instruction* execute_fcvt_s_wu(Execution& e, const Instruction* at) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Converts to an integer with the low 32 bits of eax or rax as the result; `convert(from, truncates)`. Truncation has
-/// a host operation of its own. `leave`: jumps there leave the block.
+/// Converts to an integer with the low 32 bits of eax or rax as the result; `convert(from, truncates)`. The host has a
+/// separate operation that truncates. A jump to `leave` leaves the block.
 template <typename Convert>
 bool emit_to_integer(Assembler& c, const Instruction* at, Convert convert) {
   const auto own = static_cast<unsigned>(at->imm) & 7U;

@@ -62,8 +62,8 @@ Extensions read_isa(std::string_view text);
 /// Returns the ISA string of a set, without Xpulp: "rv32imac_zicsr_zifencei_zba".
 std::string isa_string(Extensions extensions);
 
-/// Returns the extension that the name in an ISA string stands for, such as "A" or "Zba"; `standard` if no core has it
-/// as an option.
+/// Returns the extension with this name in an ISA string, such as "A" or "Zba"; `standard` if it is no option of a
+/// core.
 Extension optional_extension(std::string_view name);
 
 // Registers: x0 to x31 are 0 to 31, f0 to f31 follow.

@@ -20,8 +20,8 @@ namespace {
 constexpr std::size_t kLargeSize = std::size_t{8} << 20;
 constexpr std::size_t kPageSize = 4096;
 
-/// Returns which pages of this process, from that of `first` to that of `last`, have ever been written; all of them if
-/// the system does not tell. Source: Linux, Documentation/admin-guide/mm/pagemap.rst.
+/// Returns which pages of this process, from that of `first` to that of `last`, have ever been written. If the system
+/// refuses the information, all count as written. Source: Linux, Documentation/admin-guide/mm/pagemap.rst.
 std::vector<bool> written_pages(const std::uint8_t* first, const std::uint8_t* last) {
   const auto page = reinterpret_cast<std::uintptr_t>(first) / kPageSize;
   const auto count = reinterpret_cast<std::uintptr_t>(last) / kPageSize - page + 1;

@@ -35,10 +35,10 @@ enum class Stop : std::uint8_t {
   observer,  // the observer wants the run to end before the next instruction
 };
 
-/// One RISC-V hardware thread: RV32IMC_Zicsr_Zifencei in machine mode, and the options of Timing. Timed as RI5CY (then
-/// with Xpulp v2) or CV32E40P.
-/// Straight code is decoded once into blocks. A block runs only if all its instructions start before the limit.
-/// Otherwise the hart runs one instruction at a time, with the same counts.
+/// A RISC-V hardware thread (hart): RV32IMC_Zicsr_Zifencei in machine mode, with the extensions in Timing. Its cycles
+/// are those of RI5CY, then with Xpulp v2, or of CV32E40P. Straight code is decoded once into blocks. A block runs only
+/// if all its instructions start before the limit. Otherwise the hart runs one instruction at a time, with the same
+/// counts.
 class Hart {
  public:
   /// Accesses all regions of the memory without waiting; the first two are the fast ones. Other harts in the same

@@ -61,8 +61,8 @@ class ProgramHost {
   bool is_half_stored(std::uint64_t command) const;
   /// Returns true if the program ends.
   bool serve_command(std::uint64_t command);
-  /// Serves a command that a core of the cluster has stored. That core does not stop after a store, so this happens at
-  /// once. Returns true if the program ends.
+  /// Serves a command that a core of the cluster has stored, before that core executes its next instruction. Returns
+  /// true if the program ends.
   bool serve_stored() { return command() != 0 && serve_command(command()); }
   /// Serves the ebreak at the fabric controller's pc. Returns false if it is not a semihosting call.
   bool serve_semihosting();

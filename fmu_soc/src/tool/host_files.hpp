@@ -18,7 +18,7 @@ namespace mebots::soc::tool {
 /// Negative results are -errno.
 class HostFiles {
  public:
-  /// Without a folder, there is only the console, which must outlive the files.
+  /// If there is no folder, a program can use the console only. The console must outlive this object.
   HostFiles(const std::optional<std::string>& folder, HostConsole& console);
 
   /// Opens a file with flags of POSIX's open(). ":tt" is the console.

@@ -115,7 +115,7 @@ class Columns {
           fmt::format("Time since the start: {}", kStateLabels[i]));
       curves.push_back({{"rate_of", name}, {"label", kStateLabels[i]}});
     }
-    add_panel("Where its time goes", "stack", std::move(curves));
+    add_panel("Time in each state", "stack", std::move(curves));
   }
 
   void add_devices(const std::vector<std::string>& devices) {
@@ -148,7 +148,7 @@ Json summary_of(const ChipReport& report, const std::string& outcome) {
           {"energy", energy},   {"units", {{"energy", units}}}, {"versions", {{"mebots", MEBOTS_VERSION}}}};
 }
 
-/// What the page's tables show: the report, and a sentence on each part.
+/// Returns the content of the page's tables: the report, and a sentence on each part.
 Json tables_of(const ChipReport& report, const PowerCourse& course) {
   auto chip = Json::parse(json_text(report));
   for (const auto* list : {&report.parts, &report.devices}) {

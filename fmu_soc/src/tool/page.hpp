@@ -40,7 +40,7 @@ class RunPage {
   /// The file for the profile, in speedscope's format.
   const std::string& profile() const { return profile_ ? *profile_ : scratch_->path(); }
 
-  /// Records the chip from now on. The chip must outlive the page.
+  /// Starts to record the chip, which must outlive the page.
   void follow(const Soc& soc, observe::Session& session);
   /// Adds a line that the program printed.
   void printed(std::string_view line);

@@ -20,7 +20,7 @@ struct Intrinsics {
   double focal_length_px() const;
 };
 
-/// Where a drone's body is.
+/// The pose of a drone's body in the world.
 struct BodyPose {
   Eigen::Vector3d p_WB_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();

@@ -44,7 +44,8 @@ double entry_of_box(const Ray& ray, const Eigen::Vector3d& size_m) {
   return enter > 0.0 && enter <= leave ? enter : kFar;
 }
 
-/// Does the same for a cylinder: |p + t d|^2 = r^2 across its axis, and between its ends.
+/// Returns the distance at which the ray enters a cylinder along z: |p + t d| = r in x and y, |z| at most half its
+/// height.
 double entry_of_cylinder(const Ray& ray, const Eigen::Vector3d& size_m) {
   double enter = 0.0;
   double leave = kFar;

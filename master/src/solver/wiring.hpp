@@ -45,7 +45,7 @@ class Wiring {
   bool has_loop() const { return !loop_.reads.empty(); }
   bool empty() const { return stages_.empty() && !has_loop(); }
 
-  /// Returns the values of the inputs in internal order.
+  /// Returns the values of the inputs, in the order that set_loop_start() takes.
   std::span<const double> inputs() const { return inputs_; }
   /// Sets the values from which the iteration of a loop starts at each evaluation. Therefore results do not depend on
   /// earlier evaluations.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each function cost by itself, without those that it calls, within the span of the plots.
+// The cost of each function without its callees, within the time span of the plots.
 import { type FunctionCost, type WindowedProfile } from "../data/profile";
 import { shown } from "../data/units";
 import { element } from "../dom";

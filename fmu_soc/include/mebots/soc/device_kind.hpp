@@ -64,7 +64,7 @@ class DeviceHost {
 
   /// Reports that a picture is in memory, so that a decision may begin. Throws Error if the times are not in order.
   virtual void picture_stored(const PictureTimes& /*times*/) {}
-  /// Reports that set-points were sent. If the board names this sender, the decision ends.
+  /// Reports that set-points were sent. This ends the time from picture to set-point if the board names this sender.
   virtual void setpoints_sent(std::string_view /*sender*/, Picoseconds /*now*/) {}
 };
 

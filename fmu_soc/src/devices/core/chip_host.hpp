@@ -108,7 +108,7 @@ class ConsolePort {
   virtual ~ConsolePort() = default;
   /// Writes a byte. Returns false, without effect, if the console takes whole lines only (DeviceHost::print()).
   virtual bool write_console(std::uint8_t byte) = 0;
-  /// Takes the next byte of input. Returns kNothingYet or kEnded if there is none.
+  /// Takes the next byte of input and returns it; otherwise returns kNothingYet or kEnded.
   virtual int read_console(Picoseconds now) = 0;
 };
 

@@ -9,10 +9,11 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// GAP8's SoC control: registers as in its entry. INFO contains the number of cores of this chip's cluster. Three
-/// others have effects. CORESTATUS with bit 31 ends the program; the lower bits are the exit code. The low five bits of
-/// SAFE_PMU_RAR set the voltage: 550 mV and 50 mV per step. CL_BYPASS: bit 3 switches the cluster's power, bit 10 gates
-/// its clock. SoC events 31 and 35 report completion (the delay of the entry's state "switching").
+/// GAP8's SoC control. The board file lists its registers. INFO contains the number of cores of this chip's
+/// cluster. Writes to three others have effects. CORESTATUS with bit 31 ends the program; the lower bits are the exit
+/// code. The low five bits of SAFE_PMU_RAR set the voltage: 550 mV and 50 mV per step. CL_BYPASS: bit 3 switches the
+/// cluster's power, bit 10 gates its clock. SoC events 31 and 35 report that a voltage or the power has switched;
+/// "switching" in the board file is the delay.
 ///
 /// A core with a gated clock would stop. Programs only gate the clock while no core fetches, so the gate is stored and
 /// can be read, but has no effect. Sources: archi/chips/gap/apb_soc.h, GVSoC's apb_soc of GAP8, runtime of the

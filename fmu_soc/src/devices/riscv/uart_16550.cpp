@@ -248,7 +248,7 @@ void Uart16550::set_modem(std::uint8_t control) {
   mcr_ = control & 0x1fU;
   const auto changed = static_cast<std::uint8_t>(before ^ modem_lines());
   const auto fell = static_cast<std::uint8_t>(before & ~modem_lines());
-  // Of the ring indicator (bit 6), only its end counts.
+  // The ring indicator (bit 6) reports its falling edge only.
   modem_changes_ |= static_cast<std::uint8_t>((changed & 0xb0U) >> 4 | (fell & 0x40U) >> 4);
 }
 

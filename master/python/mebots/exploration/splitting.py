@@ -34,8 +34,8 @@ Bring = Callable[[list[Order], int], Journal]
 
 @dataclasses.dataclass(frozen=True)
 class Way:
-    """The course of a mission: the number of its draws, the points at which it departed from others, and their times
-    [s]."""
+    """How a mission came about: the number of its random draw, the earlier missions whose states it started from, and the
+    times of these states [s]."""
 
     draw: int
     course: Course = ()

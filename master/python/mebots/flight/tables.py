@@ -83,7 +83,7 @@ def _clock(file: pathlib.Path, column: str, columns: dict[str, Array | None]) ->
 
 
 def _without_drift(file: pathlib.Path, times: Array, other: Array) -> tuple[Array, list[str]]:
-    """Converts times to the rate of the reference clock, by a straight line through both."""
+    """Converts times to the rate of the reference clock, by a line fitted to pairs of times of the two clocks."""
     good = np.isfinite(times) & np.isfinite(other)
     if good.sum() < 2 or np.ptp(times[good]) <= 0:
         raise InputError(f"{file}: the reference clock has fewer than two times", "invalid_value")

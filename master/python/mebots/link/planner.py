@@ -41,7 +41,7 @@ class Planner:
         self.last = Goal(position_m, velocity_m_per_s, ZERO, yaw_rad, 0.0)
 
     def goal(self, time_s: float) -> Goal | None:
-        """Returns the goal of a path; None if there is none. The motors stop when a landing has ended."""
+        """Returns the goal of the current path, or None. The motors stop when a landing has ended."""
         if self.state == State.LANDING and self.has_finished(time_s):
             self.state = State.IDLE
         if not self.is_active or self._path is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulated drone behind a link: the variables of a mission that it reads and writes."""
+"""Reads and writes the variables of a mission that belong to one linked drone."""
 
 from __future__ import annotations
 

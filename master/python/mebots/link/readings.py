@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the drone knows of itself and of its battery at a moment."""
+"""Measured state of a drone and of its battery at one time."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ MOST_DRONES = 100
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """What determines a run besides the config and its packets.
+    """Settings of a run, which its recording keeps.
 
     :param drones: number of runs of the config, each with its own world.
     :param spacing: distance between the starts of these runs along y [m].

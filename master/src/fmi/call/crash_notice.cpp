@@ -76,7 +76,7 @@ void on_crash(int signal) {
          << " ms: its FMU ended the process by " << name_of(signal) << " in " << call.function;
     if (entered.name != nullptr)
       line << ", because of a pointer that it passed to " << entered.name
-           << ", or of memory that it had damaged before";
+           << ", or of memory that this FMU damaged earlier";
     line << kRemedy;
     line.write_to(STDERR_FILENO);
   } else if (call.library != nullptr) {
