@@ -9,5 +9,5 @@ scripts/format.sh --check
 scripts/prose_lint.py
 cmake --preset ci
 cmake --build --preset ci
-scripts/lint.sh build/ci
+scripts/lint.py build/ci
 ctest --preset ci -j "$(nproc)"
