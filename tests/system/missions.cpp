@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace mebots::system_test {
 
@@ -43,36 +44,33 @@ Flight fly(const std::filesystem::path& config, const std::filesystem::path& out
   return flight;
 }
 
-std::vector<std::string> column_names(const std::string& results) {
-  std::istringstream header(results.substr(0, results.find('\n')));
-  std::vector<std::string> names;
-  for (std::string cell; std::getline(header, cell, ',');) names.push_back(cell.substr(0, cell.rfind(" [")));
-  names.erase(names.begin());
-  return names;
-}
-
-std::vector<double> column(const std::string& results, const std::string& name) {
+std::map<std::string, std::vector<std::string>> columns(const std::string& results) {
   std::istringstream lines(results);
   std::string line;
   std::getline(lines, line);
-  std::size_t index = 0;
-  bool found = false;
+  std::vector<std::string> names;
   std::istringstream header(line);
-  for (std::string cell; std::getline(header, cell, ',');) {
-    if (cell.substr(0, cell.rfind(" [")) == name) {
-      found = true;
-      break;
-    }
-    ++index;
-  }
-  if (!found) throw std::runtime_error("no column " + name);
-  std::vector<double> values;
+  for (std::string cell; std::getline(header, cell, ',');) names.push_back(cell.substr(0, cell.rfind(" [")));
+  std::vector<std::vector<std::string>> cells(names.size());
   while (std::getline(lines, line)) {
     std::istringstream row(line);
     std::string cell;
-    for (std::size_t i = 0; i <= index; ++i) std::getline(row, cell, ',');
-    values.push_back(std::stod(cell));
+    for (auto& column : cells) {
+      std::getline(row, cell, ',');
+      column.push_back(cell);
+    }
   }
+  std::map<std::string, std::vector<std::string>> table;
+  for (std::size_t i = 0; i < names.size(); ++i) table.emplace(names[i], std::move(cells[i]));
+  return table;
+}
+
+std::vector<double> column(const std::string& results, const std::string& name) {
+  const auto table = columns(results);
+  const auto found = table.find(name);
+  if (found == table.end()) throw std::runtime_error("no column " + name);
+  std::vector<double> values;
+  for (const auto& cell : found->second) values.push_back(std::stod(cell));
   return values;
 }
 

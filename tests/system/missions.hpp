@@ -4,6 +4,7 @@
 #include "support/files.hpp"
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -31,10 +32,10 @@ struct Flight {
 Flight fly(const std::filesystem::path& config, const std::filesystem::path& out,
            const std::vector<std::string>& sets = {}, const std::vector<std::string>& more = {});
 
-/// Returns the names in the header of results.csv without units, except the time.
-std::vector<std::string> column_names(const std::string& results);
+/// Returns the columns of results.csv, the time's included, as text, by "instance.variable".
+std::map<std::string, std::vector<std::string>> columns(const std::string& results);
 
-/// Returns a column of results.csv by "instance.variable".
+/// Returns the numbers of a column of results.csv, by "instance.variable".
 std::vector<double> column(const std::string& results, const std::string& name);
 
 }  // namespace mebots::system_test
