@@ -2,6 +2,7 @@
 // The Python module mebots._mebots: it wraps mebots::Mission. Texts for people, defaults and NumPy are in
 // mebots/*.py.
 #include "base/input_text.hpp"
+#include "base/signal_guard.hpp"
 #include "cases/run_case.hpp"
 #include "io/find_fmu.hpp"
 #include "io/flight/airframe_file.hpp"
@@ -20,6 +21,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <atomic>
 #include <span>
 #include <string>
 #include <string_view>
@@ -80,6 +82,18 @@ auto stepping(Mission& mission, Work work) {
   }();
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   return result;
+}
+
+/// Steps until `time_s` even if a signal arrives, which is raised for its previous handler afterwards. A second signal
+/// has its default effect.
+void run_through(Mission& mission, double time_s) {
+  {
+    const py::gil_scoped_release release;
+    std::atomic<bool> has_arrived{false};
+    const mebots::master::SignalGuard guard(has_arrived, mebots::master::SignalGuard::Afterwards::raise);
+    mission.run_until(time_s);
+  }
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
 void on_message(
@@ -181,6 +195,7 @@ PYBIND11_MODULE(_mebots, module) {
       .def("run", [](Mission& mission) { stepping(mission, [&] { return mission.run(), true; }); })
       .def("run_until",
            [](Mission& mission, double time_s) { stepping(mission, [&] { return mission.run_until(time_s), true; }); })
+      .def("run_through", &run_through)
       .def("start_from",
            [](Mission& mission, const std::string_view state) { mission.start_from(std::as_bytes(std::span(state))); })
       .def("save_state",

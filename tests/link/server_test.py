@@ -3,14 +3,21 @@
 """`mebots link` without cflib: random datagrams, recordings, and errors of its user."""
 
 import json
+import os
 import random
+import signal
 import socket
 import struct
 import subprocess
 import time
 import unittest
+import unittest.mock
 
-from support import CONFIG, MEBOTS, LinkCase
+from mebots import mission
+from mebots.link.recording import Recorder
+from mebots.link.server import Server
+from mebots.link.session import Session, Settings
+from support import CONFIG, MEBOTS, LinkCase, free_port
 
 LOCAL = "127.0.0.1"
 SUPERVISOR = 9
@@ -83,6 +90,47 @@ class Datagrams(LinkCase):
         self.assertTrue(client.answer(b"\xf1\0", b"\xf1").startswith(b"\xf1Bitcraze Crazyflie"))
         self.stop()
 
+    def test_a_flood_is_cut_as_a_radio_cuts_it(self):
+        client = self.client()
+        for _ in range(200):
+            for _ in range(50):
+                client.send(b"\xff")
+            time.sleep(0.002)
+        printed = self.stop()
+        self.assertIn("packets were lost: a drone takes 64 in 10 ms", printed)
+        times = [line["ms"] for line in self.recording()[1:-1]]
+        self.assertLessEqual(max(times.count(one) for one in set(times)), 64)
+        self.assertIn(self.recording()[-1]["bits"], self.replay())
+
+    def test_a_packet_from_an_own_port_is_ignored(self):
+        session = Session(CONFIG, Settings(drones=2), None)
+        self.addCleanup(session.close)
+        port = free_port(2)
+        server = Server(session, LOCAL, port, None)
+        self.addCleanup(server.close)
+        self.assertTrue(server._is_own((LOCAL, port + 1)))
+        self.assertFalse(server._is_own((LOCAL, port + 2)))
+        self.assertFalse(server._is_own(("192.0.2.1", port + 1)))  # an address of documentation, RFC 5737
+        server._sockets[1].sendto(b"\xff", (LOCAL, port))
+        server._receive(time.monotonic() + 0.05)
+        self.assertEqual(server._clients, [None, None])
+
+    def test_a_full_recording_ends_the_run(self):
+        session = Session(CONFIG, Settings(), None)
+        self.addCleanup(session.close)
+        recorder = Recorder(self.folder / "link.jsonl", Settings(), most_bytes=2000)
+        self.addCleanup(recorder.close, 0, "")
+        port = free_port()
+        server = Server(session, LOCAL, port, recorder)
+        self.addCleanup(server.close)
+        client = Client(port)
+        self.addCleanup(client.close)
+        for _ in range(60):
+            client.send(b"\xff")
+        server.serve(20, lambda: False)
+        self.assertTrue(recorder.is_full)
+        self.assertLess(session.time_ms, 1000)
+
     def test_a_drone_waits_for_its_first_packet(self):
         client = self.client("--idle", "0.5")
         time.sleep(1)
@@ -110,6 +158,32 @@ class Datagrams(LinkCase):
             self.assertEqual(client.answer(b"\xff", b"")[0] >> 4, 15)
         self.end()
         self.assertEqual([line["drone"] for line in self.recording()[1:3]], [1, 2])
+
+
+class Interrupts(LinkCase):
+    def test_a_signal_shortens_no_period(self):
+        requests = []
+        before = signal.signal(signal.SIGINT, lambda *_: requests.append(True))
+        self.addCleanup(signal.signal, signal.SIGINT, before)
+        interrupt_s = 0.102  # in a period, at the first of its five communication points
+
+        class Interrupted(mission.Mission):
+            def start(self):
+                self.on_point(lambda time_s: os.kill(os.getpid(), signal.SIGINT) if abs(time_s - interrupt_s) < 1e-6 else None)
+                super().start()
+
+        with unittest.mock.patch("mebots.link.session.Mission", Interrupted):
+            session = Session(CONFIG, Settings(), None)
+        self.addCleanup(session.close)
+        while not requests:
+            session.advance()
+        self.assertEqual(session.time_ms, 110)
+        self.assertFalse(session.ended, session.end_text)
+        again = Session(CONFIG, Settings(), None)
+        self.addCleanup(again.close)
+        while again.time_ms < session.time_ms:
+            again.advance()
+        self.assertEqual(again.fingerprint, session.fingerprint)
 
 
 class Recordings(LinkCase):
@@ -164,6 +238,23 @@ class Mistakes(LinkCase):
         file = self.folder / "changed.json"
         file.write_text(json.dumps(content))
         return file
+
+    def test_rotor_commands_may_have_several_targets(self):
+        def watched(content):
+            content["instances"]["spare"] = content["instances"]["motors"]
+            content["connections"].append({"from": "world.rotor[1].command", "to": "spare.rotor[1].command"})
+
+        self.start(config=self.changed(watched))
+        self.stop()
+
+    def test_a_config_may_begin_at_another_time(self):
+        self.start("--idle", "0.1", config=self.changed(lambda content: content.update(start_time=5, stop_time=6)))
+        self.assertIn("simulated 0 s", self.stop())
+        file = self.changed(lambda content: content.update(start_time=5, stop_time=6))
+        session = Session(file, Settings(), None)
+        self.addCleanup(session.close)
+        session.advance()
+        self.assertAlmostEqual(session._missions[0].time, 5.01, places=9)
 
     def test_configs_that_cannot_be_linked_say_why(self):
         self.assertIn("divides 10 ms", self.refused(config=self.changed(lambda content: content.update(step=0.004))))

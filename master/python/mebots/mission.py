@@ -183,6 +183,10 @@ class Mission:
         """Steps until ``time_s`` or the end, whichever is earlier."""
         self._run.run_until(time_s)
 
+    def run_through(self, time_s: float) -> None:
+        """As ``run_until``, but SIGINT and SIGTERM take effect after it: the mission has the same bits with them."""
+        self._run.run_through(time_s)
+
     def close(self) -> None:
         """Ends the run at the present point and writes its reports. No effect after the end. Called from a listener,
         it acts as interrupt()."""

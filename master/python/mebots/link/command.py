@@ -66,10 +66,11 @@ def _serve(given: argparse.Namespace) -> None:
     session = Session(given.config, settings, given.out)
     try:
         recorder = None if given.out is None else Recorder(given.out / FILE, settings)
+        is_stopped = _stop_requests()
         server = Server(session, given.host, given.port, recorder)
         for index in range(len(session.drones)):
             print(f"drone {index + 1}: udp://{given.host}:{given.port + index}", flush=True)
-        server.serve(given.idle, _stop_requests())
+        server.serve(given.idle, is_stopped)
         server.close()
         if recorder is not None:
             recorder.close(session.time_ms, session.fingerprint)
@@ -114,9 +115,9 @@ def _advance_to(session: Session, time_ms: int) -> None:
 
 
 def _stop_requests():
-    """Returns a function that returns whether SIGINT or SIGTERM has arrived since."""
+    """Returns a function that returns whether SIGINT, SIGTERM or SIGHUP has arrived since."""
     requests = []
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: requests.append(True))
     return lambda: bool(requests)
 

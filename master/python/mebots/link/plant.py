@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import collections
 import dataclasses
 import os
 from collections.abc import Mapping
@@ -28,14 +29,17 @@ class Parts:
 def find_drones(config: Mapping[str, Any], file: str) -> list[Parts]:
     """Returns the drones of a config: each ``fmu_world``, and the battery that feeds the motors which its rotors turn."""
     feeds = {end["to"]: end["from"] for end in config.get("connections", [])}
-    targets = {end["from"]: end["to"] for end in config.get("connections", [])}
+    targets = collections.defaultdict(list)
+    for end in config.get("connections", []):
+        targets[end["from"]].append(end["to"])
     names = list(config["instances"])
     found = []
     for name, instance in config["instances"].items():
         if not os.path.basename(str(instance.get("fmu", ""))).startswith("fmu_world"):
             continue
-        motors = _instance_of(targets.get(f"{name}.rotor[1].command"), names)
-        battery = _instance_of(feeds.get(f"{motors}.bus.voltage"), names)
+        turned = [_instance_of(target, names) for target in targets[f"{name}.rotor[1].command"]]
+        sources = [_instance_of(feeds.get(f"{one}.bus.voltage"), names) for one in turned]
+        battery = next((source for source in sources if source is not None), None)
         if battery is None:
             raise InputError(
                 f"{file}: no battery feeds the drone of '{name}'; connect {name}.rotor[1].command to motors, and a battery's bus.voltage to them",

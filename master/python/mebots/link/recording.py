@@ -22,6 +22,7 @@ from mebots.link.crtp import Packet
 from mebots.link.session import Settings
 
 FILE = "link.jsonl"
+MOST_BYTES = 1 << 30
 
 
 class Event(NamedTuple):
@@ -39,11 +40,20 @@ class Recording:
 
 
 class Recorder:
-    """Writes a recording. ``write`` buffers; after ``flush`` the lines are in the file."""
+    """Writes a recording. ``write`` buffers; after ``flush`` the lines are in the file.
 
-    def __init__(self, file: pathlib.Path, settings: Settings) -> None:
+    :param most_bytes: size from which ``is_full`` is True. The end of the recording still fits.
+    """
+
+    def __init__(self, file: pathlib.Path, settings: Settings, most_bytes: int = MOST_BYTES) -> None:
         self._file: IO[str] = open(file, "w", encoding="ascii")  # noqa: SIM115: it is open as long as the server runs
+        self._most_bytes = most_bytes
+        self._bytes = 0
         self._line({"mebots": __version__, **dataclasses.asdict(settings)})
+
+    @property
+    def is_full(self) -> bool:
+        return self._bytes >= self._most_bytes
 
     def write(self, event: Event) -> None:
         self._line({"ms": event.time_ms, "drone": event.drone + 1, "packet": event.packet.encode().hex()})
@@ -56,7 +66,7 @@ class Recorder:
         self._file.close()
 
     def _line(self, content: dict[str, Any]) -> None:
-        self._file.write(json.dumps(content) + "\n")
+        self._bytes += self._file.write(json.dumps(content) + "\n")
 
 
 def read_recording(file: pathlib.Path) -> Recording:

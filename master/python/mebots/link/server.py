@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import selectors
 import socket
 import sys
@@ -20,7 +21,7 @@ _MOST_BEHIND_S = 0.4  # less than the 0.5 s after which old set-points level a d
 _REPORT_S = 5.0
 _FLUSH_MS = 1000
 _WAIT_S = 0.2
-_AT_ONCE = 64
+_MOST_IN_PERIOD = 64  # for a drone; a radio carries about 10
 _DATAGRAM_BYTES = 2048
 
 
@@ -66,12 +67,16 @@ class Server:
         self._selector = selectors.DefaultSelector()
         self._sockets: list[socket.socket | None] = []
         self._clients: list[tuple | None] = [None] * len(session.drones)
+        self._left = [_MOST_IN_PERIOD] * len(session.drones)  # packets that a drone still takes in this period
+        self._lost = 0
+        self._own_ports = range(port, port + len(session.drones))
         self._heard_s = time.monotonic()
         for index in range(len(session.drones)):
             self._open(index, host, port + index)
 
     def serve(self, idle_s: float | None, is_stopped: Callable[[], bool]) -> None:
-        """Runs from the first datagram until the missions end, ``is_stopped`` returns True, or no datagram came for ``idle_s``."""
+        """Runs from the first datagram until the missions end, ``is_stopped`` returns True, no datagram came for ``idle_s``, or the
+        recording is full."""
         while not is_stopped() and not self._selector.select(_WAIT_S):
             pass
         self._heard_s = time.monotonic()
@@ -79,6 +84,10 @@ class Server:
         while not is_stopped() and not self._session.ended:
             if idle_s is not None and time.monotonic() - self._heard_s > idle_s:
                 return
+            if self._recorder is not None and self._recorder.is_full:
+                _notice(f"the recording has reached its largest size at {self._session.time_ms / 1000.0:g} s; the run ends")
+                return
+            self._left = [_MOST_IN_PERIOD] * len(self._left)
             self._receive(pace.next_deadline_s())
             for index, packet in self._session.advance():
                 self._send(index, packet)
@@ -88,6 +97,9 @@ class Server:
             pace.note_period()
 
     def close(self) -> None:
+        if self._lost:
+            _notice(f"{self._lost} packets were lost: a drone takes {_MOST_IN_PERIOD} in {PERIOD_MS} ms")
+            self._lost = 0
         for index in range(len(self._sockets)):
             self._close(index)
         self._selector.close()
@@ -115,20 +127,28 @@ class Server:
     def _read(self, index: int) -> None:
         opened = self._sockets[index]
         assert opened is not None
-        for _ in range(_AT_ONCE):
+        for _ in range(_MOST_IN_PERIOD):
             try:
                 datagram, client = opened.recvfrom(_DATAGRAM_BYTES)
             except OSError:  # no more
                 return
             packet = Packet.parse(datagram)
-            if packet is None:
+            if packet is None or self._is_own(client):
                 continue
+            if self._left[index] == 0:
+                self._lost += 1
+                continue
+            self._left[index] -= 1
             self._heard_s = time.monotonic()
             self._clients[index] = client
             if self._recorder is not None:
                 self._recorder.write(Event(self._session.time_ms, index, packet))
             for answer in self._session.handle(index, packet):
                 self._send(index, answer)
+
+    def _is_own(self, client: tuple) -> bool:
+        """True for a forged sender: two drones that answer each other would do so without end."""
+        return client[1] in self._own_ports and _is_local(client[0])
 
     def _send(self, index: int, packet: Packet) -> None:
         opened, client = self._sockets[index], self._clients[index]
@@ -153,6 +173,17 @@ class Server:
             self._selector.unregister(opened)
         opened.close()
         self._sockets[index] = None
+
+
+@functools.lru_cache(maxsize=64)
+def _is_local(address: str) -> bool:
+    """True if the address belongs to this computer: only then can a socket be bound to it."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind((address, 0))
+        except OSError:
+            return False
+    return True
 
 
 def _notice(text: str) -> None:

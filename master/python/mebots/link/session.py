@@ -76,7 +76,8 @@ class Session:
             self.close()
             raise
         self.drones = [Drone(settings.decks, plant.read()) for plant in self._plants]
-        self.time_ms = 0
+        self._start_s = self._missions[0].time
+        self.time_ms = 0  # since the start
         self._hash = hashlib.sha256()
 
     @property
@@ -102,14 +103,15 @@ class Session:
         return answers
 
     def advance(self) -> list[tuple[int, Packet]]:
-        """Runs the missions for one period. Returns what the drones send on their own: index of the drone, and packet."""
+        """Runs the missions for one period, which no signal shortens. Returns what the drones send on their own: index of the
+        drone, and packet."""
         for plant, drone in zip(self._plants, self.drones, strict=True):
             inputs = drone.control()
             plant.write(inputs)
             self._note_numbers(inputs)
         self.time_ms += PERIOD_MS
         for mission in self._missions:
-            mission.run_until(self.time_ms / 1000.0)
+            mission.run_through(self._start_s + self.time_ms / 1000.0)
         sent = []
         for index, (plant, drone) in enumerate(zip(self._plants, self.drones, strict=True)):
             now = plant.read()
