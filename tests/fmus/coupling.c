@@ -11,6 +11,10 @@
 //   kelvin_out and so on repeat their inputs (direct)
 //   behaviour: "" | callback | poll | never | late_discard  -> the step is fmi2Pending and takes pause wall seconds
 //              stale   -> like poll, but calls stepFinished for the step before when a step begins
+//              never   -> logs all the time
+//              denied  -> like callback, but fmi2GetStatus always reports fmi2Pending
+//              stubborn-> like never, and fmi2CancelStep returns fmi2Error
+//              broken  -> like never, and fmi2GetStatus returns fmi2Error
 //              short   -> steps longer than max_step stop at t + max_step with fmi2Discard
 //              refuse  -> every step of any length is discarded
 //   COUPLING_WITHOUT_CANCEL: the library lacks fmi2CancelStep
@@ -75,7 +79,7 @@ typedef struct {
 
 typedef struct {
   State state;
-  fmi2CallbackFunctions callbacks;
+  const fmi2CallbackFunctions* callbacks;
   double last_successful;
   double h;
   pthread_t thread;
@@ -106,7 +110,7 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
                                           fmi2Boolean logging) {
   (void)name, (void)type, (void)guid, (void)resources, (void)visible, (void)logging;
   Model* m = calloc(1, sizeof *m);
-  m->callbacks = *callbacks;
+  m->callbacks = callbacks;
   m->state.reals[MAX_STEP] = 1;
   return m;
 }
@@ -197,11 +201,18 @@ static void advance(Model* m, double t, double h) {
   m->last_successful = t + h;
 }
 
+static int is_endless(const char* behaviour) {
+  return strcmp(behaviour, "never") == 0 || strcmp(behaviour, "stubborn") == 0 || strcmp(behaviour, "broken") == 0;
+}
+
 static void* later(void* argument) {
   Model* m = argument;
   const char* behaviour = m->state.strings[BEHAVIOUR];
-  if (strcmp(behaviour, "never") == 0) {
-    while (!m->cancelled) usleep(1000);
+  if (is_endless(behaviour)) {
+    while (!m->cancelled) {
+      m->callbacks->logger(m->callbacks->componentEnvironment, "", fmi2OK, "", "the step continues");
+      usleep(1000);
+    }
     return NULL;
   }
   usleep((unsigned)(m->state.reals[PAUSE] * 1e6));
@@ -213,7 +224,7 @@ static void* later(void* argument) {
   }
   m->status = status;
   const int calls_back = strcmp(behaviour, "poll") != 0 && strcmp(behaviour, "stale") != 0;
-  if (calls_back) m->callbacks.stepFinished(m->callbacks.componentEnvironment, status);
+  if (calls_back) m->callbacks->stepFinished(m->callbacks->componentEnvironment, status);
   return NULL;
 }
 
@@ -234,7 +245,7 @@ FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2B
     return fmi2OK;
   }
   m->state.reals[TIME] = t;
-  if (strcmp(behaviour, "stale") == 0) m->callbacks.stepFinished(m->callbacks.componentEnvironment, fmi2OK);
+  if (strcmp(behaviour, "stale") == 0) m->callbacks->stepFinished(m->callbacks->componentEnvironment, fmi2OK);
   m->status = fmi2Pending;
   m->running = 1;
   pthread_create(&m->thread, NULL, later, m);
@@ -244,6 +255,7 @@ FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2B
 #ifndef COUPLING_WITHOUT_CANCEL
 FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component c) {
   Model* m = c;
+  if (strcmp(m->state.strings[BEHAVIOUR], "stubborn") == 0) return fmi2Error;
   m->cancelled = 1;
   join(m);
   m->state.integers[CANCELLED] += 1;
@@ -253,7 +265,9 @@ FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component c) {
 
 FMI2_EXPORT fmi2Status fmi2GetStatus(fmi2Component c, fmi2StatusKind kind, fmi2Status* value) {
   if (kind != fmi2DoStepStatus) return fmi2Discard;
-  *value = (fmi2Status)((Model*)c)->status;
+  const char* behaviour = ((Model*)c)->state.strings[BEHAVIOUR];
+  if (strcmp(behaviour, "broken") == 0) return fmi2Error;
+  *value = strcmp(behaviour, "denied") == 0 ? fmi2Pending : (fmi2Status)((Model*)c)->status;
   return fmi2OK;
 }
 

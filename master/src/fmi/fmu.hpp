@@ -61,6 +61,8 @@ class Fmu {
   /// Returns the path of the shared library for this platform, even if it does not exist.
   std::filesystem::path library_file() const;
   bool is_loaded() const { return library_ != nullptr; }
+  /// Returns the loaded shared library, a `link_map`; null if it is not loaded.
+  const void* library() const { return library_; }
   /// Unloads the shared library for good; otherwise the destructor does. No instance may exist. Throws InputError if
   /// the library throws an exception.
   void unload();

@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 // The transfer of values from outputs to inputs, and steps that do not simply succeed.
+#include "fmi/fmu.hpp"
+#include "slave/fmi/fmi2_slave.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <stdexcept>
+#include <string>
 #include <thread>
+#include <vector>
 
 namespace mebots::master {
 namespace {
@@ -382,6 +389,13 @@ TEST(Pending, ACallbackOfTheStepBeforeDoesNotEndAStep) {
   EXPECT_THAT(run.column("a.steps"), ElementsAre(0, 1, 2));
 }
 
+TEST(Pending, ACallbackCountsIfTheStatusStaysPending) {
+  TestRun run(pair(R"("behaviour": "denied")", ""));
+  run.to_end();
+  EXPECT_THAT(run.column("a.steps"), ElementsAre(0, 1, 2));
+  EXPECT_THAT(run.messages.lines, testing::Contains(HasSubstr("fmi2GetStatus reports a pending step")).Times(1));
+}
+
 TEST(Pending, ADiscardThatComesLateIsADiscard) {
   TestRun run(pair(R"("behaviour": "late_discard")", ""));
   try {
@@ -392,13 +406,18 @@ TEST(Pending, ADiscardThatComesLateIsADiscard) {
   }
 }
 
-TEST(Pending, AnInterruptCancelsAStepThatNeverEnds) {
-  TestRun run(pair(R"("behaviour": "never")", ""));
-  run.initialize();
-  std::jthread user([&] {
+/// Interrupts a run that is under way, from another thread.
+std::jthread interrupt_soon(TestRun& run) {
+  return std::jthread([&run] {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     run.interrupted = true;
   });
+}
+
+TEST(Pending, AnInterruptCancelsAStepThatNeverEnds) {
+  TestRun run(pair(R"("behaviour": "never")", ""));
+  run.initialize();
+  const auto user = interrupt_soon(run);
   EXPECT_EQ(run.simulation().run().reason, EndReason::interrupted);
   EXPECT_NO_THROW(run.simulation().terminate());
 }
@@ -412,10 +431,7 @@ std::string uncancellable(const std::string& parameters) {
 TEST(Pending, AnInterruptWaitsForAStepThatTheFmuCannotCancel) {
   TestRun run(uncancellable(R"("behaviour": "callback", "pause": 0.05)"));
   run.initialize();
-  std::jthread user([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    run.interrupted = true;
-  });
+  const auto user = interrupt_soon(run);
   EXPECT_EQ(run.simulation().run().reason, EndReason::interrupted);
   EXPECT_EQ(run.simulation().time_ns(), 100'000'000) << "the step was finished";
   EXPECT_NO_THROW(run.simulation().terminate());
@@ -424,15 +440,61 @@ TEST(Pending, AnInterruptWaitsForAStepThatTheFmuCannotCancel) {
 TEST(Pending, AnInstanceWhoseStepCannotBeEndedIsNeitherTerminatedNorFreed) {
   TestRun run(uncancellable(R"("behaviour": "never")"));
   run.initialize();
-  std::jthread user([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    run.interrupted = true;
-  });
+  const auto user = interrupt_soon(run);
   const auto& end = run.simulation().run();
   EXPECT_EQ(end.reason, EndReason::interrupted);
   EXPECT_THAT(end.text, AllOf(HasSubstr("instance 'a'"), HasSubstr("the FMU has no fmi2CancelStep")));
   EXPECT_NO_THROW(run.simulation().terminate());
 }
+
+/// Reuses the memory of the slaves that were freed, for `seconds`.
+void reuse_freed_memory(double seconds) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  while (std::chrono::steady_clock::now() < until) {
+    std::vector<std::string> blocks;
+    for (std::size_t size = 16; size <= 4 * sizeof(Fmi2Slave); size += 16) blocks.emplace_back(size, '\x55');
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+TEST(Pending, AnInstanceThatIsNotFreedKeepsItsCallbacks) {
+  {
+    TestRun run(uncancellable(R"("behaviour": "never")"));
+    run.initialize();
+    const auto user = interrupt_soon(run);
+    EXPECT_EQ(run.simulation().run().reason, EndReason::interrupted);
+  }
+  reuse_freed_memory(0.05);  // while the step continues and logs
+}
+
+TEST(Pending, AStepThatTheFmuDidNotCancelContinues) {
+  TestRun run(pair(R"("behaviour": "stubborn")", ""));
+  run.initialize();
+  const auto user = interrupt_soon(run);
+  const auto& end = run.simulation().run();
+  EXPECT_EQ(end.reason, EndReason::interrupted);
+  EXPECT_THAT(end.text, AllOf(HasSubstr("instance 'a'"), HasSubstr("fmi2CancelStep returned fmi2Error")));
+  EXPECT_NO_THROW(run.simulation().terminate());
+}
+
+/// A receiver of messages that fails, as a program's listener may.
+class FailingSink final : public MessageSink {
+ public:
+  void message(const Message& /*message*/) override { throw std::runtime_error("the listener failed"); }
+};
+
+TEST(Pending, AnInstanceIsDestroyedAlthoughItsStepCannotBeEnded) {
+  FailingSink sink;
+  Fmi2Slave slave("a", std::make_shared<Fmu>(UNCANCELLABLE_FMU), {}, sink);
+  const auto behaviour = std::ranges::find(slave.description().variables, "behaviour", &modeldesc::Variable::name);
+  const ValueReference reference[] = {behaviour->value_reference};
+  const std::string value[] = {"broken"};
+  slave.setup_experiment({});
+  slave.set_strings(reference, value);
+  slave.enter_initialization();
+  slave.exit_initialization();
+  EXPECT_TRUE(slave.step(0, 100'000'000).pending);
+}  // must not end the process
 
 TEST(Discard, AStepIsDividedWhereTheConfigAllows) {
   const auto config = [](const std::string& more) {

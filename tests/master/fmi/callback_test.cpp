@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <dlfcn.h>
+#include <link.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -32,6 +34,39 @@ std::string format(const char* text, ...) {
   auto result = format_text(text, arguments);
   va_end(arguments);
   return result;
+}
+
+/// A listener that ignores all callbacks.
+class Ignoring final : public CallbackListener {
+ public:
+  void logged(LoggerCall /*call*/) override {}
+  void step_finished(int /*status*/) override {}
+};
+
+/// Runs of one process are independent: only the instances whose library called may be affected.
+TEST(Callbacks, AStepEndOfNoKnownInstanceCountsForTheLibraryThatCalled) {
+  Ignoring listener;
+  CallbackTarget of_caller(listener, "a");
+  CallbackTarget of_another(listener, "b");
+  Dl_info info{};
+  void* caller = nullptr;
+  ASSERT_NE(dladdr1(reinterpret_cast<const void*>(&format), &info, &caller, RTLD_DL_LINKMAP), 0);
+  of_caller.set_library(caller);
+  of_another.set_library(&listener);
+  CallbackTarget::fmi1_functions(true).stepFinished(nullptr, fmiOK);
+  EXPECT_EQ(of_caller.dropped_step_ends(), 1U);
+  EXPECT_EQ(of_another.dropped_step_ends(), 0U);
+}
+
+TEST(Callbacks, AStepEndFromAnUnknownLibraryCountsForAllInstances) {
+  Ignoring listener;
+  CallbackTarget first(listener, "a");
+  CallbackTarget second(listener, "b");
+  first.set_library(&first);
+  second.set_library(&second);
+  CallbackTarget::fmi1_functions(true).stepFinished(nullptr, fmiOK);
+  EXPECT_EQ(first.dropped_step_ends(), 1U);
+  EXPECT_EQ(second.dropped_step_ends(), 1U);
 }
 
 TEST(FormatText, GivesWhatPrintfGives) {

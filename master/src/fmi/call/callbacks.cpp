@@ -4,6 +4,9 @@
 #include "fmi/call/forked_copies.hpp"
 #include "message/message_text.hpp"
 
+#include <dlfcn.h>
+#include <link.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cstdarg>
@@ -22,7 +25,6 @@ constinit thread_local CurrentCallback callback{};        // the callback from t
 constinit thread_local CurrentCall of_library{};          // the library call on this thread, outside of calls to
                                                           // instances
 constinit std::atomic<bool> callbacks_ignored{false};
-constinit std::atomic<std::uint64_t> dropped_ends{0};  // calls of stepFinished that belong to no instance
 
 class InCallback {
  public:
@@ -39,6 +41,7 @@ class InCallback {
 struct Registry {
   std::mutex mutex;
   std::unordered_set<CallbackTarget*> targets;
+  CallbackEnvironment* kept = nullptr;  // environments of instances that were not freed
 };
 
 Registry& registry() {
@@ -55,13 +58,20 @@ CallbackTarget* find_only(const std::unordered_set<CallbackTarget*>& targets, Pr
   return *found;
 }
 
+bool is_kept(const Registry& all, const void* environment) {
+  for (const auto* kept = all.kept; kept != nullptr; kept = kept->next_kept) {
+    if (kept == environment) return true;
+  }
+  return false;
+}
+
 /// Compares the FMU's pointer with known targets and never dereferences it.
 CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const void* environment,
                      const std::optional<std::string>& name) {
-  const auto by_address = targets.find(static_cast<CallbackTarget*>(const_cast<void*>(environment)));
-  if (by_address != targets.end()) return *by_address;
+  const auto has_environment = [&](const CallbackTarget* target) { return target->environment() == environment; };
   const auto has_component = [&](const CallbackTarget* target) { return target->component() == environment; };
   if (environment != nullptr) {
+    if (auto* found = find_only(targets, has_environment)) return found;
     if (auto* found = find_only(targets, has_component)) return found;
   }
   const auto has_name = [&](const CallbackTarget* target) { return target->instance_name() == *name; };
@@ -71,7 +81,7 @@ CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const v
   return targets.size() == 1 ? *targets.begin() : nullptr;
 }
 
-/// Returns false if the callback belongs to no instance.
+/// Returns false if the callback belongs to no instance, not even to one that was not freed.
 template <typename Work>
 bool with_target(const void* environment, const std::optional<std::string>& name, Work work) {
   if (current != nullptr) {
@@ -80,6 +90,7 @@ bool with_target(const void* environment, const std::optional<std::string>& name
   }
   auto& all = registry();
   const std::lock_guard lock(all.mutex);  // keeps the target alive during the call
+  if (is_kept(all, environment)) return true;
   auto* target = find(all.targets, environment, name);
   if (target != nullptr) work(*target, false);
   return target != nullptr;
@@ -106,7 +117,7 @@ void pass_on(LoggerCall call, const void* environment) noexcept {
     }
     const auto instance = call.instance;
     with_target(environment, instance, [&](CallbackTarget& target, bool in_call) {
-      call.own_environment = environment == &target;
+      call.own_environment = environment == target.environment();
       call.in_call = in_call;
       target.listener().logged(std::move(call));
     });
@@ -172,20 +183,44 @@ void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3Str
   }
 }
 
-void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
+/// Returns the loaded library that contains the code; null if there is none.
+const void* library_of(const void* code) {
+  Dl_info info{};
+  void* library = nullptr;
+  return dladdr1(code, &info, &library, RTLD_DL_LINKMAP) != 0 ? library : nullptr;
+}
+
+/// Counts it for the instances of the library that called. If no instance has that library, counts it for all.
+void count_dropped_step_end(const void* caller) {
+  const auto* library = library_of(caller);
+  auto& all = registry();
+  const std::lock_guard lock(all.mutex);
+  const auto is_caller = [&](const CallbackTarget* target) { return target->library() == library; };
+  const bool is_any = std::ranges::none_of(all.targets, is_caller);
+  for (auto* target : all.targets) {
+    if (is_any || is_caller(target)) target->count_dropped_step_end();
+  }
+}
+
+/// `caller`: an address in the code that called.
+void end_step(const void* environment, int status, const void* caller) noexcept {
   const InCallback here({"stepFinished", false});
   try {
     const bool is_known = with_target(environment, std::nullopt, [&](CallbackTarget& target, bool /*in_call*/) {
       target.listener().step_finished(status);
     });
-    if (!is_known) ++dropped_ends;
-  } catch (...) {  // NOLINT(bugprone-empty-catch): the master asks fmi2GetStatus too
+    if (!is_known) count_dropped_step_end(caller);
+  } catch (...) {  // NOLINT(bugprone-empty-catch): the master calls fmi2GetStatus too
   }
+}
+
+void step_finished(fmi2ComponentEnvironment environment, fmi2Status status) {
+  end_step(environment, status, __builtin_return_address(0));
 }
 
 /// FMI 1.0 has no environment: the component identifies the instance.
 void step_finished_fmi1(fmiComponent component, fmiStatus status) {
-  step_finished(component, static_cast<fmi2Status>(status));
+  end_step(component, status, __builtin_return_address(0));
 }
 
 void* allocate_memory(std::size_t count, std::size_t size) {
@@ -211,6 +246,9 @@ CallbackTarget::~CallbackTarget() {
   auto& all = registry();
   const std::lock_guard lock(all.mutex);
   all.targets.erase(this);
+  if (!is_environment_kept_) return;
+  environment_->next_kept = all.kept;
+  all.kept = environment_.release();
 }
 
 void CallbackTarget::set_component(const void* component) {
@@ -218,20 +256,23 @@ void CallbackTarget::set_component(const void* component) {
   component_ = component;
 }
 
-fmi2CallbackFunctions CallbackTarget::functions(bool asynchronous) {
-  return {&log, &allocate_memory, &free_memory, asynchronous ? &step_finished : nullptr, this};
+void CallbackTarget::set_library(const void* library) {
+  const std::lock_guard lock(registry().mutex);
+  library_ = library;
+}
+
+const fmi2CallbackFunctions& CallbackTarget::functions(bool asynchronous) {
+  environment_->functions = {&log, &allocate_memory, &free_memory, asynchronous ? &step_finished : nullptr,
+                             environment_.get()};
+  return environment_->functions;
 }
 
 fmiCallbackFunctions CallbackTarget::fmi1_functions(bool asynchronous) {
   return {&log_fmi1, &allocate_memory, &free_memory, asynchronous ? &step_finished_fmi1 : nullptr};
 }
 
-std::uint64_t CallbackTarget::dropped_step_ends() {
-  return dropped_ends;
-}
-
 Fmi3Callbacks CallbackTarget::fmi3_callbacks() {
-  return {this, &log_message};
+  return {environment_.get(), &log_message};
 }
 
 CurrentCall current_call() noexcept {

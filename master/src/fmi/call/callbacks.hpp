@@ -5,9 +5,11 @@
 #include "mebots/fmi2/types.hpp"
 #include "mebots/fmi3/types.hpp"
 
+#include <atomic>
 #include <cstdarg>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,9 +42,16 @@ struct Fmi3Callbacks {
   fmi3LogMessageCallback log_message = nullptr;
 };
 
+/// Memory that an FMU gets for its callbacks. Its address is the environment, which identifies the instance.
+struct CallbackEnvironment {
+  fmi2CallbackFunctions functions{};
+  CallbackEnvironment* next_kept = nullptr;
+};
+
 /// Registers a listener for callbacks during its lifetime. A callback belongs to the instance whose call this thread is
 /// in. On a thread of the FMU, it belongs to the instance with the passed environment (FMI 1.0: component), else to the
-/// one with the passed name, else to the only instance if there is just one. Other callbacks are dropped.
+/// one with the passed name, else to the only instance if there is just one. Other callbacks are dropped, as are those
+/// of instances that could not be freed.
 class CallbackTarget {
  public:
   /// `listener` must outlive this object.
@@ -54,12 +63,16 @@ class CallbackTarget {
 
   /// For fmiInstantiateSlave of FMI 1.0.
   static fmiCallbackFunctions fmi1_functions(bool asynchronous);
-  /// For fmi2Instantiate; must not be used after this object is destroyed.
-  fmi2CallbackFunctions functions(bool asynchronous);
-  /// Returns how often an FMU of this process called stepFinished for no known instance.
-  static std::uint64_t dropped_step_ends();
-  /// For fmi3Instantiate...; must not be used after this object is destroyed.
+  /// For fmi2Instantiate; valid as long as this object, or until the process ends after keep_environment().
+  const fmi2CallbackFunctions& functions(bool asynchronous);
+  /// For fmi3Instantiate...; valid as long as the result of functions().
   Fmi3Callbacks fmi3_callbacks();
+  /// Keeps the environment until the process ends, because threads of an instance that is not freed may use it.
+  void keep_environment() { is_environment_kept_ = true; }
+  /// Sets the FMU's loaded library, a `link_map`.
+  void set_library(const void* library);
+  /// Returns how often stepFinished was called for no known instance by this target's library, or by an unknown one.
+  std::uint64_t dropped_step_ends() const { return dropped_step_ends_; }
 
   /// Sets what the FMU's instantiating function returned. Callbacks of FMI 1.0 pass it, because they have no
   /// environment.
@@ -67,13 +80,21 @@ class CallbackTarget {
 
   CallbackListener& listener() const { return *listener_; }
   const std::string& instance_name() const { return instance_name_; }
-  /// Requires the registry's mutex.
+  const void* environment() const { return environment_.get(); }
+
+  // These require the registry's mutex.
   const void* component() const { return component_; }
+  const void* library() const { return library_; }
+  void count_dropped_step_end() { ++dropped_step_ends_; }
 
  private:
   CallbackListener* listener_;
   std::string instance_name_;
   const void* component_ = nullptr;
+  const void* library_ = nullptr;
+  std::unique_ptr<CallbackEnvironment> environment_ = std::make_unique<CallbackEnvironment>();
+  bool is_environment_kept_ = false;
+  std::atomic<std::uint64_t> dropped_step_ends_{0};
 };
 
 /// A call to an FMU. The texts are valid during the call.

@@ -45,7 +45,7 @@ void* Fmi1Slave::instantiate() {
 }
 
 Fmi1Slave::~Fmi1Slave() {
-  Fmi1Slave::free_instance();
+  InstanceCalls::without_exceptions([this] { Fmi1Slave::free_instance(); });
 }
 
 std::optional<std::string> Fmi1Slave::free_instance() {

@@ -41,12 +41,12 @@ Fmi2Slave::Fmi2Slave(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu, s
               implementation_of(calls_.description(), kind)->can_get_and_set_fmu_state,
               implementation_of(calls_.description(), kind)->can_serialize_fmu_state) {
   const bool is_stepped = kind == FmuKind::co_simulation;
-  callbacks_ = calls_.target().functions(runs_asynchronously(description(), kind));
+  const auto& callbacks = calls_.target().functions(runs_asynchronously(description(), kind));
   calls_.on_step_finished([this](int status) { pending_.finished(status); });
   // Switches logging on from the start: many FMUs otherwise log nothing if instantiation fails.
   calls_.instantiate("fmi2Instantiate", [&] {
     return functions_->instantiate(this->name().c_str(), is_stepped ? fmi2CoSimulation : fmi2ModelExchange,
-                                   description().guid.c_str(), calls_.fmu().resource_uri().c_str(), &callbacks_,
+                                   description().guid.c_str(), calls_.fmu().resource_uri().c_str(), &callbacks,
                                    fmi2False, fmi2True);
   });
   const auto categories = calls_.chosen_categories();
@@ -55,7 +55,7 @@ Fmi2Slave::Fmi2Slave(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu, s
 }
 
 Fmi2Slave::~Fmi2Slave() {
-  Fmi2Slave::free_instance();
+  InstanceCalls::without_exceptions([this] { Fmi2Slave::free_instance(); });
 }
 
 std::optional<std::string> Fmi2Slave::free_instance() {

@@ -75,7 +75,6 @@ class Fmi2Slave : public Slave {
   std::span<const std::int32_t> narrowed(std::span<const std::int64_t> values);
 
   const Fmi2Functions* functions_;
-  fmi2CallbackFunctions callbacks_{};
   std::vector<const char*> texts_;
   std::vector<std::int32_t> numbers_;  // of the current call
 

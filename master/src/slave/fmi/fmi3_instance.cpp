@@ -64,7 +64,7 @@ void* Fmi3Instance::instantiate(FmuKind kind, const char* resources) {
 }
 
 Fmi3Instance::~Fmi3Instance() {
-  Fmi3Instance::free_instance();
+  InstanceCalls::without_exceptions([this] { Fmi3Instance::free_instance(); });
 }
 
 std::optional<std::string> Fmi3Instance::free_instance() {

@@ -49,6 +49,10 @@ InstanceCalls::InstanceCalls(std::string name, std::shared_ptr<Fmu> fmu, std::ve
       status_name_(status_name),
       target_(*this, name_) {}
 
+InstanceCalls::~InstanceCalls() {
+  if (instance_ != nullptr && !is_gone_) target_.keep_environment();
+}
+
 void InstanceCalls::instantiate(const char* function, const std::function<void*()>& make) {
   const auto at_load = fmu_->take_changes_at_load();
   is_watched_ = fmu_->enter();
@@ -61,6 +65,7 @@ void InstanceCalls::instantiate(const char* function, const std::function<void*(
 }
 
 void InstanceCalls::instantiate_again(const char* function, const std::function<void*()>& make) {
+  target_.set_library(fmu_->library());
   watched(function, [&] { instance_ = in_scope(function, [&] { return make(); }); });
   if (instance_ == nullptr) fail(function, "returned no instance");
   target_.set_component(instance_);
@@ -71,7 +76,10 @@ std::optional<std::string> InstanceCalls::free_instance(const char* function, co
   if (std::exchange(freed_, true)) return std::nullopt;
   std::optional<std::string> fault;
   try {
-    if (instance_ != nullptr && !unusable_ && !fmu_->corrupted()) watched(function, [&] { free(); });
+    if (instance_ != nullptr && !unusable_ && !fmu_->corrupted()) {
+      watched(function, [&] { free(); });
+      is_gone_ = !unusable_;
+    }
     deliver_held();
   } catch (const SlaveError& error) {
     fault = error.what();
@@ -79,12 +87,11 @@ std::optional<std::string> InstanceCalls::free_instance(const char* function, co
   }
   const auto threads = fmu_->leave();
   if (threads == 0) return fault;
-  sink_->message({name_, Severity::warning, "notice",
-                  fmt::format("{} that started after the FMU {} was loaded still {}, so its code stays in memory until "
-                              "the program ends",
-                              threads == 1 ? "a thread" : fmt::format("{} threads", threads),
-                              fmu_->archive().filename().string(), threads == 1 ? "runs" : "run"),
-                  time_ns_});
+  warn(
+      fmt::format("{} that started after the FMU {} was loaded still {}, so its code stays in memory until "
+                  "the program ends",
+                  threads == 1 ? "a thread" : fmt::format("{} threads", threads), fmu_->archive().filename().string(),
+                  threads == 1 ? "runs" : "run"));
   return fault;
 }
 

@@ -44,6 +44,9 @@ class InstanceCalls final : public CallbackListener {
   /// doubles.
   InstanceCalls(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories,
                 MessageSink& messages, const TimeGrid& grid, StatusName status_name);
+  ~InstanceCalls() override;
+  InstanceCalls(const InstanceCalls&) = delete;
+  InstanceCalls& operator=(const InstanceCalls&) = delete;
 
   const std::string& name() const { return name_; }
   Fmu& fmu() const { return *fmu_; }
@@ -109,6 +112,16 @@ class InstanceCalls final : public CallbackListener {
   [[noreturn]] void fail(const char* function, std::string_view what);
   /// Delivers the held messages.
   void deliver_held();
+  /// Logs a warning by the master.
+  void warn(const std::string& text) { sink_->message({name_, Severity::warning, "notice", text, time_ns_}); }
+  /// For destructors: runs `work` and drops its exceptions, such as one of the program that receives messages.
+  template <typename Work>
+  static void without_exceptions(Work work) noexcept {
+    try {
+      work();
+    } catch (...) {  // NOLINT(bugprone-empty-catch): see above
+    }
+  }
   /// Returns "The FMU logged: ..." with the last warnings and errors of the FMU.
   std::string last_messages() const;
 
@@ -143,8 +156,9 @@ class InstanceCalls final : public CallbackListener {
   std::int64_t time_ns_ = 0;
   bool unusable_ = false;    // no call is allowed, not even to free it: after a fatal status, or a step that continues
   bool is_watched_ = false;  // changes of the process by its calls are reported and reverted
-  bool freed_ = false;
-  std::int64_t steps_ = 0;         // number of steps so far
+  bool freed_ = false;       // free_instance() was called
+  bool is_gone_ = false;     // no instance exists: the FMU has freed it
+  std::int64_t steps_ = 0;   // number of steps so far
   std::int64_t watched_step_ = 0;  // the next watched step; 0: none
   std::function<void(int)> step_finished_ = [](int) {};
 

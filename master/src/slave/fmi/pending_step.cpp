@@ -11,12 +11,20 @@ namespace mebots::master {
 void PendingStep::begin() {
   const std::lock_guard lock(mutex_);
   status_.reset();
+  callbacks_ = std::min(callbacks_, steps_);  // others were for steps that DoStep ended
+}
+
+void PendingStep::continues() {
+  const std::lock_guard lock(mutex_);
+  ++steps_;
 }
 
 void PendingStep::finished(int status) {
   {
     const std::lock_guard lock(mutex_);
     status_ = status;
+    ++callbacks_;
+    last_callback_ = Clock::now();
   }
   over_.notify_all();
 }
@@ -33,11 +41,18 @@ int PendingStep::wait(const std::atomic<bool>& cancel, const std::function<std::
       if (const auto status = std::exchange(status_, std::nullopt)) called_back = status;
     }
     pause = std::min(2 * pause, kLongestPause);
-    const auto queried = status_of_fmu();
+    const auto queried = is_status_ignored_ ? std::nullopt : status_of_fmu();
     if (queried.value_or(InstanceCalls::kPending) != InstanceCalls::kPending) return *queried;
-    if (!queried && called_back) return *called_back;
+    if (!called_back) continue;
+    if (queried) is_status_ignored_ = is_denied();
+    if (!queried || is_status_ignored_) return *called_back;
   }
   return InstanceCalls::kPending;
+}
+
+bool PendingStep::is_denied() {
+  const std::lock_guard lock(mutex_);
+  return callbacks_ >= steps_ && Clock::now() - last_callback_ > kLongestDenial;
 }
 
 }  // namespace mebots::master

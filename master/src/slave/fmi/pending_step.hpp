@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -18,18 +19,31 @@ class PendingStep {
 
   /// Resets the state. Call it before DoStep, because the callback may precede its return.
   void begin();
+  /// DoStep has returned fmiPending.
+  void continues();
   /// The callback stepFinished. From any thread.
   void finished(int status);
   /// Waits for the end of the step and returns its status; fmiPending if `cancel` becomes true, or `until` is reached.
   /// Queries the FMU by `status_of_fmu`, every 20 us at first and every 2 ms later. The query decides: a callback that
-  /// arrives late belongs to an earlier step. The callback decides only if the query returns nothing.
+  /// arrives late belongs to an earlier step. The callback decides only if the query returns nothing, or if it reports
+  /// fmiPending for kLongestDenial after as many callbacks as there were pending steps.
   int wait(const std::atomic<bool>& cancel, const std::function<std::optional<int>()>& status_of_fmu,
            Clock::time_point until = Clock::time_point::max());
+  /// True if GetStatus has denied the end of a step. It is not called again.
+  bool is_status_ignored() const { return is_status_ignored_; }
 
  private:
+  static constexpr std::chrono::seconds kLongestDenial{2};
+
+  bool is_denied();
+
   std::mutex mutex_;
   std::condition_variable over_;
   std::optional<int> status_;
+  std::uint64_t steps_ = 0;      // pending ones so far
+  std::uint64_t callbacks_ = 0;  // for these steps, late ones included
+  Clock::time_point last_callback_;
+  bool is_status_ignored_ = false;  // used by the stepping thread alone
 };
 
 }  // namespace mebots::master

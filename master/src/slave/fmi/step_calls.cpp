@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <utility>
 
 namespace mebots::master {
 namespace {
@@ -23,7 +24,7 @@ StepResult StepCalls<Types>::step(std::int64_t start_ns, std::int64_t duration_n
   end_ns_ = start_ns + duration_ns;
   if (has_callback_) {
     pending_->begin();
-    dropped_ends_ = CallbackTarget::dropped_step_ends();
+    dropped_ends_ = calls_->target().dropped_step_ends();
   }
   const int status = calls_->watched_step(Types::kDoStep, [&]() -> int {
     return calls_->call(Types::kDoStep, functions_->do_step, calls_->grid().time_s(start_ns),
@@ -37,6 +38,7 @@ StepResult StepCalls<Types>::step(std::int64_t start_ns, std::int64_t duration_n
                              calls_->name_of_status(status), Types::kGetStatus));
   }
   is_under_way_ = true;
+  pending_->continues();
   StepResult result;
   result.done = false;
   result.pending = true;
@@ -56,7 +58,7 @@ void StepCalls<Types>::fail_unknown_end() {
 template <typename Types>
 std::optional<int> StepCalls<Types>::queried_status() {
   if (functions_->get_status == nullptr) {
-    if (CallbackTarget::dropped_step_ends() != dropped_ends_) fail_unknown_end();
+    if (calls_->target().dropped_step_ends() != dropped_ends_) fail_unknown_end();
     return std::nullopt;
   }
   auto status = static_cast<typename Types::Status>(InstanceCalls::kPending);
@@ -71,22 +73,44 @@ template <typename Types>
 StepResult StepCalls<Types>::finish(const std::atomic<bool>& cancel) {
   MEBOTS_ASSERT(is_under_way_);
   int status = pending_->wait(cancel, [this] { return queried_status(); });
-  if (status != InstanceCalls::kPending || (functions_->cancel_step == nullptr && is_over_soon(status))) {
+  report_denial();
+  std::string obstacle;
+  if (status == InstanceCalls::kPending) {
+    obstacle = cancel_step();
+    if (obstacle.empty()) {
+      is_under_way_ = false;
+      StepResult result;
+      result.done = false;
+      result.cancelled = true;
+      return result;
+    }
+  }
+  if (status != InstanceCalls::kPending || is_over_soon(status)) {
     is_under_way_ = false;
     return ended(status);
   }
-  if (functions_->cancel_step == nullptr) {
-    calls_->abandon();
-    throw InterruptedError(
-        fmt::format("instance '{}' is neither terminated nor freed: its step continues, and the FMU has no {}",
-                    calls_->name(), Types::kCancelStep));
-  }
-  is_under_way_ = false;
-  calls_->require(Types::kCancelStep, functions_->cancel_step);
-  StepResult result;
-  result.done = false;
-  result.cancelled = true;
-  return result;
+  calls_->abandon();
+  throw InterruptedError(fmt::format("instance '{}' is neither terminated nor freed: its step continues, and {}",
+                                     calls_->name(), obstacle));
+}
+
+template <typename Types>
+void StepCalls<Types>::report_denial() {
+  if (!pending_->is_status_ignored() || std::exchange(is_denial_reported_, true)) return;
+  calls_->warn(
+      fmt::format("{} reports a pending step after the FMU called stepFinished; from now on, stepFinished alone "
+                  "ends a step",
+                  Types::kGetStatus));
+}
+
+/// Returns an empty text if the step was cancelled, else the reason why it was not.
+template <typename Types>
+std::string StepCalls<Types>::cancel_step() {
+  if (functions_->cancel_step == nullptr) return fmt::format("the FMU has no {}", Types::kCancelStep);
+  const int status = calls_->call(Types::kCancelStep, functions_->cancel_step);
+  if (status == InstanceCalls::kFatal) calls_->check(status, Types::kCancelStep);
+  if (status == InstanceCalls::kOk || status == InstanceCalls::kWarning) return "";
+  return fmt::format("{} returned {}", Types::kCancelStep, calls_->name_of_status(status));
 }
 
 template <typename Types>
@@ -99,14 +123,14 @@ bool StepCalls<Types>::is_over_soon(int& status) {
 
 template <typename Types>
 void StepCalls<Types>::end() {
-  if (!is_under_way_) return;
-  int status = InstanceCalls::kPending;
-  if (functions_->cancel_step != nullptr) {
-    calls_->call(Types::kCancelStep, functions_->cancel_step);
-  } else if (!is_over_soon(status)) {
+  if (!std::exchange(is_under_way_, false)) return;
+  try {
+    int status = InstanceCalls::kPending;
+    if (!cancel_step().empty() && !is_over_soon(status)) calls_->abandon();
+  } catch (...) {
     calls_->abandon();
+    throw;
   }
-  is_under_way_ = false;
 }
 
 template <typename Types>

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace mebots::master {
 
@@ -49,16 +50,19 @@ class StepCalls {
 
   /// See Slave. `last_argument` is that of DoStep.
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns, typename Types::Boolean last_argument);
-  /// For a step under way. See Slave. If the FMU has no CancelStep and its step does not end within a second, abandons
-  /// the instance, and throws InterruptedError.
+  /// For a step under way. See Slave. If the FMU cannot cancel its step, and the step does not end within a second,
+  /// abandons the instance, and throws InterruptedError.
   StepResult finish(const std::atomic<bool>& cancel);
-  /// Ends a step under way, so that the instance can be freed; abandons the instance if that is impossible.
+  /// Ends a step under way, so that the instance can be freed; abandons the instance if that is impossible. Throws
+  /// SlaveError if the FMU fails; the instance is then abandoned.
   void end();
   bool is_under_way() const { return is_under_way_; }
 
  private:
   StepResult ended(int status);
   [[noreturn]] void fail_unknown_end();
+  void report_denial();
+  std::string cancel_step();
   bool is_over_soon(int& status);
   std::optional<int> queried_status();
 
@@ -67,6 +71,7 @@ class StepCalls {
   const typename Types::Functions* functions_;
   bool has_callback_;
   bool is_under_way_ = false;
+  bool is_denial_reported_ = false;
   std::int64_t end_ns_ = 0;
   std::uint64_t dropped_ends_ = 0;  // when the step began
 };
