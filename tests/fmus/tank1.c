@@ -6,6 +6,7 @@
 //   offset_seen is the number that the FMU was given for `offset`, whose negated alias is minus_offset
 //   start, stop and has_stop are the arguments of fmiInitializeSlave, location that of fmiInstantiateSlave
 //   behaviour: "discard" ends at 0.5 s, "pending" finishes its steps later, "fatal" fails at 0.5 s, "wordy" logs,
+//   "hang" sleeps,
 //     "callback" reports the end of its steps from a thread; so does "unknown_callback", with an unknown component
 //   TANK1_WITHOUT_STATUS: the library lacks fmiGetStatus and fmiCancelStep
 #include <pthread.h>
@@ -134,6 +135,7 @@ EXPORT int tank1_fmiDoStep(void* instance, double time, double step, char new_st
   if (!new_step) return ERROR;
   if (time + step / 2 > 0.5 && behaves(m, "discard")) return DISCARD;
   if (time + step / 2 > 0.5 && behaves(m, "fatal")) return FATAL;
+  if (behaves(m, "hang")) sleep(60);
   m->reals[LEVEL] += step * m->reals[INFLOW] / m->reals[AREA];
   ++m->integers[STEPS];
   compute(m);

@@ -77,6 +77,11 @@ TEST(Fmi1, WaitsForPendingSteps) {
   EXPECT_EQ(run.column("a.level").back(), 0.75);
 }
 
+TEST(Fmi1, AMessageAboutAProcessNamesTheCallOfThisVersion) {
+  TestRun run(tanks(tank("a", R"("behaviour": "hang")", R"(, "process": "own", "deadline": 0.2)")));
+  EXPECT_THAT([&] { run.to_end(); }, testing::ThrowsMessage<Error>(HasSubstr("'a' at 0 s: fmiDoStep did not return")));
+}
+
 std::string without_status(const std::string& name, const std::string& behaviour) {
   return fmt::format(R"("{}": {{"fmu": "{}", "parameters": {{"behaviour": "{}"}}}})", name, TANK1_WITHOUT_STATUS_FMU,
                      behaviour);

@@ -152,7 +152,8 @@ class Host {
   }
 
   std::string in_instance(Call call, const char* what) const {
-    return fmt::format("instance '{}': {} failed in its process: {}", name_, name_of(call), what);
+    const std::string_view version = slave_ == nullptr ? "" : slave_->description().fmi_version;
+    return fmt::format("instance '{}': {} failed in its process: {}", name_, name_of(call, version), what);
   }
 
   void put_done() { answers_.put(Answer::done); }

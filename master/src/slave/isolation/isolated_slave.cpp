@@ -74,6 +74,11 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
   open(grid);
 }
 
+/// Returns the name of the host's current or last call.
+const char* IsolatedSlave::call_name() const {
+  return name_of(control_->call.load(), instance_->model->fmi_version);
+}
+
 std::vector<std::string> IsolatedSlave::host_arguments() const {
   std::vector<std::string> words{fmt::format("{}", getpid()), fmt::format("{}", memory_bytes())};
   if (!instance_->isolation.sandboxed()) return words;
@@ -114,8 +119,7 @@ std::optional<std::string> IsolatedSlave::report_end() {
   const auto end = process_->ended_within(grace_s);
   std::string problem;
   if (!end) {
-    problem =
-        fmt::format("{} did not return within {} s; its process was ended", name_of(control_->call.load()), grace_s);
+    problem = fmt::format("{} did not return within {} s; its process was ended", call_name(), grace_s);
   } else if (const bool answered = control_->answered.value() != batches_;
              !answered || end_in_sandbox(*end).by_signal) {
     problem = fault_text(*end);
@@ -190,8 +194,7 @@ void IsolatedSlave::hand_over(std::size_t open_answers, const std::function<void
     if (take) take(reader);
   } catch (const DamagedMemory& damage) {
     process_->kill();
-    lost(ErrorCode::fmu_lost,
-         fmt::format("{}, after {}; its process was ended", damage.what(), name_of(control_->call.load())));
+    lost(ErrorCode::fmu_lost, fmt::format("{}, after {}; its process was ended", damage.what(), call_name()));
   }
 }
 
@@ -229,7 +232,7 @@ void IsolatedSlave::wait(std::size_t calls_left) {
     if (isolation.deadline_s && waited_s > *isolation.deadline_s) {
       process_->kill();
       lost(ErrorCode::fmu_timeout, fmt::format("{} did not return within its deadline of {} s; its process was ended",
-                                               name_of(control_->call.load()), *isolation.deadline_s));
+                                               call_name(), *isolation.deadline_s));
     }
     if (interrupted_ != nullptr && interrupted_->load(std::memory_order_relaxed)) {
       if (!interrupted_at) interrupted_at = now;
@@ -238,7 +241,7 @@ void IsolatedSlave::wait(std::size_t calls_left) {
         lost_ = fmt::format(
             "instance '{}' at {} s: {} did not return within {} s after the interrupt; its process "
             "was ended",
-            name_, to_seconds(time_ns_), name_of(control_->call.load()), kInterruptGraceS);
+            name_, to_seconds(time_ns_), call_name(), kInterruptGraceS);
         throw InterruptedError(lost_);
       }
     }
@@ -254,7 +257,7 @@ ProcessEnd IsolatedSlave::end_in_sandbox(ProcessEnd end) const {
 
 std::string IsolatedSlave::fault_text(const ProcessEnd& seen) const {
   const auto end = end_in_sandbox(seen);
-  const auto call = name_of(control_->call.load());
+  const auto call = call_name();
   std::string text;
   if (!end.by_signal) {
     text = fmt::format("its process ended itself with exit code {} in {}", end.number, call);

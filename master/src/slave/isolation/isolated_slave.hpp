@@ -88,6 +88,7 @@ class IsolatedSlave final : public Slave {
 
   void open(const TimeGrid& grid);
   std::vector<std::string> host_arguments() const;
+  const char* call_name() const;
   std::uint64_t memory_bytes() const;
   void put(Call call) { commands_.put(call); }
   void put_references(Call call, std::span<const ValueReference> references);

@@ -7,6 +7,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <climits>
 #include <ctime>
 #include <thread>
@@ -27,66 +29,60 @@ long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value,
   return syscall(SYS_futex, &word, operation, value, timeout, nullptr, 0);
 }
 
+/// What a call of the protocol calls in each version of FMI, for messages. In FMI 3.0, a value's type chooses the
+/// function.
+struct Names {
+  Call call;
+  const char* fmi1;
+  const char* fmi2;
+  const char* fmi3;
+};
+
+constexpr Names common(Call call, const char* name) {
+  return {call, name, name, name};
+}
+
+constexpr std::array kNames = {
+    common(Call::none, "the start of its process"),
+    common(Call::open, "loading or instantiation"),
+    common(Call::unload, "the destructors of its library"),
+    Names{Call::setup_experiment, "fmiInitializeSlave", "fmi2SetupExperiment", "fmi3EnterInitializationMode"},
+    Names{Call::enter_initialization, "fmiInitializeSlave", "fmi2EnterInitializationMode",
+          "fmi3EnterInitializationMode"},
+    Names{Call::exit_initialization, "fmiInitializeSlave", "fmi2ExitInitializationMode", "fmi3ExitInitializationMode"},
+    Names{Call::step, "fmiDoStep", "fmi2DoStep", "fmi3DoStep"},
+    Names{Call::finish_step, "fmiDoStep, which returned fmiPending,", "fmi2DoStep, which returned fmi2Pending,",
+          "fmi3DoStep"},
+    Names{Call::terminate, "fmiTerminateSlave", "fmi2Terminate", "fmi3Terminate"},
+    Names{Call::get_reals, "fmiGetReal", "fmi2GetReal", "fmi3GetFloat64"},
+    Names{Call::get_integers, "fmiGetInteger", "fmi2GetInteger", "fmi3GetInt32 or its like"},
+    Names{Call::get_booleans, "fmiGetBoolean", "fmi2GetBoolean", "fmi3GetBoolean"},
+    Names{Call::get_strings, "fmiGetString", "fmi2GetString", "fmi3GetString"},
+    common(Call::get_binaries, "fmi3GetBinary"),
+    Names{Call::set_reals, "fmiSetReal", "fmi2SetReal", "fmi3SetFloat64"},
+    Names{Call::set_integers, "fmiSetInteger", "fmi2SetInteger", "fmi3SetInt32 or its like"},
+    Names{Call::set_booleans, "fmiSetBoolean", "fmi2SetBoolean", "fmi3SetBoolean"},
+    Names{Call::set_strings, "fmiSetString", "fmi2SetString", "fmi3SetString"},
+    common(Call::set_binaries, "fmi3SetBinary"),
+    Names{Call::get_output_derivatives, "fmiGetRealOutputDerivatives", "fmi2GetRealOutputDerivatives",
+          "fmi3GetOutputDerivatives"},
+    Names{Call::set_input_derivatives, "fmiSetRealInputDerivatives", "fmi2SetRealInputDerivatives",
+          "a call for derivatives of inputs"},
+    Names{Call::save_state, "a call for states", "fmi2GetFMUstate", "fmi3GetFMUState"},
+    Names{Call::restore_state, "a call for states", "fmi2SetFMUstate", "fmi3SetFMUState"},
+    Names{Call::free_state, "a call for states", "fmi2FreeFMUstate", "fmi3FreeFMUState"},
+    Names{Call::serialize, "a call for states", "fmi2SerializeFMUstate", "fmi3SerializeFMUState"},
+    Names{Call::deserialize, "a call for states", "fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"},
+    Names{Call::close, "fmiFreeSlaveInstance", "fmi2FreeInstance", "fmi3FreeInstance"},
+};
+
 }  // namespace
 
-const char* name_of(Call call) {
-  switch (call) {
-    case Call::none:
-      return "the start of its process";
-    case Call::open:
-      return "loading or instantiation";
-    case Call::setup_experiment:
-      return "fmi2SetupExperiment";
-    case Call::enter_initialization:
-      return "fmi2EnterInitializationMode";
-    case Call::exit_initialization:
-      return "fmi2ExitInitializationMode";
-    case Call::step:
-      return "fmi2DoStep";
-    case Call::finish_step:
-      return "fmi2DoStep, which returned fmi2Pending,";
-    case Call::terminate:
-      return "fmi2Terminate";
-    case Call::get_reals:
-      return "fmi2GetReal";
-    case Call::get_integers:
-      return "fmi2GetInteger";
-    case Call::get_booleans:
-      return "fmi2GetBoolean";
-    case Call::get_strings:
-      return "fmi2GetString";
-    case Call::get_binaries:
-      return "fmi3GetBinary";
-    case Call::set_reals:
-      return "fmi2SetReal";
-    case Call::set_integers:
-      return "fmi2SetInteger";
-    case Call::set_booleans:
-      return "fmi2SetBoolean";
-    case Call::set_strings:
-      return "fmi2SetString";
-    case Call::set_binaries:
-      return "fmi3SetBinary";
-    case Call::get_output_derivatives:
-      return "fmi2GetRealOutputDerivatives";
-    case Call::set_input_derivatives:
-      return "fmi2SetRealInputDerivatives";
-    case Call::save_state:
-      return "fmi2GetFMUstate";
-    case Call::restore_state:
-      return "fmi2SetFMUstate";
-    case Call::free_state:
-      return "fmi2FreeFMUstate";
-    case Call::serialize:
-      return "fmi2SerializeFMUstate";
-    case Call::deserialize:
-      return "fmi2DeSerializeFMUstate";
-    case Call::close:
-      return "fmi2FreeInstance";
-    case Call::unload:
-      return "the destructors of its library";
-  }
-  return "an unknown call";  // the value is in shared memory and may be invalid
+const char* name_of(Call call, std::string_view fmi_version) {
+  const auto found = std::ranges::find(kNames, call, &Names::call);
+  if (found == kNames.end()) return "an unknown call";  // the value is in shared memory and may be invalid
+  if (fmi_version == "1.0") return found->fmi1;
+  return fmi_version == "3.0" ? found->fmi3 : found->fmi2;
 }
 
 void Turn::pass() {

@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <string_view>
 
 /// The protocol between master and host process. The master writes a batch of calls into a shared buffer; the host
 /// executes them in order and writes the answers into another buffer. A batch holds all calls of a communication step
@@ -42,8 +43,8 @@ enum class Call : std::uint32_t {
   unload,  // part of close: unload the library
 };
 
-/// Returns the FMI name of the call.
-const char* name_of(Call call);
+/// Returns the name of the call in a version of FMI: "1.0", "2.0" or "3.0".
+const char* name_of(Call call, std::string_view fmi_version);
 
 /// The outcome of a call; an answer starts with it.
 enum class Answer : std::uint8_t { done, slave_error, input_error, error };
