@@ -88,6 +88,8 @@ CASES = [
     (["instances", "a", "repeat"], {}, False),
     (["instances", "a", "repeat"], {"1": [1, 1]}, False),
     (["stop_when"], [{"repeat": {"i": [1, 2]}, "variable": "a.real_out", "above": 1}], True),
+    (["scenario"], [{"variable": "a.real_in", "set": 1, "when": {"repeat": {"i": [1, 2]}, "variable": "a.real_out", "above": 1}}], False),
+    (["scenario"], [{"variable": "a.real_in", "set": 1, "when": {"variable": "a.real_out", "above": 1}}], True),
     (["outcomes"], [{"repeat": {"i": [1, 2]}, "outcome": "far {i}", "when": [{"variable": "a.real_out", "above": 1}]}], True),
     (["connections", 0, "repeat"], [], False),
     (["step_control"], {"max_step": 0.5}, True),

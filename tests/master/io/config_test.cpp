@@ -88,6 +88,40 @@ TEST(Config, ATableGivesACopyForEachRow) {
   EXPECT_THAT(system.source, HasSubstr("0.5, first"));  // the hash of the inputs has the table
 }
 
+/// Reads a config whose one entry is repeated for each row of a table.
+SystemDescription repeated_for_rows(const std::string& table, const std::string& entry) {
+  const modeldesc::TemporaryFolder folder("mebots-test");
+  const auto file = folder.path() / "mission.json";
+  test::write_file(folder.path() / "rows.csv", table);
+  test::write_file(file, test::with_probe(repeated(entry)));
+  return read_config(file);
+}
+
+TEST(Config, ACellWithLeadingZerosIsText) {
+  const auto system =
+      repeated_for_rows("id, mass\n007, 1.50\n-010, 0.5\n", R"("p{id}": {"repeat": {"i": "rows.csv"}, "fmu": "PROBE",
+      "parameters": {"string_in": "{id}", "gain": "{mass}", "text": "{mass} kg"}})");
+  EXPECT_EQ(system.instances[0].name, "p007");
+  EXPECT_EQ(std::get<std::string>(system.instances[0].parameters[0].value), "007");
+  EXPECT_EQ(std::get<double>(system.instances[0].parameters[1].value), 1.5);
+  EXPECT_EQ(std::get<std::string>(system.instances[0].parameters[2].value), "1.50 kg");
+  EXPECT_EQ(std::get<std::string>(system.instances[1].parameters[0].value), "-010");
+}
+
+TEST(Config, ARepeatKeepsAllDigitsOfLargeNumbers) {
+  const auto system =
+      repeated_for_rows("n\n18446744073709551615\n", R"("p[{i}]": {"repeat": {"i": "rows.csv"}, "fmu": "PROBE",
+      "parameters": {"a": "{n}"}}, "q[{i}]": {"repeat": {"i": {"n": [9223372036854775808]}}, "fmu": "PROBE", "parameters": {"a": "{n}"}})");
+  ASSERT_EQ(system.instances.size(), 2u);
+  EXPECT_EQ(std::get<UntypedText>(system.instances[0].parameters[0].value).text, "18446744073709551615");
+  EXPECT_EQ(std::get<UntypedText>(system.instances[1].parameters[0].value).text, "9223372036854775808");
+  EXPECT_THAT(test::input_error([] {
+                repeated_for_rows("n\n9223372036854775808\n",
+                                  R"("p[{n-1}]": {"repeat": {"i": "rows.csv"}, "fmu": "PROBE"})");
+              }),
+              HasSubstr("the sum exceeds 64 bits"));
+}
+
 TEST(Config, MistakesInRepeatedEntriesNameThePlaceAndTheCopy) {
   const auto error = [](const std::string& repeat, const std::string& name = "p[{i}]", const std::string& rest = "") {
     return reading_error(repeated(fmt::format(R"("{}": {{"repeat": {}, "fmu": "PROBE"{}}})", name, repeat, rest)));
@@ -101,6 +135,9 @@ TEST(Config, MistakesInRepeatedEntriesNameThePlaceAndTheCopy) {
   EXPECT_THAT(error(R"({"i": "none.csv"})"), HasSubstr("there is no file"));
   EXPECT_THAT(error(R"({"i": [1, 1000], "j": [1, 1000]})"), HasSubstr("more than 100000 copies"));
   EXPECT_THAT(error(R"({"i": [1, 2]})", "p[{k}]"), HasSubstr("the repeat has no k; it has i"));
+  EXPECT_THAT(error(R"({"i": {"a": ["gain", "gain"], "b": ["ratio", "gain"]}})", "p[{i}]",
+                    R"(, "parameters": {"{a}": 1, "{b}": 2})"),
+              AllOf(HasSubstr("/instances/p[{i}]"), HasSubstr("two keys of one copy become 'gain'")));
   EXPECT_THAT(error(R"({"i": [1, 2]})", "p[{i}]", R"(, "steep": 1)"),
               AllOf(HasSubstr("mission.json: 1:"), HasSubstr("i = 2"), HasSubstr("step")));
   EXPECT_THAT(reading_error(repeated(R"("a": {"fmu": "PROBE"})",

@@ -16,7 +16,9 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -30,8 +32,17 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMostCopies = 100'000;
 
-/// Values of the names in braces, for one copy.
-using Values = std::vector<std::pair<std::string, Json>>;
+/// What replaces a name in braces: a value, or a part of a text.
+struct Filling {
+  // NOLINTNEXTLINE(google-explicit-constructor): a value is written as it is
+  Filling(Json v) : value(std::move(v)), text(value.is_string() ? value.get<std::string>() : value.dump()) {}
+  Filling(Json v, std::string t) : value(std::move(v)), text(std::move(t)) {}
+  Json value;
+  std::string text;
+};
+
+/// The names in braces, for one copy.
+using Values = std::vector<std::pair<std::string, Filling>>;
 
 bool is_name(std::string_view text) {
   const auto letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; };
@@ -53,12 +64,21 @@ Json json_of(const Node& node) {
   if (const auto* flag = std::get_if<bool>(&value)) return *flag;
   if (const auto* whole = std::get_if<std::int64_t>(&value)) return *whole;
   if (const auto* number = std::get_if<double>(&value)) return *number;
+  if (node.is(data::Kind::whole_number)) return node.natural_number();
   return node.text();
+}
+
+/// Returns true for 007, which is a name: JSON has no such number.
+bool has_leading_zero(std::string_view cell) {
+  if (cell.starts_with('-')) cell.remove_prefix(1);
+  return cell.size() > 1 && cell[0] == '0' && std::isdigit(static_cast<unsigned char>(cell[1])) != 0;
 }
 
 /// A number, true and false as such, everything else as text.
 Json json_of(std::string_view cell) {
+  if (has_leading_zero(cell)) return std::string(cell);
   if (const auto whole = data::csv_number<std::int64_t>(cell)) return *whole;
+  if (const auto whole = data::csv_number<std::uint64_t>(cell)) return *whole;
   if (const auto number = data::csv_number<double>(cell); number && std::isfinite(*number)) return *number;
   if (cell == "true" || cell == "false") return cell == "true";
   return std::string(cell);
@@ -73,7 +93,7 @@ std::vector<Values> numbers(const Node& node, const std::string& index) {
   const auto first = ends[0].whole_number(-kMostCopies, kMostCopies);
   const auto last = ends[1].whole_number(first, first + kMostCopies - 1);
   std::vector<Values> rows;
-  for (auto number = first; number <= last; ++number) rows.push_back({{index, number}});
+  for (auto number = first; number <= last; ++number) rows.push_back({{index, Json(number)}});
   return rows;
 }
 
@@ -85,12 +105,12 @@ std::vector<Values> lists(const Node& node, const std::string& index) {
     check_name(list, name);
     const auto elements = list.elements();
     if (is_first) {
-      for (std::size_t row = 0; row < elements.size(); ++row) rows.push_back({{index, row + 1}});
+      for (std::size_t row = 0; row < elements.size(); ++row) rows.push_back({{index, Json(row + 1)}});
     } else if (elements.size() != rows.size()) {
       list.fail(ErrorCode::invalid_value,
                 fmt::format("this list has {} values, and the first list {}", elements.size(), rows.size()));
     }
-    for (std::size_t row = 0; row < rows.size(); ++row) rows[row].emplace_back(name, json_of(elements[row]));
+    for (std::size_t row = 0; row < rows.size(); ++row) rows[row].emplace_back(name, Filling(json_of(elements[row])));
     is_first = false;
   }
   if (rows.empty())
@@ -112,9 +132,10 @@ std::vector<Values> table(const Node& node, const std::string& index, Repeats& r
   for (const auto& name : csv.header()) check_name(node, name);
   std::vector<Values> rows;
   while (csv.next()) {
-    Values row = {{index, rows.size() + 1}};
+    Values row = {{index, Json(rows.size() + 1)}};
     for (std::size_t i = 0; i < csv.header().size(); ++i) {
-      row.emplace_back(csv.header()[i], json_of(data::trimmed(csv.cell(i))));
+      const auto cell = data::trimmed(csv.cell(i));
+      row.emplace_back(csv.header()[i], Filling(json_of(cell), std::string(cell)));
     }
     rows.push_back(std::move(row));
   }
@@ -159,7 +180,7 @@ class Filler {
   /// A text that is a name alone becomes the value itself, a number for example.
   Json filled(const std::string& text) const {
     if (text.size() > 2 && text.front() == '{' && text.find('}') == text.size() - 1) {
-      if (const auto value = value_of(std::string_view(text).substr(1, text.size() - 2))) return *value;
+      if (const auto value = value_of(std::string_view(text).substr(1, text.size() - 2))) return value->value;
     }
     return filled_text(text);
   }
@@ -176,7 +197,7 @@ class Filler {
         text.remove_prefix(begin + 1);
         continue;
       }
-      result.append(text.substr(0, begin)).append(value->is_string() ? value->get<std::string>() : value->dump());
+      result.append(text.substr(0, begin)).append(value->text);
       text.remove_prefix(end + 1);
     }
   }
@@ -189,7 +210,10 @@ class Filler {
       if (value.is_array()) {
         result.push_back(filled(member));
       } else {
-        result[filled_text(key)] = filled(member);
+        auto name = filled_text(key);
+        if (result.contains(name))
+          throw InputError(ErrorCode::duplicate_name, fmt::format("two keys of one copy become '{}'", name));
+        result[std::move(name)] = filled(member);
       }
     }
     return result;
@@ -197,7 +221,7 @@ class Filler {
 
  private:
   /// Returns the value of "name", "name+1" or "name-1"; empty if the text is no such expression.
-  std::optional<Json> value_of(std::string_view expression) const {
+  std::optional<Filling> value_of(std::string_view expression) const {
     const auto sign = expression.find_first_of("+-");
     const auto name = expression.substr(0, sign);
     if (!is_name(name)) return std::nullopt;
@@ -210,18 +234,21 @@ class Filler {
     }
     if (sign == std::string_view::npos) return found->second;
     const auto offset = data::csv_number<std::int64_t>(expression.substr(sign + 1));
-    if (!offset || !found->second.is_number_integer()) {
+    const auto& number = found->second.value;
+    if (!offset || !number.is_number_integer()) {
       throw InputError(ErrorCode::invalid_value,
                        fmt::format("{{{}}}: a whole number can be added to an index alone", expression));
     }
-    const auto index = found->second.get<std::int64_t>();
+    constexpr auto kLargest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+    const bool is_large = number.is_number_unsigned() && number.get<std::uint64_t>() > kLargest;
+    const auto index = number.get<std::int64_t>();
     std::int64_t sum = 0;
-    const bool overflows = expression[sign] == '-' ? __builtin_sub_overflow(index, *offset, &sum)
-                                                   : __builtin_add_overflow(index, *offset, &sum);
+    const bool overflows = is_large || expression[sign] == '-' ? __builtin_sub_overflow(index, *offset, &sum)
+                                                               : __builtin_add_overflow(index, *offset, &sum);
     if (overflows) {
       throw InputError(ErrorCode::value_out_of_range, fmt::format("{{{}}}: the sum exceeds 64 bits", expression));
     }
-    return sum;
+    return Filling(Json(sum));
   }
 
   const Values& values_;
@@ -237,7 +264,7 @@ std::string place_in_file(const Node& node, std::string_view file) {
 
 std::string shown(const Values& values) {
   std::vector<std::string> parts;
-  for (const auto& [name, value] : values) parts.push_back(fmt::format("{} = {}", name, value.dump()));
+  for (const auto& [name, filling] : values) parts.push_back(fmt::format("{} = {}", name, filling.value.dump()));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
