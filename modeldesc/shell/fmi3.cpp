@@ -76,7 +76,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instance_name, fmi3String in
         if (event_mode_used) not_offered("hasEventMode = false, so eventModeUsed must be false");
         if (intermediate_count != 0)
           not_offered("providesIntermediateUpdate = false, so nRequiredIntermediateVariables must be 0");
-        return resource_path == nullptr ? "" : resource_path;
+        return path_of_text(resource_path == nullptr ? "" : resource_path);
       });
 }
 

@@ -116,6 +116,9 @@ class Instance final : public Host {
   bool holds_messages_ = false;
 };
 
+/// Returns the path in a text of an importing tool, which is UTF-8 on every system.
+std::filesystem::path path_of_text(std::string_view utf8);
+
 /// Returns the folder of a `file:` URI (RFC 8089) and decodes percent-encoded bytes. Throws mebots::Error.
 std::filesystem::path path_of_file_uri(std::string_view uri);
 

@@ -58,7 +58,7 @@ std::filesystem::path path_of_file_uri(std::string_view uri) {
     i += 2;
   }
   while (path.size() > 1 && path.back() == '/') path.pop_back();
-  return path;
+  return path_of_text(path);
 }
 
 }  // namespace mebots::shell

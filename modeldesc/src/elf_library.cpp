@@ -2,6 +2,7 @@
 #include "mebots/modeldesc/elf_library.hpp"
 
 #include "mebots/elf_bytes.hpp"
+#include "mebots/modeldesc/system_libraries.hpp"
 
 #include <elf.h>
 #include <fcntl.h>
@@ -78,6 +79,25 @@ class ElfImage {
       if (tag == DT_RUNPATH) library.runpath = parts(string(value));
     }
     library.symbolic = values_.contains(DT_SYMBOLIC) || (value(DT_FLAGS) & DF_SYMBOLIC) != 0;
+  }
+
+  /// Returns the versions of symbols in other libraries. Each needed library has an entry with a list of version names.
+  std::vector<std::string> needed_versions() const {
+    std::vector<std::string> versions;
+    auto place = pointer(DT_VERNEED);
+    for (std::uint64_t i = 0; i < value(DT_VERNEEDNUM); ++i) {
+      const auto library = at<Elf64_Verneed>(place);
+      auto place_of_name = place + library.vn_aux;
+      for (std::uint32_t k = 0; k < library.vn_cnt; ++k) {
+        const auto version = at<Elf64_Vernaux>(place_of_name);
+        versions.push_back(string(version.vna_name));
+        if (version.vna_next == 0) break;
+        place_of_name += version.vna_next;
+      }
+      if (library.vn_next == 0) break;
+      place += library.vn_next;
+    }
+    return versions;
   }
 
   std::vector<ElfSymbol> symbols() const {
@@ -254,6 +274,8 @@ class ElfFile {
     map_segments();
   }
 
+  std::vector<std::string> needed_versions() const { return image_.needed_versions(); }
+
   ElfLibrary read() const {
     ElfLibrary library;
     library.machine = header_.e_machine;
@@ -322,6 +344,10 @@ std::vector<std::string> ElfLibrary::exports() const {
 
 std::vector<std::string> ElfLibrary::imports() const {
   return names_of(symbols, false);
+}
+
+std::vector<std::string> read_needed_versions(const std::filesystem::path& file) {
+  return ElfFile(file).needed_versions();
 }
 
 ElfLibrary read_elf_library(const std::filesystem::path& file) {

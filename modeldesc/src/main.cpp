@@ -59,7 +59,9 @@ int main(int argc, char** argv) {
       ->type_name("FILE.xml")
       ->required();
   pack_command->add_option("--documentation", parts.documentation, "index.html")->type_name("FILE.html")->required();
-  pack_command->add_option("--binary", parts.binary, "shared library of the FMU")->type_name("FILE.so")->required();
+  pack_command->add_option("--binary", parts.binary, "shared library of the FMU, for Linux or Windows")
+      ->type_name("FILE")
+      ->required();
   pack_command->add_option("--library", parts.libraries, "library to pack next to it (may be repeated)")
       ->type_name("FILE");
   pack_command

@@ -6,14 +6,15 @@
 #include "mebots/file_kind.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
+#include "mebots/modeldesc/pe_library.hpp"
+#include "mebots/modeldesc/platform.hpp"
+#include "mebots/modeldesc/system_libraries.hpp"
 #include "mebots/modeldesc/xml.hpp"
 #include "mebots/text_file.hpp"
 
-#include <elf.h>
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
-#include <algorithm>
 #include <map>
 #include <set>
 
@@ -22,22 +23,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// True for libraries that every desktop or server Linux with our C library has, and for those of sanitizers.
-bool is_part_of_the_system(std::string_view soname) {
-  constexpr std::string_view kPrefixes[] = {
-      "libc.so.",      "libm.so.",     "libdl.so.",   "libpthread.so.", "librt.so.",   "ld-linux",
-      "libstdc++.so.", "libgcc_s.so.", "libasan.so.", "libubsan.so.",   "libtsan.so.", "liblsan.so.",
-  };
-  return std::ranges::any_of(kPrefixes, [&](std::string_view prefix) { return soname.starts_with(prefix); });
+/// Returns the libraries that `file` needs and that its system does not contain.
+std::vector<std::string> needs_of(const fs::path& file, BinaryFormat format) {
+  auto needed = format == BinaryFormat::pe ? read_pe_library(file).needed : read_elf_library(file).needed;
+  std::erase_if(needed, [&](const std::string& name) {
+    return format == BinaryFormat::pe ? is_part_of_windows(name) : is_part_of_linux(name);
+  });
+  return needed;
 }
 
-void check_needs(const fs::path& file, const std::map<std::string, fs::path>& bundled) {
-  for (const std::string& needed : read_elf_library(file).needed)
-    if (!is_part_of_the_system(needed) && !bundled.contains(needed))
+void check_needs(const fs::path& file, BinaryFormat format, const std::map<std::string, fs::path>& bundled) {
+  for (const std::string& needed : needs_of(file, format))
+    if (!bundled.contains(needed))
       throw Error(
           ErrorCode::invalid_argument,
           fmt::format("{} needs {}, which is not packed into the FMU; add it with --library (BUNDLE in mebots_add_fmu)",
                       file.string(), needed));
+}
+
+/// Returns the name by which the loader looks for a library.
+std::string loaded_name(const fs::path& library, BinaryFormat format) {
+  std::string soname;
+  if (format == BinaryFormat::elf) soname = read_elf_library(library).soname;
+  return soname.empty() ? library.filename().string() : soname;
 }
 
 void add_folder(const fs::path& folder, const std::string& target, std::vector<PackedFile>& files) {
@@ -68,12 +76,6 @@ Subject read_subject(const fs::path& file) {
           root.attribute("version").value(), co_simulation.attribute("modelIdentifier").value()};
 }
 
-/// Returns the folder of the library's platform. FMI 2.0 has one name for all 64-bit Linux.
-std::string_view platform(const fs::path& binary, bool is_fmi3) {
-  if (!is_fmi3) return "linux64";
-  return read_elf_library(binary).machine == EM_AARCH64 ? "aarch64-linux" : "x86_64-linux";
-}
-
 /// Adds folders and files whose places differ between the versions.
 void add_versioned(const FmuParts& parts, const Subject& subject, std::vector<PackedFile>& files) {
   if (!parts.icon.empty()) files.push_back({subject.is_fmi3 ? "terminalsAndIcons/icon.png" : "model.png", parts.icon});
@@ -86,21 +88,24 @@ void add_versioned(const FmuParts& parts, const Subject& subject, std::vector<Pa
 
 void pack_fmu(const fs::path& archive, const FmuParts& parts) {
   const Subject subject = read_subject(parts.description);
-  const std::string binaries = fmt::format("binaries/{}/", platform(parts.binary, subject.is_fmi3));
+  const Platform& platform = platform_of(parts.binary);
+  if (platform.format == BinaryFormat::mach_o)
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("{}: is a library of macOS, which cannot be packed yet; build it for Linux or Windows",
+                            parts.binary.string()));
+  const std::string binaries = fmt::format("binaries/{}/", platform.folder(subject.is_fmi3));
 
   std::vector<PackedFile> files;
   files.push_back({"modelDescription.xml", parts.description});
   files.push_back({"documentation/index.html", parts.documentation});
-  files.push_back({binaries + subject.model_identifier + ".so", parts.binary});
+  files.push_back({fmt::format("{}{}{}", binaries, subject.model_identifier, platform.suffix), parts.binary});
 
   std::map<std::string, fs::path> bundled;
-  for (const fs::path& library : parts.libraries) {
-    const std::string soname = read_elf_library(library).soname;
-    bundled.emplace(soname.empty() ? library.filename().string() : soname, fs::canonical(library));
-  }
-  check_needs(parts.binary, bundled);
+  for (const fs::path& library : parts.libraries)
+    bundled.emplace(loaded_name(library, platform.format), fs::canonical(library));
+  check_needs(parts.binary, platform.format, bundled);
   for (const auto& [name, library] : bundled) {
-    check_needs(library, bundled);
+    check_needs(library, platform.format, bundled);
     files.push_back({binaries + name, library});
   }
 

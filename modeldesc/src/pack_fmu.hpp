@@ -38,7 +38,7 @@ std::string spdx_document(const Product& product, std::vector<Part> parts);
 struct FmuParts {
   std::filesystem::path description;             // modelDescription.xml
   std::filesystem::path documentation;           // index.html
-  std::filesystem::path binary;                  // becomes binaries/<platform>/<model identifier>.so
+  std::filesystem::path binary;                  // becomes binaries/<platform>/<model identifier>.so or .dll
   std::filesystem::path icon;                    // model.png, FMI 3.0: terminalsAndIcons/icon.png; may be empty
   std::filesystem::path terminals;               // terminalsAndIcons.xml of FMI 3.0; may be empty, or an empty file
   std::filesystem::path license;                 // becomes documentation/licenses/license.txt; may be empty
@@ -50,8 +50,9 @@ struct FmuParts {
   std::vector<std::filesystem::path> resource_files;    // are copied to resources/
 };
 
-/// Writes the .fmu. Throws mebots::Error with the name of a missing file. Also if the binary or one of its libraries
-/// needs a library that is neither in the archive nor part of every Linux.
+/// Writes the .fmu. The binary's header determines its platform. Throws mebots::Error with the name of a missing file.
+/// Also if the binary or one of its libraries needs a library that is neither in the archive nor part of every Linux or
+/// Windows.
 void pack_fmu(const std::filesystem::path& archive, const FmuParts& parts);
 
 }  // namespace mebots::modeldesc

@@ -7,6 +7,7 @@
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
+#include "mebots/modeldesc/platform.hpp"
 #include "mebots/modeldesc/xml.hpp"
 
 #include <dlfcn.h>
@@ -32,19 +33,24 @@ std::vector<std::string> binaries(const std::filesystem::path& folder) {
   return names;
 }
 
-/// Returns the folder of this platform's binaries.
-std::string_view platform_folder(const modeldesc::ModelDescription& description) {
-  return description.is_fmi3() ? "x86_64-linux" : "linux64";
-}
-
 /// Suggests what to do about a library that cannot be loaded.
-std::string_view way_out(std::string_view why) {
+std::string way_out(std::string_view why, const std::filesystem::path& folder) {
   if (why.find("undefined symbol: Py") != std::string_view::npos ||
       why.find("undefined symbol: _Py") != std::string_view::npos) {
     return "The FMU expects the library of a Python interpreter, and none was found: install libpython3-dev, or set "
            "MEBOTS_PYTHON to a Python that has a shared library";
   }
-  return "Install the missing library, or put it into binaries/linux64 of the FMU";
+  return fmt::format("Install the missing library, or put it into binaries/{} of the FMU", folder.filename().string());
+}
+
+/// Suggests what to do about an FMU with binaries for Windows only.
+std::string_view windows_way_out(const std::filesystem::path& folder) {
+  if (is_folder(folder / "sources"))
+    return ". mebots runs no binary for Windows. The FMU contains its sources: compile them (FMPy: `fmpy compile`), or "
+           "run it by a tool for Windows under wine (`apt-get install wine64`)";
+  return ". mebots runs no binary for Windows. Request one for Linux from the FMU's author or tool, or run it by a "
+         "tool "
+         "for Windows under wine (`apt-get install wine64`)";
 }
 
 /// True if a library from the folder is still loaded, as it may be after dlclose(). The loader would use it for the
@@ -53,6 +59,24 @@ bool has_loaded_from(const std::filesystem::path& folder) {
   const auto start = folder.string() + "/";
   return std::ranges::any_of(modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip),
                              [&](const auto& library) { return library.file.native().starts_with(start); });
+}
+
+/// `file` is the missing library of the FMU that is unpacked in `folder`.
+[[noreturn]] void fail_without_binary(const std::filesystem::path& archive, const std::filesystem::path& folder,
+                                      const std::filesystem::path& file) {
+  auto found = binaries(folder);
+  const bool has_windows = std::ranges::any_of(found, [](const std::string& name) { return name.ends_with(".dll"); });
+  constexpr std::size_t kShown = 10;
+  const auto count = found.size();
+  if (count > kShown) found.resize(kShown);
+  const auto listed = found.empty() ? "is nothing"
+                                    : fmt::format("{} {}{}", count == 1 ? "is" : "are", fmt::join(found, ", "),
+                                                  count > kShown ? fmt::format(" and {} more", count - kShown) : "");
+  throw InputError(
+      ErrorCode::fmu_unsupported,
+      fmt::format("{}: this FMU has no binary for {} ({}, named after its modelIdentifier); in binaries/ there {}{}",
+                  archive.string(), modeldesc::this_platform().text, file.lexically_relative(folder).string(), listed,
+                  has_windows ? windows_way_out(folder) : ""));
 }
 
 }  // namespace
@@ -176,22 +200,8 @@ void Fmu::set_difference_elsewhere(std::string text) {
 }
 
 void Fmu::load() {
-  const auto& identifier = implementation_of(description_, kind())->model_identifier;
   const auto file = library_file();
-  if (!is_there(file)) {
-    auto found = binaries(folder_);
-    constexpr std::size_t kShown = 10;
-    const auto count = found.size();
-    if (count > kShown) found.resize(kShown);
-    throw InputError(
-        ErrorCode::fmu_unsupported,
-        fmt::format("{}: this FMU has no binary for 64-bit Linux (binaries/{}/{}.so, named after its modelIdentifier); "
-                    "in binaries/ there {}",
-                    archive_.string(), platform_folder(description_), identifier,
-                    found.empty() ? "is nothing"
-                                  : fmt::format("{} {}{}", count == 1 ? "is" : "are", fmt::join(found, ", "),
-                                                count > kShown ? fmt::format(" and {} more", count - kShown) : "")));
-  }
+  if (!is_there(file)) fail_without_binary(archive_, folder_, file);
   files_of_others_ = open_files();
   threads_of_others_ = foreign_threads();
   const ProcessState before(files_of_others_);
@@ -205,15 +215,16 @@ void Fmu::load() {
   changes_at_load_ = before.put_right();
   if (library_ == nullptr) {
     const std::string why = dlerror();
-    throw InputError(ErrorCode::fmu_inconsistent, fmt::format("{}: the FMU's shared library cannot be loaded: {}. {}",
-                                                              archive_.string(), why, way_out(why)));
+    throw InputError(ErrorCode::fmu_inconsistent,
+                     fmt::format("{}: the FMU's shared library cannot be loaded: {}. {}", archive_.string(), why,
+                                 way_out(why, file.parent_path())));
   }
   functions_ = load_functions(library_, {archive_, description_, kind()});
 }
 
 std::filesystem::path Fmu::library_file() const {
-  return folder_ / "binaries" / platform_folder(description_) /
-         (implementation_of(description_, kind())->model_identifier + ".so");
+  const auto name = implementation_of(description_, kind())->model_identifier + ".so";
+  return modeldesc::binaries_folder(folder_, description_.is_fmi3(), name) / name;
 }
 
 std::string Fmu::resource_path() const {

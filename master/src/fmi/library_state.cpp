@@ -3,6 +3,7 @@
 
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
+#include "mebots/modeldesc/platform.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -221,8 +222,12 @@ LibraryImports read_imports(std::span<const fs::path> libraries) {
 std::vector<fs::path> libraries_of(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code ignored;
-  for (const auto* const part : {"binaries/linux64", "resources"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(folder / part, ignored)) {
+  const auto& platform = modeldesc::this_platform();
+  const auto binaries = folder / "binaries";
+  const std::set<fs::path> parts = {binaries / "linux64", binaries / platform.fmi2_folder,
+                                    binaries / platform.fmi3_folder, folder / "resources"};
+  for (const auto& part : parts) {
+    for (const auto& entry : fs::recursive_directory_iterator(part, ignored)) {
       if (entry.path().filename().string().find(".so") != std::string::npos && is_elf_file(entry.path()))
         files.push_back(entry.path());
     }

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace mebots::modeldesc {
+
+/// The imports and exports of a Windows DLL (PE32+ or PE32).
+struct PeLibrary {
+  std::vector<std::string> needed;   ///< names of DLLs, in the order of the file; delay-loaded ones come last
+  std::vector<std::string> exports;  ///< in the order of the file
+};
+
+/// Reads the headers and tables that Windows' loader reads. Throws mebots::Error if the file is not a DLL, or if a
+/// table is outside the file.
+PeLibrary read_pe_library(const std::filesystem::path& file);
+
+}  // namespace mebots::modeldesc

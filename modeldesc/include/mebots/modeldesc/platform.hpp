@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace mebots::modeldesc {
+
+/// The formats of shared libraries.
+enum class BinaryFormat { elf, pe, mach_o };
+
+/// An operating system on a processor, with the names that FMI gives it.
+struct Platform {
+  BinaryFormat format = BinaryFormat::elf;
+  int bits = 64;
+  std::uint32_t machine = 0;     ///< as the format's header states it: EM_X86_64, IMAGE_FILE_MACHINE_AMD64 and so on
+  std::string_view fmi2_folder;  ///< folder in binaries/ in FMI 1.0 and 2.0
+  std::string_view fmi3_folder;  ///< folder in binaries/ in FMI 3.0: <architecture>-<system>
+  std::string_view suffix;       ///< of a library's file name, with the dot
+  std::string_view text;         ///< for messages: "x86-64 Linux"
+
+  std::string_view folder(bool is_fmi3) const { return is_fmi3 ? fmi3_folder : fmi2_folder; }
+  bool operator==(const Platform& other) const { return fmi3_folder == other.fmi3_folder; }
+};
+
+/// Lists all known platforms.
+std::span<const Platform> platforms();
+
+/// Returns the platform that this program was built for.
+const Platform& this_platform();
+
+/// Returns the platform of a shared library by the file's header; null if the file is not a library of a known
+/// platform. Throws mebots::Error if the file cannot be read.
+const Platform* find_platform(const std::filesystem::path& library);
+
+/// As find_platform(), but throws mebots::Error instead of returning null.
+const Platform& platform_of(const std::filesystem::path& library);
+
+/// Returns the folder of an unpacked FMU with the libraries for this machine: `binaries/` and the platform's name. If
+/// there is none, a folder `linux64` counts whose library `file` is for this machine: FMI 2.0 has no name for Linux on
+/// processors other than x86, and tools use this one.
+std::filesystem::path binaries_folder(const std::filesystem::path& fmu, bool is_fmi3, std::string_view file);
+
+}  // namespace mebots::modeldesc
