@@ -8,9 +8,9 @@
 #include "mebots/file_kind.hpp"
 #include "mebots/fmi2/library.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
+#include "mebots/modeldesc/platform.hpp"
 
 #include <dlfcn.h>
-#include <elf.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -22,13 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using modeldesc::ModelDescription;
-
-struct Platform {
-  const char* name;
-  const char* suffix;
-};
-constexpr Platform kPlatforms[] = {{"win32", ".dll"},  {"win64", ".dll"},      {"linux32", ".so"},
-                                   {"linux64", ".so"}, {"darwin32", ".dylib"}, {"darwin64", ".dylib"}};
 
 bool is_wanted(fmi2::Need need, const modeldesc::CoSimulation& flags) {
   switch (need) {
@@ -118,7 +111,8 @@ class NeededLibraries {
 }  // namespace
 
 fs::path library_path(const ModelDescription& model, const fs::path& folder) {
-  return folder / "binaries" / "linux64" / (model.co_simulation->model_identifier + ".so");
+  const auto name = model.co_simulation->model_identifier + ".so";
+  return modeldesc::binaries_folder(folder, false, name) / name;
 }
 
 void check_platforms(const ModelDescription& model, const fs::path& folder, Findings findings) {
@@ -126,26 +120,38 @@ void check_platforms(const ModelDescription& model, const fs::path& folder, Find
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder / "binaries", ignored)) {
     const auto name = entry.path().filename().string();
-    const auto* const platform =
-        std::ranges::find(kPlatforms, name, [](const Platform& p) { return std::string_view(p.name); });
-    if (platform == std::end(kPlatforms)) {
+    const auto platforms = modeldesc::platforms();
+    const auto platform = std::ranges::find(platforms, name, &modeldesc::Platform::fmi2_folder);
+    if (platform == platforms.end()) {
       findings.warning(fmt::format("binaries/{} is not a platform that FMI {} names", name, model.fmi_version),
-                       "it names win32, win64, linux32, linux64, darwin32, darwin64");
-    } else if (!is_there(entry.path() / (identifier + platform->suffix))) {
-      findings.error(fmt::format("binaries/{} contains no {}{}", name, identifier, platform->suffix),
-                     "name the library after modelIdentifier");
+                       "it names win32, win64, linux32, linux64, darwin32, darwin64; for others use the names of FMI "
+                       "3.0, such as aarch64-linux");
+      continue;
     }
+    const auto file = fmt::format("{}{}", identifier, platform->suffix);
+    if (is_there(entry.path() / file))
+      check_machine(entry.path() / file, *platform, findings);
+    else
+      findings.error(fmt::format("binaries/{} contains no {}", name, file), "name the library after modelIdentifier");
   }
-  const auto library = library_path(model, folder);
-  if (!is_there(library)) {
-    findings.warning(fmt::format("there is no binary for 64-bit Linux (binaries/linux64/{}.so)", identifier),
-                     "build one: its behaviour cannot be checked here");
-    return;
-  }
-  const auto machine = modeldesc::read_elf_library(library).machine;
-  if (machine != EM_X86_64)
-    findings.error(fmt::format("binaries/linux64/{}.so is for ELF machine {}, not x86-64", identifier, machine),
-                   "linux64 means x86-64 Linux");
+  check_own_binary(library_path(model, folder), findings);
+}
+
+void check_machine(const fs::path& library, const modeldesc::Platform& expected, Findings findings) {
+  const auto* const found = modeldesc::find_platform(library);
+  if (found == &expected) return;
+  const auto folder = library.parent_path().filename().string();
+  findings.error(fmt::format("binaries/{}/{} is {}, but {} means {}", folder, library.filename().string(),
+                             found == nullptr ? "no library of a known platform" : fmt::format("for {}", found->text),
+                             folder, expected.text),
+                 "put it into the folder of its platform");
+}
+
+void check_own_binary(const fs::path& library, Findings findings) {
+  if (is_there(library)) return;
+  findings.warning(fmt::format("there is no binary for {} (binaries/{}/{})", modeldesc::this_platform().text,
+                               library.parent_path().filename().string(), library.filename().string()),
+                   "build one: its behaviour cannot be checked here");
 }
 
 void check_symbols(const ModelDescription& model, const fs::path& library, Findings findings) {

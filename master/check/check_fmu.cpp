@@ -42,6 +42,7 @@ class FmuCheck {
     report_.fmu = fmu_.string();
     report_.level = options_.level;
     if (archive()) {
+      report_.platforms = list_platforms(folder_.path());
       const auto version = text_version();
       if (version == "1.0")
         run_fmi1();

@@ -3,6 +3,7 @@
 
 #include "finding.hpp"
 #include "mebots/modeldesc/model_description.hpp"
+#include "mebots/modeldesc/platform.hpp"
 
 #include <filesystem>
 #include <string_view>
@@ -45,6 +46,10 @@ bool is_structured_name(std::string_view name);
 
 /// Checks platforms and files under binaries/ of the unpacked FMU in `folder`.
 void check_platforms(const modeldesc::ModelDescription& model, const std::filesystem::path& folder, Findings findings);
+/// Checks that the header of a library is that of the platform which its folder names.
+void check_machine(const std::filesystem::path& library, const modeldesc::Platform& expected, Findings findings);
+/// Warns if the library for this machine does not exist.
+void check_own_binary(const std::filesystem::path& library, Findings findings);
 /// Checks that the library exports the functions that the standard requires, and no others.
 void check_symbols(const modeldesc::ModelDescription& model, const std::filesystem::path& library, Findings findings);
 /// True if the library exports all functions that the experiments call.

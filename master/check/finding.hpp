@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "platform_list.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <deque>
@@ -46,7 +48,8 @@ struct Report {
   std::string summary;  ///< "FMI 2.0 co-simulation, 54 variables"; empty if the description cannot be read
   Level level = Level::standard;
   std::size_t hidden_findings = 0;  ///< number of findings of higher levels
-  std::deque<Check> checks;         // a deque, because a check is filled in while others are added
+  std::vector<PlatformNeeds> platforms;
+  std::deque<Check> checks;  // a deque, because a check is filled in while others are added
 
   std::size_t count(Severity severity) const;
   bool clean() const { return count(Severity::error) == 0 && count(Severity::warning) == 0; }

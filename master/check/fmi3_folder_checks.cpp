@@ -10,12 +10,10 @@
 #include "mebots/modeldesc/xml.hpp"
 #include "mebots/text_file.hpp"
 
-#include <elf.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 namespace mebots::check {
@@ -23,24 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 5> kArchitectures = {"aarch64", "riscv32", "riscv64", "x86", "x86_64"};
-struct System {
-  std::string_view name;
-  std::string_view suffix;
-};
-constexpr std::array<System, 3> kSystems = {{{"linux", ".so"}, {"windows", ".dll"}, {"darwin", ".dylib"}}};
-
-/// Returns the suffix of the platform's libraries; empty if the name is not a platform. Platforms that the standard
-/// does not list are named <architecture>-<system>{-<ABI>}.
-std::string_view suffix_of(std::string_view platform) {
-  const auto dash = platform.find('-');
-  if (dash == std::string_view::npos || dash == 0) return {};
-  auto system = platform.substr(dash + 1);
-  system = system.substr(0, system.find('-'));
-  const auto* const found = std::ranges::find(kSystems, system, &System::name);
-  if (found == kSystems.end() || std::ranges::find(kArchitectures, platform.substr(0, dash)) == kArchitectures.end())
-    return {};
-  return found->suffix;
+/// Platforms that the standard does not list are named <architecture>-<system>{-<ABI>}. Returns the platform without
+/// its ABI; null if the name is not one.
+const modeldesc::Platform* platform_named(std::string_view name) {
+  const auto system = name.find('-') + 1;
+  const auto platforms = modeldesc::platforms();
+  const auto found =
+      std::ranges::find(platforms, name.substr(0, name.find('-', system)), &modeldesc::Platform::fmi3_folder);
+  return found == platforms.end() ? nullptr : &*found;
 }
 
 void check_terminal(pugi::xml_node terminal, const std::set<std::string>& variables, Findings findings) {
@@ -133,7 +121,7 @@ fs::path fmi3_library_path(const Fmi3Description& description, const fs::path& f
   const auto interfaces = description.interfaces();
   const std::string identifier =
       interfaces.empty() ? "" : description.interfaces().front().attribute("modelIdentifier").value();
-  return folder / "binaries" / "x86_64-linux" / (identifier + ".so");
+  return modeldesc::binaries_folder(folder, true, identifier + ".so") / (identifier + ".so");
 }
 
 void check_fmi3_terminals(const Fmi3Description& description, const fs::path& folder, Findings findings) {
@@ -177,30 +165,22 @@ void check_fmi3_platforms(const Fmi3Description& description, const fs::path& fo
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder / "binaries", ignored)) {
     const auto name = entry.path().filename().string();
-    const auto suffix = suffix_of(name);
-    if (suffix.empty()) {
+    const auto* const platform = platform_named(name);
+    if (platform == nullptr) {
       findings.warning(fmt::format("binaries/{} is not a platform that FMI 3.0 names", name),
                        "FMI 3.0 names platforms <architecture>-<system>: x86_64-linux, aarch64-darwin, x86_64-windows");
       continue;
     }
     for (const auto node : description.interfaces()) {
-      const auto library = std::string(node.attribute("modelIdentifier").value()) + std::string(suffix);
-      if (!is_there(entry.path() / library))
+      const auto library = fmt::format("{}{}", node.attribute("modelIdentifier").value(), platform->suffix);
+      if (is_there(entry.path() / library))
+        check_machine(entry.path() / library, *platform, findings);
+      else
         findings.error(fmt::format("binaries/{} contains no {}, the library of <{}>", name, library, node.name()),
                        "name the library after modelIdentifier");
     }
   }
-  const auto library = fmi3_library_path(description, folder);
-  if (!is_there(library)) {
-    findings.warning(
-        fmt::format("there is no binary for 64-bit Linux (binaries/x86_64-linux/{})", library.filename().string()),
-        "build one: its behaviour cannot be checked here");
-    return;
-  }
-  if (const auto machine = modeldesc::read_elf_library(library).machine; machine != EM_X86_64)
-    findings.error(
-        fmt::format("binaries/x86_64-linux/{} is for ELF machine {}, not x86-64", library.filename().string(), machine),
-        "put it into the folder of its platform");
+  check_own_binary(fmi3_library_path(description, folder), findings);
 }
 
 void check_fmi3_symbols(const Fmi3Description& description, const fs::path& library, Findings findings) {

@@ -73,6 +73,10 @@ std::string to_text(const Report& report) {
         lines +=
             fmt::format("  {:<8} {}\n           -> {}\n", to_string(finding.severity), finding.text, finding.way_out);
     }
+    if (group == Group::binaries) {
+      for (const auto& platform : report.platforms)
+        lines += fmt::format("  binaries/{}: {}\n", platform.folder, to_text(platform));
+    }
     if (passed == 0 && lines.empty() && skipped.empty()) continue;
     for (const auto& [why, what] : skipped)
       lines += fmt::format("  skipped  {}: {}\n",
@@ -96,6 +100,12 @@ std::string to_json(const Report& report) {
   json["clean"] = report.clean();
   json["errors"] = report.count(Severity::error);
   json["warnings"] = report.count(Severity::warning);
+  json["platforms"] = nlohmann::ordered_json::array();
+  for (const auto& platform : report.platforms)
+    json["platforms"].push_back({{"folder", platform.folder},
+                                 {"machine", platform.machine},
+                                 {"glibc", platform.glibc},
+                                 {"missing", platform.missing}});
   json["checks"] = nlohmann::ordered_json::array();
   for (const auto& check : report.checks) {
     nlohmann::ordered_json one;

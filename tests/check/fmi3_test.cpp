@@ -177,7 +177,7 @@ TEST_F(Fmi3FolderTest, PlatformsHaveTheNamesOfFmi3) {
       found([&](Findings findings) { check_fmi3_platforms(description_, folder_.path(), findings); });
   EXPECT_THAT(platforms, Contains(HasSubstr("binaries/linux64 is not a platform that FMI 3.0 names")));
   EXPECT_THAT(platforms, Contains(HasSubstr("binaries/aarch64-darwin contains no culprit3.dylib")));
-  EXPECT_THAT(platforms, Contains(HasSubstr("no binary for 64-bit Linux (binaries/x86_64-linux/culprit3.so)")));
+  EXPECT_THAT(platforms, Contains(HasSubstr("no binary for x86-64 Linux (binaries/x86_64-linux/culprit3.so)")));
 }
 
 /// Findings about culprit3.cpp with this crime, which offers co-simulation and model exchange.

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// `mebots check` on FMUs with binaries for several platforms.
+#include "support.hpp"
+
+#include "support/windows_dll.hpp"
+
+#include <gmock/gmock.h>
+
+namespace mebots::check {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(CheckPlatforms, ListsWhatEachBinaryNeeds) {
+  Workshop workshop;
+  const auto dll = test::windows_dll({"KERNEL32.dll", "VCRUNTIME140.dll", "own.dll"}, {});
+  const auto fmu =
+      workshop.culprit("none", {{"binaries/win64/culprit.dll", dll}, {"binaries/win64/OWN.DLL", "brought along"}});
+  Options options;
+  options.run = false;
+  const auto report = check_fmu(fmu, options);
+  ASSERT_EQ(report.platforms.size(), 2U);
+  EXPECT_EQ(report.platforms[0].folder, "linux64");
+  EXPECT_THAT(report.platforms[0].glibc, HasSubstr("2."));
+  EXPECT_EQ(report.platforms[1].folder, "win64");
+  EXPECT_EQ(report.platforms[1].machine, "x86-64 Windows");
+  EXPECT_THAT(report.platforms[1].missing, ElementsAre("VCRUNTIME140.dll"));
+  EXPECT_THAT(to_text(report), HasSubstr("binaries/win64: x86-64 Windows, needs VCRUNTIME140.dll\n"));
+  EXPECT_THAT(to_json(report), HasSubstr("\"machine\": \"x86-64 Windows\""));
+}
+
+TEST(CheckPlatforms, ABinaryInTheFolderOfAnotherPlatformIsAnError) {
+  Workshop workshop;
+  const auto fmu = workshop.culprit("none", {{"binaries/win32/culprit.dll", test::windows_dll({}, {})},
+                                             {"binaries/aarch64-linux/culprit.so", "not a library"}});
+  const auto found = findings(fmu);
+  EXPECT_THAT(found, Contains(HasSubstr("error: binaries/win32/culprit.dll is for x86-64 Windows, but win32 means")));
+  EXPECT_THAT(found, Contains(HasSubstr("binaries/aarch64-linux/culprit.so is no library of a known platform")));
+}
+
+}  // namespace
+}  // namespace mebots::check
