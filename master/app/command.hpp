@@ -23,6 +23,7 @@ void add_check(CLI::App& app, Action& action);
 void add_convert(CLI::App& app, Action& action);
 void add_demo(CLI::App& app, Action& action);
 void add_deploy(CLI::App& app, Action& action);
+void add_fmu_platforms(CLI::App& app, Action& action);
 void add_identify(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
 void add_link(CLI::App& app, Action& action);

@@ -21,10 +21,10 @@ namespace {
 using namespace mebots::app;
 
 /// In the order of the help.
-constexpr AddCommand kCommands[] = {&add_run,      &add_resume, &add_sweep,   &add_replay,       &add_identify,
-                                    &add_new_cell, &add_link,   &add_deploy,  &add_demo,         &add_report,
-                                    &add_info,     &add_check,  &add_test,    &add_convert,      &add_validate,
-                                    &add_schema,   &add_units,  &add_new_fmu, &add_new_firmware, &add_new_sensor};
+constexpr AddCommand kCommands[] = {
+    &add_run,     &add_resume,   &add_sweep,  &add_replay, &add_identify, &add_new_cell,      &add_link,
+    &add_deploy,  &add_demo,     &add_report, &add_info,   &add_check,    &add_fmu_platforms, &add_test,
+    &add_convert, &add_validate, &add_schema, &add_units,  &add_new_fmu,  &add_new_firmware,  &add_new_sensor};
 
 /// Opens closed standard streams (`>&-`). Otherwise the next opened file would get such a number, and receive the
 /// output.
