@@ -196,13 +196,18 @@ function(_mebots_fmi_versions result description)
   set(${result} "${versions}" PARENT_SCOPE)
 endfunction()
 
-# Adds the shared library of the FMU `name` for one version of FMI. The version script hides the functions of the other.
+# Adds the shared library of the FMU `name` for one version of FMI. It exports the functions of that version alone.
 function(_mebots_fmu_library target name model identifier version folder)
   add_library(${target} MODULE $<TARGET_OBJECTS:${name}_binding>)
   mebots_target(${target})
-  set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${identifier} BUILD_RPATH "\$ORIGIN" BUILD_RPATH_USE_ORIGIN ON
-    SKIP_BUILD_RPATH OFF LINKER_LANGUAGE CXX LIBRARY_OUTPUT_DIRECTORY ${folder})
+  set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME ${identifier} LINKER_LANGUAGE CXX LIBRARY_OUTPUT_DIRECTORY ${folder})
   target_link_libraries(${target} PRIVATE mebots::shell ${model} fmt::fmt-header-only)
+  if(WIN32)
+    _mebots_export_from_dll(${target} ${version})
+    target_link_options(${target} PRIVATE -static -s)  # the C++ library and the threads that it uses are inside; no symbols
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES BUILD_RPATH "\$ORIGIN" BUILD_RPATH_USE_ORIGIN ON SKIP_BUILD_RPATH OFF)
   set(version_script ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/fmi${version}.map)
   target_link_options(${target} PRIVATE -Wl,--version-script=${version_script} -Wl,--disable-new-dtags)
   set_target_properties(${target} PROPERTIES LINK_DEPENDS ${version_script})
@@ -211,4 +216,17 @@ function(_mebots_fmu_library target name model identifier version folder)
     # of them can run several missions of a study in one process.
     target_link_options(${target} PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs -Wl,--gc-sections)
   endif()
+endfunction()
+
+# Linkers for Windows have no version scripts and take the exported names from a list.
+function(_mebots_export_from_dll target version)
+  set(list ${CMAKE_CURRENT_BINARY_DIR}/${target}.def)
+  set(script ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/list_exports.cmake)
+  add_custom_command(
+    OUTPUT ${list}
+    COMMAND ${CMAKE_COMMAND} -DNM=${CMAKE_NM} -DPREFIX=fmi${version} "-DOBJECTS=$<TARGET_OBJECTS:mebots_shell>" -DOUT=${list} -P ${script}
+    DEPENDS $<TARGET_OBJECTS:mebots_shell> ${script}
+    COMMENT "Exports of ${target}"
+    VERBATIM)
+  target_sources(${target} PRIVATE ${list})
 endfunction()

@@ -160,7 +160,7 @@ configure_package_config_file(cmake/mebotsConfig.cmake.in ${PROJECT_BINARY_DIR}/
   INSTALL_DESTINATION ${package_dir} PATH_VARS share NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/mebotsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/mebotsConfig.cmake ${PROJECT_BINARY_DIR}/mebotsConfigVersion.cmake
-  cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/MebotsTarget.cmake cmake/fmi2.map cmake/fmi3.map
+  cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/MebotsTarget.cmake cmake/fmi2.map cmake/fmi3.map cmake/list_exports.cmake
   DESTINATION ${package_dir})
 
 # find_package(mebots COMPONENTS firmware) also finds a build folder, whose bin/ is in PATH or which is in CMAKE_PREFIX_PATH.

@@ -5,6 +5,7 @@
 # default. So their last bits differ from those of x86-64. ARKODE is not rebuilt: it is C99, for which compilers do not fuse.
 set -Eeuo pipefail
 cd "$(dirname "$0")/.."
+source scripts/debian_sources.sh
 sysroot=$PWD/build/arm64-sysroot
 mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
 target=aarch64-linux-gnu
@@ -19,17 +20,8 @@ if [[ $(cat "$sysroot/.made_of" 2>/dev/null) == "$wanted" ]]; then exit; fi
 rm -rf "$sysroot"
 mmdebstrap --quiet --variant=extract --architectures=arm64 "--include=libc6-dev,libstdc++-12-dev,$packages" bookworm "$sysroot" "$mirror"
 
-# Debian's sources and patches, fetched with a separate configuration of apt.
 place=$PWD/build/arm64-sources
-rm -rf "$place"
-mkdir -p "$place/lists/partial" "$place/cache/archives/partial"
-echo "deb-src $mirror bookworm main" >"$place/sources.list"
-sources() {
-  apt-get -qq -o "Dir::Etc::SourceList=$place/sources.list" -o Dir::Etc::SourceParts=- -o "Dir::State::Lists=$place/lists" \
-    -o "Dir::Cache=$place/cache" -o APT::Sandbox::User=root "$@" >/dev/null
-}
-sources update
-(cd "$place" && sources source musl ode libccd libpng1.6)
+debian_sources "$place" musl ode libccd libpng1.6
 
 plain="-O2 -fPIC -ffp-contract=off"
 build() {

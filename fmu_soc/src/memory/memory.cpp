@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/memory.hpp"
 
+#include "memory/written_pages.hpp"
+
 #include "mebots/assert.hpp"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <new>
 #include <vector>
 
@@ -18,24 +18,6 @@ namespace {
 /// Larger regions and their marks are searched, saved and restored page by page, so that memory which no program has
 /// touched costs nothing.
 constexpr std::size_t kLargeSize = std::size_t{8} << 20;
-constexpr std::size_t kPageSize = 4096;
-
-/// Returns which pages of this process, from that of `first` to that of `last`, have ever been written. If the system
-/// refuses the information, all count as written. Source: Linux, Documentation/admin-guide/mm/pagemap.rst.
-std::vector<bool> written_pages(const std::uint8_t* first, const std::uint8_t* last) {
-  const auto page = reinterpret_cast<std::uintptr_t>(first) / kPageSize;
-  const auto count = reinterpret_cast<std::uintptr_t>(last) / kPageSize - page + 1;
-  std::vector<bool> written(count, true);
-  std::vector<std::uint64_t> entries(count);
-  const auto bytes = static_cast<std::streamsize>(count * sizeof entries[0]);
-  std::ifstream map("/proc/self/pagemap", std::ios::binary);
-  map.seekg(static_cast<std::streamoff>(page * sizeof entries[0]));
-  if (::sysconf(_SC_PAGESIZE) != long{kPageSize} || !map.read(reinterpret_cast<char*>(entries.data()), bytes))
-    return written;
-  for (std::size_t i = 0; i < count; ++i) written[i] = entries[i] >> 62 != 0;  // in memory or swapped out
-  return written;
-}
-
 /// Calls `visit` with the begin and the size of pieces that hold all bytes which are not 0. A large array has a piece
 /// for each page.
 template <typename Visit>

@@ -68,7 +68,7 @@ TEST(Fmu, AnArchiveWithoutDescriptionIsRefused) {
 
 TEST(Fmu, ABinaryForAnotherPlatformOnlyIsNamed) {
   const ChangedProbe probe([](std::string&) {}, {});
-  EXPECT_THAT(load_error(probe.path()), AllOf(HasSubstr("no binary for 64-bit Linux"), HasSubstr("win64")));
+  EXPECT_THAT(load_error(probe.path()), AllOf(HasSubstr("no binary for x86-64 Linux"), HasSubstr("win64")));
 }
 
 TEST(Fmu, NamesAFileThatIsNotALibrary) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "devices/core/kind_library.hpp"
 
+#include "devices/core/open_library.hpp"
 #include "mebots/error.hpp"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <system_error>
@@ -12,18 +12,11 @@
 namespace mebots::soc {
 
 KindLibrary::KindLibrary(const std::filesystem::path& path) : path_(path) {
-  // With a folder: dlopen() would search the system's folders for a bare name.
+  // With a folder: the loader would search the system's folders for a bare name.
   const auto file = std::filesystem::absolute(path);
-  handle_.reset(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL), [](void* handle) {
-    if (handle != nullptr) dlclose(handle);
-  });
-  if (!handle_) {
-    const char* why = dlerror();
-    throw Error(ErrorCode::file_unreadable, fmt::format("{}: cannot be opened as a library of devices: {}",
-                                                        path.string(), why ? why : "no reason"));
-  }
+  handle_ = open_library(file);
   using Function = const DeviceLibrary* (*)();
-  const auto function = reinterpret_cast<Function>(dlsym(handle_.get(), "mebots_device_library"));
+  const auto function = reinterpret_cast<Function>(find_symbol(handle_.get(), "mebots_device_library"));
   if (function == nullptr) {
     throw Error(fmt::format("{}: this is not a library of devices: it lacks MEBOTS_DEVICE_KINDS", path.string()));
   }

@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Builds the FMUs for 64-bit Windows and 64-bit ARM Linux on Debian 12, merges their binaries into the archives of this machine's build,
+# runs them under wine and qemu-user, and compares all values with this machine's (docs/platforms.md). Not part of CI.
+#
+#   scripts/platforms.sh [--install] [BUILD_FOLDER]    the build for this machine (build/release), with its FMUs
+#
+# --install installs the packages first, which needs root. The merged archives are in build/platforms.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+packages=(g++-mingw-w64-x86-64-posix wine64 crossbuild-essential-arm64 qemu-user-static mmdebstrap dpkg-dev)
+if [[ ${1:-} == --install ]]; then
+  shift
+  apt-get install -y -qq --no-install-recommends "${packages[@]}"
+fi
+host=$PWD/${1:-build/release}
+wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
+for program in x86_64-w64-mingw32-g++-posix aarch64-linux-gnu-g++ qemu-aarch64-static mmdebstrap "$wine"; do
+  command -v "$program" >/dev/null || { echo "platforms.sh: $program is missing: apt-get install ${packages[*]}" >&2; exit 2; }
+done
+fmus=${MEBOTS_PLATFORM_FMUS:-fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_world fmu_world_fmi3 fmu_soc fmu_soc_fmi3}
+for fmu in $fmus; do
+  [[ -e $host/fmus/$fmu.fmu ]] || { echo "platforms.sh: no $host/fmus/$fmu.fmu to compare with: build it (cmake --preset release)" >&2; exit 2; }
+done
+
+# build NAME OPTION...: the FMUs for one platform, with this machine's generators
+build() {
+  local name=$1
+  shift
+  cmake --preset release -B "build/$name" "-DMEBOTS_HOST_TOOLS=$host/bin" -DMEBOTS_SOC_TRANSLATE=OFF -DMEBOTS_WORLD_DRONES= "$@" >/dev/null
+  local targets=()
+  for fmu in $fmus; do targets+=("${fmu}_archive"); done
+  SECONDS=0
+  cmake --build "build/$name" --target "${targets[@]}"
+  echo "platforms.sh: built for $name in $SECONDS s"
+}
+scripts/win64_sysroot.sh
+build win64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/win64.cmake" "-DMUSL_ARCHIVE=$PWD/build/win64-sysroot/lib/libc.a"
+scripts/arm64_sysroot.sh
+build arm64-fmus "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" "-DCMAKE_SYSROOT=$PWD/build/arm64-sysroot"
+
+# A DLL needs nothing but Windows, and exports nothing but FMI.
+for library in $(find build/win64/fmu_binaries -name '*.dll'); do
+  tables=$(x86_64-w64-mingw32-objdump -p "$library")
+  foreign=$(sed -n 's/^\s*DLL Name: //p' <<<"$tables" | grep -viE '^(kernel32|msvcrt|advapi32|user32|shell32|ws2_32)\.dll$' || true)
+  [[ -z $foreign ]] || { echo "platforms.sh: $library needs $foreign" >&2; exit 1; }
+  names=$(sed -n '/\[Ordinal\/Name Pointer\] Table/,$p' <<<"$tables" | sed -nE 's/^\s*\[ *[0-9]+\] (\S+)$/\1/p')
+  version=2
+  if [[ $library == */fmi3/* ]]; then version=3; fi
+  [[ -n $names ]] && ! grep -v "^fmi$version" <<<"$names" || { echo "platforms.sh: $library exports other names" >&2; exit 1; }
+done
+
+mkdir -p build/platforms
+archives=()
+for fmu in $fmus; do
+  "$host/bin/mebots" fmu-platforms "$host/fmus/$fmu.fmu" "build/win64/fmus/$fmu.fmu" "build/arm64-fmus/fmus/$fmu.fmu" --out "build/platforms/$fmu.fmu"
+  archives+=("build/platforms/$fmu.fmu")
+done
+ls -l "${archives[@]}"
+
+loader=tests/platforms/run_fmu.c
+gcc -std=c11 -O1 "$loader" -o build/platforms/run_fmu -ldl
+x86_64-w64-mingw32-gcc -std=c11 -O1 -static "$loader" -o build/platforms/run_fmu.exe
+aarch64-linux-gnu-gcc -std=c11 -O1 "$loader" -o build/platforms/run_fmu_arm64 -ldl
+export WINEDEBUG=-all WINEPREFIX=$PWD/build/platforms/wine
+python3 tests/platforms/compare.py --loader linux64=build/platforms/run_fmu --loader "win64=$wine build/platforms/run_fmu.exe" \
+  --loader "aarch64-linux=qemu-aarch64-static -L build/arm64-sysroot build/platforms/run_fmu_arm64" "${archives[@]}"
