@@ -5,7 +5,8 @@
 #
 #   scripts/platforms.sh [--install] [BUILD_FOLDER]    the build for this machine (build/release), with its FMUs
 #
-# --install installs the packages first, which needs root. The merged archives are in build/platforms.
+# --install installs the packages first, which needs root. The merged archives are in build/platforms. $MEBOTS_PLATFORM_FMUS has other FMUs
+# than the default ones.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 packages=(g++-mingw-w64-x86-64-posix wine64 crossbuild-essential-arm64 qemu-user-static mmdebstrap dpkg-dev)
@@ -18,7 +19,7 @@ wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
 for program in x86_64-w64-mingw32-g++-posix aarch64-linux-gnu-g++ qemu-aarch64-static mmdebstrap "$wine"; do
   command -v "$program" >/dev/null || { echo "platforms.sh: $program is missing: apt-get install ${packages[*]}" >&2; exit 2; }
 done
-fmus=${MEBOTS_PLATFORM_FMUS:-fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_world fmu_world_fmi3 fmu_soc fmu_soc_fmi3}
+fmus=${MEBOTS_PLATFORM_FMUS:-fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_world fmu_world_fmi3}
 for fmu in $fmus; do
   [[ -e $host/fmus/$fmu.fmu ]] || { echo "platforms.sh: no $host/fmus/$fmu.fmu to compare with: build it (cmake --preset release)" >&2; exit 2; }
 done
