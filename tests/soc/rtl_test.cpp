@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Cycles compared with those measured on the RTL of CV32E40P and RI5CY (rtl/README.md).
+#include "hart/observer.hpp"
 #include "machine.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdint>
 #include <fstream>
 #include <sstream>
@@ -95,6 +97,47 @@ TEST(Rtl, AllMicroProgramsTakeTheCyclesOfRi5cy) {
   const auto found = measured(machine);
   EXPECT_EQ(found.size(), 143U);
   expect_exact(found, reference(CoreKind::ri5cy));
+}
+
+/// Sums the cycles of each instruction by cause, and checks them against the core's counts after each instruction.
+class CauseSum final : public Observer {
+ public:
+  void retired(const Hart& hart, const Retired& instruction) override {
+    for (const auto share : instruction.cycles.cycles) sum += share;
+    for (std::size_t i = 0; i < kCycleCauses; ++i) causes[i] += instruction.cycles.cycles[i];
+    const auto late = sum - static_cast<std::int64_t>(hart.counters().cycles);
+    if (late < 0 || late > 3) ++wrong;  // a misaligned load has subtracted the jump behind it
+  }
+  std::int64_t of(CycleCause cause) const { return causes[static_cast<std::size_t>(cause)]; }
+
+  std::int64_t sum = 0;
+  std::array<std::int64_t, kCycleCauses> causes{};
+  int wrong = 0;
+};
+
+/// Runs a program under an observer; the causes of its cycles must add up to them.
+void expect_sum(Machine& machine, CauseSum& causes) {
+  machine.hart().observe(&causes);
+  EXPECT_EQ(machine.run(1'000'000'000), Stop::watch);
+  machine.hart().observe(nullptr);
+  EXPECT_EQ(causes.sum, static_cast<std::int64_t>(machine.hart().counters().cycles));
+  EXPECT_EQ(causes.of(CycleCause::base), static_cast<std::int64_t>(machine.hart().counters().instructions));
+  EXPECT_EQ(causes.wrong, 0);
+  EXPECT_EQ(causes.of(CycleCause::other), 0);
+}
+
+TEST(Rtl, TheCausesOfAllCyclesOfTheMicroProgramsAddUp) {
+  Machine ri5cy(Elf::read(MEBOTS_RTL_RI5CY), CoreKind::ri5cy);
+  CauseSum causes;
+  expect_sum(ri5cy, causes);
+  for (const auto cause : {CycleCause::load_use, CycleCause::jump_register, CycleCause::jump, CycleCause::branch,
+                           CycleCause::multiply_divide, CycleCause::misaligned}) {
+    EXPECT_GT(causes.of(cause), 0) << kCycleCauseNames[static_cast<std::size_t>(cause)];
+  }
+  Machine cv32e40p(Elf::read(MEBOTS_RTL_CV32E40P), CoreKind::cv32e40p);
+  CauseSum others;
+  expect_sum(cv32e40p, others);
+  EXPECT_GT(others.of(CycleCause::system), 0) << "its CSR accesses take four cycles";
 }
 
 TEST(Rtl, TheConvolutionTakesTheCyclesOfCv32e40p) {

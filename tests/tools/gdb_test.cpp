@@ -171,6 +171,26 @@ TEST_F(Gdb, StopsWhereAWatchedVariableChanges) {
   EXPECT_THAT(run.gdb, HasSubstr("$1 = 15"));
 }
 
+TEST_F(Gdb, StopsWhereAnAtomicOperationStores) {
+  const Folder folder;
+  const auto program = folder.program(fmt::format(R"(
+_start: .option arch, +a
+    la t0, word
+    li t1, 5
+    lr.w t2, (t0)
+    amoadd.w t2, t1, (t0)
+    la t0, tohost
+    li t1, 1
+    sw t1, 0(t0)
+1:  j 1b
+word: .word 7
+{})",
+                                                  kTohost));
+  const Debugged run("watch *(int*)&word\ncontinue\nprint *(int*)&word\ndelete\ncontinue\n", program,
+                     "--core rv32imac");
+  EXPECT_THAT(run.gdb, HasSubstr("Old value = 7\nNew value = 12"));
+}
+
 TEST_F(Gdb, ChangesRegistersMemoryAndCode) {
   const Debugged run(
       "set *(int*)&counter = 100\nbreak *finish\ncontinue\nprint *(int*)&counter\nset $t6 = 0x55\nprint/x $t6\n"

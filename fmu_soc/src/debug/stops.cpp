@@ -85,7 +85,7 @@ void GdbServer::HartObserver::hold(const Hart& hart) {
 std::string GdbServer::watch_touched(const Access& access) const {
   if (access.size == 0) return {};
   for (const auto& watch : watches_) {
-    if (watch.kind == (access.store ? '3' : '2')) continue;
+    if ((watch.kind == '2' && !access.writes) || (watch.kind == '3' && !access.reads)) continue;
     if (access.address < std::uint64_t{watch.address} + watch.size &&
         watch.address < std::uint64_t{access.address} + access.size) {
       const auto* name = watch.kind == '2' ? "watch" : watch.kind == '3' ? "rwatch" : "awatch";

@@ -196,6 +196,7 @@ void Csrs::restart() {
   execution_.rounding = 0;
   execution_.reservation = {};
   update_guard();
+  update_counting();
   state_.handlers = word<csr::kMtvec>() = timing_.mtvec_after_reset();
   word<csr::kMcountinhibit>() = timing_.mcountinhibit_after_reset();
   const auto base = [this](std::uint32_t inhibit, std::uint64_t count) { return is_inhibited(inhibit) ? 0 : count; };
@@ -275,6 +276,7 @@ const Instruction* Csrs::access(const Instruction* at) {
 
   // The instruction reads counters of the instructions before it.
   const auto saved = e.counters;
+  const bool counted = counts_events_;
   e.counters.instructions += at->index;
   e.counters.cycles = e.start_of(at);
   std::uint32_t old = 0;
@@ -284,6 +286,7 @@ const Instruction* Csrs::access(const Instruction* at) {
   e.counters = saved;
   if (!good) return e.raise(at, cause::kIllegalInstruction, blocks_.word_at(at->pc).value_or(0));
   e.x[at->rd] = old;
+  if (counts_events_ != counted) return e.leave_after(at, Leave::counting);
   return blocks_.is_stale() ? e.leave_after(at, Leave::normal)
                             : at + 1;  // stale: it has moved the end of a hardware loop
 }
@@ -336,7 +339,9 @@ void Csrs::visit(state::Visitor& v) {
   v("wait_traps", state_.wait_traps);
   v("float_off", execution_.float_off);
   v("pmp", pmp_);
-  if (v.restores()) update_guard();
+  if (!v.restores()) return;
+  update_guard();
+  update_counting();
 }
 
 std::uint32_t Csrs::mstatus() const {
@@ -399,19 +404,24 @@ bool Csrs::counts_event(unsigned counter) const {
   return (word<csr::kPcmr>() & kCountersOn) != 0 && (word<csr::kPcer>() >> counter & 1U) != 0;
 }
 
+std::uint64_t Csrs::event_count(unsigned counter) const {
+  if (counter == 0) return execution_.counters.cycles;
+  return counter == 1 ? execution_.counters.instructions : execution_.events[counter];
+}
+
 /// Uses the same base as the standard counters: see read_counter().
 std::uint32_t Csrs::event_counter(unsigned counter) const {
-  if (counter >= state_.pccr_base.size()) return 0;  // other events are not counted
+  if (counter >= state_.pccr_base.size()) return 0;  // there are no other events
   const auto base = state_.pccr_base[counter];
   if (!counts_event(counter)) return static_cast<std::uint32_t>(base);
-  const auto value = (counter == 0 ? execution_.counters.cycles : execution_.counters.instructions) - base;
+  const auto value = event_count(counter) - base;
   const bool full = value > 0xffffffffU && (word<csr::kPcmr>() & kCountersStop) != 0;
   return full ? 0xffffffffU : static_cast<std::uint32_t>(value);
 }
 
 void Csrs::set_event_counter(unsigned counter, std::uint32_t value) {
   if (counter >= state_.pccr_base.size()) return;
-  const auto next_count = (counter == 0 ? execution_.counters.cycles : execution_.counters.instructions) + 1;
+  const auto next_count = event_count(counter) + (counter < 2 ? 1U : 0U);  // a CSR access causes no other event
   state_.pccr_base[counter] = counts_event(counter) ? next_count - value : value;
 }
 
@@ -428,10 +438,17 @@ void Csrs::set_count_mode(std::uint32_t value) {
 }
 
 void Csrs::set_event_enable(std::uint32_t pcer, std::uint32_t pcmr) {
-  const std::array<std::uint32_t, 2> values{event_counter(0), event_counter(1)};
+  std::array<std::uint32_t, kEventCounters> values{};
+  for (unsigned counter = 0; counter < values.size(); ++counter) values[counter] = event_counter(counter);
   word<csr::kPcer>() = pcer;
   word<csr::kPcmr>() = pcmr;
   for (unsigned counter = 0; counter < values.size(); ++counter) set_event_counter(counter, values[counter]);
+  update_counting();
+}
+
+void Csrs::update_counting() {
+  constexpr std::uint32_t kAccounted = (1U << kEventCounters) - 1U - 3U;
+  counts_events_ = (word<csr::kPcmr>() & kCountersOn) != 0 && (word<csr::kPcer>() & kAccounted) != 0;
 }
 
 /// While a counter is inhibited, its base is its value. Otherwise its value is the core's count minus the base.

@@ -59,6 +59,8 @@ class Csrs {
   const Pmp& pmp() const { return pmp_; }
   /// True if an access or a fetch may be forbidden: then each is checked, and no code is translated.
   bool is_guarded() const { return guarded_; }
+  /// True if an event other than cycles and instructions is counted: then each instruction is accounted for.
+  bool counts_events() const { return counts_events_; }
   /// Returns the exception of an ecall.
   std::uint32_t call_cause() const;
 
@@ -85,8 +87,8 @@ class Csrs {
     bool wait_traps = false;           // mstatus.TW
     std::uint64_t cycle_base = 0;      // mcycle = counter - base; while inhibited, mcycle = base
     std::uint64_t instret_base = 0;
-    std::uint32_t handlers = 0;                // entry of the handlers: mtvec, or the value written to it
-    std::array<std::uint64_t, 2> pccr_base{};  // of RI5CY's event counters
+    std::uint32_t handlers = 0;  // entry of the handlers: mtvec, or the value written to it
+    EventCounts pccr_base{};     // of RI5CY's event counters
   };
 
   template <unsigned kNumber>
@@ -169,6 +171,8 @@ class Csrs {
   std::uint64_t read_counter(bool instret) const;
   void write_counter(bool instret, std::uint32_t value, bool high);
   bool counts_event(unsigned counter) const;
+  std::uint64_t event_count(unsigned counter) const;
+  void update_counting();
   void set_event_enable(std::uint32_t pcer, std::uint32_t pcmr);
 
   Execution& execution_;
@@ -181,6 +185,7 @@ class Csrs {
   Pmp pmp_;
   State state_;
   bool guarded_ = false;
+  bool counts_events_ = false;
   bool interrupt_ready_ = false;
 };
 

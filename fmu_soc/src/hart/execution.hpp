@@ -31,7 +31,7 @@ struct FastRegion {
 };
 
 /// The reason why a block was left other than by a branch or at its end.
-enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn };
+enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn, counting };
 
 /// Registers of a hardware loop. The body runs once more after its last instruction while the count is above 1.
 struct HardwareLoop {
@@ -91,6 +91,10 @@ struct Counters {
     v("fetch_cycles", fetch_cycles);
   }
 };
+
+/// Counts of RI5CY's events by their number in PCER. The first two stay 0: Counters has cycles and instructions.
+inline constexpr std::size_t kEventCounters = 17;
+using EventCounts = std::array<std::uint64_t, kEventCounters>;
 
 /// The last two instructions in the pipeline.
 struct Pipeline {
@@ -164,6 +168,7 @@ struct Execution {
   std::array<HardwareLoop, 2> loops{};  // 0 is the inner one
   FastRegion ram[2];
   Counters counters;
+  EventCounts events{};  // advance while the program counts events
   Pipeline pipeline;
 
   // State of the block in progress.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hart/cycle_causes.hpp"
 #include "hart/instruction.hpp"
 #include "isa/encoding.hpp"
 
@@ -14,8 +15,10 @@ class Hart;
 /// A load or store of the program.
 struct Access {
   std::uint32_t address = 0;
-  unsigned size = 0;  // bytes; 0 = the instruction touches no memory
-  bool store = false;
+  unsigned size = 0;    // bytes; 0 = the instruction touches no memory
+  bool store = false;   // a plain store: Retired::stored is its value
+  bool reads = false;   // an atomic operation may do both
+  bool writes = false;  // a sc.w that fails does not, but counts as one that does
 };
 
 /// A retired instruction.
@@ -25,6 +28,7 @@ struct Retired {
   Decoded decoded;
   Access access;
   std::uint32_t stored = 0;  // by a store, in its low bytes
+  CycleShares cycles = {};   // only for an observer without quiet code
 };
 
 /// A taken trap or interrupt. The hart's pc is at the handler; the cycles to enter it follow.

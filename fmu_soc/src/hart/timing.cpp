@@ -15,12 +15,6 @@ bool reads_rs1(Op op) {
   return traits_of(op).kind != OpKind::csr_immediate;
 }
 
-unsigned own_cycles(const Timing& timing, const Current& current) {
-  MEBOTS_ASSERT(traits_of(current.op).cycles > 0);
-  if (is_csr(current.op)) return timing.csr_cycles(static_cast<unsigned>(current.imm));
-  return traits_of(current.op).cycles;
-}
-
 /// True if an instruction directly after a load reads or writes the register that is loaded.
 bool load_stall(const Timing& timing, const Previous& load, const Current& current) {
   if (!is_load(load.op) || !load.writes()) return false;
@@ -76,6 +70,12 @@ unsigned Timing::csr_cycles(unsigned number) const {
     return slow ? 4 : 1;
   }
   return 1;
+}
+
+unsigned own_cycles(const Timing& timing, const Current& current) {
+  MEBOTS_ASSERT(traits_of(current.op).cycles > 0);
+  if (is_csr(current.op)) return timing.csr_cycles(static_cast<unsigned>(current.imm));
+  return traits_of(current.op).cycles;
 }
 
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,

@@ -100,6 +100,9 @@ struct Current {
   std::int32_t imm = 0;
 };
 
+/// Returns the cycles of an instruction that is no jump, without stalls and without those that depend on data.
+unsigned own_cycles(const Timing& timing, const Current& current);
+
 /// Returns the cycles of an instruction after the two before it, as far as decoding determines them. Excludes taken
 /// branches, operands of divisions, misaligned addresses and unaligned targets.
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,

@@ -42,7 +42,9 @@ void Hart::observe(Observer* observer) {
 
 void Hart::reset(std::uint32_t pc) {
   execution_.counters = {};
+  execution_.events = {};
   restart(pc);
+  observed_.restored(false);
   blocks_.clear();
 }
 
@@ -51,6 +53,7 @@ void Hart::restart(std::uint32_t pc) {
   execution_.pc = pc;
   execution_.loops = {};
   csrs_.restart();
+  observed_.count_events(csrs_.counts_events());
   traps_.restart();
   execution_.pipeline = {};
   wake();
@@ -165,7 +168,7 @@ inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
       return translated_.run(*entry, stall);
     }
   }
-  if (observed_.observer() != nullptr) [[unlikely]] {
+  if (observed_.is_on()) [[unlikely]] {
     observed_.run_block(block, stall, delays_jump);
     return false;
   }
@@ -177,7 +180,7 @@ inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
 
 /// Runs one instruction at a pc where no block begins.
 void Hart::step() {
-  if (observed_.observer() != nullptr) {
+  if (observed_.is_on()) {
     observed_.step();
   } else if (!interpreter_.resume_to_limit()) {
     interpreter_.step();
@@ -193,7 +196,7 @@ void Hart::step_guarded() {
   const auto word = blocks_.word_at(e.pc);
   const bool first = may_fetch(e.pc);
   if (first && (!word || is_compressed(*word) || may_fetch(e.pc + 2))) {
-    observed_.observer() != nullptr ? observed_.step() : interpreter_.step();
+    observed_.is_on() ? observed_.step() : interpreter_.step();
     return;
   }
   e.trap_cause = cause::kFetchAccess;
@@ -221,6 +224,9 @@ Stop Hart::leave() {
     case Leave::turn:
       at_access_ = true;
       return Stop::turn;
+    case Leave::counting:
+      observed_.count_events(csrs_.counts_events());
+      return Stop::limit;
     case Leave::event:
     case Leave::sleep:
       waits_for_event_ = why == Leave::event;
@@ -271,6 +277,13 @@ void Hart::entered_handler() {
   execution_.counters.cycles += kTrapEntryCycles;
 }
 
+bool Hart::set_csr(unsigned number, std::uint32_t value) {
+  const bool exists = csrs_.write(number, value);
+  observed_.count_events(csrs_.counts_events());
+  drop_resume_point();
+  return exists;
+}
+
 void Hart::take_interrupt() {
   const auto number = traps_.next_interrupt();
   if (traps_.enter_handler(cause::kInterrupt | number, 0)) entered_handler();
@@ -290,6 +303,7 @@ void Hart::visit(state::Visitor& v) {
   v("loops", execution_.loops);
   v("csr", csrs_);
   v("counters", execution_.counters);
+  v("events", execution_.events);
   v("traps", traps_);
   v("pipeline", execution_.pipeline);
   v("sleeping", sleeping_);
@@ -298,6 +312,7 @@ void Hart::visit(state::Visitor& v) {
   execution_.x = registers;
   execution_.cut_pc = kNoPc;
   observed_.restored(sleeping_);
+  observed_.count_events(csrs_.counts_events());
   drop_resume_point();
   blocks_.clear();
   for (const auto& loop : execution_.loops)

@@ -108,7 +108,7 @@ class Hart {
   /// Reads or writes a CSR as an instruction does, without its cycles. Returns false if the CSR or this access does not
   /// exist.
   bool csr(unsigned number, std::uint32_t& value) const { return csrs_.read(number, value); }
-  bool set_csr(unsigned number, std::uint32_t value) { return csrs_.write(number, value); }
+  bool set_csr(unsigned number, std::uint32_t value);
   /// Accesses of the program that have another effect on most other cores. Not part of a state.
   const CsrRemarks& csr_remarks() const { return csrs_.remarks(); }
   Mode mode() const { return csrs_.mode(); }

@@ -15,7 +15,19 @@ Access access_of(const Decoded& decoded, const Hart& hart) {
     const bool by_register = has_step_register(traits_of(decoded.op).mode);
     address += by_register ? hart.reg(store ? decoded.rs3 : decoded.rs2) : static_cast<std::uint32_t>(decoded.imm);
   }
-  return {address, traits_of(decoded.op).size, store};
+  const bool only_reserves = decoded.op == Op::lr_w;
+  return {.address = address,
+          .size = traits_of(decoded.op).size,
+          .store = store,
+          .reads = !store && decoded.op != Op::sc_w,
+          .writes = store || (is_atomic(decoded.op) && !only_reserves)};
+}
+
+/// Returns the cycles of the jump after a misaligned load that the load has subtracted.
+std::uint32_t hidden_by(const Execution& e, const Instruction* at) {
+  const auto& next = at[1];
+  const bool hides = e.slow_load == at && overlaps_slow(executed(*at, true), {next.op, next.rd, next.rs1});
+  return hides ? at[2].cycles_before - next.cycles_before - 1U : 0U;
 }
 
 }  // namespace
@@ -25,7 +37,25 @@ void ObservedRun::observe(Observer* observer, bool sleeping) {
   restored(sleeping);
   flow_ = observer == nullptr ? nullptr : observer->flow();
   decoded_.record_flow(flow_);
-  interpreter_.set_walk(observer == nullptr ? nullptr : this);
+  update_walk();
+}
+
+void ObservedRun::count_events(bool counts) {
+  if (counts == counts_) return;
+  counts_ = counts;
+  account_.restart();
+  update_walk();
+}
+
+void ObservedRun::update_walk() {
+  interpreter_.set_walk(is_on() ? this : nullptr);
+}
+
+/// Reports an instruction that has retired.
+void ObservedRun::retire(Retired& instruction, std::uint32_t hidden) {
+  if (counts_ || wants_all()) account_.retire(instruction, hidden);
+  if (counts_) account_.count_events(execution_.events, instruction, limit_.is_loose());
+  if (observer_ != nullptr) observer_->retired(hart_, instruction);
 }
 
 /// True if an observer with this quiet code needs a call for the instruction.
@@ -39,6 +69,7 @@ bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
 /// Returns the first instruction from `at` that the observer needs a call for; `stop` or the end of the block if there
 /// is none before.
 const Instruction* ObservedRun::next_reported(const Instruction* at, const Instruction* stop) const {
+  if (counts_) return at;
   const auto quiet = observer_->quiet();
   while (at != stop && !is_block_end(at->op) && !is_reported(at, quiet)) ++at;
   return at;
@@ -56,10 +87,14 @@ Retired ObservedRun::preview(std::uint32_t pc) const {
 }
 
 void ObservedRun::step() {
-  const auto retired = preview(execution_.pc);
-  const auto instructions = execution_.counters.instructions;
+  auto retired = preview(execution_.pc);
+  const auto& e = execution_;
+  if (const auto* at = decoded_.blocks.single(e.pc, e.pipeline.two_before, e.pipeline.before); at != nullptr) {
+    account_.begin_alone(at[1].cycles_before);
+  }
+  const auto instructions = e.counters.instructions;
   interpreter_.step();
-  if (execution_.counters.instructions != instructions) observer_->retired(hart_, retired);
+  if (e.counters.instructions != instructions) retire(retired, 0);
 }
 
 /// With a strict limit, the observer may end the run after any instruction that is reported, so such an instruction
@@ -80,15 +115,16 @@ const Instruction* ObservedRun::walk(const Instruction* at, const Instruction* s
       at = interpreter_.run_until(at, told);
       continue;
     }
-    const auto retired = preview(at->pc);
+    auto retired = preview(at->pc);
+    account_.begin(e.start_of(at), at[1].cycles_before - at->cycles_before + e.stalled_before(at));
     const auto* next = interpreter_.run_until(at, at + 1);
     if (next != nullptr) e.pc = next->pc;
     const bool has_retired = e.exit->index > at->index;
     if (!has_retired) return nullptr;
     const auto at_start = e.counters;
     e.count_up_to(*e.exit);
-    observer_->retired(hart_, retired);
-    if (next != nullptr) observer_->before(hart_);
+    retire(retired, next == nullptr ? 0 : hidden_by(e, at));
+    if (next != nullptr && observer_ != nullptr) observer_->before(hart_);
     e.counters = at_start;
     at = next;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "hart/cycle_account.hpp"
 #include "hart/execution.hpp"
 #include "hart/interpreter.hpp"
 #include "hart/observer.hpp"
@@ -11,23 +12,35 @@
 
 namespace mebots::soc {
 
-/// Runs a core with an observer: as without one, but with a call after each instruction that the observer needs. All
-/// functions need an observer unless stated.
+/// Runs a core with an observer: as without one, but with a call after each instruction that the observer needs. Also
+/// runs a core whose program counts events, since that needs an account of each instruction.
 class ObservedRun final : private BlockWalk {
  public:
   ObservedRun(const Hart& hart, Execution& execution, DecodedCode& decoded, Interpreter& interpreter,
               const RunLimit& limit)
-      : hart_(hart), execution_(execution), decoded_(decoded), interpreter_(interpreter), limit_(limit) {}
+      : hart_(hart),
+        execution_(execution),
+        decoded_(decoded),
+        interpreter_(interpreter),
+        limit_(limit),
+        account_(execution, decoded.blocks.timing()) {}
 
   /// Sets the observer; null removes it. `sleeping`: the core sleeps now.
   void observe(Observer* observer, bool sleeping);
+  /// Starts or ends the counting of events. Code is not translated meanwhile.
+  void count_events(bool counts);
+  /// True if instructions must run here.
+  bool is_on() const { return observer_ != nullptr || counts_; }
   /// May be null.
   Observer* observer() const { return observer_; }
   /// True if there is an observer that needs a call before each instruction.
   bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
   /// True if translated code reports enough for the observer, if any. It does not suffice for calls before
   /// instructions, nor for steps that it does not record.
-  bool allows_translation() const { return observer_ == nullptr || (flow_ != nullptr && flow_ == decoded_.flow); }
+  bool allows_translation() const {
+    if (counts_) return false;
+    return observer_ == nullptr || (flow_ != nullptr && flow_ == decoded_.flow);
+  }
 
   /// True if the run continues with the instruction at the pc.
   bool continues() { return observer_->before(hart_); }
@@ -36,7 +49,8 @@ class ObservedRun final : private BlockWalk {
   void step();
 
   // Calls to the observer, if there is one.
-  void trapped(const Trapped& trap) const {
+  void trapped(const Trapped& trap) {
+    account_.entered_trap();
     if (observer_ != nullptr) observer_->trapped(hart_, trap);
   }
   void flowed(std::span<const Flow> steps) const {
@@ -48,9 +62,14 @@ class ObservedRun final : private BlockWalk {
       report_wake_up();
   }
   /// Called after a state was restored; `sleeping`: of a core that sleeps.
-  void restored(bool sleeping) { sleep_reported_ = observer_ != nullptr && sleeping; }
+  void restored(bool sleeping) {
+    sleep_reported_ = observer_ != nullptr && sleeping;
+    account_.restart();
+  }
 
  private:
+  void update_walk();
+  void retire(Retired& instruction, std::uint32_t hidden);
   static bool is_reported(const Instruction* at, const QuietCode& quiet);
   const Instruction* next_reported(const Instruction* at, const Instruction* stop) const;
   const Instruction* walk(const Instruction* at, const Instruction* stop) override;
@@ -64,6 +83,8 @@ class ObservedRun final : private BlockWalk {
   const RunLimit& limit_;
   Observer* observer_ = nullptr;
   const FlowMap* flow_ = nullptr;  // of the observer
+  CycleAccount account_;
+  bool counts_ = false;
   bool sleep_reported_ = false;
 };
 
