@@ -150,6 +150,13 @@ TEST_F(BadInput, IsRefusedIfTheProgramDoesNotFitTheBoard) {
                  "lies outside the board's memories");
 }
 
+TEST_F(BadInput, IsRefusedIfTheCoreLacksTheProgramsFloatingPointRegisters) {
+  constexpr std::size_t kFlags = 36;  // of the ELF header; 1: compressed instructions, 2: -mabi=ilp32f
+  const auto program = damaged(kFlags, "\x03");
+  expect_refused(program, "compiled for floating-point registers (-mabi=ilp32f)");
+  EXPECT_EQ(run_tool(program + " --core rv32imfc").exit_code, 0);
+}
+
 TEST_F(BadInput, AStrippedProgramStillRuns) {
   std::string tool = MEBOTS_RISCV_STRIP;
   ASSERT_EQ(std::system((tool + " " + program_).c_str()), 0);

@@ -194,6 +194,15 @@ TEST(Run, AfterAFaultSaysPcFunctionInstructionCauseAndCallers) {
   }
 }
 
+TEST(Run, SaysThatMemoryIsProtected) {
+  // Without a PMP entry that matches, U mode may access nothing (RISC-V privileged specification 3.7.1).
+  const auto run =
+      run_program("_start: la t0, user\ncsrw mepc, t0\nli t1, 0x1800\ncsrc mstatus, t1\nmret\nuser: nop\n1: j 1b",
+                  "--core rv32imcu");
+  EXPECT_EQ(run.exit_code, 101);
+  EXPECT_THAT(run.err, HasSubstr("physical memory protection (pmpcfg, pmpaddr) forbids this access"));
+}
+
 TEST(Run, NamesTheCallerOfAJumpToUnmappedMemory) {
   const auto run =
       run_program("_start: la sp, s\nli a0, 0x30000000\nsend: jalr a0\n1: j 1b\n.bss\n.space 64\ns:\n.text");

@@ -111,6 +111,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// Returns the core whose observer ended the run; -1 = none.
   int core_stopped_by_observer() const { return core_stopped_by_observer_; }
   const ClusterDma& dma() const { return dma_; }
+  /// Returns the number of L1's banks.
+  unsigned l1_banks() const { return banks_.count(); }
   /// Returns the instruction cache of all cores; null without one.
   const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
 

@@ -292,6 +292,7 @@ Elf Elf::parse(std::span<const std::uint8_t> bytes, const std::string& origin) {
   if ((header.flags & kEmbeddedAbi) != 0) file.fail("compiled for RV32E; compile with -march=rv32imc -mabi=ilp32");
   Elf elf;
   elf.origin_ = origin;
+  elf.uses_float_registers_ = (header.flags & kFloatAbi) == kSingleFloatAbi;
   elf.segments_ = read_segments(file, header);
   elf.entry_ = loaded_entry(file, header.entry, elf.segments_);
   const auto sections = read_sections(file, header);
@@ -347,6 +348,10 @@ const ElfSymbol* Elf::covering(std::uint32_t address) const {
 
 std::string Elf::where(std::uint32_t address) const {
   return name_of(address, address);
+}
+
+std::vector<LineRange> Elf::line_ranges() const {
+  return lines_ ? all_lines(*lines_) : std::vector<LineRange>();
 }
 
 std::string Elf::where_called(std::uint32_t return_address) const {

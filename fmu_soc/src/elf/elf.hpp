@@ -49,6 +49,8 @@ class Elf {
   /// Returns the extensions in the file's attributes (Tag_RISCV_arch), such as "rv32i2p1_m2p0_c2p0"; empty without
   /// them.
   const std::string& architecture() const { return architecture_; }
+  /// True if its calls pass numbers in floating-point registers (-mabi=ilp32f): the core needs F.
+  bool uses_float_registers() const { return uses_float_registers_; }
   const std::vector<ElfSegment>& segments() const { return segments_; }
   std::optional<std::uint32_t> symbol(std::string_view name) const;
   /// Returns all symbols with an address, sorted by it. Excludes mapping symbols ($x, $d, $xrv32imc...) and the
@@ -61,12 +63,15 @@ class Elf {
   std::string where(std::uint32_t address) const;
   /// Returns the same for a return address, with the line of the call.
   std::string where_called(std::uint32_t return_address) const;
+  /// Returns the code of all source lines; empty if the program was compiled without -g.
+  std::vector<LineRange> line_ranges() const;
 
  private:
   std::string name_of(std::uint32_t address, std::uint32_t line_of) const;
 
   std::string origin_;
   std::uint32_t entry_ = 0;
+  bool uses_float_registers_ = false;
   std::string architecture_;
   std::vector<ElfSegment> segments_;
   std::shared_ptr<const std::string> names_;  // of the symbols

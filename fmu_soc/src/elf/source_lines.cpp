@@ -87,29 +87,34 @@ enum class Form : std::uint32_t {
   line_strp = 0x1f,
 };
 
-constexpr std::uint32_t kPath = 1;  // DW_LNCT_path
+constexpr std::uint32_t kPath = 1;    // DW_LNCT_path
+constexpr std::uint32_t kFolder = 2;  // DW_LNCT_directory_index
 
-/// Returns the text of a form; skips a form that is not a text. After an unknown form, the cursor is not good any more.
-std::string_view read_form(Cursor& cursor, std::uint32_t form, const LineSections& sections) {
+/// Text or number of a form.
+struct FormValue {
+  std::string_view text;
+  std::uint32_t number = 0;
+};
+
+/// Reads a form; skips one that is neither text nor a short number. After an unknown form, the cursor is not good any
+/// more.
+FormValue read_form(Cursor& cursor, std::uint32_t form, const LineSections& sections) {
   switch (static_cast<Form>(form)) {
     case Form::string:
-      return cursor.text();
+      return {cursor.text()};
     case Form::strp:
-      return text_at(sections.string, cursor.number(4));
+      return {text_at(sections.string, cursor.number(4))};
     case Form::line_strp:
-      return text_at(sections.line_string, cursor.number(4));
+      return {text_at(sections.line_string, cursor.number(4))};
     case Form::udata:
-      cursor.unsigned_number();
-      return {};
+      return {{}, cursor.unsigned_number()};
     case Form::block:
       cursor.take(cursor.unsigned_number());
       return {};
     case Form::data1:
-      cursor.take(1);
-      return {};
+      return {{}, cursor.number(1)};
     case Form::data2:
-      cursor.take(2);
-      return {};
+      return {{}, cursor.number(2)};
     case Form::data4:
       cursor.take(4);
       return {};
@@ -124,8 +129,14 @@ std::string_view read_form(Cursor& cursor, std::uint32_t form, const LineSection
   return {};
 }
 
+/// A file, or a folder, of a unit.
+struct Entry {
+  std::string_view path;
+  std::uint32_t folder = 0;
+};
+
 /// Version 5: reads entries whose fields are described by a list.
-std::vector<std::string_view> described_entries(Cursor& cursor, const LineSections& sections) {
+std::vector<Entry> described_entries(Cursor& cursor, const LineSections& sections) {
   struct Field {
     std::uint32_t content, form;
   };
@@ -135,39 +146,64 @@ std::vector<std::string_view> described_entries(Cursor& cursor, const LineSectio
     field.form = cursor.unsigned_number();
   }
   const auto count = cursor.unsigned_number();
-  std::vector<std::string_view> paths;
-  if (fields.empty()) return paths;
+  std::vector<Entry> entries;
+  if (fields.empty()) return entries;
   for (std::uint32_t i = 0; i < count && cursor.good(); ++i) {
-    std::string_view path;
+    Entry entry;
     for (const auto& field : fields) {
-      const auto text = read_form(cursor, field.form, sections);
-      if (field.content == kPath) path = text;
+      const auto value = read_form(cursor, field.form, sections);
+      if (field.content == kPath) entry.path = value.text;
+      if (field.content == kFolder) entry.folder = value.number;
     }
-    paths.push_back(path);
+    entries.push_back(entry);
   }
-  return paths;
+  return entries;
 }
 
-/// Returns the files of a unit, by the numbers in its line number program.
-std::vector<std::string_view> read_files(Cursor& cursor, unsigned version, const LineSections& sections) {
+/// The folders and files of a unit. Folder 0 is that in which the compiler ran; before version 5 it has no name here.
+struct FileTable {
+  std::vector<Entry> folders;
+  std::vector<Entry> files;
+
+  /// Returns the path of a file by its number in the line number program.
+  std::string path(std::uint32_t number) const {
+    if (number >= files.size()) return {};
+    const auto& file = files[number];
+    auto path = std::string(file.path);
+    const auto first = folders.empty() ? std::string_view() : folders.front().path;
+    for (auto folder = file.folder; !path.starts_with('/') && folder < folders.size(); folder = 0) {
+      const auto& name = folders[folder].path;
+      // With -ffile-prefix-map, folder 0 and the others may be relative to one place.
+      const bool is_inside = folder == 0 && !first.empty() && path.starts_with(first);
+      if (!name.empty() && !is_inside) path = std::string(name) + '/' + path;
+      if (folder == 0) break;
+    }
+    return path;
+  }
+};
+
+FileTable read_files(Cursor& cursor, unsigned version, const LineSections& sections) {
+  FileTable table;
   if (version >= 5) {
-    described_entries(cursor, sections);  // folders
-    return described_entries(cursor, sections);
+    table.folders = described_entries(cursor, sections);
+    table.files = described_entries(cursor, sections);
+    return table;
   }
-  while (cursor.good() && !cursor.text().empty()) {
-  }                                         // folders
-  std::vector<std::string_view> files{""};  // numbers start at 1
+  table.folders.emplace_back();
+  table.files.emplace_back();  // numbers start at 1
+  for (auto name = cursor.text(); cursor.good() && !name.empty(); name = cursor.text()) table.folders.push_back({name});
   for (auto name = cursor.text(); cursor.good() && !name.empty(); name = cursor.text()) {
-    files.push_back(name);
-    for (int field = 0; field < 3; ++field) cursor.unsigned_number();  // folder, time, size
+    table.files.push_back({name, cursor.unsigned_number()});
+    for (int field = 0; field < 2; ++field) cursor.unsigned_number();  // time, size
   }
-  return files;
+  return table;
 }
 
 struct Row {
   std::uint32_t address = 0;
   std::uint32_t file = 1;
   std::uint32_t line = 1;
+  bool statement = true;
 };
 
 /// A unit's line number program: a state machine that produces rows of (address, file, line).
@@ -178,7 +214,7 @@ class LineProgram {
     Cursor fields(cursor_.take(header));
     least_length_ = fields.number(1);
     if (version >= 4) fields.number(1);  // operations per instruction: more than one only for VLIW
-    fields.number(1);                    // initial value of is_stmt
+    first_.statement = fields.number(1) != 0;
     line_base_ = static_cast<std::int32_t>(fields.number(1));
     if (line_base_ > 127) line_base_ -= 256;  // signed byte
     line_range_ = fields.number(1);
@@ -186,26 +222,37 @@ class LineProgram {
     for (unsigned op = 1; op < opcode_base_; ++op) operands_.push_back(static_cast<std::uint8_t>(fields.number(1)));
     files_ = read_files(fields, version, sections);
     good_ = fields.good() && line_range_ != 0 && opcode_base_ != 0;
+    row_ = first_;
   }
 
-  /// Returns the row that contains an address: each row extends to the next one of its sequence.
-  std::optional<Row> find(std::uint32_t address) {
-    if (!good_) return std::nullopt;
+  /// Calls `use` with each row and the address of the next one of its sequence, to which it extends, until `use`
+  /// returns true.
+  template <typename Use>
+  void for_each(Use use) {
     std::optional<Row> last;
-    while (cursor_.more()) {
+    while (good_ && cursor_.more()) {
       const auto event = next();
       if (event == Event::none) continue;
-      if (last && last->address <= address && address < row_.address) return last;
+      if (last && use(*last, row_.address)) return;
       last = row_;
       if (event == Event::end) {
         last.reset();
-        row_ = Row();
+        row_ = first_;
       }
     }
-    return std::nullopt;
   }
 
-  std::string_view file(std::uint32_t number) const { return number < files_.size() ? files_[number] : ""; }
+  /// Returns the row that contains an address.
+  std::optional<Row> find(std::uint32_t address) {
+    std::optional<Row> found;
+    for_each([&](const Row& row, std::uint32_t end) {
+      if (row.address <= address && address < end) found = row;
+      return found.has_value();
+    });
+    return found;
+  }
+
+  std::string file(std::uint32_t number) const { return files_.path(number); }
 
  private:
   enum class Event { none, row, end };
@@ -244,6 +291,9 @@ class LineProgram {
       case 12:  // set_isa
         cursor_.unsigned_number();
         break;
+      case 6:  // negate_stmt
+        row_.statement = !row_.statement;
+        break;
       case 8:  // const_add_pc
         row_.address += (255 - opcode_base_) / line_range_ * least_length_;
         break;
@@ -270,7 +320,8 @@ class LineProgram {
   std::uint32_t line_range_ = 0;
   std::uint32_t opcode_base_ = 0;
   std::vector<std::uint8_t> operands_;  // number of operands of the standard opcodes, from 1
-  std::vector<std::string_view> files_;
+  FileTable files_;
+  Row first_;  // of each sequence
   Row row_;
   bool good_ = false;
 };
@@ -281,7 +332,11 @@ std::string SourceLine::text() const {
   return fmt::format("{}:{}", file, line);
 }
 
-std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t address) {
+namespace {
+
+/// Calls `use` with the line number program of each unit, until it returns true.
+template <typename Use>
+void for_each_unit(const LineSections& sections, Use use) {
   Cursor units(sections.line);
   while (units.more()) {
     Cursor unit(units.take(units.number(4)));  // 0xffffffff, the mark of the 64-bit format, is longer than any section
@@ -289,12 +344,36 @@ std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t 
     if (version < 2 || version > 5) continue;
     if (version == 5) unit.take(2);  // sizes of address and segment selector
     LineProgram program(unit.rest(), version, sections);
-    const auto row = program.find(address);
-    if (!row || row->line == 0) continue;
-    const auto path = program.file(row->file);
-    return SourceLine{std::string(path.substr(path.find_last_of('/') + 1)), row->line};
+    if (use(program)) return;
   }
-  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<SourceLine> find_line(const LineSections& sections, std::uint32_t address) {
+  std::optional<SourceLine> found;
+  for_each_unit(sections, [&](LineProgram& program) {
+    const auto row = program.find(address);
+    if (!row || row->line == 0) return false;
+    const auto path = program.file(row->file);
+    found = SourceLine{path.substr(path.find_last_of('/') + 1), row->line};
+    return true;
+  });
+  return found;
+}
+
+std::vector<LineRange> all_lines(const LineSections& sections) {
+  std::vector<LineRange> ranges;
+  for_each_unit(sections, [&](LineProgram& program) {
+    program.for_each([&](const Row& row, std::uint32_t end) {
+      if (row.statement && row.line != 0 && row.address < end) {
+        ranges.push_back({row.address, end, program.file(row.file), row.line});
+      }
+      return false;
+    });
+    return false;
+  });
+  return ranges;
 }
 
 }  // namespace mebots::soc

@@ -23,6 +23,17 @@ struct SourceLine {
   std::string text() const;
 };
 
+/// Code of one source line, without a gap.
+struct LineRange {
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;
+  std::string file;  ///< with its folders, as the compiler was given them
+  std::uint32_t line = 0;
+};
+
+/// Returns the ranges of all statements' lines, in the order of the sections. Damaged units end early.
+std::vector<LineRange> all_lines(const LineSections& sections);
+
 /// Returns the source line of the instruction at `address`; nullopt if the sections do not contain it or are damaged.
 /// Reads all sections on each call: meant for messages. Source: DWARF 5, 6.2 (versions 2 to 5, 32 bits).
 /// This is our own code because an FMU is one file, and neither libdw nor libdwarf can be linked statically into a

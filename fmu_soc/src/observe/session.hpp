@@ -3,6 +3,9 @@
 
 #include "debug/gdb_server.hpp"
 #include "hart/observer.hpp"
+#include "observe/coverage.hpp"
+#include "observe/cycle_stack.hpp"
+#include "observe/pipeline_trace.hpp"
 #include "observe/power_trace.hpp"
 #include "observe/profile.hpp"
 #include "observe/trace.hpp"
@@ -75,17 +78,23 @@ struct Requests {
     std::string trace = "--trace";
     std::string profile = "--profile";
     std::string power_trace = "--power-trace";
+    std::string coverage = "--coverage";
+    std::string pipeline = "--pipeline";
   };
   Names names;
   std::optional<std::string> trace;
   Trace::Columns trace_columns;
   std::optional<std::string> profile;
   std::optional<std::string> power_trace;
+  bool cycle_stack = false;  // cycles by cause: Session::cycle_stack()
+  std::optional<std::string> coverage;
+  std::optional<std::string> pipeline;
+  unsigned pipeline_hart = kFabricControllerHart;
   std::optional<int> gdb_port;
   debug::GdbServer::Kill gdb_kill = debug::GdbServer::Kill::ends_run;
   std::function<void(std::string_view)> announce;  // prints the port for gdb
 
-  bool any() const { return trace || profile || power_trace || gdb_port; }
+  bool any() const { return trace || profile || power_trace || cycle_stack || coverage || pipeline || gdb_port; }
 };
 
 /// The observers of a run. The chip must outlive it.
@@ -108,6 +117,8 @@ class Session {
   void stepped();
   /// Completes the files at the end of the run, and reports the end to the debugger.
   void finish(int exit_code);
+  /// Null if it was not requested. Complete after finish().
+  const CycleStack* cycle_stack() const { return cycle_stack_ ? &*cycle_stack_ : nullptr; }
 
  private:
   void attach(unsigned number);
@@ -116,6 +127,9 @@ class Session {
   std::optional<Trace> trace_;
   std::optional<Profile> profile_;
   std::optional<PowerTrace> power_trace_;
+  std::optional<CycleStack> cycle_stack_;
+  std::optional<Coverage> coverage_;
+  std::optional<PipelineTrace> pipeline_;
   std::optional<debug::GdbServer> gdb_;
   std::deque<Observers> observers_;  // by hart
   StateListeners listeners_;

@@ -60,6 +60,10 @@ std::string address_text(const Soc& soc, std::uint32_t address) {
     return fmt::format("device {} has no register for this access at its offset 0x{:x}", slot->name,
                        address - slot->base);
   }
+  if (const auto* region = soc.memory().find(address & ~3U, 4); region != nullptr) {
+    return fmt::format("0x{:08x} lies in memory {}: physical memory protection (pmpcfg, pmpaddr) forbids this access",
+                       address, region->name);
+  }
   std::string memories;
   for (const auto& region : soc.memory().regions()) {
     memories += fmt::format("{}0x{:08x} to 0x{:08x}", memories.empty() ? "" : ", ", region.base,

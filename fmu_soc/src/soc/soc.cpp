@@ -37,6 +37,15 @@ BoardDescription with_settings(BoardDescription board, const Settings& settings)
   return board;
 }
 
+/// A core without F would stop at the first such instruction, perhaps late.
+void require_float_registers(const BoardDescription& board, const Elf& program) {
+  if (!program.uses_float_registers() || board.isa.has(Extension::f)) return;
+  throw Error(fmt::format(
+      "{}: compiled for floating-point registers (-mabi=ilp32f), which the core of board {} lacks: compile with "
+      "-mabi=ilp32, or give the core F, as --core rv32imafc or the board's key isa does",
+      program.origin(), board.name));
+}
+
 }  // namespace
 
 Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
@@ -52,6 +61,7 @@ Soc::Soc(const BoardDescription& board, const Chip& chip, const Settings& settin
       power_(hardware_, timeline_, settings),
       work_(hardware_, timeline_, devices_, board.decisions_end_with),
       services_({hardware_, timeline_, devices_, power_, work_, program_host_, listeners_}, settings) {
+  require_float_registers(board_, program_);
   timeline_.clock().reset(checked_clock(chip, settings));
   hardware_.add_cluster(settings, services_);
   if (auto* cluster = hardware_.cluster()) {

@@ -94,6 +94,23 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("--json", options.json, "Write the report as JSON, in SI units, into this file")
       ->type_name("FILE");
   command
+      .add_option("--report", options.report,
+                  "Write the report with the cycles of each core and function by cause, of caches and banks, as JSON "
+                  "into this file; the run is slower")
+      ->type_name("FILE.json");
+  command
+      .add_option("--coverage", options.coverage,
+                  "Write how often source lines, functions and branches ran into this file, for lcov and genhtml")
+      ->type_name("FILE");
+  command
+      .add_option("--pipeline", options.pipeline,
+                  "Write each instruction as stages of the pipeline into this file, for Konata")
+      ->type_name("FILE");
+  command
+      .add_option("--pipeline-hart", options.pipeline_hart,
+                  "Hart of --pipeline: 0, the fabric controller; from 1 on, cores of the cluster")
+      ->type_name("N");
+  command
       .add_option("--page", options.page,
                   "Write a page for a browser into this file: energy by part, counts, functions, power over time")
       ->type_name("FILE.html");
@@ -104,6 +121,8 @@ void add_options(CLI::App& command, Options& options) {
       ->type_name("FOLDER");
   command.add_option("--gdb", options.gdb_port, "Wait for gdb on this port of 127.0.0.1; 0: any free port")
       ->check(CLI::Range(0, 65535));
+  command.add_flag("--control", options.control,
+                   "Run as commands on standard input say, a JSON object a line: for tests in Python");
   command.add_option("--max-instructions", options.max_instructions, "Stop after exactly this many")
       ->type_name("N")
       ->check(CLI::Validator(
@@ -131,6 +150,9 @@ void check(const Options& options) {
   add("--profile", options.profile);
   add("--power-trace", options.power_trace);
   add("--json", options.json);
+  add("--report", options.report);
+  add("--coverage", options.coverage);
+  add("--pipeline", options.pipeline);
   add("--page", options.page);
   for (const auto* list : {&inputs, &outputs}) {
     for (const auto& file : *list) {
@@ -178,6 +200,15 @@ void check(const Options& options) {
     throw Error(
         fmt::format("--page shows a profile in speedscope's format; --profile {} must end with .json, or be left out",
                     *options.profile));
+  }
+  if (options.control && (options.console || options.gdb_port || options.max_instructions || options.max_time ||
+                          options.timeout || options.page)) {
+    throw Error(
+        "--control takes the console and decides how far the run goes: leave --console, --gdb, --page, --max-time, "
+        "--max-instructions and --timeout out");
+  }
+  if (options.pipeline_hart != 0 && !options.pipeline) {
+    throw Error("--pipeline-hart needs --pipeline FILE: it chooses the hart of that file");
   }
   if (options.trace_cycles && !options.trace) {
     throw Error("--trace-cycles needs --trace FILE: it adds a column to that file");

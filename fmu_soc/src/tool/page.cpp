@@ -201,8 +201,18 @@ void RunPage::printed(std::string_view line) {
   log_ += fmt::format("[{:9.6f} s] program: {}\n", seconds(soc_->now()), line);
 }
 
+void RunPage::sent(char byte) {
+  if (byte != '\n') {
+    if (byte != '\r') sent_ += byte;
+    return;
+  }
+  printed(sent_);
+  sent_.clear();
+}
+
 void RunPage::write(const ChipReport& report, const std::string& program, const std::string& outcome) {
   course_->finish();
+  if (!sent_.empty()) printed(sent_);
   Columns columns(*course_, report);
   if (lines_ > kMostLines) log_ += fmt::format("notice: the program printed {} more lines\n", lines_ - kMostLines);
   const auto name = std::filesystem::path(program).filename().string();

@@ -44,6 +44,8 @@ class RunPage {
   void follow(const Soc& soc, observe::Session& session);
   /// Adds a line that the program printed.
   void printed(std::string_view line);
+  /// Adds a byte that the program sent to a serial port.
+  void sent(char byte);
   /// Writes the page. `outcome` says how the program ended. The profile is complete.
   void write(const ChipReport& report, const std::string& program, const std::string& outcome);
 
@@ -55,6 +57,7 @@ class RunPage {
   const Soc* soc_ = nullptr;
   std::optional<PowerCourse> course_;
   std::string log_;
+  std::string sent_;  // the line that is not complete yet
   std::size_t lines_ = 0;
 };
 

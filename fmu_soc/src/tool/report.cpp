@@ -193,7 +193,9 @@ void print(const ChipReport& report) {
   if (report.exit_code) fmt::print("exit {}\n", *report.exit_code);
 }
 
-std::string json_text(const ChipReport& report) {
+namespace {
+
+Json json_of(const ChipReport& report) {
   Json json;
   for (const auto& cores : report.cores) {
     auto& found = json[cores.cores == 1 ? "controller" : "cluster"];
@@ -213,7 +215,55 @@ std::string json_text(const ChipReport& report) {
   json["host_mips"] = report.host_mips;
   json["tohost"] = report.tohost ? Json(*report.tohost) : Json();
   json["exit_code"] = report.exit_code ? Json(*report.exit_code) : Json();
-  return json.dump(2) + "\n";
+  return json;
+}
+
+Json json_of(const observe::StackCost& cost) {
+  Json causes = Json::object();
+  for (std::size_t i = 0; i < kCycleCauses; ++i) {
+    if (cost.causes[i] != 0) causes[std::string(kCycleCauseNames[i])] = cost.causes[i];
+  }
+  return {{"cycles", cost.cycles()},
+          {"instructions", cost.instructions},
+          {"asleep_s", static_cast<double>(cost.asleep) * kPicosecond},
+          {"causes", std::move(causes)}};
+}
+
+/// Functions with the most cycles first.
+Json json_of(const observe::CoreStack& core, const observe::Functions& names) {
+  auto json = json_of(core.total());
+  std::vector<std::pair<std::uint32_t, observe::StackCost>> functions(core.functions().begin(), core.functions().end());
+  std::ranges::stable_sort(functions, std::greater(), [](const auto& entry) { return entry.second.cycles(); });
+  json["functions"] = Json::array();
+  for (const auto& [place, cost] : functions) {
+    Json function = {{"name", names.name(place)}};
+    function.update(json_of(cost));
+    json["functions"].push_back(std::move(function));
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string json_text(const ChipReport& report) {
+  return json_of(report).dump(2) + "\n";
+}
+
+std::string json_text(const ChipReport& report, const observe::CycleStack& cycles) {
+  auto json = json_of(report);
+  json["harts"] = Json::array();
+  for (const auto& core : cycles.harts()) {
+    if (core.total().instructions == 0) continue;
+    Json hart = {{"hart", core.number()}};
+    hart.update(json_of(core, cycles.functions()));
+    json["harts"].push_back(std::move(hart));
+  }
+  json["banks"] = Json::array();
+  for (const auto& bank : cycles.banks()) {
+    json["banks"].push_back(
+        {{"accesses", bank.accesses}, {"conflicts", bank.conflicts}, {"conflict_cycles", bank.conflict_cycles}});
+  }
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace mebots::soc::tool

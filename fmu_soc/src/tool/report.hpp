@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "observe/cycle_stack.hpp"
 #include "soc/soc.hpp"
 
 #include <cstdint>
@@ -46,5 +47,7 @@ ChipReport report_of(const Soc& soc, double host_s, std::optional<std::uint32_t>
 void print(const ChipReport& report);
 /// The same as JSON, in SI units.
 std::string json_text(const ChipReport& report);
+/// The same with the cycles of each core and function by cause, and the use of the banks.
+std::string json_text(const ChipReport& report, const observe::CycleStack& cycles);
 
 }  // namespace mebots::soc::tool

@@ -4,6 +4,7 @@
 #include "board/board_file.hpp"
 #include "observe/session.hpp"
 #include "observe/text_file.hpp"
+#include "tool/control.hpp"
 #include "tool/host_services.hpp"
 #include "tool/page.hpp"
 #include "tool/report.hpp"
@@ -242,6 +243,10 @@ observe::Requests requests_of(const Options& options, const std::optional<RunPag
   requests.trace_columns.cycles = options.trace_cycles;
   requests.profile = page ? page->profile() : options.profile;
   requests.power_trace = options.power_trace;
+  requests.cycle_stack = options.report.has_value();
+  requests.coverage = options.coverage;
+  requests.pipeline = options.pipeline;
+  requests.pipeline_hart = options.pipeline_hart;
   requests.gdb_port = options.gdb_port;
   requests.announce = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
   return requests;
@@ -280,14 +285,40 @@ Listeners listeners_of(HostConsole& console, std::optional<RunPage>& page, const
     if (page) page->printed(line);
   };
   listeners.faults = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
-  listeners.console_byte = [&console](std::uint8_t byte) {
+  listeners.console_byte = [&console, &page](std::uint8_t byte) {
     const auto character = static_cast<char>(byte);
     console.write({&character, 1});
+    if (page) page->sent(character);
   };
   if (options.console) {
     listeners.console_input = [&console](Picoseconds now, bool waits) { return console.read_byte(now, waits); };
   }
   return listeners;
+}
+
+Listeners listeners_of(ControlledConsole& console) {
+  Listeners listeners;
+  listeners.console = [&console](std::string_view line) { console.write(std::string(line) + '\n'); };
+  listeners.faults = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
+  listeners.console_byte = [&console](std::uint8_t byte) {
+    const auto character = static_cast<char>(byte);
+    console.write({&character, 1});
+  };
+  listeners.console_input = [&console](Picoseconds /*now*/, bool /*waits*/) { return console.read_byte(); };
+  return listeners;
+}
+
+/// Writes the reports that the user wants besides the printed one.
+void write_reports(const ChipReport& report, std::optional<observe::TextFile>& json,
+                   std::optional<observe::TextFile>& long_report, const observe::Session& session) {
+  if (json) {
+    json->put(json_text(report));
+    json->close();
+  }
+  if (long_report) {
+    long_report->put(json_text(report, *session.cycle_stack()));
+    long_report->close();
+  }
 }
 
 Limits limits_of(const Options& options) {
@@ -329,7 +360,9 @@ int run(const Options& options) {
   std::optional<RunPage> page;
   if (options.page) page.emplace(*options.page, options.profile);
   HostConsole console(console_kind(options));
-  Soc soc(board, chip, settings, program, listeners_of(console, page, options));
+  ControlledConsole controlled;
+  Soc soc(board, chip, settings, program,
+          options.control ? listeners_of(controlled) : listeners_of(console, page, options));
   if (const auto tohost = program.symbol("tohost")) soc.program_host().watch(*tohost);
   HostFiles files(options.host_files, console);
   HostServices services(soc, files, options.program);
@@ -339,22 +372,29 @@ int run(const Options& options) {
   if (options.signature) signature.emplace(*options.signature, soc);
   std::optional<observe::TextFile> json;
   if (options.json) json.emplace("--json", *options.json);
+  std::optional<observe::TextFile> long_report;
+  if (options.report) long_report.emplace("--report", *options.report);
   observe::Session session(requests_of(options, page), soc);
   if (page) page->follow(soc, session);
 
   const auto start = std::chrono::steady_clock::now();
+  const auto report_now = [&soc, start] {
+    const auto host_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return report_of(soc, host_s, tohost_of(soc));
+  };
+  if (options.control) {
+    Control(soc, session, controlled, [&] { return json_text(report_now()); }).serve();
+    const auto code = has_reported_end(soc) ? exit_code(soc, tohost_of(soc)) : 0;
+    session.finish(code);
+    write_reports(report_now(), json, long_report, session);
+    return code;
+  }
   const auto slice = options.power_trace || page ? kFineSlice : kSlice;
   const auto reached = LimitedRun(soc, session, limits, slice).run();
-  const auto host_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const auto tohost = tohost_of(soc);
-  const auto code = has_seen_all(soc, options) ? 0 : exit_code(soc, tohost);
-  const auto report = report_of(soc, host_s, tohost);
+  const auto report = report_now();
+  const auto code = has_seen_all(soc, options) ? 0 : exit_code(soc, report.tohost);
   console.end_line();
   print(report);
-  if (json) {
-    json->print("{}", json_text(report));
-    json->close();
-  }
   if (code == kFaultOrLimit && !has_reported_end(soc)) {
     fmt::print(stderr, "mebots-soc: {}\n", missing_end_text(soc, options, reached));
   }
@@ -363,6 +403,7 @@ int run(const Options& options) {
   }
   print_remarks(soc, !options.board);
   session.finish(code);
+  write_reports(report, json, long_report, session);
   if (page) page->write(report, options.program, outcome_text(soc, options, reached, code));
   if (signature) signature->write(soc);
   return code;

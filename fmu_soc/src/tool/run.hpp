@@ -80,8 +80,13 @@ struct Options {
   std::optional<std::string> profile;
   std::optional<std::string> power_trace;
   std::optional<std::string> json;
+  std::optional<std::string> report;
+  std::optional<std::string> coverage;
+  std::optional<std::string> pipeline;
+  unsigned pipeline_hart = 0;
   std::optional<std::string> page;
   bool interpret = false;
+  bool control = false;
   std::optional<std::string> host_files;
   std::optional<int> gdb_port;
   std::optional<std::uint64_t> max_instructions;

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hart/observer.hpp"
+#include "observe/functions.hpp"
+#include "soc/soc.hpp"
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <vector>
+
+namespace mebots::soc::observe {
+
+/// The cycles of some code by cause. The causes add up to the active cycles.
+struct StackCost {
+  std::array<std::int64_t, kCycleCauses> causes{};
+  std::int64_t instructions = 0;
+  Picoseconds asleep = 0;  // waiting for an interrupt or event; these are no active cycles
+
+  std::int64_t cycles() const;
+  StackCost& operator+=(const StackCost& other);
+};
+
+/// Accesses to one bank of a core's first memory, by all observed cores.
+struct BankUse {
+  std::uint64_t accesses = 0;
+  std::uint64_t conflicts = 0;        // accesses that waited
+  std::uint64_t conflict_cycles = 0;  // their waits
+};
+
+/// The cycles of one hart by cause, for each function. A function is where an instruction lies: calls are not followed,
+/// and inlined code belongs to the function around it.
+class CoreStack final : public Observer {
+ public:
+  /// `number` is the chip's number of the hart. `functions` are shared by all harts; `banks` counts accesses by bank if
+  /// the hart's first memory has shared ones, and is empty otherwise.
+  CoreStack(const Soc& soc, unsigned number, Functions& functions, std::vector<BankUse>& banks);
+
+  void retired(const Hart& hart, const Retired& instruction) override;
+  void slept(const Hart& hart) override;
+  void woke(const Hart& hart) override;
+  void switched(const Hart& hart, bool on) override;
+  void trapped(const Hart& hart, const Trapped& trap) override;
+  /// Ends the run: a hart that sleeps has slept up to now, and cycles that led to no instruction get their cause.
+  void finish();
+
+  unsigned number() const { return number_; }
+  const std::map<std::uint32_t, StackCost>& functions() const { return costs_; }
+  StackCost total() const;
+
+ private:
+  /// Counts of the hart after the last instruction, and what has happened since.
+  struct Last {
+    Counters counters;
+    bool jump = false;
+    std::int64_t trap_cycles = 0;
+  };
+
+  Picoseconds now() const { return soc_.core_time(soc_.is_on(number_) ? number_ : kFabricControllerHart); }
+  void count_bank(const Hart& hart, const Retired& instruction);
+  StackCost& at(std::uint32_t pc);
+
+  const Soc& soc_;
+  unsigned number_;
+  Functions& functions_;
+  std::vector<BankUse>& banks_;
+  std::map<std::uint32_t, StackCost> costs_;  // by place
+  StackCost* current_ = nullptr;
+  std::uint32_t place_ = 0;
+  Last last_;
+  Picoseconds asleep_since_ = -1;  // negative = awake
+};
+
+/// Where the cycles of all harts go.
+class CycleStack {
+ public:
+  explicit CycleStack(const Soc& soc);
+
+  Observer& hart(unsigned number) { return harts_[number]; }
+  void finish();
+
+  const std::deque<CoreStack>& harts() const { return harts_; }
+  const Functions& functions() const { return functions_; }
+  /// By bank of the cluster's L1; empty without a cluster.
+  const std::vector<BankUse>& banks() const { return banks_; }
+
+ private:
+  Functions functions_;
+  std::vector<BankUse> banks_;
+  std::vector<BankUse> no_banks_;
+  std::deque<CoreStack> harts_;
+};
+
+}  // namespace mebots::soc::observe

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tool/control.hpp"
+
+#include "devices/core/chip_host.hpp"
+#include "mebots/error.hpp"
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <string_view>
+#include <vector>
+
+namespace mebots::soc::tool {
+namespace {
+
+/// A run that waits for a text looks at this interval of simulated time.
+constexpr std::int64_t kLookNs = 10'000;
+/// The longest time of one command: beyond it, nanoseconds lose their meaning in a double.
+constexpr double kLongestS = 1e6;
+constexpr std::uint32_t kLongestRead = 1U << 20;
+
+std::string hex(const std::vector<std::uint8_t>& bytes) {
+  std::string text;
+  for (const auto byte : bytes) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+}  // namespace
+
+int ControlledConsole::read_byte() {
+  if (input_.empty()) return ConsolePort::kNothingYet;
+  const auto byte = static_cast<std::uint8_t>(input_.front());
+  input_.pop_front();
+  return byte;
+}
+
+void Control::serve() {
+  for (std::string line; std::getline(std::cin, line);) {
+    fmt::print("{}\n", answer(line));
+    std::fflush(stdout);
+  }
+}
+
+std::string Control::answer(const std::string& line) {
+  Json reply;
+  try {
+    reply = obey(Json::parse(line));
+  } catch (const std::exception& error) {
+    reply = {{"error", error.what()}};
+  }
+  return reply.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Control::Json Control::obey(const Json& command) {
+  if (!command.is_object() || command.empty()) throw Error("a command is an object such as {\"run\": 0.001}");
+  const auto& [name, value] = *command.items().begin();
+  if (name == "run") return run(command);
+  if (name == "read") return read(command);
+  if (name == "get") return get(value.get<std::string>());
+  if (name == "set") return set(value.get<std::string>(), command.at("value").get<double>());
+  if (name == "report") return {{"report", Json::parse(report_())}};
+  if (name == "send") {
+    console_.send(value.get<std::string>());
+    return state();
+  }
+  throw Error(fmt::format("unknown command {}; there are run, send, read, get, set and report", name));
+}
+
+/// {"run": seconds, "until": text}: ends early when the text has been printed since the last answer, or the program has
+/// ended.
+Control::Json Control::run(const Json& command) {
+  const auto duration = command.at("run").get<double>();
+  if (!(duration >= 0 && duration <= kLongestS)) {
+    throw Error(fmt::format("run {}: a time is between 0 and {} s", duration, kLongestS));
+  }
+  const auto until = command.value("until", std::string());
+  const auto found = [&] { return !until.empty() && console_.printed().find(until, told_) != std::string::npos; };
+  auto now = soc_.now() / kPsPerNs;
+  const auto end = now + static_cast<std::int64_t>(std::llround(duration * 1e9));
+  while (now < end && soc_.running() && !found()) {
+    now = std::min(now + kLookNs, end);
+    soc_.begin_step();
+    soc_.advance(now);
+    session_.stepped();
+  }
+  auto reply = state();
+  if (!until.empty()) {
+    reply["found"] = found();
+    const auto at = console_.printed().find(until, told_);
+    const auto stop = found() ? at + until.size() : console_.printed().size();
+    reply["console"] = console_.printed().substr(told_, stop - told_);
+    told_ = stop;
+  } else {
+    reply["console"] = console_.printed().substr(told_);
+    told_ = console_.printed().size();
+  }
+  return reply;
+}
+
+Control::Json Control::state() const {
+  Json reply = {{"time_s", static_cast<double>(soc_.now()) * 1e-12}, {"running", soc_.running()}};
+  if (soc_.end() == End::exited) reply["exit_code"] = soc_.exit_code();
+  if (const auto fault = soc_.fault_text(); !fault.empty()) reply["fault"] = fault;
+  return reply;
+}
+
+std::uint32_t Control::address_of(const Json& place) const {
+  if (place.is_number_unsigned()) return place.get<std::uint32_t>();
+  const auto name = place.get<std::string>();
+  const auto address = soc_.program().symbol(name);
+  if (!address) throw Error(fmt::format("{} has no symbol {}", soc_.program().origin(), name));
+  return *address;
+}
+
+/// {"read": symbol or address, "size": bytes}; without a size, that of the symbol.
+Control::Json Control::read(const Json& command) const {
+  const auto address = address_of(command.at("read"));
+  const auto& symbols = soc_.program().symbols();
+  const auto symbol = std::ranges::find_if(
+      symbols, [address](const auto& known) { return known.address == address && known.size != 0; });
+  const auto known = symbol == symbols.end() ? 4 : symbol->size;
+  const auto size = command.value("size", known);
+  if (size > kLongestRead) throw Error(fmt::format("read of {} bytes: at most {} at once", size, kLongestRead));
+  std::vector<std::uint8_t> bytes(size);
+  if (!soc_.memory().read(address, bytes)) {
+    throw Error(fmt::format("read of {} bytes at 0x{:08x}: no memory there", size, address));
+  }
+  return {{"bytes", hex(bytes)}};
+}
+
+Control::Json Control::get(const std::string& name) const {
+  const auto* output = soc_.devices().output(name);
+  if (output == nullptr) output = soc_.devices().input(name);
+  if (output == nullptr) throw Error(fmt::format("board {} has no variable {}", soc_.board().name, name));
+  return {{"value", *output}};
+}
+
+Control::Json Control::set(const std::string& name, double value) {
+  auto* input = soc_.devices().input(name);
+  if (input == nullptr) throw Error(fmt::format("board {} has no input {}", soc_.board().name, name));
+  *input = value;
+  soc_.begin_step();
+  return state();
+}
+
+}  // namespace mebots::soc::tool

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "observe/session.hpp"
+#include "soc/soc.hpp"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace mebots::soc::tool {
+
+/// The console of a program that a test controls: collects what it prints, and holds what it may read. Input arrives in
+/// simulated time, so a run does not depend on the host's time.
+class ControlledConsole {
+ public:
+  void write(std::string_view bytes) { printed_ += bytes; }
+  void send(std::string_view bytes) { input_.insert(input_.end(), bytes.begin(), bytes.end()); }
+  /// Takes a byte as ConsolePort::read_console() does.
+  int read_byte();
+  const std::string& printed() const { return printed_; }
+
+ private:
+  std::string printed_;
+  std::deque<char> input_;
+};
+
+/// Runs a program as commands on standard input say: a JSON object a line, each with an answer of a line on standard
+/// output. docs/chip/testing.md lists the commands. Python's mebots.testing is the other side.
+class Control {
+ public:
+  /// `report` returns the report of the run up to now, as JSON. All must outlive it.
+  Control(Soc& soc, observe::Session& session, ControlledConsole& console, std::function<std::string()> report)
+      : soc_(soc), session_(session), console_(console), report_(std::move(report)) {}
+
+  /// Serves commands until the end of the input.
+  void serve();
+
+ private:
+  using Json = nlohmann::ordered_json;
+
+  std::string answer(const std::string& line);
+  Json obey(const Json& command);
+  Json run(const Json& command);
+  Json read(const Json& command) const;
+  Json get(const std::string& name) const;
+  Json set(const std::string& name, double value);
+  Json state() const;
+  std::uint32_t address_of(const Json& place) const;
+
+  Soc& soc_;
+  observe::Session& session_;
+  ControlledConsole& console_;
+  std::function<std::string()> report_;
+  std::size_t told_ = 0;  // bytes of the console in earlier answers
+};
+
+}  // namespace mebots::soc::tool
