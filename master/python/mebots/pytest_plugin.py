@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
 """Collects the cases of FMUs for pytest: files named ``*.mebots-test.json`` or ``CASES.json``, one test per case.
 
-The FMU is the one named in the file, or that of the option ``--mebots-fmu``. See docs/testing-fmus.md.
+The FMU is the one named in the file, or that of the option ``--mebots-fmu``. See docs/testing-fmus.md. The fixture
+``chip`` runs programs on boards: mebots.testing.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
 import pathlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 
 from mebots import _mebots
 from mebots.errors import Error
+from mebots.testing import Board
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -55,3 +58,10 @@ class Case(pytest.Item):
 
     def reportinfo(self) -> tuple[pathlib.Path, int | None, str]:
         return self.path, None, f"case {self.name}"
+
+
+@pytest.fixture
+def chip() -> Iterator[Callable[..., Board]]:
+    """Starts programs on boards, as ``chip("hello.elf", board="virt")``, and ends them after the test."""
+    with contextlib.ExitStack() as boards:
+        yield lambda program, **how: boards.enter_context(Board(program, **how))

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of firmware with pytest: a program runs on a simulated board, step by step, as the test says.
+
+    def test_greets(chip):
+        board = chip("hello.elf", board="virt")
+        board.wait_for("ready\\n", within=0.1)
+        board.send("name\\n")
+        board.wait_for("hello, name", within=0.1)
+        assert board.read("greetings") == 1
+        board.expect(joules=(0, 1e-3), cycles=(1, 200_000))
+
+Time is simulated time in seconds, so a test gives the same result on every machine. The fixture ``chip`` is part of
+the package's pytest plug-in; without pytest, use `Board` in a with statement.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from typing import Any
+
+from mebots.errors import Error, InputError
+
+Bounds = tuple[float, float]
+
+
+def _program() -> str:
+    """Path of mebots-soc: $MEBOTS_SOC, that of the package, or that of the PATH."""
+    own = pathlib.Path(__file__).with_name("bin") / "mebots-soc"
+    found = os.environ.get("MEBOTS_SOC") or (str(own) if own.exists() else shutil.which("mebots-soc"))
+    if not found:
+        raise InputError("mebots-soc was not found: install MEbots, or set MEBOTS_SOC to its path")
+    return found
+
+
+class Board:
+    """A program on a board. It stands still between calls.
+
+    Args:
+        program: the ELF file.
+        board: a board file, or the name of a board of MEbots; None: RAM around the program.
+        options: further options of ``mebots-soc run``, such as ``["--report", "report.json"]``.
+    """
+
+    def __init__(self, program: str | os.PathLike[str], *, board: str | os.PathLike[str] | None = None, options: Sequence[str] = ()) -> None:
+        command = [_program(), "run", os.fspath(program), "--control", *options]
+        if board is not None:
+            command += ["--board", os.fspath(board)]
+        self._errors = tempfile.TemporaryFile("w+")
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors, text=True, encoding="utf-8")
+        self.output = ""
+        """Everything that the program has printed, as far as a call has reported it."""
+        self.time = 0.0
+        """Simulated time [s]."""
+        self.running = True
+        """False after the program has ended."""
+        self.exit_code: int | None = None
+        """What the program ended with; None while it runs, or if it did not end itself."""
+        self._ask({"run": 0})
+
+    def __enter__(self) -> Board:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the run; its files, such as that of ``--report``, are complete."""
+        if self._process.poll() is None:
+            self._process.communicate()
+        self._errors.close()
+
+    def run(self, seconds: float) -> str:
+        """Runs for a time. Returns what the program printed meanwhile."""
+        return self._ask({"run": seconds})["console"]
+
+    def wait_for(self, text: str, *, within: float) -> str:
+        """Runs until the program has printed a text. Returns all up to and with the text.
+
+        Raises AssertionError, with what was printed instead, if it takes longer than `within` seconds or the program
+        ends before.
+        """
+        reply = self._ask({"run": within, "until": text})
+        if not reply["found"]:
+            how = "within" if self.running else "before the program ended, within"
+            raise AssertionError(f"the program did not print {text!r} {how} {within:g} s, but {reply['console']!r}{self._fault(reply)}")
+        return reply["console"]
+
+    def wait_for_end(self, *, within: float) -> int:
+        """Runs until the program ends. Returns its exit code. Raises AssertionError if it does not end itself in time."""
+        reply = self._ask({"run": within})
+        if self.exit_code is None:
+            raise AssertionError(f"the program did not end itself within {within:g} s{self._fault(reply)}")
+        return self.exit_code
+
+    def send(self, text: str) -> None:
+        """Gives the program a text to read from its serial port."""
+        self._ask({"send": text})
+
+    def get(self, variable: str) -> float:
+        """Returns a variable of a device, such as ``led.level``: an output, or an input as it was set."""
+        return self._ask({"get": variable})["value"]
+
+    def set(self, variable: str, value: float) -> None:
+        """Sets an input of a device, such as ``button.pressed``."""
+        self._ask({"set": variable, "value": float(value)})
+
+    def press(self, variable: str, seconds: float = 0.01) -> None:
+        """Holds a button for a time: sets an input to 1, runs, and sets it back to 0."""
+        self.set(variable, 1)
+        self.run(seconds)
+        self.set(variable, 0)
+
+    def read(self, symbol: str | int, *, signed: bool = False, offset: int = 0, size: int | None = None) -> int:
+        """Returns a variable of the program by its symbol, or the word at an address.
+
+        `size` in bytes is that of the symbol, at most 8; `offset` is in bytes from its start.
+        """
+        bytes_ = self.read_bytes(symbol)[offset:] if size is None else self.read_bytes(symbol, offset + size)[offset:]
+        if len(bytes_) > 8:
+            raise InputError(f"{symbol} has {len(bytes_)} bytes from offset {offset}: give the size of one of its numbers, or use read_bytes()")
+        return int.from_bytes(bytes_, "little", signed=signed)
+
+    def read_bytes(self, symbol: str | int, size: int | None = None) -> bytes:
+        """Returns the memory at a symbol or address; without a size, as much as the symbol has."""
+        command: dict[str, Any] = {"read": symbol}
+        if size is not None:
+            command["size"] = size
+        return bytes.fromhex(self._ask(command)["bytes"])
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """Counts, times and energies of the run so far, as ``--json`` writes them."""
+        return self._ask({"report": True})["report"]
+
+    @property
+    def joules(self) -> float:
+        """Energy of the chip so far [J]."""
+        return self.report["chip_j"]
+
+    @property
+    def cycles(self) -> int:
+        """Active cycles of the core, or of the fabric controller, so far."""
+        return self.report["controller"]["cycles"]
+
+    def expect(self, *, joules: Bounds | None = None, cycles: Bounds | None = None, seconds: Bounds | None = None, **variables: Bounds) -> None:
+        """Checks energy, cycles, time and variables of the program against bounds (least, most), which belong to them.
+
+        Raises AssertionError that names each value outside its bounds.
+        """
+        report = self.report
+        found: dict[str, tuple[float, Bounds | None]] = {
+            "joules": (report["chip_j"], joules),
+            "cycles": (report["controller"]["cycles"], cycles),
+            "seconds": (report["time_s"], seconds),
+        }
+        found |= {name: (self.read(name), bounds) for name, bounds in variables.items()}
+        wrong = [
+            f"{name} = {value:g}, not in [{bounds[0]:g}, {bounds[1]:g}]"
+            for name, (value, bounds) in found.items()
+            if bounds is not None and not bounds[0] <= value <= bounds[1]
+        ]
+        if wrong:
+            raise AssertionError("; ".join(wrong))
+
+    def _ask(self, command: dict[str, Any]) -> dict[str, Any]:
+        assert self._process.stdin is not None and self._process.stdout is not None
+        try:
+            self._process.stdin.write(json.dumps(command) + "\n")
+            self._process.stdin.flush()
+            line = self._process.stdout.readline()
+        except (BrokenPipeError, ValueError):
+            line = ""
+        if not line:
+            raise self._refusal()
+        reply: dict[str, Any] = json.loads(line)
+        if "error" in reply:
+            raise InputError(reply["error"])
+        self.output += reply.get("console", "")
+        self.time = reply.get("time_s", self.time)
+        self.running = reply.get("running", self.running)
+        self.exit_code = reply.get("exit_code", self.exit_code)
+        return reply
+
+    def _refusal(self) -> Error:
+        if self._errors.closed:
+            return InputError("the board is closed")
+        self._process.wait()
+        self._errors.seek(0)
+        return InputError(self._errors.read().strip() or f"mebots-soc ended with {self._process.returncode}")
+
+    @staticmethod
+    def _fault(reply: dict[str, Any]) -> str:
+        return f"; {reply['fault']}" if "fault" in reply else ""
