@@ -6,6 +6,7 @@ import contextlib
 import csv
 import io
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -14,7 +15,11 @@ import unittest
 import numpy as np
 from networks import DeployCase
 
+from mebots.deploy import contracts
+from mebots.deploy.arithmetic import Scale
 from mebots.deploy.command import main
+from mebots.deploy.graph import Tensor
+from mebots.deploy.layers import Network
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -30,12 +35,34 @@ class OwnNetworks(DeployCase):
         self.assertEqual(code, 0)
         content = json.loads(printed.getvalue())
         self.assertEqual(content, json.loads((out / "network.json").read_text()))
-        self.assertEqual(content["flight"], {"program": "sight.elf"})
+        flight = {"program": "sight.elf", "board": "ai_deck", "firmware": ["sight", "gap8_sight"], "outputs": ["yaw", "rise", "size", "visible"]}
+        self.assertEqual(content["flight"], flight)
         self.assertTrue((out / "sight.elf").is_file())
         self.near_to_golden(out, content["outputs"]["outputs"])
         measured = content["measured"]
         self.assertAlmostEqual(sum(one["time"] for one in measured["layers"]), measured["total"]["time"], places=9)
         self.assertGreater(min(one["energy"] for one in measured["layers"]), 0)
+        self.flies(out)
+
+    def flies(self, out):
+        """The folder as a network is its program as a firmware, and all of its files are inputs of the mission."""
+        network = self.run_mission(f"soc.network={out}")
+        program = self.run_mission(f"soc.firmware={out / 'sight.elf'}")
+        self.assertEqual((network / "results.csv").read_bytes(), (program / "results.csv").read_bytes())
+        files = json.loads((network / "summary.json").read_text())["inputs"]["files"]
+        listed = {one.relative_to(out).as_posix() for one in out.rglob("*") if one.is_file()}
+        self.assertEqual(set(files), {f"soc.network {one}" for one in listed})
+        refused = self.run_mission(f"soc.network={out}", "soc.firmware=gate", code=2)
+        self.assertIn("replaces the network of firmware sight or gap8_sight, but the mission flies firmware gate", refused)
+
+    def run_mission(self, *settings, code=0):
+        """Returns the folder of the results, or what the program says if it fails. 3.5 s have some pictures after the start."""
+        results = self.folder / f"results {len(list(self.folder.iterdir()))}"
+        mebots = pathlib.Path(os.environ["MEBOTS_BUILD"]) / "bin/mebots"
+        words = [mebots, "run", ROOT / "configs/gate_hard.json", "--stop-time", "3.5", "--out", results, "--set", *settings]
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return results if code == 0 else done.stdout + done.stderr
 
     def near_to_golden(self, out, scale):
         rows = list(csv.DictReader((ROOT / "examples/paper/training/sight_golden.csv").read_text().splitlines()))
@@ -45,6 +72,34 @@ class OwnNetworks(DeployCase):
         got = np.clip((np.array(bytes_of, dtype=float) - scale["zero"]) * scale["step"] * 127, -127, 127)
         # The ranges of twelve pictures clip few values; two roundings of eight layers remain.
         self.assertLess(np.abs(got - golden).max(), 8)
+
+
+class Contracts(unittest.TestCase):
+    GREY = 1 / 255
+
+    def network(self, *outputs, shape=(1, 168, 168), step=GREY):
+        """A network without layers: (name, number of values) of each output."""
+        picture = Tensor("picture", shape)
+        tensors = [Tensor(name, (count,)) for name, count in outputs]
+        return Network(picture, tensors, [], dict.fromkeys(tensors, Scale(1 / 127, 0)) | {picture: Scale(step, 0)})
+
+    def fit(self, *outputs, **changes):
+        return contracts.fit(self.network(*outputs, **changes), self.GREY)
+
+    def test_one_output_gives_its_values_in_the_contracts_order(self):
+        found = self.fit(("any", 4))
+        self.assertEqual((found.contract.name, found.order), ("sight", (0, 1, 2, 3)))
+        self.assertEqual(self.fit(("any", 1)).contract.name, "navigator")
+
+    def test_several_outputs_count_by_their_names(self):
+        found = self.fit(("visible", 1), ("yaw", 1), ("rise", 1), ("size", 1))
+        self.assertEqual((found.contract.name, found.order), ("sight", (1, 2, 3, 0)))
+
+    def test_what_does_not_fit_is_named(self):
+        self.assertIn("its outputs are steer (1 value), collision (1 value)", self.fit(("steer", 1), ("collision", 1)))
+        self.assertIn("its input has 168 x 168 pixels, rgb", self.fit(("any", 4), shape=(3, 168, 168)))
+        self.assertIn("its input has 400 x 168 pixels, grey", self.fit(("any", 4), shape=(1, 168, 400)))
+        self.assertIn("a step of its input is 0.003, but a grey level of the camera is 0.00392157", self.fit(("any", 4), step=0.003))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 """`mebots.sweep` with Dask distributed: two workers on this machine, one of which is killed."""
 
 import os
+import pathlib
 import pickle
 import signal
 import sys
@@ -12,7 +13,8 @@ import distributed
 
 import mebots
 from mebots.exploration import flying
-from mebots.exploration.missions import Missions
+from mebots.exploration.inputs import content_of
+from mebots.exploration.missions import FILE_MARK, Missions
 from mebots.exploration.orders import Orders, packed
 from mebots.exploration.replies import reply_from
 from mebots.exploration.study import read_study
@@ -61,6 +63,34 @@ class Files(StudyCase):
         self.assertEqual(there, here)
         self.assertEqual(again, here)
         flying.close_all()
+
+    def test_the_folder_of_a_network_travels_with_all_of_its_files(self):
+        os.environ["XDG_CACHE_HOME"] = str(self.folder / "cache")
+        network = self.folder / "net"
+        (network / "vectors").mkdir(parents=True)
+        (network / "network.json").write_text("{}")
+        (network / "vectors/000.picture").write_bytes(b"1")
+
+        def order(**settings):
+            return Missions(read_study(self.study())).order({f"a.{name}": value for name, value in settings.items()})
+
+        first = order(network="net")
+        digest = first["settings"]["a.network"].removeprefix(FILE_MARK)
+        self.assertEqual(first["files"][digest], [str(network), "net"])
+        self.assertEqual(order(gain="net")["settings"], {"a.gain": "net"})  # such a text may name something inside the FMU
+
+        def at_a_worker(**contents):
+            batch = {"files": {digest: ["/nowhere/net", "net"]}} | contents
+            return flying._find_files(batch), pathlib.Path(batch["files"][digest][0])
+
+        self.assertEqual(at_a_worker()[0], [digest])
+        for contents in ({"contents": {digest: content_of(network)}}, {}):  # sent, then cached
+            lacking, path = at_a_worker(**contents)
+            self.assertEqual(lacking, [])
+            self.assertEqual(content_of(path), content_of(network))
+            self.assertNotEqual(path, network)
+        (network / "vectors/000.picture").write_bytes(b"2")
+        self.assertNotEqual(order(network="net")["mission"], first["mission"])
 
 
 if __name__ == "__main__":

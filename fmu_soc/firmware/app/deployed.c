@@ -2,6 +2,7 @@
 #include "app/deployed.h"
 
 #include "network.h"
+#include "output_order.h"
 #include "runtime/cluster.h"
 #include "runtime/xpulp.h"
 
@@ -111,6 +112,7 @@ static void reduce(void* argument) {
 }
 
 bool deployed_look(const uint8_t* frame, int width, int height, int8_t* values, int count) {
+  static const uint8_t order[] = {OUTPUT_ORDER};
   static network_result_t result;
   if (width < NETWORK_COLUMNS || height < NETWORK_ROWS || width > MOST_COLUMNS || cluster_on() != 0) {
     return false;
@@ -124,7 +126,7 @@ bool deployed_look(const uint8_t* frame, int width, int height, int8_t* values, 
   }
   cluster_off();
   for (int i = 0; done && i < count; ++i) {
-    const int32_t value = network_in_127ths(&result, i);
+    const int32_t value = network_in_127ths(&result, order[i]);
     values[i] = (int8_t)(value < -127 ? -127 : value > 127 ? 127 : value);
   }
   return done;

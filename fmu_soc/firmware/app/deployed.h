@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-// Reduces the camera's picture to the network's, and computes the first `count` output values in 127ths, limited to
+// Reduces the camera's picture to the network's, and computes the `count` outputs of the contract in 127ths, limited to
 // [-127, 127]. Returns false if the picture is smaller than the network's, or if the chip has no cluster.
 bool deployed_look(const uint8_t* frame, int width, int height, int8_t* values, int count);
 

@@ -2,6 +2,7 @@
 #include "fmu/model.hpp"
 
 #include "board/board_file.hpp"
+#include "board/network_folder.hpp"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -65,8 +66,20 @@ std::vector<std::string> programs_in(const std::filesystem::path& resources) {
   return names;
 }
 
+/// Returns the firmware with a network of `mebots deploy` in place of its own.
+Elf firmware_with_network(const Parameters& parameters, const BoardDescription& board) {
+  const auto inside = std::filesystem::path(firmware_inside()).stem().string();
+  try {
+    return Elf::read(
+        program_with_network(parameters.network, parameters.firmware.empty() ? inside : parameters.firmware, board));
+  } catch (const Error& error) {
+    throw Error(fmt::format("network = \"{}\": {}", parameters.network, error.what()));
+  }
+}
+
 /// A bare name selects a program inside the FMU, if it exists; anything else is a path.
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources, const BoardDescription& board) {
+  if (!parameters.network.empty()) return firmware_with_network(parameters, board);
   if (parameters.firmware.empty()) {
     if (firmware_inside().empty()) {
       throw Error(fmt::format(

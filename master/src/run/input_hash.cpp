@@ -6,22 +6,45 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 
 namespace mebots::master {
 namespace {
 
+/// Returns the files of a folder, those of its folders included, in an order that does not depend on the file system.
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (is_file(entry.path())) files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+/// Returns whether a text parameter names a folder of `mebots deploy`. Of other parameters, only files count: the name
+/// of something inside an FMU may be that of a folder, too.
+bool names_network(const std::string& variable, const std::string& text) {
+  return variable == "network" && is_file(std::filesystem::path(text) / "network.json");
+}
+
 /// Returns the files named by text parameters; an FMU would open them relative to the working folder.
 std::map<std::string, std::filesystem::path> named_files(const SystemDescription& system) {
-  std::map<std::string, std::filesystem::path> files;  // the last assignment to a parameter counts
+  std::map<std::string, std::filesystem::path> files;
   for (const auto& instance : system.instances) {
+    std::map<std::string, const std::string*> texts;  // the last assignment to a parameter counts
     for (const auto& assignment : instance.parameters) {
-      const auto name = instance.name + "." + assignment.variable;
-      files.erase(name);
       const auto* text = std::get_if<std::string>(&assignment.value);
       if (const auto* typed = std::get_if<UntypedText>(&assignment.value)) text = &typed->text;
-      if (text != nullptr && is_file(*text)) files[name] = *text;
+      texts[assignment.variable] = text;
+    }
+    for (const auto& [variable, text] : texts) {
+      if (text == nullptr) continue;
+      const auto name = instance.name + "." + variable;
+      if (is_file(*text)) files[name] = *text;
+      if (!names_network(variable, *text)) continue;
+      for (const auto& file : files_of(*text)) files[name + " " + file.lexically_relative(*text).string()] = file;
     }
   }
   return files;

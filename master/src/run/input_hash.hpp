@@ -11,7 +11,8 @@
 namespace mebots::master {
 
 /// A fingerprint of all inputs of a run: the bytes of the config, of every FMU, of the files named by text parameters
-/// (such as a chip's program) and of signal files, and the changes by the command line.
+/// (such as a chip's program; of a deployed network, all files of its folder) and of signal files, and the changes by
+/// the command line.
 struct InputHash {
   std::string all;
   std::string lines;  ///< the hashed text: one line per input, ending in its own hash

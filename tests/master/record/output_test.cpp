@@ -4,6 +4,7 @@
 #include "run/input_hash.hpp"
 #include "run/run.hpp"
 #include "run/summary.hpp"
+#include "support/files.hpp"
 #include "test_system.hpp"
 
 #include <gmock/gmock.h>
@@ -190,6 +191,29 @@ TEST(InputHash, ChangesWithConfigAndCommandLine) {
   EXPECT_NE(plain, hash_inputs(system, std::vector<std::string>{"--set a.b=1"}).all);
   system.source = "{ }";
   EXPECT_NE(plain, hash_inputs(system, {}).all);
+}
+
+TEST(InputHash, IncludesAllFilesOfANetwork) {
+  const test::Folder folder;
+  const auto write = [&](std::string_view name, std::string_view text) { test::write_file(folder / name, text); };
+  std::filesystem::create_directories(folder / "vectors");
+  write("network.json", "{}");
+  write("vectors/000.picture", "1");
+  SystemDescription system;
+  auto& instance = system.instances.emplace_back();
+  instance.name = "soc";
+  instance.fmu_path = folder / "network.json";  // any file
+  instance.parameters.push_back({"network", folder.path().string(), ""});
+  const auto plain = hash_inputs(system, {});
+  EXPECT_EQ(plain.files[1].first, "soc.network vectors/000.picture");
+  write("vectors/000.picture", "2");
+  EXPECT_NE(plain.all, hash_inputs(system, {}).all);
+  write("vectors/000.picture", "1");
+  EXPECT_EQ(plain.all, hash_inputs(system, {}).all);
+  write("notes", "");
+  EXPECT_NE(plain.all, hash_inputs(system, {}).all);
+  instance.parameters[0].variable = "firmware";
+  EXPECT_TRUE(hash_inputs(system, {}).files.empty()) << "such a text may name something inside the FMU";
 }
 
 TEST(Summary, ALabelOfItsOwnIsRefused) {

@@ -303,6 +303,69 @@ TEST(Model, NamesTheParameterIfTheFirmwareIsMissing) {
   }
 }
 
+/// A folder as `mebots deploy` writes it, whose network.json has this member `flight`.
+std::filesystem::path network_folder(std::string_view flight) {
+  const auto folder = resources() / "network";
+  std::filesystem::create_directories(folder);
+  std::filesystem::copy_file(picture_program(), folder / "gate.elf", std::filesystem::copy_options::overwrite_existing);
+  std::ofstream(folder / "network.json") << fmt::format(R"({{"format": 1, "flight": {}}})", flight);
+  return folder;
+}
+
+/// Returns the error of the chip with this network in place of that of `firmware`.
+std::string network_error(const std::filesystem::path& folder, std::string_view firmware) {
+  Variables variables;
+  variables.parameters.firmware = firmware;
+  variables.parameters.network = folder;
+  try {
+    const Model model(variables, resources(), {});
+    return "none";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+constexpr auto kFlight =
+    R"({"program": "gate.elf", "board": "ai_deck", "firmware": ["gate", "gap8_gate"], "outputs": ["yaw"]})";
+
+TEST(Network, ReplacesTheFirmwareByTheProgramOfItsFolder) {
+  auto variables = picture_variables();
+  variables.parameters.firmware = "";
+  variables.parameters.network = network_folder(kFlight);
+  Model model(variables, resources(), {});
+  model.start(0);
+  model.step(0, 20 * kMs);
+  EXPECT_EQ(variables.outputs.camera_trigger, 1)
+      << "it asks for a picture, which the gate firmware on its ground does not";
+}
+
+TEST(Network, OfAnotherFirmwareIsRefusedWithItsOutputs) {
+  const auto text = network_error(network_folder(kFlight), "sight");
+  EXPECT_THAT(text, HasSubstr("network = \""));
+  EXPECT_THAT(text, HasSubstr("outputs (yaw)"));
+  EXPECT_THAT(text, HasSubstr("of firmware gate or gap8_gate, but the mission flies firmware sight"));
+}
+
+TEST(Network, OfAnotherBoardIsRefused) {
+  const auto folder =
+      network_folder(R"({"program": "gate.elf", "board": "other", "firmware": ["gate"], "outputs": ["yaw"]})");
+  EXPECT_THAT(network_error(folder, "gate"), HasSubstr("gate.elf is for board other, and this chip is board ai_deck"));
+}
+
+TEST(Network, ThatDoesNotFlyIsRefusedWithTheReason) {
+  EXPECT_THAT(network_error(network_folder(R"({"none": "its input has 3 channels"})"), "gate"),
+              HasSubstr("does not fly: its input has 3 channels"));
+}
+
+TEST(Network, OfABrokenFolderIsRefusedWithThePlace) {
+  EXPECT_THAT(network_error(resources() / "absent", "gate"), HasSubstr("there is no such folder"));
+  EXPECT_THAT(network_error(resources(), "gate"), HasSubstr("no network.json"));
+  EXPECT_THAT(network_error(network_folder("3"), "gate"), HasSubstr("network.json:1:"));
+  const auto outside =
+      network_folder(R"({"program": "../gate.elf", "board": "ai_deck", "firmware": ["gate"], "outputs": ["yaw"]})");
+  EXPECT_THAT(network_error(outside, "gate"), HasSubstr("must be the name of a file in this folder"));
+}
+
 TEST(Model, NanAsInputIsAnError) {
   Variables variables;
   Model model(variables, resources(), {});

@@ -26,22 +26,6 @@ CLOCK_HZ = 87_000_000
 _TIME_LIMIT_S = 600
 _GAP8_RUNTIME = ("chip.c", "soc_events.c", "uart.c", "vectors.S", "dma.c")
 _RUNTIME = ("cluster.c", "cluster_start.S", "crt0.S", "console.c", "exit.c", "memory.c", "sleep.c", "trap.c")
-PILOTS = {
-    "sight": ("app/policy.c", "app/sight_deployed.c", "app/sight_main.c", "app/traverser.c", "drivers/camera.c", "drivers/timer.c"),
-    "navigator": (
-        "app/follower.c",
-        "app/gate_finder.c",
-        "app/main.c",
-        "app/navigator_deployed.c",
-        "app/navigator_gate_finder.c",
-        "app/pilot.c",
-        "app/policy.c",
-        "app/work_picture.c",
-        "drivers/camera.c",
-        "drivers/timer.c",
-    ),
-}
-"""Programs that fly with a deployed network, and their sources. CMakeLists.txt of the firmware has those with our own."""
 _CHIP_OPTIONS = ("-march=rv32imc_zicsr", "-mabi=ilp32", "-mcmodel=medany", "-O2", "-g", "-ffreestanding", "-ffunction-sections", "-fdata-sections")
 
 
@@ -165,11 +149,12 @@ class Build:
         self._make_header()
         return self._link(gcc, self._own(), [*self._runtime(), *self._shared()], "check.elf")
 
-    def pilot(self, name: str) -> pathlib.Path:
-        """Builds a flight's program with the network in place of its own."""
+    def pilot(self, name: str, sources: Sequence[str], order: Sequence[int]) -> pathlib.Path:
+        """Builds a flight's program. ``order``: for each of the values that it takes, the place among those of the network."""
         gcc = compiler()
         self._make_header()
-        shared = [*self._runtime(), *self._shared(), *(self._overlaid(one) for one in PILOTS[name])]
+        (self._scratch / "output_order.h").write_text(f"#define OUTPUT_ORDER {', '.join(map(str, order))}\n")
+        shared = [*self._runtime(), *self._shared(), *(self._overlaid(one) for one in sources)]
         return self._link(gcc, [self._firmware / "app/deployed.c", *self._own()[1:]], shared, f"{name}.elf")
 
     def _runtime(self) -> list[pathlib.Path]:
@@ -195,12 +180,12 @@ class Build:
         script = self._scratch / "link.ld"
         header = self._objects / "board.h"
         run_program([gcc, "-E", "-P", "-x", "assembler-with-cpp", "-include", header, self._firmware / "runtime/link.ld.in", "-o", script], "the linker script")
-        maps = [f"-ffile-prefix-map={self._firmware}=.", f"-ffile-prefix-map={self._library}=.", f"-ffile-prefix-map={self._objects}=."]
+        maps = [f"-ffile-prefix-map={self._firmware}=.", f"-ffile-prefix-map={self._library}=.", f"-ffile-prefix-map={self._objects}=.", f"-ffile-prefix-map={self._scratch}=."]
         objects = [self._compiled([gcc, *_CHIP_OPTIONS, *maps], source, "chip") for source in shared]
         for source in own:
             out = self._scratch / f"{source.name}.o"
             standard = ["-std=c11"] if source.suffix == ".c" else []
-            run_program([gcc, *_CHIP_OPTIONS, *maps, *standard, *self._folders(), f"-I{self._library}", "-c", source, "-o", out], f"compiling {source.name}")
+            run_program([gcc, *_CHIP_OPTIONS, *maps, *standard, *self._folders(), f"-I{self._library}", f"-I{self._scratch}", "-c", source, "-o", out], f"compiling {source.name}")
             objects.append(out)
         library = run_program([gcc, "-march=rv32im", "-mabi=ilp32", "-print-libgcc-file-name"], "the compiler").strip()
         elf = self._scratch / name

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from mebots.deploy import chip
+from mebots.deploy import chip, contracts
 from mebots.deploy import layers as integers
 from mebots.deploy.arithmetic import Scale
 from mebots.deploy.calibrate import FloatModel, names_of, ranges_of
@@ -110,7 +110,7 @@ def _fill(folder: pathlib.Path, deployed: Deployed, options: Options) -> dict[st
         (folder / name).write_bytes(content)
     vectors = _write_vectors(folder, deployed, options.vectors)
     measurement = check_and_measure(folder, folder.parent, deployed, options)
-    pilot = _build_pilot(folder, deployed) if options.measure else {}
+    pilot = _build_pilot(folder, deployed, options)
     content = contract(deployed, options, vectors) | {"flight": pilot, "files": _hashes(folder)}
     if measurement is not None:
         content["measured"] = result_of(deployed, measurement)
@@ -148,23 +148,24 @@ def check_and_measure(
     return measure(elf, network, picture, sizes, deployed.board)
 
 
-def _build_pilot(folder: pathlib.Path, deployed: Deployed) -> dict[str, str]:
-    """Builds the flight's program for networks whose input and outputs fit one. Says why not otherwise."""
-    values = sum(one.size for one in deployed.network.outputs)
-    names = {1: "navigator", 4: "sight"}
+def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> dict[str, Any]:
+    """Builds the flight's program if the network fits a contract. Otherwise returns why it does not fly."""
+    if not options.measure:
+        return {"none": "it was deployed with --no-measure, which builds no program for the chip"}
     if deployed.float_model is None:
         return {"none": "a flight needs outputs with scales, which a network of whole numbers does not have"}
-    if deployed.network.input.channels != 1 or deployed.network.input.rows < 2 or values not in names:
-        return {"none": f"a flight needs one grey picture, and one output (yaw) or four (yaw, rise, size, visible); this network has {values}"}
     if not deployed.board.flies:
-        return {"none": f"board {deployed.board.name} has no flight link; ai_deck has one"}
-    name = names[values]
+        return {"none": f"board {deployed.board.name} has no flight link; ai_deck and gap8_drone have one"}
+    fitting = contracts.fit(deployed.network, options.input_scale)
+    if isinstance(fitting, str):
+        return {"none": fitting}
+    contract = fitting.contract
     try:
-        elf = chip.Build(folder, folder.parent, deployed.board).pilot(name)
+        elf = chip.Build(folder, folder.parent, deployed.board).pilot(contract.name, contract.sources, fitting.order)
     except InputError as error:
         return {"none": str(error)}
-    shutil.copy(elf, folder / f"{name}.elf")
-    return {"program": f"{name}.elf"}
+    shutil.copy(elf, folder / elf.name)
+    return {"program": elf.name, "board": deployed.board.name, "firmware": list(contract.firmware), "outputs": list(contract.outputs)}
 
 
 def _write_vectors(folder: pathlib.Path, deployed: Deployed, count: int) -> list[dict[str, Any]]:

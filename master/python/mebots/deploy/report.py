@@ -117,10 +117,10 @@ def shown(content: dict[str, Any]) -> str:
             f"  {one['cores']} core{'s' if one['cores'] > 1 else ' '} at {one['cluster_clock'] / 1e6:5.2f} MHz: {1e3 * one['time']:8.3f} ms, {1e3 * one['energy']:8.4g} mJ"
             for one in measured["settings"]
         ]
-    flight = content.get("flight", {})
+    flight = content["flight"]
     if "program" in flight:
-        lines.append(f"flies: --set soc.firmware=FOLDER/{flight['program']}")
-    elif flight:
+        lines.append(f"flies in missions with firmware {' or '.join(flight['firmware'])}: --set soc.network=FOLDER")
+    else:
         lines.append(f"does not fly: {flight['none']}")
     return "\n".join(lines)
 

@@ -11,6 +11,7 @@ A mission does not depend on the study that contains it. Each module has one sub
 ``designs``    the designs of each kind
 ``space``      designs, draws and the order of each mission
 ``missions``   a mission as an order for a worker, and the hash of its inputs
+``inputs``     files and folders that missions name, by their hashes
 ``orders``     orders of many missions as columns, and batches of them
 ``replies``    results of a batch: lines for the journal, and columns for the tables
 ``pasts``      saved states from which missions start

@@ -7,13 +7,13 @@ from __future__ import annotations
 import collections
 import concurrent.futures
 import dataclasses
-import pathlib
 import queue
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from mebots.errors import Error
 from mebots.exploration import flying, interrupts
+from mebots.exploration.inputs import content_of
 from mebots.exploration.orders import Order, Orders, packed
 from mebots.exploration.replies import Reply, reply_from
 
@@ -196,7 +196,7 @@ class Dispatcher:
     def _submit(self, task: _Task, lacking: list[str] | None = None) -> None:
         batch = packed([group.orders for group in task.groups])
         if lacking:
-            batch["contents"] = {digest: pathlib.Path(batch["files"][digest][0]).read_bytes() for digest in lacking}
+            batch["contents"] = {digest: content_of(batch["files"][digest][0]) for digest in lacking}
         with interrupts.held():
             try:
                 future = self._executor.submit(flying.fly_all, batch)

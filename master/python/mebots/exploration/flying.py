@@ -19,7 +19,8 @@ import time
 from typing import Any
 
 from mebots.exploration import outcomes
-from mebots.exploration.missions import build, digest_of_file, without_paths
+from mebots.exploration.inputs import digest_of_input, stamp_of, write_content
+from mebots.exploration.missions import build, without_paths
 from mebots.exploration.orders import Batch, Order, unpacked
 from mebots.exploration.replies import reply_of
 
@@ -321,7 +322,7 @@ def close_all() -> None:
 
 # Files by hash.
 
-_known: dict[tuple[str, int, int], str] = {}
+_known: dict[tuple[str, Any], str] = {}
 
 
 def cache_folder() -> pathlib.Path:
@@ -339,7 +340,7 @@ def _find_files(batch: Batch) -> list[str]:
             continue
         cached = cache_folder() / digest / place[1]
         if digest in contents:
-            _keep(cached, contents[digest])
+            write_content(cached, contents[digest])
         if _is(str(cached), digest):
             place[0] = str(cached)
         else:
@@ -347,20 +348,12 @@ def _find_files(batch: Batch) -> list[str]:
     return lacking
 
 
-def _keep(file: pathlib.Path, content: bytes) -> None:
-    file.parent.mkdir(parents=True, exist_ok=True)
-    beside = file.with_name(f"{file.name}.{os.getpid()}.{threading.get_ident()}")
-    beside.write_bytes(content)
-    beside.replace(file)
-
-
 def _is(path: str, digest: str) -> bool:
-    """True if the file has this hash. Cached by the file's time and size."""
+    """True if the file or folder has this hash. Cached by times and sizes."""
     try:
-        stat = os.stat(path)
+        key = path, stamp_of(path)
     except OSError:
         return False
-    key = (path, stat.st_mtime_ns, stat.st_size)
     if key not in _known:
-        _known[key] = digest_of_file(path)
+        _known[key] = digest_of_input(path)
     return _known[key] == digest

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A mission as an order: everything that a worker needs, and the hash of all inputs of the mission.
 
-An order refers to files (FMUs, firmware, weights, cells) by their hashes, so that it is valid on every machine. Their paths
+An order refers to files (FMUs, firmware, networks, cells) by their hashes, so that it is valid on every machine. Their paths
 on this machine are stored separately.
 """
 
@@ -22,6 +22,7 @@ from typing import Any
 
 from mebots import _mebots
 from mebots.errors import InputError
+from mebots.exploration.inputs import digest_of_file, digest_of_input, is_input
 from mebots.exploration.orders import DIGEST_BYTES, Order, Orders
 from mebots.exploration.study import Study, Values
 
@@ -46,10 +47,6 @@ _NOT_OF_A_MISSION = ("text", "record", "pictures", "view", "log", "threads", "un
 _OF_RESULTS = ("record", "pictures", "view", "log")
 
 _PATH = re.compile(r"(?<![\w.~/])/(?:[^\s/:;,'\"]+/)+([^\s/:;,'\"]*)")
-
-def digest_of_file(path: str | os.PathLike[str]) -> str:
-    with open(path, "rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 canonical = json.JSONEncoder(sort_keys=True, separators=(",", ":")).encode
@@ -90,7 +87,7 @@ class Missions:
     def __init__(self, study: Study) -> None:
         self._study = study
         self._digests: dict[str, str] = {}
-        self._found: dict[str, str] = {}  # paths of files named in texts
+        self._found: dict[tuple[str, str], str] = {}  # paths of files named in texts
         self._plain: dict[tuple[str, ...], bool] = {}
         self._names: dict[tuple[str, ...], list[tuple[str, str]]] = {}
         self._drawn: dict[str, tuple[list[Any], list[bytes]]] = {}
@@ -143,7 +140,7 @@ class Missions:
         files = dict(variant.files)
         for name, value in settings.items():
             if isinstance(value, str):
-                settings[name] = self._portable(value, files)
+                settings[name] = self._portable(name, value, files)
         # Equals digest_of() of a dict of these four.
         text = f'{self._hash_begin}{variant.digest}","settings":{self._canonical(settings)}{self._hash_end}'
         digest = hashlib.sha256(text.encode()).hexdigest()
@@ -245,12 +242,12 @@ class Missions:
     def _divide(self, values: Values) -> tuple[Values, Values]:
         """Divides values into keys of the config and parameters; replaces options by their settings."""
         if self._is_plain(tuple(values)):
-            return {}, {name: self._located(value) if isinstance(value, str) else value for name, value in values.items()}
+            return {}, {name: self._located(name, value) if isinstance(value, str) else value for name, value in values.items()}
         pointers, settings = {}, {}
         for name, value in values.items():
             for key, setting in self.settings(name, value).items():
                 place = pointers if key.startswith("/") else settings
-                place[key] = self._located(setting) if isinstance(setting, str) else setting
+                place[key] = self._located(key, setting) if isinstance(setting, str) else setting
         return pointers, settings
 
     def _is_plain(self, names: tuple[str, ...]) -> bool:
@@ -259,23 +256,22 @@ class Missions:
             self._plain[names] = not any(name.startswith("/") or name in self._options for name in names)
         return self._plain[names]
 
-    def _located(self, value: str) -> str:
-        """Returns a text that names a file in a folder of the study as an absolute path, and any other text
+    def _located(self, name: str, value: str) -> str:
+        """Returns a text that names an input in a folder of the study as an absolute path, and any other text
         unchanged."""
-        if value not in self._found:
-            self._found[value] = value
-            if value and not os.path.isabs(value):
-                files = (folder / value for folder in self._study.folders)
-                self._found[value] = next((str(file) for file in files if file.is_file()), value)
-        return self._found[value]
+        if (name, value) not in self._found:
+            paths = (str(folder / value) for folder in self._study.folders)
+            relative = value and not os.path.isabs(value)
+            self._found[name, value] = next((path for path in paths if is_input(name, path)), value) if relative else value
+        return self._found[name, value]
 
-    def _portable(self, value: Any, files: dict[str, list[str]]) -> Any:
-        if not isinstance(value, str) or not value or not os.path.isfile(value):
+    def _portable(self, name: str, value: Any, files: dict[str, list[str]]) -> Any:
+        if not isinstance(value, str) or not is_input(name, value):
             return value
         path = os.path.abspath(value)
         digest = self._digests.get(path)
         if digest is None:
-            digest = self._digests[path] = digest_of_file(path)
+            digest = self._digests[path] = digest_of_input(path)
         files[digest] = [path, os.path.basename(path)]
         return FILE_MARK + digest
 
@@ -301,13 +297,13 @@ class Missions:
         shown = {section: config.pop(section) for section in _NOT_OF_A_MISSION if section in config}
         files: dict[str, list[str]] = {}
         for instance, path in json.loads(ground.fmus).items():
-            config["instances"][instance]["fmu"] = self._portable(path, files)
+            config["instances"][instance]["fmu"] = self._portable("fmu", path, files)
         for instance in config["instances"].values():
             parameters = instance.get("parameters", {})
             for name, value in parameters.items():
-                parameters[name] = self._portable(value, files)
+                parameters[name] = self._portable(name, value, files)
         for entry in _signals(config):
-            entry["file"] = self._portable(entry["file"], files)
+            entry["file"] = self._portable("file", entry["file"], files)
         digest = digest_of(config)
         if self._study.results:
             config |= {section: shown[section] for section in _OF_RESULTS if section in shown}

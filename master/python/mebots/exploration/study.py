@@ -12,6 +12,7 @@ from typing import Any
 from mebots import _mebots
 from mebots.errors import InputError
 from mebots.exploration.files import write_whole
+from mebots.exploration.inputs import is_input
 
 NAME = "study.json"
 """Name of the study's copy in its results folder."""
@@ -213,12 +214,12 @@ def _with_absolute_files(content: dict[str, Any], folder: pathlib.Path) -> dict[
     """Returns the content with absolute paths of the files of factors and draws, so that it can be read from any
     folder."""
 
-    def absolute(value: Any) -> Any:
+    def absolute(value: Any, name: str = "") -> Any:
         if isinstance(value, dict):
-            return {key: absolute(one) for key, one in value.items()}
+            return {key: absolute(one, key) for key, one in value.items()}
         if isinstance(value, list):
-            return [absolute(one) for one in value]
-        if isinstance(value, str) and value and (folder / value).is_file():
+            return [absolute(one, name) for one in value]
+        if isinstance(value, str) and value and is_input(name, folder / value):
             return str(folder / value)
         return value
 

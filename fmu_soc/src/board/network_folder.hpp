@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "board/board_file.hpp"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace mebots::soc {
+
+/// Returns the program of a folder by `mebots deploy`: a firmware with the folder's network in place of its own.
+/// `firmware` is the name of the firmware that the mission flies. Throws Error if the folder has no program, or if that
+/// program replaces another firmware or is for another board. Throws data::Mistakes for a broken network.json.
+std::filesystem::path program_with_network(const std::filesystem::path& folder, std::string_view firmware,
+                                           const BoardDescription& board);
+
+}  // namespace mebots::soc

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files and folders that missions name, by their hashes. Of folders, only those of deployed networks count."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import pathlib
+import re
+import shutil
+import threading
+
+Content = bytes | dict[str, bytes]
+"""Of a file, or of the files of a folder by their paths in it."""
+
+
+def is_input(name: str, path: str | os.PathLike[str]) -> bool:
+    """True if the parameter ``name`` (or the key of a config, as a JSON pointer) with this value names a file, or the folder of a deployed network. Other parameters cannot
+    name a folder: the name of something inside an FMU may be that of a folder, too."""
+    if not os.fspath(path):
+        return False
+    return os.path.isfile(path) or (re.split(r"[./]", name)[-1] == "network" and os.path.isfile(os.path.join(path, "network.json")))
+
+
+def digest_of_file(path: str | os.PathLike[str]) -> str:
+    with open(path, "rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def digest_of_input(path: str | os.PathLike[str]) -> str:
+    """Returns the hash of a file, or of a folder: of the paths and hashes of its files."""
+    if not os.path.isdir(path):
+        return digest_of_file(path)
+    listed = [[name, digest_of_file(os.path.join(path, name))] for name in _files(path)]
+    return hashlib.sha256(json.dumps(listed).encode()).hexdigest()
+
+
+def content_of(path: str | os.PathLike[str]) -> Content:
+    if not os.path.isdir(path):
+        return pathlib.Path(path).read_bytes()
+    return {name: pathlib.Path(path, name).read_bytes() for name in _files(path)}
+
+
+def write_content(path: pathlib.Path, content: Content) -> None:
+    """Writes a file or a folder that appears complete. Other processes may write the same."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(f"{path.name}.{os.getpid()}.{threading.get_ident()}")
+    if isinstance(content, bytes):
+        beside.write_bytes(content)
+        beside.replace(path)
+        return
+    for name, part in content.items():
+        (beside / name).parent.mkdir(parents=True, exist_ok=True)
+        (beside / name).write_bytes(part)
+    try:
+        beside.rename(path)
+    except OSError:  # there already
+        shutil.rmtree(beside)
+
+
+def stamp_of(path: str | os.PathLike[str]) -> tuple[tuple[str, int, int], ...]:
+    """Returns names, times and sizes: equal as long as nothing was written. Raises OSError."""
+    names = _files(path) if os.path.isdir(path) else [""]
+    stats = [(name, os.stat(os.path.join(path, name) if name else path)) for name in names]
+    return tuple((name, one.st_mtime_ns, one.st_size) for name, one in stats)
+
+
+def _files(folder: str | os.PathLike[str]) -> list[str]:
+    return sorted(one.relative_to(folder).as_posix() for one in pathlib.Path(folder).rglob("*") if one.is_file())
