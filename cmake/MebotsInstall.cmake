@@ -156,10 +156,12 @@ if(MEBOTS_CHIP)
   endforeach()
 endif()
 
-configure_package_config_file(cmake/mebotsConfig.cmake.in ${PROJECT_BINARY_DIR}/mebotsConfig.cmake
+# Not at the top of the build folder, where find_package() would take it for the package of that folder.
+set(installed_package ${PROJECT_BINARY_DIR}/generated/package)
+configure_package_config_file(cmake/mebotsConfig.cmake.in ${installed_package}/mebotsConfig.cmake
   INSTALL_DESTINATION ${package_dir} PATH_VARS share NO_SET_AND_CHECK_MACRO)
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/mebotsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/mebotsConfig.cmake ${PROJECT_BINARY_DIR}/mebotsConfigVersion.cmake
+write_basic_package_version_file(${installed_package}/mebotsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${installed_package}/mebotsConfig.cmake ${installed_package}/mebotsConfigVersion.cmake
   cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/MebotsTarget.cmake cmake/fmi2.map cmake/fmi3.map cmake/list_exports.cmake
   DESTINATION ${package_dir})
 
@@ -167,7 +169,7 @@ install(FILES ${PROJECT_BINARY_DIR}/mebotsConfig.cmake ${PROJECT_BINARY_DIR}/meb
 set(build_package ${PROJECT_BINARY_DIR}/lib/cmake/mebots)
 export(TARGETS ${programs} NAMESPACE mebots:: FILE ${build_package}/mebotsPrograms.cmake)
 configure_file(cmake/mebotsBuildConfig.cmake.in ${build_package}/mebotsConfig.cmake @ONLY)
-file(COPY_FILE ${PROJECT_BINARY_DIR}/mebotsConfigVersion.cmake ${build_package}/mebotsConfigVersion.cmake)
+file(COPY_FILE ${installed_package}/mebotsConfigVersion.cmake ${build_package}/mebotsConfigVersion.cmake)
 
 include(MebotsManual)
 include(MebotsPackage)

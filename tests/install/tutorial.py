@@ -33,6 +33,7 @@ SKIPPED = {
         "mebots resume": "needs the interrupted run",
     },
     "own-network": {
+        "mebots deploy mine.onnx": "the export needs PyTorch, which is 5 GB with its libraries; the page names the version that it was run with",
         "mebots sweep study.json --out results": "twelve hard missions take minutes; --dry-run before it checks the study",
     },
 }
