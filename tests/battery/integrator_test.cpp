@@ -158,7 +158,7 @@ void expect_the_same_in_short_steps(const LongStep& step) {
 }
 
 TEST(Integrator, LongStepsAgreeWithShortOnes) {
-  // As one step, their stages would be at points where a resistance is negative or the voltage is not a number.
+  // A single step would evaluate points at which a resistance is negative or the voltage is not a number.
   expect_the_same_in_short_steps({0.9, load_of(0.01), 86'400, Event::none});
   expect_the_same_in_short_steps({0.5, load_of(5), 3000, Event::cut_off});
   expect_the_same_in_short_steps({0.03, load_of(5), 600, Event::cut_off});
@@ -179,7 +179,7 @@ TEST(Integrator, TinyCellIsEmptiedWhereItsChargeEnds) {
   EXPECT_NEAR(result.reached_s, 0.5e-9 / (current_a + cell.self_discharge_current_a), 1e-6 * result.reached_s);
 }
 
-/// Returns the message of a step of 60 s, which must change nothing.
+/// Returns the error message of a step of 60 s, and checks that the step changed nothing.
 std::string refusal(const Cell& cell, const Demand& demand) {
   Integrator integrator(cell);
   CellState state{0.5, 0.01, 0.02};

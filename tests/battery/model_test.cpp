@@ -76,7 +76,7 @@ TEST(Battery, RestoredRunContinuesWithTheSameBits) {
   drive(first, 0, 1000);
   const auto saved = state::save(first.model);
   Bench second(parameters("bitcraze_250", 0.6));
-  drive(second, 0, 17);  // another state before the restore
+  drive(second, 0, 17);  // changes the state before the restore
   state::restore(second.model, saved);
   second.now_ns = first.now_ns;
   drive(second, 1000, 2000);

@@ -38,7 +38,7 @@ def flown(flight, place=PLACE):
 
 
 class Batteries(unittest.TestCase):
-    """Ten seconds in the air of the endurance flights: a cell's charge depends on mass and capacity."""
+    """In the first ten seconds of the endurance flights, a cell's charge depends on mass and capacity."""
 
     HOVER_S = 10.0
 
@@ -50,8 +50,8 @@ class Batteries(unittest.TestCase):
 
     def test_a_lighter_cell_of_the_same_capacity_uses_less(self):
         saved = 1 - self.charge_used("ufx_250", False) / self.charge_used("bitcraze_250", False)
-        # 1.3 g of 40 g, at a power proportional to the mass to the power of 1 to 1.5, minus the part that does not
-        # depend on it.
+        # The mass differs by 1.3 g of 40 g. The power is proportional to the mass to the power of 1 to 1.5, apart from a constant
+        # part.
         self.assertGreater(saved, 0.025)
         self.assertLess(saved, 0.05)
 
@@ -131,7 +131,7 @@ class SecondChip(unittest.TestCase):
     """The study on board gap8_drone."""
 
     PLACE = dataclasses.replace(PLACE, results=PLACE.results / "gap8_drone", chip="gap8_drone")
-    # Rows of the sensor up to the window's last one, clocks per row, and the clock.
+    # The read-out time: rows of the sensor up to the window's last one, times clocks per row, divided by the clock.
     READ_OUT_S = 322 * 376 / 6e6
 
     def test_a_flight_is_that_of_the_other_chip_with_what_the_shipped_mission_changes(self):

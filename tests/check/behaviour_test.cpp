@@ -48,7 +48,7 @@ TEST(CheckBehaviour, WrongValuesAreFound) {
 }
 
 TEST(CheckBehaviour, AnFmuThatDependsOnTheStopTimeIsFound) {
-  // y(h) = gain (1 - e^-h). The FMU takes the stop time for its gain: 2, which it is anyway, or 1.
+  // y(h) = gain (1 - e^-h). The FMU uses the stop time as its gain: 2, its usual value, or 1.
   EXPECT_THAT(of("stop"), IsEmpty());
   Workshop workshop;
   auto description = culprit_description("stop");
@@ -179,7 +179,7 @@ TEST(CheckBehaviour, MemoryThatTheFmuDamagedIsItsOwnMistakeWhereverItShows) {
               Contains(HasSubstr("error: freeMemory was called with a pointer that allocateMemory")));
 }
 
-/// False for one that is gone, and for one that only waits to be asked how it ended.
+/// Returns true if the process runs; false for a zombie.
 bool runs(pid_t process) {
   std::ifstream file("/proc/" + std::to_string(process) + "/stat");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -196,7 +196,7 @@ bool ends_soon(pid_t process) {
 struct Left {
   std::atomic<pid_t> child;
   std::atomic<pid_t> child_of_child;
-  std::atomic<pid_t> daemon;  ///< in a session of its own, its parent gone
+  std::atomic<pid_t> daemon;  ///< in a new session, without a parent
 };
 
 [[noreturn]] void stay() {
@@ -291,7 +291,7 @@ TEST(CheckBehaviour, TracesOfTheLayeredStandardAreReplayed) {
                      {folder + "it_out.csv", out}}),
         true);
   };
-  // u = 1: y = 2 (1 - exp(-1)). One file serves FMI 2.0 and 3.0: a column of the other is passed over.
+  // u = 1: y = 2 (1 - exp(-1)). The same file is for FMI 2.0 and 3.0: columns of the other version are ignored.
   EXPECT_THAT(with_trace("time,binary,y\n0,666f6f,0\n1,666f6f,1.2642411176571153\n"), IsEmpty());
   EXPECT_THAT(with_trace("time,y\n0,0\n1,1.3\n"), Contains(HasSubstr("it_out.csv: first divergence at 1 s")));
 }

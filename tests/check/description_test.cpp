@@ -24,7 +24,7 @@ using testing::IsEmpty;
 
 class CheckDescription : public testing::Test {
  protected:
-  /// Findings about the culprit's description with one piece replaced.
+  /// Returns the findings about the culprit's description with one piece of text replaced.
   std::vector<std::string> with(const std::string& piece, const std::string& other) {
     auto text = culprit_description("none");
     const auto at = text.find(piece);
@@ -34,7 +34,7 @@ class CheckDescription : public testing::Test {
     files_only.run = false;
     return findings(check_fmu(workshop_.described(text), files_only));
   }
-  /// The same with one more variable, of index 4.
+  /// The same with one more variable, which has index 4.
   std::vector<std::string> and_variable(const std::string& element) {
     return with("</ModelVariables>", element + "</ModelVariables>");
   }

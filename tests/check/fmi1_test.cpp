@@ -20,7 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// The findings of the tank with `text` in place of a part of its description; its library is run.
+/// Returns the findings about the tank with a part of its description replaced by `text`. Also runs its library.
 std::vector<std::string> of_changed_tank(const std::string& part, const std::string& text,
                                          Level level = Level::standard) {
   const modeldesc::TemporaryFolder folder("mebots-check-test");

@@ -56,7 +56,7 @@ std::string replaced(const std::string& piece, const std::string& other) {
   return text.replace(at, piece.size(), other);
 }
 
-/// Findings of all checks of the text.
+/// Returns the findings of all checks of the description.
 std::vector<std::string> of_text(const std::string& text) {
   Report report;
   const auto add = [&]() -> Check& { return report.checks.emplace_back(); };
@@ -76,7 +76,7 @@ TEST(CheckFmi3, EachMistakeOfADescriptionIsNamed) {
   const auto expect = [](const std::string& piece, const std::string& other, const char* text) {
     EXPECT_THAT(of_text(replaced(piece, other)), Contains(HasSubstr(text))) << piece << " -> " << other;
   };
-  // Form, by the grammar of FMI 3.0.
+  // The form of attributes and names, by the grammar of FMI 3.0.
   expect("instantiationToken=", "guid=", "line 2, <fmiModelDescription>: there is no attribute guid in FMI 3.0");
   expect("fmiVersion=\"3.0\"", "fmiVersion=\"3.x\"", "fmiVersion is \"3.x\"");
   expect("canGetAndSetFMUState", "canGetAndSetFMUstate", "there is no attribute canGetAndSetFMUstate");
@@ -117,7 +117,7 @@ TEST(CheckFmi3, EachMistakeOfADescriptionIsNamed) {
   expect("\"dependent fixed\"", "\"dependent\"", "1 kinds for 2 dependencies");
 }
 
-/// A folder as if it had been unpacked.
+/// Makes a folder with the content of an unpacked FMU.
 class Fmi3FolderTest : public testing::Test {
  protected:
   void write(const std::string& name, const std::string& text) {
@@ -180,7 +180,7 @@ TEST_F(Fmi3FolderTest, PlatformsHaveTheNamesOfFmi3) {
   EXPECT_THAT(platforms, Contains(HasSubstr("no binary for x86-64 Linux (binaries/x86_64-linux/culprit3.so)")));
 }
 
-/// Findings about culprit3.cpp with this crime, which offers co-simulation and model exchange.
+/// Returns the findings about culprit3.cpp with this fault, for co-simulation and model exchange.
 std::vector<std::string> culprit3(const std::string& crime) {
   const auto description = fmt::format(R"xml(<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="culprit3" instantiationToken="{{culprit3:{}}}">

@@ -12,20 +12,20 @@
 
 namespace mebots::check {
 
-/// The description of culprit.cpp with its crime in the GUID.
+/// Returns the description of culprit.cpp, with its fault in the GUID.
 std::string culprit_description(const std::string& crime);
 
-/// A folder in which FMUs are made from texts, with any entry names.
+/// A folder in which FMUs are packed from texts, with any entry names.
 class Workshop {
  public:
-  /// An archive of these entries (name, content), in this order.
+  /// Writes an archive of these entries (name, content), in this order.
   std::filesystem::path archive(const std::vector<std::pair<std::string, std::string>>& entries);
-  /// A whole FMU with the culprit's library and more entries.
+  /// Writes a complete FMU with the culprit's library and further entries.
   std::filesystem::path culprit(const std::string& crime, std::vector<std::pair<std::string, std::string>> more = {});
-  /// The same with this description.
+  /// The same, with this description.
   std::filesystem::path culprit_with(const std::string& description,
                                      std::vector<std::pair<std::string, std::string>> more = {});
-  /// The culprit with another description.
+  /// Writes the culprit with another description.
   std::filesystem::path described(const std::string& description);
 
  private:
@@ -33,9 +33,9 @@ class Workshop {
   int made_ = 0;
 };
 
-/// All findings as "error: text" and "warning: text".
+/// Returns all findings as "error: text" and "warning: text".
 std::vector<std::string> findings(const Report& report);
-/// Those of one FMU; nothing of it is run unless asked for.
+/// Returns the findings about one FMU. Its code runs only if requested.
 std::vector<std::string> findings(const std::filesystem::path& fmu, bool run = false, double deadline_s = 30,
                                   Level level = Level::pedantic);
 

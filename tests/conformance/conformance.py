@@ -23,7 +23,7 @@ EXPLAINED = {
 
 
 def each_on(jobs):
-    """Maps over the tests on several processors, with progress. Results are in the tests' order."""
+    """Runs the tests on several processors, and shows the progress. The results are in the order of the tests."""
 
     def each(function, tests):
         done = []

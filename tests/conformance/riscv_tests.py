@@ -16,7 +16,7 @@ LIMIT = 10_000_000  # instructions; the longest needs some ten thousand
 
 
 def environment(folder):
-    """Returns the environment of a recursive clone, or the one next to it."""
+    """Returns the test environment: that inside a recursive clone, or a separate checkout next to the clone."""
     for path in (folder / "riscv-tests/env", folder / "riscv-test-env"):
         if (path / "p/riscv_test.h").exists():
             return path

@@ -12,7 +12,7 @@ from run import GCC, spike_path  # noqa: E402
 
 COMPILER = GCC[0]
 BARE = [COMPILER, "-static", "-mcmodel=medany", "-fvisibility=hidden", "-nostdlib", "-nostartfiles"]
-WAYS = ((), ("--interpret",))  # each program runs in both ways
+WAYS = ((), ("--interpret",))  # each program runs translated and interpreted
 SECONDS = 120  # wall time for one program in one simulator
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Networks of whole numbers keep their outputs bit by bit: those of onnxruntime, which computes them exactly in float."""
+"""Deployed integer networks have the same output bits as in onnxruntime, which computes them exactly in float."""
 
 import sys
 import unittest

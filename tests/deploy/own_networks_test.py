@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The shipped sight network as ONNX, deployed: near the outputs of the firmware's own kernels, in a program that flies."""
+"""The shipped sight network, deployed from ONNX, has nearly the outputs of the firmware's own kernels, and flies a mission."""
 
 import contextlib
 import csv
@@ -70,7 +70,7 @@ class OwnNetworks(DeployCase):
         golden = np.array([[int(row[name]) for name in names] for row in rows])
         bytes_of = [np.frombuffer((out / f"vectors/{i:03}.outputs").read_bytes(), np.uint8) for i in range(len(rows))]
         got = np.clip((np.array(bytes_of, dtype=float) - scale["zero"]) * scale["step"] * 127, -127, 127)
-        # The ranges of twelve pictures clip few values; two roundings of eight layers remain.
+        # Few values are clipped, because the ranges come from twelve pictures. Two roundings in each of eight layers remain.
         self.assertLess(np.abs(got - golden).max(), 8)
 
 

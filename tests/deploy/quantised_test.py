@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Models that onnxruntime has quantised keep their weights bit by bit, and their scales."""
+"""Models quantised by onnxruntime keep the bits of their weights, and their scales."""
 
 import sys
 import unittest

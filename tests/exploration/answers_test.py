@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares intervals with published values, and counts wrong decisions if one looks after every mission."""
+"""Compares intervals with published values, and counts wrong decisions in studies that are evaluated after every mission."""
 
 import math
 import os
@@ -15,7 +15,7 @@ from mebots.exploration.answers import Moments, mean_sequence, share_sequence, s
 
 STUDIES = int(os.environ.get("MEBOTS_STUDIES", "200"))
 FLIGHTS = 500
-# In few studies, the share of wrong ones varies: two standard deviations of a share of 5 %.
+# The share of wrong decisions varies with so few studies: allows two standard deviations of a share of 5 %.
 MOST_WRONG = 0.05 if STUDIES >= 1000 else 0.05 + 2 * math.sqrt(0.05 * 0.95 / STUDIES)
 
 
@@ -53,7 +53,7 @@ class Intervals(unittest.TestCase):
 
 
 class Sequences(unittest.TestCase):
-    """Studies without any difference: how many of them find one, if one looks after every mission?"""
+    """Counts the studies that find a difference although there is none, if they are evaluated after every mission."""
 
     def wrong(self, finds):
         chance = random.Random(1)
@@ -68,7 +68,7 @@ class Sequences(unittest.TestCase):
                     successes += chance.random() < share
                     if count < 10:
                         continue
-                    # Uses the evidence instead of the interval's edges: the same statement without their search.
+                    # Uses the evidence instead of the interval's limits: an equivalent test that needs no search.
                     if interval is share_sequence:
                         if answers.share_evidence(successes, count, share) >= -math.log(0.05):
                             return True
@@ -102,7 +102,7 @@ class Sequences(unittest.TestCase):
         def finds(chance):
             wins = decided = 0
             for _ in range(FLIGHTS):
-                # The same start is easy or hard for both, so only pairs that differ remain.
+                # Both designs fly from the same starts, so only pairs with different outcomes count.
                 hard = chance.random() < 0.5
                 a, b = (chance.random() < (0.6 if hard else 0.98) for _ in range(2))
                 wins, decided = wins + (a and not b), decided + (a != b)

@@ -21,7 +21,7 @@ def by_definition(points):
 
 
 def places_by_definition(evidence):
-    """Returns the same as front.places, from each pair of designs."""
+    """Computes front.places() by comparing each pair of designs."""
     designs = range(len(evidence.counts))
     feasible = [evidence.feasible(design) for design in designs]
     leaders = evidence.leaders([design for design in designs if feasible[design]])

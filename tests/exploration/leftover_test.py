@@ -57,7 +57,7 @@ class Sweeps(LeftoverCase):
                     self.assertEqual(self.bytes_of("missions.csv", f"{place}{jobs}"), self.bytes_of("missions.csv", f"{place}1"))
 
     def test_so_do_missions_of_several_fmus_and_configs(self):
-        """A factor of the config creates configs of which a worker has several open."""
+        """A factor that changes the config, so that a worker has several configs open."""
         self.mission(a=("static_variable", {}), b=("nothing", {}), c=("rand", {"process": "own"}))
         factors = {"/stop_time": [0.25, 0.5, 0.625, 0.75, 0.875, 1], "a.gain": [1, 2]}
         self.study(design={"kind": "grid", "factors": factors})

@@ -44,7 +44,7 @@ class Effects(StudyCase):
         self.assertEqual(effects.pair_means((factors[0], factors[1]), values), [1, -1, -1, 1])
 
     def test_a_factor_without_effect_explains_nothing_of_sampled_designs(self):
-        """Five levels of 40 designs explain a tenth by chance."""
+        """By chance, five levels explain a tenth of the variance of 40 designs."""
         lot = np.random.default_rng(1)
         shares = []
         for _ in range(200):
@@ -52,7 +52,8 @@ class Effects(StudyCase):
             found = effects.importances(self.study_of("random"), [factor("a", ones), factor("b", twos)], [], np.array(ones) + lot.normal(size=40))
             shares.append(found.factors)
         strong, idle = np.mean(shares, axis=0)
-        self.assertAlmostEqual(strong, 2 / 3, delta=0.08)  # variances 2 and 1, less a tenth that the other one's levels share
+        # Variances 2 and 1, minus a tenth that the levels of the other factor explain by chance.
+        self.assertAlmostEqual(strong, 2 / 3, delta=0.08)
         self.assertLess(idle, 0.03)
 
     def test_equal_values_have_no_importance(self):

@@ -14,7 +14,8 @@ from mebots.exploration.comparison import Evidence
 from mebots.exploration.study import read_study
 from support import MEBOTS, StudyCase
 
-# The probe: real_out = gain real_in + offset; integral = real_in over 1 s, so that a third of U(0, 3) is "far".
+# The probe has real_out = gain real_in + offset, and integral = real_in after 1 s. With real_in from U(0, 3), a third of the
+# missions is "far".
 OUT = {"summary": "deep.out", "minimize": True}
 
 
@@ -87,8 +88,8 @@ class Rounds(StudyCase):
                    objectives={"out": OUT, "reach": {"expression": "min(deep.out - integral, 1.2)", "maximize": True}},
                    draws={"replicates": 30, "variables": {"a.real_in": {"uniform": [0, 3]}}})
         self.sweep()
-        # offset 0: least out; 1: between; 1.5: most reach with less out than 2, which it dominates by out alone,
-        # because reach is equal.
+        # Offset 0 has the least out. 1.5 has the same reach as 2, the greatest, but less out, so it dominates 2. 1 is between 0
+        # and 1.5.
         front = [row["front"] for row in self.rows("designs.csv")]
         self.assertEqual(front[:2], ["on", "on"])
         self.assertEqual(front[2], "undecided")  # a tie in reach is not certain, so 2 is not certainly dominated
@@ -145,7 +146,7 @@ class Extras(StudyCase):
         self.assertEqual(len(cells), 16)
 
     def test_sobol_indices_are_those_of_a_sum(self):
-        """Variances 1/12 and 4/12: a fifth and four fifths."""
+        """The variances are 1/12 and 4/12, so their shares are a fifth and four fifths."""
         self.study(design={"kind": "sensitivity", "method": "sobol", "points": 128, "seed": 1, "factors": {
             "a.gain": {"uniform": [0, 1]}, "a.offset": {"uniform": [0, 2]}}}, objectives={"out": {"summary": "deep.out"}},
             draws={"replicates": 1, "variables": {"a.real_in": {"integer": [1, 1]}}})

@@ -219,14 +219,14 @@ class RareEventsAgainstTheory(WalkCase):
         self.assertGreater(len(levels), 3)
         self.assertEqual(levels, sorted(set(levels)))
         self.assertEqual(levels[-1], HEIGHT)
-        for row in pilot[:-1]:  # a fifth, or more if many have the same score
+        for row in pilot[:-1]:  # a fifth of the missions, or more if many have the same score
             self.assertGreaterEqual(int(row["reached"]), 40)
             self.assertLess(int(row["reached"]), 80)
         own = [row["level"] for row in self.rows("levels.csv") if row["estimate"] == "3"]
         self.assertEqual([float(level) for level in own], levels)
 
     def test_it_agrees_with_counting_where_that_is_possible(self):
-        """At height 12, which every fourth walk reaches, with three levels and by counting."""
+        """Compares three levels with counting, for height 12, which every fourth walk reaches."""
         exact = chance_to_reach(12)
         self.rare([4, 8, 12], 50, 12)
         self.sweep()

@@ -66,7 +66,7 @@ class StudyCase(unittest.TestCase):
         return (self.folder / out / name).read_bytes()
 
     def report(self, out="out", name="report.html"):
-        """The content of the study's page."""
+        """Returns the content of the study's page."""
         return page_content(self.folder / out / name)
 
     def rows(self, name, out="out"):
@@ -74,5 +74,5 @@ class StudyCase(unittest.TestCase):
             return list(csv.DictReader(stream))
 
     def flight(self, row, out="out"):
-        """The folder with the results of a mission of missions.csv."""
+        """Returns the folder with the results of a mission in missions.csv."""
         return self.folder / out / "flights" / row["mission"][:2] / row["mission"]

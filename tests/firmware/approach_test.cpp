@@ -67,7 +67,7 @@ void expect_clean_passage(const char* what, const Flight& flight, const world::s
               flight.time_s, flight.crossing.lateral_m, flight.crossing.angle_rad / kDegree, flight.behind_m);
   EXPECT_TRUE(flight.crossing.clear_of(gate));
   EXPECT_TRUE(flight.done);
-  // Clear of the gate, and not much farther than the half metre that the pilot aims for.
+  // The drone is behind the gate, and not much farther than the pilot's half metre.
   EXPECT_GT(flight.behind_m, 0.25);
   EXPECT_LT(flight.behind_m, 0.75);
 }

@@ -31,7 +31,7 @@ constexpr double kStep_s = 0.002;
 enum Phase { kOnGround, kClimbing, kFlying, kDescending, kLanded, kCrashed };
 enum Mode { kOff, kTakeOff, kFly, kLand };
 
-/// The parameters of a flight, as the board's mission device names them.
+/// The parameters of a flight, with the names of the board's mission device.
 struct FlightParameters {
   double cruise_speed_m_per_s = 0.2777778;
   double altitude_m = 1.0;
@@ -74,7 +74,7 @@ struct Surroundings {
   bool with_gate = true;
   bool with_pictures = true;
   double charge = 1.0;
-  double charge_per_second = 0.0;  ///< that is used up
+  double charge_per_second = 0.0;  ///< after which the cell is empty
   double crash_at_s = 1e9;
   std::uint32_t picture_edge_px = 320;
   bool on_gap8 = false;  ///< on GAP8's own devices

@@ -211,10 +211,11 @@ TEST(GateFinder, PutsADrawnFrameOfAnySizeWhereItIs) {
     const auto pixels = drawn_frame(150, 165, border);
     gate_view_t view{};
     ASSERT_TRUE(find_gate(pixels.data(), 320, 320, &view));
-    // Two work pixels, of two pixels each: one for rounding, one because the template fits at a range of places.
+    // The tolerance is two work pixels of two pixels each: one for rounding, one because the template matches at
+    // several places.
     EXPECT_NEAR(view.center_x_q4 / 16.0, 150, 4.0);
     EXPECT_NEAR(view.center_y_q4 / 16.0, 165, 4.0);
-    // The template has a border of whole work pixels, so it fits a range of sizes.
+    // The template's border is a whole number of work pixels, so it matches gates of several sizes.
     EXPECT_NEAR(view.width_q4 / 16.0, 6 * border, std::max(4.0, 0.08 * 6 * border));
     EXPECT_NEAR(view.height_q4 / 16.0, 6 * border, std::max(4.0, 0.08 * 6 * border));
   }

@@ -109,7 +109,7 @@ TEST(Pilot, FliesStraightThroughAGateThatLeftTheViewAndIsDoneBehindIt) {
       ASSERT_EQ(command.yaw_rate_urad_s, 0);
     }
   }
-  // Half a metre behind the plane; a period of rounding and the half period of the start.
+  // Half a metre behind the plane, with a tolerance of one period for rounding and half a period for the start.
   EXPECT_NEAR(flown_m, 0.8 + 0.5, 0.045);
   EXPECT_EQ(see(pilot, 1, kNothing, kCruise).velocity_um_s, 0);
 }

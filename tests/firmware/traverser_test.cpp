@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The traverser with perfect perception: its best performance with any network. In a closed loop with a simple model of
-// the drone, whose velocity is wrong while the stabiliser adapts to the wind. The drone fits only through the opening.
+// The traverser with perfect perception, which is its best performance with any network. It flies in a closed loop with
+// a simple model of the drone. The drone's velocity has an error while the stabiliser adapts to the wind. The drone
+// collides with the frame.
 
 #include "app/traverser.h"
 
@@ -29,7 +30,7 @@ struct Start {
   BodyPose pose;
   double field_of_view_rad = 0.87;
   double cruise_m_s = 1.0 / 3.6;
-  double drift_m_s = 0.0;  ///< sideways, in the world's y, at first; it fades within seconds
+  double drift_m_s = 0.0;  ///< initial error of the velocity along the world's y, which decays within seconds
   double sight_error = 0.0;
 };
 
@@ -54,7 +55,7 @@ End judge(const world::scene::Gate& gate, const BodyPose& pose) {
   const double across = std::abs(pose.p_WB_m.y() - gate.p_W_m.y());
   const double up = std::abs(pose.p_WB_m.z() - gate.p_W_m.z());
   const double angle = std::remainder(pose.yaw_rad - gate.yaw_rad, 2.0 * M_PI);
-  // A rotated body needs the width of its diagonal, and enters the depth of the beams with one side first.
+  // A rotated body is as wide as its diagonal, and one of its sides is between the beams first.
   const double half =
       kHalfDrone_m * (std::cos(angle) + std::abs(std::sin(angle))) + 0.5 * gate.thickness_m * std::abs(std::tan(angle));
   if (across > 0.5 * gate.inner_m || up > 0.5 * gate.inner_m) return End::missed;
@@ -191,7 +192,7 @@ traverser_t new_traverser(int gates = 1) {
   return traverser;
 }
 
-/// Gives equal pictures to a drone at 1 m that flies at that velocity.
+/// Passes equal pictures to the traverser while the drone flies at this velocity, at an altitude of 1 m.
 traverser_command_t see(traverser_t& traverser, int pictures, sight_t sight, std::int32_t velocity_um_s = 280000) {
   const traverser_state_t state{velocity_um_s, 1000000, 33000, 0};
   traverser_command_t command{};
@@ -374,7 +375,7 @@ TEST(Traverser, DoesNotFollowASightingThatLedAgainstSomethingButOneElsewhere) {
   EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
 }
 
-/// Turns by this angle [urad] with these pictures, 0.0132 rad each, and hovers. The heading wraps around.
+/// Turns by this angle [urad], by 0.0132 rad with each of these pictures, and then hovers. The heading wraps around.
 traverser_command_t turn(traverser_t& traverser, std::int32_t by_urad, sight_t sight = kNoGate) {
   traverser_command_t command{};
   for (std::int32_t done = 0; done < by_urad; done += 13200) {
@@ -494,7 +495,8 @@ TEST(Traverser, HoldsHeadingAndAltitudeFromTheFrameToHalfAMetreBehindTheFarthest
   int sightings = 0;
   for (; traverser.phase == TRAVERSER_APPROACH; ++sightings) see(traverser, 1, {0, 0, 100, 100});
   EXPECT_GT(sightings, 1) << "one picture alone made the gate near";
-  // 0.6 m over 2 half pictures at a size of 1.2, by the longest lens: 0.57 m, and 0.5 m behind, 9.24 mm per picture.
+  // With the longest lens, a frame of 0.6 m has a size of 1.2 at a distance of 0.57 m. The drone flies 0.5 m more, with
+  // 9.24 mm per picture.
   const auto blind = see(traverser, 110, kNoGate);
   EXPECT_EQ(traverser.phase, TRAVERSER_THROUGH);
   EXPECT_EQ(blind.yaw_rate_urad_s, 0);

@@ -52,7 +52,8 @@ class FastCell(unittest.TestCase):
             steps = round(DURATION_S / cell_model.STEP_S)
             fast = cell_model.discharge(cell, rest_v, np.array([1.0]), lambda k, voltage: power_w(voltage), steps, 0.0)[0]
             exact = self.fmu_voltage(name, charge, power_w)
-            # The first intervals hold the pairs' fastest course; one interval's charge is worth 0.5 mV.
+            # The voltages of the RC pairs change fastest in the first intervals; the charge of one interval corresponds to 0.5
+            # mV.
             self.assertLess(np.abs(fast - exact)[4:].max(), 2e-3, name)
 
 

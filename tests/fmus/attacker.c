@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU that attacks the user who runs it. Each attack tries to access something outside of the FMU and reverts it if
-// it succeeds. `targets` lists what the test has set up: "key=value;key=value". After the first step, `report` has a
-// line per attack: "name<tab>reached|held<tab>what it tries".
+// An FMU that attacks the user who runs it. Each attack tries to access something outside of the FMU; if it succeeds,
+// it reverts its effect. `targets` lists what the test has set up: "key=value;key=value". After the first step,
+// `report` has a line per attack: "name<tab>reached|held<tab>what it tries".
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A foreign FMU that tries out what couples FMUs: units, conversions, loops, derivatives of inputs, steps that are
-// pending, discarded or ended.
+// A foreign FMU for tests of connections and steps: units, conversions, loops, derivatives of inputs, and steps that
+// are pending, discarded or ended.
 //
 //   loop_out = a + b * loop_in + c * loop_in^2     (direct, also in initialisation mode)
 //   ramp_out = t^2, with its derivatives 2 t and 2

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A foreign FMU whose values depend on the arguments of fmi2SetupExperiment, and which uses what C allows but tools
-// rarely see: other numbers than 1 for true, and text that is not UTF-8.
+// A foreign FMU whose values depend on the arguments of fmi2SetupExperiment. Its Booleans are true with a number other
+// than 1, and its text is not UTF-8.
 //
 //   x' = -x, by explicit Euler in internal steps of `tolerance` (0.125 if none is passed)
-//   clock = the time that the FMU has reached: the end of the step, or the stop time if one is passed. So do FMUs of
-//   some OpenModelica versions, which compute up to the stop time in their first step
-//   start, stop, tolerance, has_stop and has_tolerance are the arguments; 0 for what is not passed
-//   flag_out = true as the number -1, flag_seen = the number that flag_in was set to
-//   text = "caf" and the byte 0xE9, which is Latin-1
+//   clock = the time that the FMU has reached: the end of the step, or the stop time if one is passed. FMUs of some
+//   OpenModelica versions do the same: they compute up to the stop time in their first step start, stop, tolerance,
+//   has_stop and has_tolerance are the arguments; 0 for what is not passed flag_out = true as the number -1, flag_seen
+//   = the number that flag_in was set to text = "caf" and the byte 0xE9, which is Latin-1
 #include "fmi2.h"
 
 #include "frame.h"

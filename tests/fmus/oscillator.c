@@ -2,13 +2,16 @@
 // A foreign FMU: half of an oscillator, to be bound to another by force and velocity.
 //
 //   m x'' = -k (x - rest) + force - pull,   y' = other_velocity       (m = 1, k = 10 unless parameters say otherwise)
-//   pull = grip (x - y) + damping (x' - other_velocity), the force on what y belongs to
+//   pull = grip (x - y) + damping (x' - other_velocity), the force on the mass at y
 //
-// With grip = 0 it is a mass on a spring that takes a force and gives its velocity; with grip > 0 also a spring to
-// another mass whose velocity it takes. Within a step the inputs are v + d tau; 64 steps of the classical Runge-Kutta
-// method make what is inside exact beside what the coupling costs. energy = m v^2/2 + k x^2/2 + grip (x - y)^2/2
-// changes by the work of force and pull only, if damping and rest are 0: so that of two halves together changes by what
-// the coupling made. From `rest_until` on, rest is 0: a jump that no other FMU can foresee.
+// With grip = 0, it is a mass on a spring; its input is a force and its output the velocity. With grip > 0, it also has
+// a spring to another mass, whose velocity is an input. Within a step, the inputs are v + d tau. The classical
+// Runge-Kutta method with 64 steps makes internal errors negligible compared with those of the coupling.
+//
+//   energy = m v^2/2 + k x^2/2 + grip (x - y)^2/2
+//
+// If damping and rest are 0, only the work of force and pull changes it. So the sum of both halves' energies only
+// changes by the energy that the coupling adds. From `rest_until` on, rest is 0: a jump that no other FMU can predict.
 #include "fmi2.h"
 
 #include "frame.h"

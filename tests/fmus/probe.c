@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small FMU that is nothing of MEbots' own: it computes a few things that a test can check by hand, and
-// misbehaves on request.
+// A small FMU that uses no code of MEbots. It computes values that a test can check by hand, and commits faults on
+// request.
 //
 //   real_out = gain * real_in + offset     (direct, also in initialisation mode)
 //   integral += h * real_in                (forward Euler with the step's held input)
 //   integer_out = integer_in + 1, boolean_out = !boolean_in, string_out = string_in + "!"  (direct)
 //   steps counts steps, last_end and last_step hold t + h and h of the last one
-//   set_backs counts the steps before which it may be set back (noSetFMUStatePriorToCurrentPoint is false)
-//   fault names what goes wrong in the step that reaches fault_time
+//   set_backs counts the steps after which an earlier state may be set (noSetFMUStatePriorToCurrentPoint is false)
+//   fault names the fault that occurs in the step that reaches fault_time
 // With PROBE_STEADY its only faults are "slow" and "error", and it imports no function that changes the process: a
-// clean FMU, steady.fmu. It lacks the functions of what it does not offer, as some FMUs do.
+// clean FMU, steady.fmu. Like some FMUs, it lacks the functions of capabilities that it does not declare.
 #define _GNU_SOURCE
 #include "fmi2.h"
 
@@ -80,7 +80,7 @@ typedef struct {
   State state;
   fmi2CallbackFunctions callbacks;
   char name[TEXT_SIZE];
-  int zero;  // unknown to the compiler
+  int zero;  // a value that the compiler does not know
   int* null;
   int file;
   int has_thread;
@@ -387,7 +387,7 @@ static void forge(const char* fault) {
   for (;;) pause();
 }
 
-/// In a separate namespace, other processes are not visible.
+/// Returns true if the system refused the call, or hid the other process in a namespace of its own.
 static int refused(long answer) {
   return answer == -1 && (errno == EPERM || errno == EACCES || errno == ESRCH || errno == ENOENT);
 }
@@ -570,8 +570,8 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "infinity") == 0) p->state.reals[INTEGRAL] = -INFINITY;
   if (strcmp(fault, "slow") == 0) usleep(20000);
   if (strcmp(fault, "nap") == 0) usleep(1500);
-  // As Ctrl-C would at this moment: once for the folder that string_in names, however often the step is repeated. A
-  // file would count among the run's inputs.
+  // Sends the signal of Ctrl-C, once for the folder that string_in names, even if the step is repeated. It uses a
+  // folder, because a file would count as an input of the run.
   if (strcmp(fault, "interrupt") == 0 && mkdir(p->state.strings[STRING_IN], 0700) == 0) raise(SIGINT);
   if (strcmp(fault, "crash") == 0) raise(SIGSEGV);
   if (strcmp(fault, "null") == 0) *(volatile int*)p->null = 1;
@@ -609,7 +609,7 @@ static fmi2Status misbehave(Probe* p, const char* fault) {
   if (strcmp(fault, "end_child") == 0) end_child();
   if (strncmp(fault, "forge_", 6) == 0) forge(fault);
 #if defined(__x86_64__)
-  if (strcmp(fault, "foreign_call") == 0) {  // kill(parent, SIGKILL) as a program of 32 bits asks for it
+  if (strcmp(fault, "foreign_call") == 0) {  // kill(parent, SIGKILL) by the system call of 32-bit programs
     long answer = 37;
     __asm__ volatile("int $0x80" : "+a"(answer) : "b"(getppid()), "c"(SIGKILL));
   }

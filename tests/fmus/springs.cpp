@@ -4,7 +4,7 @@
 //   x[i]' = v[i],   v[i]' = -stiffness x[i] + force[i]
 //
 // A state event turns the velocity of a mass at `wall`; `hits` counts them, and the time of the last one is `hit_time`,
-// a Float32. Where x[1] is beyond `domain`, derivatives are discarded.
+// a Float32. If x[1] is beyond `domain`, the call for derivatives returns fmi3Discard.
 #include "mebots/fmi3/functions.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any bytes from a debugger: packets are answered or rejected until all were sent, without damage to the simulator. The
-// behaviour of the chip afterwards depends on what was written into it.
+// chip may then behave in any way, because the debugger may have written anything into it.
 #include "debug/gdb_server.hpp"
 
 #include <poll.h>

@@ -25,7 +25,7 @@ names = [title.rsplit(" [", 1)[0] for title in rows[0]]
 reported, truth = ([float(row[names.index(column)]) for row in rows[1:]] for column in (f"chip.{name}.reported", sensed))
 resolution = 0.01 if (pathlib.Path(name) / f"{name}.cpp").exists() else 0.001
 changes = [k for k in range(1, len(reported)) if reported[k] != reported[k - 1]]
-# It climbs by 1 cm, of which hundredths show one.
+# It climbs by 1 cm, which is 1 in the sensor's unit of a hundredth.
 assert len(changes) >= (1 if resolution == 0.01 else 4), changes
 for k in changes:
     assert any(abs(reported[k] - truth[i]) <= resolution / 2 + 1e-9 for i in range(max(0, k - 3), k)), (k, reported[k])

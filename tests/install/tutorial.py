@@ -37,7 +37,7 @@ SKIPPED = {
         "mebots sweep study.json --out results": "twelve hard missions take minutes; --dry-run before it checks the study",
     },
 }
-# Commands that the page shows to fail.
+# Commands that fail on purpose: the page shows their errors.
 FAILING = {
     "own-fmu": ["mebots test heater/test/heater.mebots-test.json"],
 }
@@ -59,7 +59,7 @@ def saved_name(text):
 
 
 def read_steps(page):
-    """Returns the steps of a page in their order, and the code blocks with their language that no step took."""
+    """Returns the steps of a page in their order, and the remaining code blocks with their language."""
     steps, blocks = [], []
     paragraph, fence, block = [], None, []
     for line in page.read_text(encoding="utf-8").splitlines():

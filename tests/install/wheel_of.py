@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes a wheel of a build that exists and installs it into a new environment: the layout of pyproject.toml, without compiling again.
-scripts/wheel.sh builds the wheel that is published.
+"""Makes a wheel from an existing build, with the layout of pyproject.toml and without compiling, and installs it into a new
+environment. scripts/wheel.sh builds the wheel that is published.
 
 Usage: wheel_of.py SOURCES BUILD WORK: WORK/wheels gets the wheel, WORK/drone the environment. Packages that it needs come from the
 environment that runs this script.

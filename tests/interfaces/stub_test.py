@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The stub of the module in C++ has its classes, methods, properties and functions, and no others."""
+"""The stub of the C++ module declares exactly the classes, methods, properties and functions of the module."""
 
 import ast
 import inspect

@@ -22,7 +22,7 @@ import tools
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 MISSING = 77
-# FMUs that lack functions of capabilities that they do not claim: mebots runs them, the others require all functions.
+# FMUs that lack the functions of capabilities that they do not declare. mebots runs them; the other tools require all functions.
 PARTIAL = ("probe (C",)
 # All tools pass the same doubles to the same FMUs. OMSimulator writes 12 significant digits; the others do not round.
 TOLERANCE = {"OMSimulator": 1e-11}

@@ -5,9 +5,9 @@ Each FMU runs alone from its default experiment's start on: with the experiment'
 most 1000 steps. Both tools pass the default tolerance and no stop time, and times are whole nanoseconds divided by 1e9. All numeric outputs
 are compared at every communication point. Files of the same bytes count once.
 
-Three truths do not depend on another tool. truths.py has the results that a model must have; there inputs get the values of the truth. A
-reference file beside the FMU is one as well. And if the FMU takes variable steps, it also runs with halved steps: the error must not grow.
-Without such a truth, two runs' differences must not grow: |y(h) - y(h/2)| against |y(h/2) - y(h/4)|.
+Three checks do not depend on another tool. First, truths.py has exact results of known models, and the inputs for them. Second, the FMU
+may come with a reference file. Third, an FMU that allows variable steps also runs with halved steps, and its error must not grow. Without
+exact results, the difference |y(h/2) - y(h/4)| must not exceed |y(h) - y(h/2)|.
 
 These cases are explained: an FMU that both tools refuse, one that mebots stops at NaN or infinity (FMPy continues), one that neither tool
 finishes in time, differences that FMPy shows against itself in two runs, and the disagreements with a truth that EXPLAINED names.
@@ -39,7 +39,7 @@ MOST_STEPS = 1000
 SECONDS = 60   # of processor time, for one tool and one FMU
 LATE = f"error: not done after {SECONDS} s"
 SAME = 1e-12   # relative: rounding of sums in another order
-HALVED_STEPS = 200  # most steps of the coarsest of the runs with halved steps
+HALVED_STEPS = 200  # limit for the number of steps of the coarsest run with halved steps
 GROWS = 1.05   # of an error: allowance for rounding of the last point
 
 # Differences from a truth whose reason is in the FMU, by the end of its path. The reason is printed.
@@ -65,7 +65,7 @@ class NotOurs(Exception):
 
 
 def plan(fmu):
-    """Returns what is run: names of outputs by type, start, step and number of steps in nanoseconds."""
+    """Returns the plan of a run: names of outputs by type; start and step in nanoseconds; number of steps."""
     try:
         with zipfile.ZipFile(fmu) as archive:
             members = set(archive.namelist())
@@ -207,7 +207,7 @@ def difference(one, other):
 
 
 def judge(row, what, folder):
-    """Sets the row's verdict; the sign says whether it is explained."""
+    """Sets the verdict of the row. The sign shows whether a difference is explained."""
     ours, alone, theirs = row.pop("ours"), row.pop("alone"), row.pop("theirs")
     row["run"] = "runs" if "columns" in ours else ours["error"]
     row["FMPy"] = "runs" if "columns" in theirs else theirs["error"]

@@ -6,8 +6,8 @@ Usage: replay_check.py FILE.fmu [--every-output]
 
 With --every-output the trace must have a column for each Real and Boolean output, as scripts/update_golden.py writes them.
 
-Row k of <fmu>_out.csv holds outputs at its time; the step from there to the next row holds the inputs of the last row
-of <fmu>_in.csv that is not later.
+Row k of <fmu>_out.csv has the outputs at its time. The inputs of the step to the next row are those of the last row of
+<fmu>_in.csv that is not later than row k.
 """
 
 import csv

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks bills of materials (SPDX 2.3 JSON) of FMUs and of the installation: complete, and listing the same parts as the
-licences next to them.
+"""Checks bills of materials (SPDX 2.3 JSON) of FMUs and of the installation: they must be complete, and list the same parts as
+the licence files next to them.
 
 Usage: sbom_check.py INSTALLATION.spdx.json FMU... ; if the package spdx-tools is installed, its validator runs too.
 """

@@ -115,7 +115,7 @@ class Mebots:
 
 
 class Fmpy:
-    """simulate_fmu for one FMU; for several, a user's loop over FMPy's slaves."""
+    """Runs one FMU with simulate_fmu, and several FMUs with a loop over FMPy's slaves, as a user would write it."""
 
     name = "FMPy"
 
@@ -168,7 +168,7 @@ class Fmpy:
             for (_, target, _), value in zip(connections, values):
                 call("set", target, [value])
 
-        for _ in range(2 * len(slaves)):  # initial values travel along chains
+        for _ in range(2 * len(slaves)):  # repeated, so that initial values pass along chains of connections
             exchange()
         for slave in slaves.values():
             slave.exitInitializationMode()
@@ -189,8 +189,8 @@ class Fmpy:
 class OMSimulator:
     """The program in $OMSIMULATOR or on PATH: the PyPI package fetches it from the project's server.
 
-    It has no connections of texts, and supports only Reals in a loop of outputs that depend on inputs before t = 0. If it
-    rejects a system, the system is tried again with connections of Reals only.
+    It has no connections of texts. In a loop of direct dependencies before t = 0, it supports only Reals. If it rejects a system,
+    the system is tried again with connections of Reals only.
     """
 
     name = "OMSimulator"
@@ -261,7 +261,7 @@ class Libcosim:
     types = {"Real": "real", "Integer": "integer", "Boolean": "boolean", "String": "string"}
 
     def connect(self, execution, kind):
-        if kind == "Integer":  # libcosimpy 0.0.6 declares a member under one name and uses another
+        if kind == "Integer":  # libcosimpy 0.0.6 declares a member with one name and uses it with another
             return functools.partial(execution._CosimExecution__connect_int_variables, execution._CosimExecution__ptr)
         return getattr(execution, f"connect_{self.types[kind]}_variables")
 
@@ -301,7 +301,7 @@ class Libcosim:
         execution.add_observer(observer=observer)
         shown = [(name, word, outputs(instance, (kind,))) for name, instance in system["instances"].items()
                  for kind, word in self.types.items() if outputs(instance, (kind,))]
-        # Before its first step the observer has nothing.
+        # The observer has no values before the first step.
         columns = {f"{name}.{v.name}": [None] for name, _, chosen in shown for v in chosen}
         for _ in range(system["steps"]):
             if not execution.step(step_count=1):

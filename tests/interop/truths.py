@@ -31,7 +31,7 @@ class Truth:
     inputs: dict = dataclasses.field(default_factory=dict)
     bound: Callable = None    # times, step [s] -> {variable: largest error}; None: rounding
     bound_text: str = "rounding"
-    jumps: Callable = None    # times -> True where a value may be that before or after a jump
+    jumps: Callable = None    # times -> True at a jump, where the value may be that before or after it
     step: float = None        # communication step [s], if that of the default experiment is too long for the FMU's method
     steps: int = None
 
@@ -240,7 +240,7 @@ def openmodelica(model):
 
 
 def bouncing(height, speed, gravity, damping, stop_speed, times):
-    """Free flight between impacts; each impact reverses the speed and damps it."""
+    """Free flight between impacts; each impact reverses and reduces the speed."""
     rows, begin, h, v, g = [], times[0], height, speed, gravity
     for t in times:
         while g > 0:

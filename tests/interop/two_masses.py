@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two masses with a spring between them, one in each FMU (tests/fmus/coupling.c: m = 1, k = 10, coupling 10, exact inside), by mebots'
-algorithms and in libcosim: the largest error of both positions over 5 s, and the energy at the end over that at the start, as a
-Markdown table (docs/interop.md).
+"""Simulates two masses with a spring between them, one in each FMU (tests/fmus/coupling.c: m = 1, k = 10, coupling 10), with mebots'
+algorithms and in libcosim. Each FMU integrates its mass exactly. Prints a Markdown table (docs/interop.md): the largest error of both
+positions over 5 s, and the ratio of the energies at the end and at the start.
 
 Usage: two_masses.py BUILD_FOLDER
 """

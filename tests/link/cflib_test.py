@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots link` as scripts see it: cflib's own classes connect, log, set parameters and fly, as in its published examples."""
+"""Scripts with `mebots link`: cflib's own classes connect, log, set parameters and fly, as in its published examples."""
 
 import math
 import threading
@@ -20,7 +20,8 @@ from cflib.utils.reset_estimator import reset_estimator
 from support import LinkCase
 
 cflib.crtp.init_drivers()
-REACHED_M = 0.1  # the PID cascade stays a few centimetres off: its integral replaces drag at 1 degree a metre
+# The PID cascade keeps an error of a few centimetres, because its integral compensates drag slowly (1 degree per metre).
+REACHED_M = 0.1
 
 
 def block(period_ms, **variables):
@@ -31,7 +32,7 @@ def block(period_ms, **variables):
 
 
 class State:
-    """Follows a drone's log while a script flies it, and its clock."""
+    """Records a drone's log and clock while a script flies it."""
 
     def __init__(self, scf):
         self.rows = []
@@ -198,11 +199,11 @@ class Flights(CflibCase):
         commander.stop()
         state.wait(0.3)
         self.assertLess(state.position[2], 0.05)
-        self.assertEqual(state["supervisor.info"] & 0xE0, 0)  # neither tumbled nor locked nor crashed
+        self.assertEqual(state["supervisor.info"] & 0xE0, 0)  # the drone has not tumbled, locked or crashed
         self.check_replay()
 
     def check_replay(self):
-        """The run repeats bit by bit without the script, and not if a packet is missing."""
+        """The recorded run repeats bit by bit without the script; if a packet is missing, it does not."""
         printed = self.stop()
         bits = self.recording()[-1]["bits"]
         self.assertIn(bits, printed)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of a linked drone: trajectories, planner, set-points and supervisor against what they are defined by."""
+"""Compares the parts of a linked drone (trajectories, planner, set-points and supervisor) with their definitions."""
 
 import math
 import random
@@ -136,7 +136,7 @@ class Firmware(unittest.TestCase):
             self.assertEqual(answer.data[3] == 0, can_fly, f"at {drone.now_ms} ms")
             drone.control()
             if can_fly:
-                self.assertEqual(drone.setpoint.position_m, (0.0, 1.0))  # it rises where it stands
+                self.assertEqual(drone.setpoint.position_m, (0.0, 1.0))  # it rises vertically
                 return
             drone.advance(beside)
         self.fail("the drone never could fly")
@@ -171,7 +171,7 @@ class Firmware(unittest.TestCase):
         self.assertAlmostEqual(self.run_for(0.02, turned).left_m_per_s, -1.1, delta=1e-6)
 
     def test_limits_of_log_blocks_are_the_firmwares(self):
-        """16 blocks, 128 variables, 26 bytes; error numbers are those of its C library."""
+        """The firmware's limits: 16 blocks, 128 variables, 26 bytes. Error numbers are those of its C library."""
 
         def create(number, fields, command=6):
             return self.send(5, bytes([command, number]) + bytes((1, 0, 0)) * fields, channel=1)[0].data[2]

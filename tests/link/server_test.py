@@ -24,7 +24,7 @@ SUPERVISOR = 9
 
 
 class Client:
-    """A socket that asks for a drone's greeting."""
+    """A socket that has requested a drone's greeting."""
 
     def __init__(self, port):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -38,7 +38,7 @@ class Client:
         self.socket.send(data)
 
     def answer(self, data, begins=None):
-        """Sends a packet; returns the first answer that begins like it."""
+        """Sends a packet, and returns the first answer with the same first bytes."""
         self.send(data)
         while True:
             answer = self.socket.recv(64)
@@ -60,7 +60,7 @@ class Datagrams(LinkCase):
         while time.monotonic() - begin < 8:
             for _ in range(50):
                 header = chance.randrange(256)
-                if header >> 4 == SUPERVISOR and chance.random() < 0.98:  # an emergency stop ends what can be tested
+                if header >> 4 == SUPERVISOR and chance.random() < 0.98:  # no further tests are possible after an emergency stop
                     continue
                 size = chance.choice((0, 1, 2, 3, 5, 9, 17, 18, 24, 29, 30, 30, 31, 200, 1500))
                 body = bytes(chance.randrange(14 if chance.random() < 0.3 else 256) for _ in range(size))
@@ -75,7 +75,7 @@ class Datagrams(LinkCase):
         self.assertGreater(simulated_s, 4)
         self.assertIn(self.recording()[-1]["bits"], self.replay())
         inputs = json.loads((self.out / "summary.json").read_text())["inputs"]
-        self.assertLessEqual(len(inputs["writes"]), 1000)  # a session of hours must not fill the memory
+        self.assertLessEqual(len(inputs["writes"]), 1000)  # the memory must not fill in a session of hours
 
     def test_numbers_that_are_not_finite_are_ignored(self):
         client = self.client()

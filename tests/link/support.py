@@ -34,7 +34,7 @@ def free_port(count=1):
 
 
 class LinkCase(unittest.TestCase):
-    """Each test has a folder, and servers that end with it."""
+    """Gives each test a folder, and ends its servers after the test."""
 
     def setUp(self):
         temporary = tempfile.TemporaryDirectory()

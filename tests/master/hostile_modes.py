@@ -25,7 +25,7 @@ import time
 PROCESSES = ("shared", "own", "sandboxed")
 PATIENCE_S = 60  # limit for a run that should end without help
 SHARED_HANGS_S = 8  # a call in the master's own process cannot be ended
-MEMORY_BYTES = 1 << 30  # for runs that use all memory
+MEMORY_BYTES = 1 << 30  # memory limit for runs that use all memory
 SKIPPED = 77
 
 MODES = {
@@ -125,7 +125,7 @@ def end_all(folder):
 
 
 class Bystander:
-    """A process of the same user that is independent of the run."""
+    """A process of the same user that does not belong to the run."""
 
     def __enter__(self):
         self.process = subprocess.Popen(["sleep", "1000"], start_new_session=True)

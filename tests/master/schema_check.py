@@ -24,7 +24,7 @@ import jsonschema
 
 ABSENT = object()
 
-# path in the config, new value, whether the config is still valid
+# path in the config, new value, True if the config is still valid
 CASES = [
     ([], [], False),
     (["step"], ABSENT, False),
@@ -242,7 +242,7 @@ CASES = [
     (["changes"], {}, False),
 ]
 
-# A config that extends the valid one, written as config_0.json, and whether it is valid.
+# A config that extends the valid one (written as config_0.json), and True if it is valid.
 VARIANTS = [
     ({"extends": "config_0.json", "changes": {}}, True),
     ({"extends": "config_0.json", "changes": {"stop_time": 3}, "text": "a text", "$schema": "mebots-config.schema.json"}, True),
@@ -270,7 +270,7 @@ def changed(config, path, value):
     return config
 
 
-# kind of file -> pattern of the shipped ones, and the one or ones to change
+# kind of file -> pattern of the shipped files, and the files to change
 SHIPPED = {
     "config": (["configs/*.json", "examples/*/mission.json"], None),
     "scenario": (["configs/scenarios/*.json"], "configs/scenarios/motor_loss.json"),

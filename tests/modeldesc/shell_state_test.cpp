@@ -174,8 +174,8 @@ TEST(ShellState, DamagedOrForeignBytesAreRefused) {
   drive(lag, 5, 6);
 }
 
-/// The same bytes with another hash of the layout, as another build of the same description would write them; the
-/// checksum is correct. After magic number and format there are two texts with their lengths, layout and checksum.
+/// Returns the same bytes with another hash of the layout and a correct checksum, as another build of the description
+/// would write them. The header has magic number, format, two texts with their lengths, layout and checksum.
 std::vector<char> of_another_build(std::vector<char> bytes) {
   const auto number_at = [&](std::size_t at) {
     std::uint64_t number = 0;

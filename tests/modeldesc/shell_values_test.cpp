@@ -69,7 +69,7 @@ TEST(ShellValues, AreRefusedOutsideTheirLimitsWithNothingChanged) {
   const std::array values = {1.0, 100.5};
   EXPECT_EQ(library().set_real(lag.component(), references.data(), 2, values.data()), fmi2Error);
   EXPECT_EQ(lag.last_message(), "fmi2SetReal: right.u = 100.5 V is above its maximum of 100 V");
-  EXPECT_EQ(lag.real("left.u"), 7);  // the first of the two was not set either
+  EXPECT_EQ(lag.real("left.u"), 7);  // no value of the call was set
   EXPECT_EQ(lag.set("left.u", -101), fmi2Error);
   EXPECT_THAT(lag.last_message(), HasSubstr("below its minimum of -100 V"));
   EXPECT_EQ(lag.set("left.u", std::nan("")), fmi2Error);
@@ -139,7 +139,7 @@ TEST(ShellValues, TextsAndBytesTravelBothWays) {
 TEST(ShellValues, AStepThatEndsInTheNanosecondReachedAlreadyChangesNothing) {
   Lag lag;
   lag.start(10);
-  EXPECT_EQ(lag.step(10, 2e-13), fmi2OK);  // the rest when a tool adds up its steps
+  EXPECT_EQ(lag.step(10, 2e-13), fmi2OK);  // the remainder, if a tool adds up its steps
   EXPECT_EQ(lag.integer("steps"), 0);
   EXPECT_EQ(lag.step(10, 1e-9), fmi2OK);
   EXPECT_EQ(lag.integer("steps"), 1);

@@ -86,7 +86,7 @@ TEST(ElectricMotor, EnergyIsCopperLossShaftWorkAndRipple) {
     const RotorStep step = advance_motor(rotor, drive, initial, 0.3);
     const Reference sum = reference(rotor, drive, initial, 0.3, 200'000);
     const double expected_j = sum.copper_j + sum.shaft_j + 0.3 * ripple_w(rotor, drive);
-    // Order 4 with steps of 1.5 us; order 2 in the one step where the current begins.
+    // The error is of order 4 with steps of 1.5 us, but of order 2 in the step in which the current begins.
     EXPECT_NEAR(step.speed_rad_per_s, sum.speed, 1e-7 * sum.speed) << initial << " at " << duty;
     EXPECT_NEAR(step.energy_j, expected_j, 1e-7 * expected_j) << initial << " at " << duty;
   }
@@ -200,13 +200,13 @@ TEST(ElectricMotor, BusResistanceTakesTheSurgeOfTheFirstStepOff) {
     held.step();
     sagging.step();
   }
-  // At standstill four motors have 1.46 S: 3.32 V and, with the ripple's loss, 17.5 W. With a constant 4.1 V it would
-  // be 26.5 W.
+  // At standstill, the conductance of four motors is 1.46 S. So the voltage is 3.32 V, and the power, with the loss by
+  // the ripple, is 17.5 W. With a constant 4.1 V it would be 26.5 W.
   EXPECT_GT(held.greatest_w, 25);
   EXPECT_LT(held.least_v, 2.8);
   EXPECT_NEAR(sagging.greatest_w, 17.5, 0.5);
   EXPECT_GT(sagging.least_v, 3.2);
-  // In the steady state both are equal: the current no longer changes.
+  // In the steady state both are equal, because the current no longer changes.
   EXPECT_NEAR(sagging.stand.inputs.bus_voltage_v, held.stand.inputs.bus_voltage_v, 1e-9);
   EXPECT_NEAR(sagging.stand.outputs.power_w, held.stand.outputs.power_w, 1e-8);
 }
@@ -224,7 +224,7 @@ TEST(ElectricMotor, RestoredRunWithBusResistanceContinuesWithTheSameBits) {
   EXPECT_EQ(state::first_difference(straight.stand.model, second.stand.model), std::nullopt);
 }
 
-/// Starts four motors on a cell of 0.15 Ohm. The voltage at a step contains the current of `steps` steps before.
+/// Starts four motors on a cell of 0.15 Ohm. The voltage depends on the current `steps` steps earlier.
 std::vector<std::string> warnings_with_delay(std::size_t steps) {
   Parameters parameters;
   parameters.rotor_data = "crazyflie_legacy";

@@ -56,7 +56,8 @@ TEST(Rotor, TakesNoPowerWhileItsKineticEnergyCoversItsLosses) {
 }
 
 TEST(Rotor, EnergyBalancesBenchPowerAndKineticEnergy) {
-  // Up, down and up again, never without power: the input is bench power plus the change of kinetic energy.
+  // The speed goes up, down and up again, always with power above 0. The input energy is that of the bench plus the
+  // change of kinetic energy.
   const RotorData rotor = bench_rotor();
   double speed = 0;
   double in_j = 0;

@@ -85,7 +85,7 @@ TEST(Rtl, StandardMicroProgramsTakeTheCyclesOfCv32e40p) {
   auto found = measured(machine);
   EXPECT_EQ(expected.size(), 149U);
   ASSERT_EQ(found.size(), 139U);
-  constexpr std::size_t kOverwritten = (0x704 - 4) / 64;  // the handler stores mepc over this program's name
+  constexpr std::size_t kOverwritten = (0x704 - 4) / 64;  // the handler stores mepc in the place of this program's name
   found[kOverwritten].first = expected[kOverwritten].first;
   expect_exact(found, expected);
 }

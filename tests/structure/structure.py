@@ -1,9 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The include graph of the product, checked against the order in layers.json.
-
-    structure.py                 print what is against the order
-    structure.py --list [PART]   print the dependencies between folders, with the number of includes
+"""Compares the include graph of the product with the order in layers.json. structure.py print violations of the order
+structure.py --list [PART] print the dependencies between folders, with the number of includes
     structure.py --write         write the tables of layers into docs/architecture.md
 """
 import argparse
@@ -177,7 +175,7 @@ class Structure:
 
 
 def imports_of_python(root, file):
-    """Returns the modules of the package in `root` that a module imports. A package's __init__ only hands on names."""
+    """Returns the modules of the package in `root` that a module imports. A package's __init__ only re-exports names."""
     known = {path.relative_to(root).with_suffix("") for path in root.rglob("*.py")}
     here = file.relative_to(root).parent
     candidates = []

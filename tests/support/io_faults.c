@@ -18,7 +18,7 @@ enum { WRITE, PWRITE, FSYNC, FDATASYNC, RENAME, LINK, CLOSE, FTRUNCATE, KINDS };
 static char folder[PATH_MAX];
 static const char* flag;  // while this file exists, each write fails
 static int fault_kind;    // -1: calls of all kinds
-static int error_number;  // 0 counts calls alone; -1 writes half of the bytes
+static int error_number;  // 0: only counts calls; -1: writes half of the bytes
 static int sticky;
 static long fail_at;
 static long seen;  // calls of the kind that fails
@@ -48,7 +48,7 @@ static long number_of(const char* variable) {
   return text == NULL ? 0 : atol(text);
 }
 
-// IO_FAULTS_COUNTS names a file of KINDS numbers, which remains however the process ends.
+// IO_FAULTS_COUNTS names a file of KINDS numbers, which is kept even if the process crashes.
 __attribute__((constructor)) static void read_environment(void) {
   flag = getenv("IO_FAULTS_FLAG");
   const char* in = getenv("IO_FAULTS_FOLDER");

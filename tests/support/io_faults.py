@@ -18,8 +18,8 @@ STICKY = " from then on"
 
 
 def faults_of(kind):
-    """Returns the names of the possible faults of a kind of calls. A call that EINTR interrupts each time would
-    never end."""
+    """Returns the names of the possible faults of a kind of calls. EINTR is never sticky, because a call that is interrupted each
+    time would never end."""
     once = [name for name in FAULTS if name != "short write" or kind in ("write", "pwrite")]
     return once + [name + STICKY for name in once if name != "EINTR"]
 

@@ -3,7 +3,8 @@
 
 namespace mebots::test {
 
-/// The address and the thread sanitizer handle the signals of a crash first, and control heap and address space.
+/// True if the address or thread sanitizer is on: then it handles the signals of a crash first, and controls heap and
+/// address space.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kSanitizerTakesCrashesAndMemory = true;
 #else

@@ -34,7 +34,7 @@ def bench_power(mass):
 
 
 def motor_power(mass, voltage):
-    """Returns the same by the equations of a rotor file with `motor`."""
+    """Returns the same power by the equations of a rotor file with `motor`."""
     rotor = json.loads((ROOT / "fmu_motors/params/rotors/crazyflie_legacy.json").read_text())
     emf, ohm, ripple = (rotor["motor"][key]["value"] for key in ("back_emf", "resistance", "ripple_conductance"))
     square = mass * GRAVITY / 4 / rotor["thrust_coefficient"]["value"]

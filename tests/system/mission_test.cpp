@@ -48,7 +48,7 @@ TEST_F(GateEasy, DroneTakesOffPassesTheGateAndLands) {
   ASSERT_EQ(flight_->exit_code, 0) << flight_->output;
   EXPECT_EQ(flight_->summary.at("outcome"), "passed") << flight_->output;
   const auto altitude = values("world.drone.position.z");
-  // The motors start as slowly as real ones, and meanwhile the reference of the climb advances.
+  // The motors start as slowly as real ones; during that time, the reference of the climb already advances.
   EXPECT_NEAR(*std::max_element(altitude.begin(), altitude.end()), 1.0, 0.2);
   EXPECT_LT(altitude.back(), 0.05);
   EXPECT_EQ(values("world.gate.touched").back(), 0);
@@ -183,7 +183,7 @@ TEST(Mission, DroneThatSeesNothingDoesNotPass) {
 }
 
 TEST(Mission, DroneThatHangsOnTheFrameIsStuckHoweverItsCellEnds) {
-  // Started a metre in front of the left upright, without steering.
+  // The drone starts a metre in front of the left upright, and does not steer.
   const auto flight = fly_changed({"world.start.offset.x=4", "world.start.offset.y=0.45",
                                    "soc.mission.yaw_rate_scale=0", "battery.cell.initial_state_of_charge=0.2"});
   EXPECT_EQ(flight.exit_code, 0) << flight.output;

@@ -87,7 +87,7 @@ TEST_F(Restore, StateAsBytesContinuesInNewInstancesWithTheSameBits) {
   }
   Mission second(config_, folder_ / "second.csv");
   second.step(1);
-  const auto kept = second.simulation().save_state();  // so that the FMUs are told that they may be set back
+  const auto kept = second.simulation().save_state();  // so that the FMUs know that an earlier state may be set
   second.step(1259);  // the recorder truncates its file to the place of the saved state, so it must be that long
   second.simulation().restore_state(second.simulation().deserialize(bytes));
   second.finish();

@@ -51,7 +51,7 @@ struct ProfiledCluster {
   bool cluster_translates = false;
 };
 
-/// By name of the function, summed over all stacks.
+/// Values by name of the function, summed over all stacks.
 std::map<std::string, observe::Cost> self_costs(observe::Profile& profile, unsigned number) {
   std::map<std::string, observe::Cost> costs;
   const auto& nodes = profile.hart(number).tree().nodes();
@@ -59,7 +59,7 @@ std::map<std::string, observe::Cost> self_costs(observe::Profile& profile, unsig
   return costs;
 }
 
-/// By names from the outermost frame on.
+/// Values by the names of the frames, the outermost first.
 std::map<std::string, observe::CallTree::Node> stacks(observe::Profile& profile, unsigned number) {
   const auto& nodes = profile.hart(number).tree().nodes();
   std::map<std::string, observe::CallTree::Node> found;
@@ -223,7 +223,8 @@ TEST(ClusterProfile, IsTheSameForTranslatedAndInterpretedCode) {
   }
 }
 
-/// Instruction cache, banks, DMA, arbitration at devices: with observers at times, the chip is always as without.
+/// With an observer that is attached only at times, the chip behaves as without: instruction cache, banks, DMA,
+/// arbitration at devices.
 TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
   struct Case {
     bool translate;

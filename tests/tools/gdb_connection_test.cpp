@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The bytes of a debugger, in any division.
+// The bytes of a debugger, divided into packets in any way.
 #include "debug/connection.hpp"
 
 #include <arpa/inet.h>

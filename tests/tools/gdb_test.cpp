@@ -50,7 +50,7 @@ counter: .word 10
     .text
 )";
 
-/// The output of gdb and of the run for these gdb commands.
+/// Runs these gdb commands. Returns the output of gdb and of the run.
 class Debugged {
  public:
   explicit Debugged(std::string_view commands, std::string_view program = kProgram) {

@@ -107,8 +107,8 @@ TEST(Semihosting, CostsNoTimeAndCountsNoInstruction) {
   EXPECT_EQ(std::stoi(counts(calls.out).substr(13)) + 1, std::stoi(counts(plain.out).substr(13)));
 }
 
-/// Prints "Wow!" to the console of riscv-isa-sim, whose characters have bit 0 set and clear. `store` stores a command
-/// of the two words t0 and t1.
+/// Prints "Wow!" to the console of riscv-isa-sim, whose characters have bit 0 set and clear. `store` is the code that
+/// stores the command in t0 and t1.
 std::string console_program(std::string_view store) {
   return fmt::format(R"(
 _start: la s0, text

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The gate firmware inside the FMU's model: observed, it has the same bits as without observers.
+// The gate firmware inside the FMU's model has the same bits with and without observers.
 #include "fmu/model.hpp"
 
 #include "support.hpp"
@@ -40,8 +40,8 @@ class Resources {
   Folder folder_;
 };
 
-/// Waits on the ground for a moment or, with a picture, flies and sees it repeatedly. Returns the model's state at the
-/// end.
+/// Without a picture, the drone waits on the ground for a moment. With a picture, it flies and sees this picture
+/// repeatedly. Returns the model's state at the end.
 std::vector<std::byte> state_after(const Parameters& parameters, int steps,
                                    const std::function<void(std::string_view)>& on_message = {},
                                    std::span<const std::uint8_t> picture = {}) {

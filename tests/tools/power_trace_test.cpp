@@ -17,7 +17,7 @@
 namespace mebots::soc::test {
 namespace {
 
-/// Works, requests a picture, changes the voltage, sleeps until the picture arrives, repeatedly.
+/// In a loop: computes, requests a picture, changes the voltage, and sleeps until the picture arrives.
 constexpr std::string_view kProgram = R"(
 _start: la t0, handler
     csrw mtvec, t0

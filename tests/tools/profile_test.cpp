@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Time and energy per function and call stack: the parts are where the program was, and their sum is exactly the whole.
+// Time and energy per function and call stack: each function has its own time, and the parts add up to the total
+// exactly.
 #include "observe/profile.hpp"
 
 #include "board_system.hpp"
@@ -22,7 +23,7 @@ using observe::CallTree;
 using observe::Cost;
 using observe::Profile;
 
-/// Names from the outermost frame on, as "main;leaf".
+/// The names of the frames, the outermost first, such as "main;leaf".
 std::string stack_text(Profile& profile, std::size_t node) {
   const auto& nodes = profile.hart(0).tree().nodes();
   std::string text;
@@ -325,7 +326,7 @@ nlohmann::json windowed(int steps, std::int64_t step_ns, Cost& total) {
   return nlohmann::json::parse(read_file(folder / "p.json"))["mebots"];
 }
 
-/// Cycles, ps and fJ of all windows.
+/// Adds up cycles, ps and fJ of all windows.
 Cost sum_of_windows(const nlohmann::json& written) {
   Cost sum;
   for (const auto& window : written["windows"]) {
@@ -349,7 +350,7 @@ TEST(Profile, BySpansOfTimeAddsUpToTheWholeExactly) {
   EXPECT_EQ(sum.cycles, total.cycles);
   EXPECT_EQ(sum.time_ps, total.time_ps);
   EXPECT_EQ(sum.energy_fj, total.energy_fj);
-  // From 300 to 400 us it did nothing but sleep.
+  // From 300 to 400 us it only slept.
   EXPECT_EQ(written["windows"][3]["parts"].size(), 5U);
   EXPECT_EQ(written["windows"][3]["parts"][3], 100'000'000);
 }
@@ -376,7 +377,8 @@ TEST(Profile, ForSpeedscopeHoldsTheSameSums) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& profile = json["profiles"][i];
     EXPECT_DOUBLE_EQ(profile["endValue"].get<double>(), ends[i]);
-    // As speedscope checks it: opened and closed like brackets, never backwards, all inside the frames.
+    // Checks the rules of speedscope: frames are opened and closed like brackets, times never decrease, and all events
+    // are inside the frames.
     std::vector<int> open;
     double last = 0;
     double self = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Programs that people bring: with an operating system's calls, with RAM or a board of their choice, with a console,
-// and the messages and limits that end them.
+// Programs of users: with system calls, with their own RAM or board, with a console; and the messages and limits that
+// end them.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -340,7 +340,7 @@ TEST(Console, TakesAPipe) {
   EXPECT_THAT(read_file(folder / "out"), StartsWith(">xyq"));
 }
 
-/// Reads until the text ends with `end`, at most ten seconds.
+/// Reads until the text ends with `end`, for at most ten seconds.
 std::string read_until(int file, std::string_view end) {
   std::string text;
   for (int i = 0; i < 100 && !text.ends_with(end); ++i) {

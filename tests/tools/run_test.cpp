@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `mebots-soc run` as a user calls it: what it prints, where it ends, its exit code.
+// `mebots-soc run` as a user calls it: its output, the place where it ends, its exit code.
 #include "support.hpp"
 
 #include <fmt/format.h>
@@ -15,8 +15,8 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// Runs a program whose text stands before the definition of tohost.
-/// The report's first line has this count.
+/// Runs a program, with its text placed before the definition of tohost. Checks that the report's first line has this
+/// count.
 testing::Matcher<std::string> executes(std::uint64_t instructions) {
   return ContainsRegex(fmt::format("^instructions +{}\n", instructions));
 }
@@ -59,8 +59,8 @@ TEST(Run, WritesTheReportAsJson) {
   EXPECT_NEAR(report["chip_mean_w"].get<double>() * report["time_s"].get<double>(), sum_j, 1e-12 * sum_j);
 }
 
-// Each program is three instructions (la is two) and the store of interest; what follows must not run: it would
-// store 9, which is another exit code.
+// Each program has three instructions (la is two) and the store under test. The code after it must not run, because it
+// would store 9, which is another exit code.
 TEST(Run, EndsAtTheStoreThatSetsBit0OfTohostHoweverItIsDone) {
   const std::string_view after = "\nli t2, 9\nsw t2, 0(t0)\n1: j 1b";
   const auto ends_after = [&](std::string_view store, int instructions, int exit_code) {
@@ -74,12 +74,15 @@ TEST(Run, EndsAtTheStoreThatSetsBit0OfTohostHoweverItIsDone) {
   ends_after("sh t1, 2(t0)\nsb t1, 0(t0)", 5, 2);  // 0x00050000 ends nothing
   ends_after("sb t1, 3(t0)\nsb t1, 0(t0)", 5, 2);
   ends_after("slli t2, t1, 1\nsw t2, 0(t0)\nsw t1, 0(t0)", 6, 2);  // 10 is not an end
-  ends_after("sw t0, 0(t0)\nsw t1, 0(t0)", 5, 2);                  // nor is an address, as of a call to the host
-  ends_after("sw t1, 4(t0)\nsw t1, 0(t0)", 5, 2);                  // the high word first, as a 64-bit store may be done
+  ends_after("sw t0, 0(t0)\nsw t1, 0(t0)", 5, 2);                  // an address is not an end, either: it would be a
+                                                                   // call to the host
+  ends_after("sw t1, 4(t0)\nsw t1, 0(t0)", 5, 2);                  // the high word first: a compiler may divide a
+                                                                   // 64-bit store like this
   ends_after("sw zero, 0(t0)\nsw t1, 0(t0)", 5, 2);                // storing 0 ends nothing
-  ends_after("slli t1, t1, 16\nsw t1, -2(t0)", 5, 2);  // across its border: the upper half is tohost's low half
-  ends_after("sw t1, -2(t0)\nsw t1, 0(t0)", 5, 2);     // the upper half is 0: not yet
-  // Into the high word: byte 3 gets 0.
+  ends_after("slli t1, t1, 16\nsw t1, -2(t0)", 5, 2);  // across the start of tohost: the upper half is tohost's low
+                                                       // half
+  ends_after("sw t1, -2(t0)\nsw t1, 0(t0)", 5, 2);     // the upper half is 0, so it is not an end
+  // A store into the high word: byte 3 becomes 0.
   ends_after("slli t1, t1, 8\nsw t1, 3(t0)\nsrli t1, t1, 8\nsw t1, 0(t0)", 7, 2);
 }
 

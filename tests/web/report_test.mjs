@@ -36,7 +36,7 @@ async function brush(page, label, from, to) {
   await frame(page);
 }
 
-/** Texts of canvases that overlap or leave their canvas, and elements of the page wider than it. */
+/** Finds texts of canvases that overlap or leave their canvas, and elements that are wider than the page. */
 const misplaced = (page) => page.evaluate(() => {
   const found = [];
   for (const canvas of document.querySelectorAll(".plot canvas")) {

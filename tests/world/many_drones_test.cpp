@@ -162,7 +162,7 @@ TEST(ManyDrones, DownwashIsThatOfGymPybulletDrones) {
   EXPECT_NEAR(downwash({0.0, 0.0, 2.0}, 0.0231348), 0.0758399 / 4.0, 1e-6);
   EXPECT_EQ(downwash({0.0, 0.0, -1.0}, 0.0231348), 0.0);
   EXPECT_EQ(downwash({0.0, 10.0, 100.0}, 0.0231348), 0.0);
-  for (const double dz_m : {1e-6, 1e-3, 0.1, 0.6874}) {  // where the formula has no column
+  for (const double dz_m : {1e-6, 1e-3, 0.1, 0.6874}) {  // where the formula is not valid
     EXPECT_EQ(downwash({0.0, 0.5, dz_m}, 0.0231348), 0.0);
     EXPECT_EQ(downwash({0.0, 0.0, dz_m}, 0.0231348), 0.0);
   }

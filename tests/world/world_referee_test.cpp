@@ -97,7 +97,7 @@ TEST_F(Referee, HangingOnTheFrameIsStuck) {
 }
 
 TEST_F(Referee, LandingInTheOpeningIsStuck) {
-  // Lands as soon as its centre is behind the plane: it comes down on the lower beam.
+  // Lands as soon as its centre is behind the plane, and so lands on the lower beam.
   FlightRig rig(shipped_scene("gate_easy"), start(0.15, 0.0));
   rig.take_off_and_fly();
   fly(rig, 0.02, 0.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// y = gain u after each step. TENANT_KIND selects the source of the gain: code or data that the loader, if it can,
-// gives to another FMU of the process instead.
+// y = gain u after each step. TENANT_KIND selects the source of the gain: code or data that the loader may replace with
+// that of another FMU in the process.
 #include "mebots/fmi2/functions.hpp"
 
 #include "frame.h"
@@ -18,7 +18,7 @@ extern "C" double tenant_gain();
 static double find_gain() {
   return tenant_gain();
 }
-#elif defined(TENANT_UNIQUE)     // from a variable of which a process keeps one copy: every instance counts itself
+#elif defined(TENANT_UNIQUE)     // from a variable of which a process has one copy, which counts the instances
                                  // there
 struct Shown {
   TENANT_SHOWN static inline double gain = TENANT_GAIN;

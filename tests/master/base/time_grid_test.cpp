@@ -174,7 +174,7 @@ TEST(RatioSteps, ARunContinuesFromASavedStateWithTheSameBits) {
   straight.to_end();
   TestRun second(text);
   second.initialize();
-  const auto kept = second.simulation().save_state();  // so that the FMUs are told that they may be set back
+  const auto kept = second.simulation().save_state();  // so that the FMUs know that an earlier state may be set
   for (int i = 0; i < 23; ++i) second.simulation().step();
   const auto bytes = second.simulation().serialize(second.simulation().save_state());
   for (int i = 0; i < 9; ++i) second.simulation().step();
@@ -214,7 +214,7 @@ TEST(NegativeTime, ConditionsAndScenariosActBeforeZero) {
   EXPECT_EQ(stopped.to_end().column("time").back(), -0.5);
   EXPECT_THAT(stopped.simulation().end().text, HasSubstr("at -0.7 s"));
 
-  // From -0.5 s for 0.3 s; from the start until -0.8 s; from where a condition holds.
+  // Overrides: from -0.5 s for 0.3 s, from the start until -0.8 s, and from the time at which a condition holds.
   TestRun run(probe_system(times, "", R"(, "scenario": [
       {"variable": "a.real_in", "set": 1, "from": -0.5, "duration": 0.3},
       {"variable": "a.real_in", "set": 10, "until": -0.8},

@@ -224,7 +224,8 @@ TEST(InitialLoops, SolvesALinearLoopThatSweepsMakeDiverge) {
 }
 
 TEST(InitialLoops, AQuadraticLoopIsSolved) {
-  // x = 1.9 - x^2: sweeping from 0 does not converge, because the slope at both roots is steeper than 1.
+  // x = 1.9 - x^2: repeated evaluation from 0 does not converge, because the magnitude of the slope is above 1 at both
+  // roots.
   const double x = at_start(loop(R"("a": 1.9, "c": -1)"), "b.loop_out");
   EXPECT_NEAR(x + x * x, 1.9, 1e-11);
 }
@@ -304,8 +305,8 @@ TEST(InputDerivatives, OnesThatAreNoNumbersLeaveTheInputHeldWithOneNotice) {
       1);
 }
 
-/// Two masses with a spring between them, one in each instance, integrated exactly inside. Returns the largest error of
-/// both over 5 s. By the modes, x = (cos(sqrt(10) t) +- cos(sqrt(30) t)) / 2.
+/// Simulates two masses with a spring between them. Each instance integrates its mass exactly. Returns the largest
+/// error of both positions over 5 s. The exact solution is x = (cos(sqrt(10) t) +- cos(sqrt(30) t)) / 2.
 double error_of_two_masses(const test::ChangedFmu& fmu, const std::string& algorithm, int steps_per_second) {
   TestRun run(fmt::format(
       R"({{"step": {}, "stop_time": 5, "algorithm": "{}", "instances": {{"a": {{"fmu": "{}", "parameters": {{"mass_x": 1}}}}, "b": {{"fmu": "{}"}}}},
@@ -339,7 +340,8 @@ TEST(CouplingOrder, DerivativesMakeJacobiAndGaussSeidelSecondOrder) {
 }
 
 TEST(InputDerivatives, AnInputWithTwoKnownEndsFollowsALine) {
-  // b steps after a, so it has t^2 at both ends of its step: the trapezoidal rule, h^2/6 above 1/3.
+  // b steps after a, so it has t^2 at both ends of its step. This is the trapezoidal rule, whose result is h^2/6 above
+  // 1/3.
   TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", R"(, "algorithm": "gauss-seidel")",
                    R"("step": 0.1, "stop_time": 1)"));
   run.to_end();

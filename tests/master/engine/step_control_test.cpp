@@ -107,7 +107,7 @@ TEST(StepControl, StatisticsCountWhatHappened) {
 }
 
 TEST(StepControl, NeedsFewerStepsThanAFixedStepWhenTheSystemComesToRest) {
-  // Two bodies with a damper between them (fmus/oscillator.c): their transient takes the first of 20 s.
+  // Two bodies with a damper between them (fmus/oscillator.c). The transient takes the first second of 20 s.
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   const auto config = [](const std::string& step, const std::string& control) {
     return fmt::format(R"({{"step": {0}, "stop_time": 20 {2}, "instances": {{
@@ -139,7 +139,8 @@ TEST(StepControl, NeedsFewerStepsThanAFixedStepWhenTheSystemComesToRest) {
 }
 
 TEST(StepControl, ABondMakesTheEnergyThatIsReported) {
-  // Steps of unequal lengths: what both halves gained is what the coupling made (see BondEnergy.IsWhatBothHalves...).
+  // With steps of unequal lengths, the energy gained by both halves equals the energy created by the coupling (see
+  // BondEnergy.IsWhatBothHalves...).
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   const modeldesc::TemporaryFolder folder("mebots-test");
   test::write_file(folder.path() / "test.json", fmt::format(R"({{"step": 0.0001, "stop_time": 5, "instances": {{
@@ -201,7 +202,7 @@ TEST(StepControl, AnInstanceWithAStepOfItsOwnKeepsIt) {
   TestRun run(masses(settings));
   const auto times = run.to_end().column("time");
   for (int i = 0; i <= 125; ++i) EXPECT_THAT(times, Contains(testing::DoubleNear(0.04 * i, 1e-12))) << i;
-  // Between its points the instance with the longer step shows old outputs.
+  // Between its points, the instance with the longer step has its old outputs.
   const auto values = run.column("b.mass_x");
   for (std::size_t i = 1; i < times.size(); ++i) {
     const bool on_grid = std::abs(std::remainder(times[i], 0.04)) < 1e-9;
@@ -236,7 +237,7 @@ TEST(StepControl, OthersSeeATickAtTheNextPointOfTheGrid) {
   EXPECT_EQ(beats[static_cast<std::size_t>(std::ranges::find(times, 0.45) - times.begin())], 2);
 }
 
-/// The oscillator's spring rests at 0.1 m until 2.345 s, then at 0: a jump that the others cannot foresee.
+/// The oscillator's spring rests at 0.1 m until 2.345 s, then at 0: a jump that the others cannot predict.
 std::string jump(const std::string& rollback, double tolerance = 1e-4) {
   static const test::ChangedFmu held("oscillator", R"(canInterpolateInputs="true" maxOutputDerivativeOrder="1")", "");
   return fmt::format(R"({{"step": 0.00001, "stop_time": 4,
@@ -265,8 +266,8 @@ TEST(StepControl, LimitsTheStepOverAJumpWithRollback) {
 }
 
 TEST(StepControl, ARejectedStepLeavesNoTrace) {
-  // Steps that were found by repeating are performed again in one go: the bits must be the same. The scenario's column
-  // of forced points comes from the first run.
+  // The accepted steps are performed again without repetitions; the bits must be the same. The scenario's column of
+  // forced points comes from the first run.
   TestRun repeated(jump("required"));
   const auto times = repeated.to_end().column("time");
   ASSERT_GT(repeated.simulation().step_statistics()->rejected, 0);

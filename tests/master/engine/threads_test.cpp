@@ -60,7 +60,7 @@ TEST(ThreadPolicy, FollowsWhenTheCostsChange) {
 }
 
 TEST(ThreadPolicy, CheapStepsAfterDearOnesAreNotTakenForAGain) {
-  // A mission in which a network computes from time to time; only then threads are useful.
+  // A mission in which a network computes from time to time. Threads are useful only during that time.
   ThreadPolicy policy;
   double serial_s = 0;
   double taken_s = 0;

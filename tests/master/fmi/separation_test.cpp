@@ -146,7 +146,7 @@ TEST_F(Separation, TheFmuWithMoreInstancesKeepsTheProcess) {
 }
 
 TEST_F(Separation, ALaterRunOfTheProcessGetsItsOwnUniqueVariables) {
-  // The loader never unloads a library with unique symbols; each instance counts itself in one.
+  // The loader never unloads a library with unique symbols. The FMU counts its instances in such a symbol.
   for (int i = 0; i < 3; ++i) {
     TestRun run(config_of({"unique_2"}));
     EXPECT_EQ(run.to_end().column("i0.y").back(), 1) << i;

@@ -284,7 +284,7 @@ TEST_F(Ssp, TwoOutputsOrTwoInputsCannotBeConnected) {  // 5.4.2.1
   EXPECT_THAT(error("bare_out", "real_out"),
               AllOf(HasSubstr("line 7"), HasSubstr("\"a.bare_out\" (output)"), HasSubstr("both give a value")));
   EXPECT_THAT(error("bare_in", "real_in"), HasSubstr("both take a value"));
-  // A system's own output receives values inside it, so two of them are both targets.
+  // Inside a system, its own outputs are targets. So a connection between two of them has no source.
   EXPECT_THAT(
       error_of(
           "<ssd:Connectors>" + connector("y", "output") + "</ssd:Connectors>" + two() +
@@ -293,7 +293,8 @@ TEST_F(Ssp, TwoOutputsOrTwoInputsCannotBeConnected) {  // 5.4.2.1
 }
 
 TEST_F(Ssp, UnitsAreConvertedAtEachConnectorOnTheWay) {  // 4.5.1.1, 4.5.2.1
-  // 36 km/h are 10 m/s at the system's connector; plus 1 m/s; 1100 cm/s at a variable whose FMU defines no unit.
+  // 36 km/h become 10 m/s at the system's connector. The transformation adds 1 m/s. The result is 1100 cm/s at a
+  // variable without a unit in the FMU.
   const auto system =
       "<ssd:Elements>" + part("a", "", binding(real("speed_kmh", "36"))) + R"(<ssd:System name="in"><ssd:Connectors>)" +
       connector("x", "input", "m/s") + "</ssd:Connectors><ssd:Elements>" +
@@ -384,7 +385,8 @@ TEST_F(Ssp, MapsChangeTheValuesThatTheyName) {  // 4.5.2.2 to 4.5.2.4
 }
 
 TEST_F(Ssp, ConnectionsMapDiscreteValuesInARun) {
-  // Through a system's connector: 2 becomes 4, then 5. A source value that the FMU never has is not an error (4.5.2.3).
+  // A chain through a system's connector: 2 becomes 4, then 5. A map may contain a value that the source never has
+  // (4.5.2.3).
   const std::string system =
       "<ssd:Elements>" +
       part(

@@ -32,7 +32,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// A server whose page is "the page".
+/// A server that serves the text "the page".
 class LiveClients : public testing::Test {
  protected:
   static live::LiveRun::Server::Answers answers() {

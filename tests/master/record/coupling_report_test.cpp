@@ -131,7 +131,7 @@ TEST(InputDeviation, AnInputThatKnowsItsSourcesDerivativesIsFarOnlyInTheFirstSte
 
 TEST(InputDeviation, IsZeroOnALineBetweenTwoKnownEnds) {
   EXPECT_NEAR(deviation(ramp("{}", true, "gauss-seidel"))["largest"].get<double>(), 0, 1e-14);
-  // Held at the later end, it is wrong at the start.
+  // The held value is that of the later end, so it is wrong at the start.
   const auto input = deviation(ramp("{}", false, "gauss-seidel"));
   EXPECT_NEAR(input["largest"].get<double>(), 2 * (1 - 0.81), 1e-12);
   EXPECT_EQ(input["largest_at"], 0.9);

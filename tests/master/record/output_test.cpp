@@ -21,7 +21,7 @@ using testing::StartsWith;
 TEST(Recorder, HeaderNamesVariablesAndUnits) {
   TestRun run(R"({"step": 0.1, "stop_time": 0.1, "instances": {"a": {"fmu": "PROBE"}}, "connections": []})");
   run.to_end();
-  // Every Real, Integer, Boolean and enumeration output; no parts of buffers, no texts, no parameters.
+  // Records every Real, Integer, Boolean and enumeration output, but no parts of buffers, texts or parameters.
   EXPECT_THAT(
       run.csv(),
       StartsWith(

@@ -179,7 +179,7 @@ TEST(Scenario, ItsStateIsSavedWithTheRun) {
   }
   TestRun second(text);
   second.initialize();
-  const auto kept = second.simulation().save_state();  // so that the FMUs are told that they may be set back
+  const auto kept = second.simulation().save_state();  // so that the FMUs know that an earlier state may be set
   for (int i = 0; i < 9; ++i) second.simulation().step();
   second.simulation().restore_state(second.simulation().deserialize(bytes));
   while (second.simulation().step()) {

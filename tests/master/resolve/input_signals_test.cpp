@@ -22,7 +22,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-using MasterRun = Run;  // a test has a member of this name
+using MasterRun = Run;  // GoogleTest's class has a member of this name
 
 /// A folder with files of signals.
 class Files {
@@ -76,8 +76,7 @@ std::pair<ErrorCode, std::string> refusal_of_file(const std::string& csv, const 
   return refusal(probe_with(files, inputs));
 }
 
-// A step holds its inputs, so the value at a point is the one that the previous step received; at 0 s that of
-// initialisation.
+// The value at a point is the input of the step that ends there; at 0 s it is that of initialisation.
 
 TEST(InputSignals, ARealIsInterpolatedAtTheStartOfEachStep) {
   const Files files("time,u\n0,0\n1,10\n");

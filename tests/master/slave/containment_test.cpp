@@ -178,7 +178,8 @@ TEST_F(Containment, AFileThatAnFmuOpensInItsStepsAndClosesAtTheEndIsItsOwn) {
 }
 
 TEST_F(Containment, ChangesOfTheProcessByAStepAreReportedAndReverted) {
-  // Step 4 is a watched one, so the instance is known; after step 5 the next check, of all instances, is at step 8.
+  // Step 4 is checked for each instance, so the instance is known. After step 5, the next check is at step 8, for all
+  // instances together.
   for (const auto& [time, who] :
        {std::pair("0.4", "b: warning: the FMU probe.fmu changed the whole process in fmi2DoStep"),
         {"0.5", "the FMU probe.fmu changed the whole process in steps from 0.4 s to 0.8 s"}}) {
@@ -191,7 +192,7 @@ TEST_F(Containment, ChangesOfTheProcessByAStepAreReportedAndReverted) {
 }
 
 TEST_F(Containment, NamesTheFmuIfTheInstanceIsUnknown) {
-  constexpr int kCount = 60;  // more than are watched individually
+  constexpr int kCount = 60;  // more instances than are checked individually
   std::string instances;
   for (int i = 0; i < kCount; ++i) instances += fmt::format(R"({}"i{}": {{"fmu": "PROBE"}})", i == 0 ? "" : ", ", i);
   write_file(
@@ -215,7 +216,7 @@ TEST_F(Containment, CodeInWhichAThreadRunsStaysInMemory) {
       "instances": {{"a": {{"fmu": "PROBE", "parameters": {{"fault": "{}", "fault_time": 0.5}}}}}}}})",
                        fault);
   };
-  // In addition to those that other tests left in this process: after fmi2Fatal, code stays loaded too.
+  // Relative to the libraries that other tests left in this process: after fmi2Fatal, code stays loaded, too.
   const auto mapped = [] {
     std::istringstream maps(read_file("/proc/self/maps"));
     int count = 0;

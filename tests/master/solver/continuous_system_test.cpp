@@ -105,7 +105,7 @@ TEST(ContinuousSystem, EvaluatesConnectionsInsideTheRightHandSide) {
 }
 
 TEST(ContinuousSystem, ReadsOutputsAfterTheInputsThatTheyDependOn) {
-  // Gains in a chain: y = 3 u, wired in the worst order, without declared dependencies.
+  // A chain of gains y = 3 u, connected in the worst order, without declared dependencies.
   const Laws gain = {.values = 2, .outputs = [](double, Values& v) { v[1] = 3 * v[0]; }};
   PlainModel last("c", gain, {0, 0});
   PlainModel middle("b", gain, {0, 0});
@@ -224,7 +224,7 @@ TEST(ContinuousSystem, HandlesEventsThatACompletedStepRequests) {
 }
 
 TEST(ContinuousSystem, PassesEventsOnToOtherMembers) {
-  // `a` jumps at 0.5; `b` counts in event mode how often its input has grown.
+  // `a` jumps at 0.5. In event mode, `b` counts the increases of its input.
   const Laws jump = {.values = 1, .update = [](double t, Values& v) {
                        if (t >= 0.5) v[0] = 1;
                        return DiscreteUpdate{.next_event_s = t < 0.5 ? std::optional(0.5) : std::nullopt};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cluster core without a cluster: turns at shared devices.
+// Tests a cluster core without a cluster: the order of accesses to shared devices.
 #include "assembler.hpp"
 #include "cluster/core.hpp"
 

@@ -109,7 +109,7 @@ class Comparison {
     }
   }
 
-  /// Advances to the present time, in steps of its own.
+  /// Advances to the present time in separate steps.
   void continue_run(BoardSystem& system) {
     auto time = system.soc.now() / 1000;
     for (auto cuts = below(3) == 0 ? below(20) : 0; cuts-- > 0;) {

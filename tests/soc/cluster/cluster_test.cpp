@@ -175,8 +175,8 @@ BoardDescription with_quantum(std::uint32_t quantum) {
   return board;
 }
 
-/// 256 loads fit into a quantum, so the first core of a quantum waits for no other. In short quanta it waits in every
-/// second iteration.
+/// 256 loads fit into a quantum, so the first core of a quantum never waits. In short quanta, it waits in every second
+/// iteration.
 TEST(ClusterBanks, TheBoardSetsTheLengthOfAQuantum) {
   const auto difference = [](std::uint32_t quantum) {
     const auto cycles = cycles_of(hammer(16), 2, with_quantum(quantum));
@@ -711,7 +711,7 @@ TEST(ClusterRuntime, TranslatedCoresKeepTheInterpretersBits) {
   EXPECT_EQ(translated.soc.cluster()->hart(0).code().is_translated(), translate::can_translate());
 }
 
-/// 40,000 cycles of a core, and then `end`.
+/// Code that runs for 40,000 cycles of a core, and then executes `end`.
 std::string works_and(std::string_view end) {
   return fmt::format("li t0, 10000\n3: addi t0, t0, -1\nbnez t0, 3b\n{}\n", end);
 }

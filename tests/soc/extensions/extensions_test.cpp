@@ -224,7 +224,7 @@ TEST(Floats, HaveRegistersFlagsAndCompressedAccesses) {
   EXPECT_EQ(machine->reg(kFirstFloat + 15), 0x40700000U) << "fa5 = 3.75";
 }
 
-/// The first instruction that is illegal; 0 if the program ends.
+/// Returns the first illegal instruction; 0 if the program ends.
 std::string illegal_at(const std::string& isa, const std::string& body) {
   const auto machine = run(isa, "li a0, 0\n la a0, handler\n csrw mtvec, a0\n" + body +
                                     "\nli a0, 0\n j finish\n.balign 4\nhandler: csrr a0, mtval\nfinish:");

@@ -61,7 +61,7 @@ std::unique_ptr<Machine> trap_of(const std::string& machine_mode, const std::str
   return machine;
 }
 
-/// U mode may do all.
+/// U mode has all rights.
 constexpr auto kOpen = "li t0, -1\n csrw pmpaddr0, t0\n li t0, 0x1f\n csrw pmpcfg0, t0\n";
 
 TEST(UserMode, CallsMachineMode) {
@@ -107,7 +107,8 @@ TEST(Pmp, ForbidsAllInUserModeWithoutAnEntry) {
   EXPECT_EQ(machine->reg(kEpc), 0U);
 }
 
-/// Entry 1 covers `data` by `configuration`; entry 2 lets U mode do the rest. `address` sets pmpaddr1.
+/// Entry 1 covers `data`, with the given configuration; entry 2 gives U mode all rights elsewhere. `address` sets
+/// pmpaddr1.
 std::string guarded_data(unsigned configuration, const std::string& address) {
   return fmt::format(
       "li t0, -1\n csrw pmpaddr2, t0\n la t1, data\n srli t1, t1, 2\n {}\n li t0, 0x1f{:02x}00\n"

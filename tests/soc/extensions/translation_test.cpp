@@ -20,7 +20,7 @@ namespace {
 constexpr unsigned kBase = 8;     // s0: an address in the data
 constexpr unsigned kCounter = 9;  // s1
 constexpr unsigned kLength = 60;  // random instructions of a loop
-constexpr unsigned kTurns = 200;  // more than until it is translated
+constexpr unsigned kTurns = 200;  // more than are needed for a translation
 
 class Generator {
  public:
@@ -115,7 +115,7 @@ TEST(TranslatedOptions, RunAsInterpreted) {
   }
   for (const auto& row : encodings()) {
     if (row.extension == Extension::standard || row.extension == Extension::xpulp) continue;
-    if (row.name == "c.flwsp" || row.name == "c.fswsp") continue;  // their address is that of another register
+    if (row.name == "c.flwsp" || row.name == "c.fswsp") continue;  // their address is in another register
     EXPECT_TRUE(seen.contains(&row)) << row.name;
   }
 }

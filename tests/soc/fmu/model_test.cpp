@@ -134,7 +134,7 @@ TEST(Model, PowerIsTheMeanOverTheStepSoThatItSumsToTheEnergy) {
   EXPECT_NEAR(parts_j, variables.outputs.energy_total_j, 1e-15 * 12 * parts_j) << "rounding of eleven sums";
 }
 
-/// The same resources with other energies in the board file.
+/// Returns the same resources with other energies in the board file.
 std::filesystem::path resources_with(std::string_view energies) {
   const auto path = resources() / energies;
   std::filesystem::create_directories(path);
@@ -240,7 +240,7 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
         answered_at.push_back(static_cast<double>(t + 2 * kMs));
       }
       if (variables.outputs.camera_trigger != variables.inputs.camera_frame_id) {
-        // The role of the world: the picture is available a step after the request.
+        // Takes the role of the world: the picture is available one step after the request.
         variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
         if (by_pointer) {
           variables.inputs.camera_frame = fmu::BinaryRef::to(picture);

@@ -245,7 +245,7 @@ TEST(Csr, ReadOfAReadOnlyRegisterBySetWithX0IsNoWrite) {
   EXPECT_EQ(machine.reg(11), 4U);
 }
 
-/// A second transcription of the manuals: numbers of a core's registers, and those with slow accesses.
+/// A second transcription from the manuals: the numbers of a core's registers, and the registers with slow accesses.
 struct CsrSet {
   std::vector<std::pair<unsigned, unsigned>> there;  // first and last
   std::vector<std::pair<unsigned, unsigned>> slow;
@@ -491,8 +491,8 @@ void expect_the_same_in_pieces(const Elf& program, CoreKind kind) {
 }
 
 TEST(Run, CountsTheSameForAllSplits) {
-  // Loads, dependent jumps, branches, divisions, misaligned accesses, calls: everything with a delay. A jump after a
-  // misaligned load overlaps with it, also if the limit is between the two.
+  // Everything with a delay: loads, dependent jumps, branches, divisions, misaligned accesses, calls. A jump overlaps
+  // with a misaligned load directly before it, also if the limit is between the two.
   const auto program = assemble(fmt::format(R"(
 _start: la s0, data
     li s1, 40

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Cycles per class, each from the table in hart/timing.hpp and README.md, not from the model's result.
+// Cycles of each class of instructions. The expected values are those of the table in hart/timing.hpp and README.md,
+// not results of the model.
 #include "machine.hpp"
 
 #include <fmt/format.h>

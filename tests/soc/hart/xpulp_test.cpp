@@ -529,7 +529,8 @@ TEST(HardwareLoop, JumpDirectlyAfterItTakesTheSameTimeInAllRuns) {
     for (const auto before : kBefore) {
       for (const auto last : kLast) {
         for (const auto jump : kJumps) {
-          // In every second iteration, a jump leads to the last instruction of the body, which then ends no loop.
+          // In every second iteration, a jump leads to the last instruction of the body. Then the loop does not end
+          // there.
           const auto elf = assembled(fmt::format(R"(
     la s2, data
     addi s3, s2, 10
@@ -597,7 +598,7 @@ TEST(EventCounter, CountsWhileEnabledWithoutItsOwnRead) {
   ASSERT_EQ(machine.run(), Stop::watch);
   EXPECT_EQ(machine.reg(10), 0U);
   EXPECT_EQ(machine.reg(12), machine.reg(11));       // a read replaces its own count
-  EXPECT_EQ(machine.reg(13), machine.reg(12) + 0U);  // and the switch-off its own
+  EXPECT_EQ(machine.reg(13), machine.reg(12) + 0U);  // and the instruction that switches it off, too
   EXPECT_EQ(machine.reg(14), machine.reg(11));
 }
 

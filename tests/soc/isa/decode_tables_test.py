@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The generator of the tables of instructions refuses rows that cannot be right, and names their place."""
+"""The generator of the tables of instructions refuses contradictory rows, and names their place."""
 
 import pathlib
 import subprocess

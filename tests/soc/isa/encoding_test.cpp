@@ -20,7 +20,7 @@ std::string full_name(const Encoding& row) {
   return std::string(row.name);
 }
 
-/// A core with the row's extension, and with all others that can be there, too.
+/// Returns a core with the row's extension and all others that are compatible with it.
 Extensions core_of(const Encoding& row) {
   if (row.extension != Extension::zfinx) return kMostExtensions;
   auto core = Extensions(Extension::zfinx).with(Extension::xpulp).with(Extension::a);

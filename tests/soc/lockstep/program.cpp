@@ -343,7 +343,8 @@ class Maker {
   }
 
   void csr_access() {
-    // Not mstatus: after an mret QEMU reports user mode, which neither machine has. The handler stores it.
+    // Leaves out mstatus, because after an mret QEMU reports user mode, which neither machine has. The handler stores
+    // mstatus instead.
     constexpr std::array<std::uint32_t, 3> kReadOnly{kMtvec, kMisa, kMhartid};
     constexpr std::array<std::uint32_t, 3> kMissing{0x5c0, 0x180, 0x7c5};
     auto rd = below(32);

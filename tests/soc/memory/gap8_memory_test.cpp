@@ -175,8 +175,8 @@ _start: li s1, {}
   EXPECT_EQ(cycles_from("L2_BASE + 0x40000") - cycles_from("FC_TCDM_BASE"), kLoads * 8);
 }
 
-/// Each core adds 20 times 1 to a word of L1, between taking a lock by test and set and giving it back. The last one to
-/// come stores characters, by bytes, where programs for simulators print.
+/// Each core adds 1 to a word of L1, 20 times, while it has a lock by test and set. The last core stores characters,
+/// byte by byte, to the address at which programs for simulators print.
 constexpr std::string_view kLocks = R"(
 2:  wfi
     j 2b

@@ -242,7 +242,7 @@ core: .rept 400
   EXPECT_EQ(refills, 101U) << "400 words, and the word after them";
   for (unsigned core = 0; core < cluster.cores(); ++core) {
     const auto& counters = cluster.hart(core).counters();
-    // No core gets a line without a wait, and none waits longer than for a refill of its own.
+    // Every core waits for the line, but not longer than for its own refill.
     EXPECT_GT(counters.fetch_cycles, 101U * 20U / 2) << core;
     EXPECT_LE(counters.fetch_cycles, 101U * 20U) << core;
   }

@@ -68,8 +68,8 @@ handler: csrr a4, mcause
 
 const std::vector<std::uint8_t> kPicture(64UL * 30, 7);
 
-/// Steps of h to the end. A requested picture arrives at the next communication point, which is the same time for every
-/// h that divides 10 ms.
+/// Runs in steps of h to the end. A requested picture arrives at the next communication point, which is the same time
+/// for every h that divides 10 ms.
 void run(BoardSystem& system, std::int64_t h_ns, std::int64_t end_ns) {
   for (auto t = system.soc.now() / kPsPerNs; t < end_ns; t += h_ns) {
     auto& camera = system.camera();

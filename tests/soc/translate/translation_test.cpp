@@ -190,8 +190,9 @@ data: .word 0
   EXPECT_TRUE(same) << "the program, which never ends, ended";
 }
 
-/// A hot block whose end is reached in every 64th iteration, when it is not in the instruction cache. Translated code
-/// begins with the first part, and stops before the rest if that with all its refills might exceed the limit.
+/// A hot block whose end is reached only in every 64th iteration, so its lines are then absent from the instruction
+/// cache. Translated code begins with the first part. It stops before the rest, if the rest with all its refills might
+/// exceed the limit.
 TEST(Translation, FetchesTheRareEndOfABlock) {
   const auto program = assemble(R"(
     li a3, 20
@@ -256,7 +257,7 @@ done:
 }
 
 TEST(Translation, LeavesFaultsToTheInterpreter) {
-  // The hot loop's load leaves the memory.
+  // The load in the hot loop reaches the end of the memory, and then faults.
   Pair pair(assemble(R"(
 _start: li s0, 0x800f0000
 1:  lw a0, 0(s0)

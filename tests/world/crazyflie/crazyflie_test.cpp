@@ -137,7 +137,7 @@ TEST(CrazyflieKalman, FindsVelocityAndHeightFromFlowAndDistance) {
   fly_level(filter, flow, {0.5, -0.2, 0.0}, 1.0, 30.0);
   EXPECT_LT((filter.velocity_W_m_per_s() - Vector3d(0.5, -0.2, 0.0)).norm(), 0.01);
   EXPECT_NEAR(filter.position_m().z(), 1.0, 1e-3);
-  // No sensor measures the position: it is the integral of the velocity, which the filter learned only after a while.
+  // No sensor measures the position. It is the integral of the estimated velocity, which is wrong at first.
   EXPECT_NEAR(filter.position_m().x(), 2.0 + 0.5 * 30.0, 1.0);
   EXPECT_LT(filter.deviation(3), 0.2);
   EXPECT_GT(filter.deviation(0), 1.0);
@@ -239,7 +239,7 @@ TEST(CrazyflieController, TakesOffFliesAndLandsOnItsOwnEstimate) {
   expect_a_landing(rig);
 }
 
-/// The firmware's filter believes its distance sensor: it has no test for what cannot be.
+/// The firmware's filter trusts its distance sensor: it has no test for impossible values.
 TEST(CrazyflieEstimate, TakesTheLowerBeamOfAGateForTheGround) {
   test::RigParameters p = own();
   p.start_offset_m = {0.0, 0.25, 0.0};
@@ -259,7 +259,7 @@ TEST(CrazyflieController, ReachesTheRequestedVelocityAndYawRate) {
   rig.inputs.setpoint_velocity_x_m_per_s = 0.5;
   rig.inputs.setpoint_velocity_y_m_per_s = 0.2;
   rig.run(6.0);
-  EXPECT_NEAR(rig.outputs.drone_velocity_m_per_s[0], 0.5, 0.05);  // its integral takes a minute for the last of drag
+  EXPECT_NEAR(rig.outputs.drone_velocity_m_per_s[0], 0.5, 0.05);  // its integral takes a minute to compensate the drag
   EXPECT_NEAR(rig.outputs.drone_velocity_m_per_s[1], 0.2, 0.05);
   rig.inputs.setpoint_velocity_x_m_per_s = 0.0;
   rig.inputs.setpoint_velocity_y_m_per_s = 0.0;
@@ -315,7 +315,7 @@ TEST(CrazyflieEstimate, StaysNearTheTruthOverAMinuteOfHover) {
 TEST(CrazyflieState, ARestoredRunContinuesWithTheSameBits) {
   FlightRig straight(shipped_scene("gate_easy"), own());
   straight.inputs.setpoint_mode = FlightMode::take_off;
-  straight.run(3.001, std::int64_t{1'000'000});  // between two periods of everything
+  straight.run(3.001, std::int64_t{1'000'000});  // between two periods of all sensors and controllers
   FlightRig other(shipped_scene("gate_easy"), own());
   other.inputs = straight.inputs;
   other.outputs = straight.outputs;

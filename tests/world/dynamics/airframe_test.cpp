@@ -36,7 +36,7 @@ TEST(Airframe, MoreThrustAtTheRearPitchesNoseDown) {
 }
 
 TEST(Airframe, ClockwiseRotorsTurnTheBodyToTheLeft) {
-  // 1 and 3 turn counter-clockwise seen from above, so the body feels 2 and 4 as positive yaw.
+  // Rotors 1 and 3 turn counter-clockwise seen from above, so the torque of rotors 2 and 4 on the body is positive yaw.
   EXPECT_DOUBLE_EQ(rotor_wrench(airframe_drone(), {}, {0.0, 1e-3, 0.0, 1e-3}).torque_n_m.z(), 2e-3);
   EXPECT_DOUBLE_EQ(rotor_wrench(airframe_drone(), {}, {1e-3, 0.0, 1e-3, 0.0}).torque_n_m.z(), -2e-3);
 }

@@ -74,7 +74,7 @@ TEST_P(GateShape, TheOpeningIsFreeOfTheFrameAndTheRestIsNot) {
     }
   }
   const GateFrame frame(gate);
-  // Measures areas by counting: each point represents 0.031 x 0.037 m2.
+  // Measures areas by counting points: each point represents 0.031 x 0.037 m2.
   const double cell_m2 = 0.031 * 0.037;
   const double sides = gate.side_count();
   const auto polygon_m2 = [&](double across_m) { return 0.25 * sides * across_m * across_m * std::tan(M_PI / sides); };

@@ -122,7 +122,7 @@ TEST(MeshObstacle, IsTouchedWhereABoxOfItsShapeIs) {
   for (double x = -1.2; x <= 1.2; x += 0.11) {
     for (double z = 1.55; z <= 2.45; z += 0.0137) {
       const RigidState state = at({x, 0.07, z}, 0.4);
-      // A drone that has passed through a side is inside of the box, between triangles.
+      // A mesh is only a surface, so a drone that has passed through a side stays inside the box.
       const Vector3d inside = rotation_of({0.0, 0.3, 0.0}).conjugate() * (state.p_WB_m - thing.p_W_m);
       if (inside.cwiseAbs().x() < 1.0 && inside.cwiseAbs().z() < 0.05) continue;
       EXPECT_EQ(touches(meshes, state), touches(boxes, state)) << x << " " << z;
@@ -211,7 +211,8 @@ TEST(MovingObstacle, PushesWithItsOwnSpeedAndIsNotHeldUp) {
     }
   }
   EXPECT_NEAR(closing, 1.0, 1e-9);
-  // It was hit without a bounce. At a depth of a millimetre at most, it was also pushed out by soft_erp x depth / dt.
+  // The collision has no bounce. The contact also pushes the drone out by soft_erp x depth / dt, with a depth of at
+  // most a millimetre.
   EXPECT_GE(state.v_WB_m_per_s.x(), 0.99);
   EXPECT_LE(state.v_WB_m_per_s.x(), 1.0 + scene.contact.soft_erp);
 }

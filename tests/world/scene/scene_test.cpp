@@ -23,7 +23,7 @@ json parsed(const fs::path& file) {
   return json::parse(stream);
 }
 
-/// Copies of the shipped files, each to be damaged in turn.
+/// Copies of the shipped files; each test damages one of them.
 class SceneFile : public testing::Test {
  protected:
   SceneFile()

@@ -352,7 +352,7 @@ std::vector<std::uint8_t> stored_by(const BoardSystem& system) {
   return taken;
 }
 
-/// Black, so that it differs from the other picture.
+/// A black picture, which differs from the other one.
 std::vector<std::uint8_t> night() {
   return std::vector<std::uint8_t>(picture_of(Himax::kWindowHeight).size());
 }
@@ -566,7 +566,7 @@ TEST_P(Gap8CameraInMode, ContinuesFromAStateBeforeAndAfterAClearedTransfer) {
   expect_same_run_from_states({}, GetParam(), [&](BoardSystem& system, std::int64_t ms) {
     if (ms == 25) give(system, picture);
     if (ms == 30) store(system, 0x488, 0x30, ms * kMs);
-    if (ms == 40) write_sensor(system, kStream, ms * kMs);  // when those of mode 3 are complete
+    if (ms == 40) write_sensor(system, kStream, ms * kMs);  // when the frames of mode 3 are complete
     if (ms == 50) {
       EXPECT_EQ(system.output("camera.trigger"), 2);
     }

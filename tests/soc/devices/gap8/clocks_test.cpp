@@ -129,7 +129,7 @@ class Gap8AdvancedTimer : public testing::Test {
     EXPECT_TRUE(timer.load(offset, now, value));
     return value;
   }
-  /// Timer 1 from 10 to 19, channel 2 at 13, which event 0 uses.
+  /// Timer 1 counts from 10 to 19. Its channel 2 compares with 13 and raises event 0.
   void begin(std::uint32_t config, std::uint32_t operation) {
     set(0x40 + 0x04, config);
     set(0x40 + 0x08, 19U << 16 | 10);
@@ -225,7 +225,7 @@ TEST_F(Gap8AdvancedTimer, CountsDuringStoresMoreFrequentThanItsTicks) {
   for (Picoseconds now = 0; now <= 25 * kTick; now += kTick / 4) {
     set(0x40 + 0x0C, 0, now);                      // a channel without an event
     set(0x104, 1U << 1 | (now / kTick & 1), now);  // another timer's enable
-    set(0x40, 1, now);                             // starts a timer that runs already
+    set(0x40, 1, now);                             // starts a timer that is already running
     ASSERT_EQ(get(0x40 + 0x2C, now), 10 + static_cast<std::uint32_t>(now / kTick % 10)) << now;
   }
   EXPECT_THAT(heard, ElementsAre(Pair(38U, 3), Pair(38U, 13), Pair(38U, 23)));

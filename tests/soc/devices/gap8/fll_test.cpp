@@ -130,8 +130,8 @@ TEST(Gap8Cluster, RunLastsUntilACoreSwitchesTheClusterOff) {
   EXPECT_GT(static_cast<double>(system.soc.sleep_time()) / kPsPerS, 0.99 * expected_s);
 }
 
-/// Firmware may change clocks for each picture. That changes the cluster's cycles of a load from L2 and of a refill,
-/// but no code.
+/// Firmware may change clocks for each picture. This changes the cluster's cycles for a load from L2 and for a refill,
+/// but not the translated code.
 TEST(Gap8Cluster, CodeIsDecodedAndTranslatedOnceForAllClocks) {
   const auto program =
       Gap8System::assembled(fmt::format(R"({}{}
@@ -178,7 +178,7 @@ fault: j fault
   EXPECT_EQ(controller.instructions_translated() + cluster.instructions_translated(), translated);
 }
 
-/// The tick of a core that fell asleep before the change of clock is one of the old clock.
+/// If a core fell asleep before the clock changed, its tick is in the old clock.
 TEST(Gap8Cluster, SleepingCoresHaveATimeAfterAChangeOfClock) {
   Gap8System by_core(core_that_changes(set_cluster_clock(762), {Meanwhile::sleeps, 0b10}), {}, Gap8System::gap8());
   run_to_tohost(by_core);

@@ -39,7 +39,7 @@ constexpr std::string_view kNames = R"(
 #define RESULTS 0x80010000
 )";
 
-/// Board virt with a program of assembly text. `input` comes out of the console.
+/// Board virt with a program of assembly text. The program reads `input` from the console.
 class VirtSystem {
  public:
   explicit VirtSystem(std::string_view text, const Settings& settings = {}, std::string_view input = {})
@@ -143,7 +143,8 @@ TEST(Virt, TimerInterruptIsExactInTranslatedCodeToo) {
     Settings settings;
     settings.translate = translate;
     constexpr std::uint32_t kTick = 20'001;  // 2 ms: the loop is hot by then
-    // Ten instructions of one cycle each and a jump: the boundary is at most the jump's cycles late.
+    // The loop has ten instructions of one cycle and a jump, so the core takes the interrupt at most the jump's cycles
+    // late.
     VirtSystem system(timer_program(kTick, "1: .rept 10\nadd a2, a2, s0\n.endr\nj 1b"), settings);
     system.soc.run_cycles(1'000'000);
     const auto due = first_cycle_at(kTick * kPeriodNs, 100'000'000) + kEntryCycles;
@@ -386,7 +387,7 @@ class Uart : public testing::Test {
   }
   static constexpr Picoseconds kCharacter = std::int64_t{320} * 10'000'000'000 / 36'864;
 
-  /// Lets all events up to a time happen.
+  /// Handles all events up to a time.
   void run_to(Picoseconds time) {
     while (uart_.next_event() <= time) uart_.advance(uart_.next_event());
   }
@@ -551,7 +552,8 @@ TEST(Virt, EchoesItsInputByInterruptsThroughThePlic) {
   EXPECT_EQ(system.soc.exit_code(), 7);
   EXPECT_EQ(system.result(1), 10U) << "the source of the interrupt";
   EXPECT_EQ(system.result(0), 7U) << "one interrupt per byte before the last";
-  // After reset a character has 7 bits of 16 x 12 / 3.6864 MHz. Eight come, the first after the interrupt is enabled.
+  // After reset, a character has 7 bits of 16 x 12 / 3.6864 MHz. Eight characters arrive, the first one after the
+  // interrupt is enabled.
   EXPECT_NEAR(static_cast<double>(system.soc.now()), 8 * 7 * 16 * 12 / 3.6864e6 * 1e12, 2e6);
 }
 
@@ -560,7 +562,7 @@ TEST(Virt, ARestoredStateContinuesWithTheSameBits) {
   straight.soc.run_cycles(1'000'000);
   VirtSystem first(kEcho, {}, "hello, q");
   first.soc.run_cycles(300);
-  first.soc.run_cycles(Soc::kWithoutEnd, 1'200'000'000);  // 1.2 ms: three bytes of 365 us have come
+  first.soc.run_cycles(Soc::kWithoutEnd, 1'200'000'000);  // 1.2 ms: three bytes of 365 us have arrived
   EXPECT_EQ(first.output, "hel");
   const auto state = state::save(first.soc);
   VirtSystem second(kEcho, {}, "lo, q");
