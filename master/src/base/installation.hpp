@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-/// Where the files lie that belong to the running program. No path is compiled in: a build, an installation and a
-/// Python package can be moved, and each finds its own.
+/// Finds the files that belong to the running program. No path is compiled in, so a build, an installation and a Python
+/// package can be moved.
 ///
 /// |                             | this code is in                         | data: fmus, configs, templates |
 /// |-----------------------------|-----------------------------------------|--------------------------------|

@@ -44,7 +44,7 @@ class SignalGuard {
 /// An interrupt by the user. Ends the run at the last communication point that all instances reached.
 class InterruptedError : public Error {
  public:
-  /// `what_else`: further effects, such as the process of an instance that had to be killed.
+  /// `what_else`: further effects of the interrupt, such as a killed process of an instance.
   explicit InterruptedError(const std::string& what_else = "") : Error(ErrorCode::interrupted, what_else) {}
 };
 

@@ -28,8 +28,8 @@ namespace mebots::master {
 /// it.
 class Fmu {
  public:
-  /// `wish` is the requested kind of its instances. If empty, the kind is co-simulation if the FMU offers it. Throws
-  /// InputError if the file is not an FMU of version 1.0, 2.0 or 3.0.
+  /// `wish` is the requested kind of its instances. If it is empty, the kind is co-simulation if the FMU offers it,
+  /// else model exchange. Throws InputError if the file is not an FMU of version 1.0, 2.0 or 3.0.
   explicit Fmu(std::filesystem::path archive, std::optional<FmuKind> wish = {});
   /// For an FMU that another process has unpacked into `folder` and will delete.
   Fmu(std::filesystem::path archive, std::filesystem::path folder);

@@ -167,7 +167,7 @@ class NeedsReader {
     return any_own_symbol([&](const ElfSymbol& symbol) { return !symbol.defined && symbol.name == name; });
   }
 
-  /// Looks at the FMU's own files, not at those of the system.
+  /// Reads only the FMU's own files, not those of the system.
   template <typename Predicate>
   bool any_own_symbol(Predicate is_it) const {
     return std::ranges::any_of(needs_.libraries, [&](const NewLibrary& library) {

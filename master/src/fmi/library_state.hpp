@@ -118,45 +118,46 @@ struct NewLibrary {
   modeldesc::ElfLibrary elf;
 };
 
-/// Libraries and symbols that an FMU brings and needs, from its ELF files alone.
+/// The libraries and symbols that an FMU contains and needs, read from its ELF files.
 struct LibraryNeeds {
   std::vector<NewLibrary> libraries;                     ///< the FMU's own first
   std::map<std::string, std::filesystem::path> brought;  ///< by the name that the loader knows it by
-  std::set<std::string> names;                           ///< of all libraries that are asked for, at any depth
+  std::set<std::string> names;                           ///< of all needed libraries, at any depth
   std::set<std::filesystem::path> shared;                ///< files that it needs and the process has loaded already
   bool loads_libraries = false;                          ///< it imports dlopen, so all ELF files in the FMU count
   std::string interpreter;                               ///< "a Python interpreter", if it embeds one; else empty
 
-  /// Returns the texts that files of the FMU hold. An FMU that loads a library by its name holds the name.
+  /// Returns the texts that occur in files of the FMU. If an FMU loads a library by its name, the name is one of them.
   std::set<std::string_view> mentioned(const std::vector<std::string_view>& texts) const;
 };
 
-/// Reads the library in `file` and all that it needs. `folder` holds the unpacked FMU, `loaded` what the process has.
-/// Throws Error if a file is no library.
+/// Reads the library in `file` and all libraries that it needs. `folder` is that of the unpacked FMU; `loaded` lists
+/// the libraries of the process. Throws Error if a file is not a library.
 LibraryNeeds read_library_needs(const std::filesystem::path& file, const std::filesystem::path& folder,
                                 const std::vector<modeldesc::LoadedLibrary>& loaded);
 
 /// The loader's names for a library: its SONAME and the name of its file.
 bool has_name(const modeldesc::LoadedLibrary& library, const std::string& name);
 
-/// True for the parts of the C library, of which a process has one in any case.
+/// True for parts of the C library, which every process has exactly once.
 bool is_c_library(std::string_view name);
 
 class Fmu;
 
-/// The decision about an FMU that is to share this process.
+/// The decision whether an FMU can share this process.
 struct Admission {
   bool loaded = false;
-  bool certain = false;  ///< the FMU or another would compute with a library or a variable that is not its own
+  bool certain = false;  ///< if it shared the process, it or another FMU would use a library or variable of another
+                         ///< archive
   std::string reason;    ///< completes "b.fmu runs in its own process: "
 };
 
 enum class Risk { refuse, accept };
 
-/// Loads an FMU's library into this process, unless its ELF files show that the FMU could not keep apart from the
-/// program or from other FMUs there. The answer depends on what the process has loaded. With Risk::accept, an FMU is
-/// loaded in spite of a reason that is not certain. Throws InputError if the library cannot be loaded at all.
-/// From any thread.
+/// Loads an FMU's library into this process, unless its ELF files show that it would share libraries or symbols with
+/// the program or with other FMUs. The result depends on the libraries that the process has loaded. With Risk::accept,
+/// a reason that is only possible does not prevent loading. Throws InputError if the library cannot be loaded at all.
+/// May be called from any thread.
 Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk);
 
 }  // namespace mebots::master

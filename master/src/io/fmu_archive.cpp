@@ -36,7 +36,7 @@ std::optional<modeldesc::ModelDescription> read_description(const std::filesyste
   }
 }
 
-/// Throws the error for the archive instead of the temporary copy of a file in it.
+/// Converts an error about the temporary copy of a file to one about the archive.
 [[noreturn]] void throw_as_input(const Error& error, const std::filesystem::path& archive,
                                  const std::filesystem::path& file) {
   std::string what = error.what();

@@ -55,16 +55,18 @@ struct ResolvedConnection {
   bool pointer = false;  ///< part of an OSMP binary: valid only in this process, and temporarily
   double factor = 1;
   double offset = 0;
-  bool inner = false;               ///< within a continuous system, which evaluates it; not moved at points
+  bool inner = false;               ///< within a continuous system, which evaluates it; not transferred at
+                                    ///< communication points
   bool converts = false;            ///< between a Binary and an OSMP binary, whose `base.lo` stands for all
   bool narrows = false;             ///< each value is checked to be in the range of the input's type
-  bool sum = false;                 ///< one of several whose values the input gets added up
+  bool sum = false;                 ///< a term of a sum: the input gets the sum over all connections that end at it
   std::vector<ValuePair> map = {};  ///< ordered by `from`; other values pass as they are
 
   bool changes_value() const { return factor != 1 || offset != 0; }
   /// True if it moves a Real at communication points, and its input has no other source.
   bool moves_real() const;
-  /// True for moves_real() between continuous variables: how far the input is from its source can be measured.
+  /// True for moves_real() between continuous variables: then the deviation of the input from its source can be
+  /// measured.
   bool is_continuous() const;
 };
 

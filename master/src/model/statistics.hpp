@@ -41,8 +41,8 @@ nlohmann::ordered_json step_control_json(const ResolvedSystem& system, const Ste
 /// The same as a line of text.
 std::string step_control_line(const ResolvedSystem& system, const StepStatistics& steps);
 
-/// The table as JSON, times in seconds. `total_s` is the wall time of initialisation and stepping together;
-/// what no instance took of it is the master's.
+/// The table as JSON, times in seconds. `total_s` is the wall time of initialisation and stepping. The part of it
+/// outside of calls to instances is the master's.
 nlohmann::ordered_json statistics_json(const Statistics& statistics, double total_s);
 
 /// Returns the same as lines of text.

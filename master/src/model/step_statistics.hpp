@@ -17,7 +17,7 @@ struct StepStatistics {
   std::int64_t largest = 0;
   double error_sum = 0;  ///< over the tolerance
   double largest_error = 0;
-  std::vector<std::int64_t> worst;  ///< in how many steps an input or bond had the largest error
+  std::vector<std::int64_t> worst;  ///< number of steps in which an input or bond had the largest error
 
   /// Adds a step that counts.
   void add(std::int64_t length, double error);

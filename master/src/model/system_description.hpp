@@ -221,8 +221,8 @@ struct RecordDescription {
   std::vector<RecordPattern> parameters;               ///< recorded once, at t = 0
   bool csv = true;                                     ///< into results.csv
   bool hdf5 = false;                                   ///< into results.h5
-  bool texts = false;                                  ///< patterns, and the lack of them, choose texts too
-  bool locals = false;                                 ///< they choose local variables, too
+  bool texts = false;                                  ///< patterns, and the default of `variables`, also select texts
+  bool locals = false;                                 ///< they also select local variables
   std::int64_t every_steps = 1;                        ///< a row at every such communication point
   bool step = false;                                   ///< a column with the length of the step to the row's point
 };

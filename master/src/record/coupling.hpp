@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-/// What the coupling of a run cost in accuracy.
+/// The errors that the coupling of a run caused.
 namespace mebots::master {
 
-/// How far one continuous Real input was from its source, in the input's unit. That is p - y at all points that the
+/// The deviation of one continuous Real input from its source, in the input's unit. It is p - y at all points that the
 /// source reached in a step of the reader, and at the step's start.
 class InputDeviation {
  public:
@@ -48,7 +48,7 @@ class InputDeviation {
   std::int64_t largest_at_ns_ = 0;
 };
 
-/// The energy that the coupling made in one power bond.
+/// The energy that the coupling created in one power bond.
 class BondEnergy {
  public:
   /// Throws as PowerBond does.
@@ -83,7 +83,8 @@ class Coupling final : public Observer {
   void visit(state::Visitor& v) override;
   std::string_view state_name() const override { return "coupling"; }
 
-  /// Where a limit is exceeded, with the communication step that would do. Under step control, with the key to change.
+  /// Returns a text for each exceeded limit, with a communication step that would meet it. Under step control, names
+  /// the key to change.
   std::vector<std::string> warnings() const;
   nlohmann::ordered_json json() const;
 

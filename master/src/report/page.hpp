@@ -25,8 +25,8 @@ std::string make_live_page(const PageParts& parts, const std::string& name);
 /// Returns a page that shows `data`, which is JSON (web/src/report/content.ts). It needs no network.
 std::string make_data_page(const PageParts& parts, const std::string& title, std::string_view data);
 
-/// The runs as bytes for the page. The length of a header (32 bits, little-endian), the header, which is JSON, and then
-/// blocks of bytes of which the header tells offset and length. web/src/data/payload.ts reads it.
+/// The runs as bytes for the page. They consist of the length of the header (32 bits, little-endian), the header as
+/// JSON, and blocks of bytes whose offsets and lengths are in the header. web/src/data/payload.ts reads it.
 ///
 /// A column of n numbers takes 8 n bytes. The 64 bits of each number (IEEE 754) are treated as a whole number, and the
 /// difference from the previous one is stored in byte planes: first the lowest byte of each number, then the second of

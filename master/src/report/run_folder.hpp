@@ -23,7 +23,7 @@ struct Picture {
 struct PictureSeries {
   std::string name;  ///< "world.camera.frame"
   std::vector<Picture> pictures;
-  std::size_t every = 1;  ///< one of this many was kept
+  std::size_t every = 1;  ///< 1 means that all pictures were kept, n that every n-th was
 };
 
 /// The maximum of bytes of pictures in a page, so that it can still be mailed.

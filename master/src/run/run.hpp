@@ -47,8 +47,8 @@ namespace mebots::master {
 /// For one thread at a time; interrupt() may be called from any thread and from signal handlers.
 class Run {
  public:
-  /// Reads the config and applies the options. Throws InputError; creates no files. With the library of an earlier run,
-  /// FMUs that it has opened are not opened again.
+  /// Reads the config and applies the options. Creates no files. Throws InputError. If `library` is that of an earlier
+  /// run, FMUs that it has opened are not opened again.
   explicit Run(const std::filesystem::path& config, RunOptions options = {},
                std::shared_ptr<FmuLibrary> library = std::make_shared<FmuLibrary>());
   /// Returns the run of the checkpoint in this folder; start() restores its state. Throws InputError.

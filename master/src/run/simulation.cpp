@@ -80,7 +80,7 @@ bool Simulation::step() {
     finish(std::move(*end));
     return false;
   }
-  step_ = reached;  // only now: a point with a value that makes no sense was not reached
+  step_ = reached;  // only now: a point at which a value is not finite counts as not reached
   reach_point();
   return true;
 }

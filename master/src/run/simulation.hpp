@@ -26,9 +26,8 @@ struct SimulationState {
   std::uint64_t layout = 0;       ///< hash of the layout of `master`
 };
 
-/// The loop of a run over the points of a TimeGrid. An Algorithm carries the slaves from point to point, StepControl
-/// chooses points if the system has it; observers are called at every point that is reached. Knows nothing of files and
-/// settings: see Run.
+/// The loop of a run over the points of a TimeGrid. An Algorithm steps the slaves from point to point. StepControl, if
+/// the system has it, chooses the points. Observers are called at every point. Files and options belong to Run.
 class Simulation {
  public:
   /// `system`, `messages` and all objects in `options` must outlive the simulation.
@@ -65,7 +64,7 @@ class Simulation {
   /// Frees the instances; no slave is called afterwards. Returns an error text per failed slave.
   std::vector<std::string> free_instances() { return ensemble_.free_instances(); }
 
-  /// Communication steps from the start to here.
+  /// Returns the number of communication steps so far.
   std::int64_t steps_done() const { return control_ ? control_->statistics().steps : step_; }
   /// The place of the point on the grid.
   std::int64_t grid_point() const { return step_; }

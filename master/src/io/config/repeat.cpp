@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Entries that a config describes once and a run has many times. The reader sees the copies alone.
+// Replaces entries with `repeat` by their copies, before the sections are read.
 #include "io/config/load_system.hpp"
 #include "io/config/sections.hpp"
 
@@ -177,7 +177,7 @@ class Filler {
  public:
   explicit Filler(const Values& values) : values_(values) {}
 
-  /// A text that is a name alone becomes the value itself, a number for example.
+  /// If a text consists only of a name in braces, it becomes the value itself, for example a number.
   Json filled(const std::string& text) const {
     if (text.size() > 2 && text.front() == '{' && text.find('}') == text.size() - 1) {
       if (const auto value = value_of(std::string_view(text).substr(1, text.size() - 2))) return value->value;

@@ -36,7 +36,7 @@ std::string read_part(const Node& node, const std::filesystem::path& folder) {
   return name;
 }
 
-/// Reads how well a value is known.
+/// Reads the key `known`: measured, stated, derived, fitted or assumed.
 std::string read_knowledge(const Node& node) {
   const std::vector<std::string> known = {"measured", "stated", "derived", "fitted", "assumed"};
   auto word = node.text();

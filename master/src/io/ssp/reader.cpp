@@ -216,8 +216,8 @@ class ConfigMaker {
     values.erase(value);
   }
 
-  /// Writes the values of components' variables that no connection used. Adds a notice for connectors that feed
-  /// nothing.
+  /// Writes the values of components' variables that no connection uses. Adds a notice for connectors that are
+  /// connected to nothing.
   void write_values(const std::map<Endpoint, StartingValue>& values) {
     for (const auto& [endpoint, value] : values) {
       if (network_.is_component(endpoint.element)) {

@@ -52,7 +52,7 @@ class ClockGroup {
   /// Handles the events at the start, after the last member has left initialisation mode.
   void exit_initialization();
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
-  /// The next tick of any clock [s]; TimedClock::kNever if there is none in sight.
+  /// The next tick of any clock [s]; TimedClock::kNever if none is scheduled.
   double next_tick_s() const;
 
   /// Returns the times of members and clocks; the first member stores them.
