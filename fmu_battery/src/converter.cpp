@@ -35,8 +35,8 @@ void check_rising_input(const data::Node& efficiencies, const std::vector<double
   for (std::size_t i = 1; i < current_a.size(); ++i) {
     const double slope = (efficiency[i] - efficiency[i - 1]) / (current_a[i] - current_a[i - 1]);
     if (efficiency[i] - slope * current_a[i] > 0) continue;
-    efficiencies.elements()[i].complain(ErrorCode::invalid_value,
-                                        "this rises so fast that more output would need less input");
+    efficiencies.elements()[i].complain(
+        ErrorCode::invalid_value, "the efficiency rises so steeply that a larger output would need a smaller input");
   }
 }
 

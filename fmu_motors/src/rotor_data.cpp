@@ -23,7 +23,7 @@ auto table_from_rest(std::string_view unit) {
     if (object.read("value", values, data::rising_numbers(Limits::at_least(0)))) {
       const auto list = node.at("value");
       if (values.size() < 2) list.complain(ErrorCode::invalid_value, "at least two points are needed");
-      if (values.front() != 0) list.elements()[0].complain(ErrorCode::invalid_value, "this must be 0, the standstill");
+      if (values.front() != 0) list.elements()[0].complain(ErrorCode::invalid_value, "this must be 0, for standstill");
     }
     object.finish();
     return values;

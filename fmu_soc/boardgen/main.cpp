@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
   auto* cpp_option =
       app.add_option("--cpp", cpp_path, "Write the same as a C++ header for device models")->type_name("HEADER.hpp");
   auto* skeleton_option =
-      app.add_option("--skeleton", skeleton, "Write the source of a device of this board, all but its behaviour")
+      app.add_option("--skeleton", skeleton, "Write a C++ skeleton of a device of this board, without its behaviour")
           ->type_name("DEVICE FILE.cpp");
   if (const auto code = mebots::command_line::handle_hidden_options(app, MEBOTS_VERSION, argc, argv)) return *code;
   try {

@@ -61,7 +61,7 @@ report::TimeSpan time_span(const std::string& text) {
   if (!from_s || !to_s || !(*from_s <= *to_s)) {
     throw InputError(
         ErrorCode::invalid_value,
-        fmt::format("--detail {}: two times are expected, the earlier one first, as in 120:130 [s], or all", text));
+        fmt::format("--detail {}: two times are expected, the earlier one first, such as 120:130 [s], or all", text));
   }
   return {*from_s, *to_s};
 }

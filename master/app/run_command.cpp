@@ -166,7 +166,7 @@ int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptio
 void add_report_options(CLI::App& command, ReportOptions& options) {
   command
       .add_option("--expect", options.expect,
-                  "Exit with 1 unless the outcome is this one (may be repeated: any of them)")
+                  "Exit with 1 unless the outcome is this one (may be repeated to accept several)")
       ->type_name("OUTCOME")
       ->allow_extra_args(false)
       ->take_all();
@@ -179,7 +179,7 @@ void add_report_options(CLI::App& command, ReportOptions& options) {
 
 const std::vector<std::string> kExitCodes = {
     "0 the simulation ran to its end (with the expected outcome)",
-    "1 it failed on the way, was interrupted, had another outcome than expected, or an FMU crashed when it was freed",
+    "1 it failed, was interrupted, had another outcome than expected, or an FMU crashed when it was freed",
     "2 the input cannot be used: command line, config, FMU, results folder"};
 
 }  // namespace

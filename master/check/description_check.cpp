@@ -95,7 +95,7 @@ void check_combination(const Variable& variable, Findings& findings) {
                    "remove the attribute initial");
   if (variable.initial && !initials.empty() && std::ranges::find(initials, *variable.initial) == initials.end())
     findings.error(
-        fmt::format("{}: initial {} does not go with causality {} and variability {}", quoted(variable),
+        fmt::format("{}: initial {} is not compatible with causality {} and variability {}", quoted(variable),
                     to_string(*variable.initial), to_string(variable.causality), to_string(variable.variability)),
         fmt::format("use initial {}", words(initials)));
 }

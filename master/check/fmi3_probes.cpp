@@ -229,7 +229,7 @@ std::vector<Fmi3Probe> fmi3_probes(const Fmi3Target& target) {
                        try {
                          run(Fmi3Library(target, witness));
                        } catch (const Fmi3Refused& refused) {
-                         witness.error(refused.what(), "look at what the FMU logged");
+                         witness.error(refused.what(), "see the messages that the FMU logged");
                        }
                      },
                      is_plain};

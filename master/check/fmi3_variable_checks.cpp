@@ -128,7 +128,7 @@ void check_fmi3_kinds(const Fmi3Description& description, Findings findings) {
       findings.error(fmt::format("{}: a variable of type {} cannot be continuous", place, variable.type),
                      "declare it as discrete");
     if (variable.type != "Clock" && !may_have_initial(variable, variable.initial))
-      findings.error(fmt::format("{}: initial = \"{}\" does not go with causality {} and variability {}", place,
+      findings.error(fmt::format("{}: initial = \"{}\" is not compatible with causality {} and variability {}", place,
                                  variable.initial, variable.causality, variable.variability),
                      "see the table of FMI 3.0, section 2.4.7.5");
     check_start(description, variable, findings);

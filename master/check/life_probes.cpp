@@ -386,7 +386,7 @@ std::vector<Probe> life_probes(const Target& target, double half_step_tolerance)
   add(interoperable, "version and platform are those of FMI 2.0", check_versions);
   add(interoperable, "a run has finite outputs within their limits", check_run);
   probes.push_back(stop_time_probe());
-  add(interoperable, "the process is left as it was", check_surroundings);
+  add(interoperable, "the process is unchanged", check_surroundings);
   add(standard, "start values are those of the description", check_starts);
   add(interoperable, "two instances do not disturb each other", check_two_instances, once);
   add(standard, "reset equals a fresh instance", check_reset, once);

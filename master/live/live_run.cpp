@@ -209,7 +209,7 @@ std::string LiveRun::set(const std::string& variable, const std::string& value) 
 
 void LiveRun::save_scenario() const {
   master::write_whole(run_->options().out / "live_scenario.json",
-                      Json({{"text", "What was set by hand while it ran"}, {"scenario", scenario_}}).dump(2) + "\n");
+                      Json({{"text", "Values set by hand during the run"}, {"scenario", scenario_}}).dump(2) + "\n");
 }
 
 std::string Mailbox::ask(Question question, std::chrono::milliseconds patience) {

@@ -173,7 +173,7 @@ void CsvReader::take_quoted() {
     doubled = true;
   }
   if (at_ == std::string_view::npos) {
-    fail_line(ErrorCode::syntax_error, "a quotation mark is opened here and never closed");
+    fail_line(ErrorCode::syntax_error, "a quotation mark that begins here is not closed");
   }
   auto cell = text_.substr(first, at_ - first);
   next_line_ += static_cast<std::size_t>(std::ranges::count(cell, '\n'));

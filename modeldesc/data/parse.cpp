@@ -166,7 +166,7 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool open(Kind kind) {
     if (open_.size() == Document::kDeepest) {
       refuse(ErrorCode::syntax_error, next_token(),
-             fmt::format("this is nested more than {} levels deep, which no file of MEbots needs", Document::kDeepest));
+             fmt::format("this is nested more than {} levels deep; no file of MEbots needs more", Document::kDeepest));
     }
     begin_value(kind);
     open_.push_back({values_.size() - 1});

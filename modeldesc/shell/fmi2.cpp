@@ -240,7 +240,8 @@ fmi2Status fmi2CancelStep(fmi2Component component) {
 
 fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind kind, fmi2Status* value) {
   return guarded2(component, call::kGetStatus, [&](Instance& instance) {
-    if (kind != fmi2DoStepStatus) throw Error("only fmi2DoStepStatus is a status; use the function for the other kind");
+    if (kind != fmi2DoStepStatus)
+      throw Error("only fmi2DoStepStatus is a status; use the function for the type of the requested value");
     checked(value, "value") = to_fmi2(instance.last_step_status());
   });
 }
@@ -248,7 +249,7 @@ fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind kind, fmi2Statu
 fmi2Status fmi2GetRealStatus(fmi2Component component, fmi2StatusKind kind, fmi2Real* value) {
   return guarded2(component, call::kGetRealStatus, [&](Instance& instance) {
     if (kind != fmi2LastSuccessfulTime)
-      throw Error("only fmi2LastSuccessfulTime is a Real; use the function for the other kind");
+      throw Error("only fmi2LastSuccessfulTime is a Real; use the function for the type of the requested value");
     checked(value, "value") = instance.time_s();
   });
 }
@@ -260,7 +261,8 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component component, fmi2StatusKind /*kind*/
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2StatusKind kind, fmi2Boolean* value) {
   return guarded2(component, call::kGetBooleanStatus, [&](Instance&) {
-    if (kind != fmi2Terminated) throw Error("only fmi2Terminated is a Boolean; use the function for the other kind");
+    if (kind != fmi2Terminated)
+      throw Error("only fmi2Terminated is a Boolean; use the function for the type of the requested value");
     checked(value, "value") = fmi2False;  // this FMU never ends the simulation
   });
 }
@@ -268,7 +270,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component component, fmi2StatusKind kind, fm
 fmi2Status fmi2GetStringStatus(fmi2Component component, fmi2StatusKind kind, fmi2String* value) {
   return guarded2(component, call::kGetStringStatus, [&](Instance&) {
     if (kind != fmi2PendingStatus)
-      throw Error("only fmi2PendingStatus is a String; use the function for the other kind");
+      throw Error("only fmi2PendingStatus is a String; use the function for the type of the requested value");
     checked(value, "value") = "";  // a step is never pending
   });
 }

@@ -104,9 +104,10 @@ void check_may_set(const Instance& instance, Rows rows) {
     if (row == variables.size()) throw Error("time is the independent variable, which steps move");
     if (variables[row].is_structural == configures) continue;
     const std::string_view name = variables[row].name;
-    throw Error(configures
-                    ? fmt::format("{} is no structural parameter: leave configuration mode to set it", name)
-                    : fmt::format("{} is a structural parameter: call fmi3EnterConfigurationMode to set it", name));
+    throw Error(
+        configures
+            ? fmt::format("{} is not a structural parameter: leave configuration mode before you set it", name)
+            : fmt::format("{} is a structural parameter: call fmi3EnterConfigurationMode before you set it", name));
   }
 }
 

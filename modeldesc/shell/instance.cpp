@@ -253,7 +253,7 @@ std::size_t Instance::elements_of(const Variable& variable) const {
 }
 
 const std::filesystem::path& Instance::resources() const {
-  if (resources_.empty()) throw Error("the importing tool gave no path of the FMU's resources");
+  if (resources_.empty()) throw Error("the importing tool passed no path of the FMU's resources");
   return resources_;
 }
 
@@ -331,7 +331,7 @@ void Instance::restore(const SavedState& saved) {
     if (saved.layout != layout)
       throw Error(
           ErrorCode::state_of_other_build,
-          fmt::format("the state was saved by another build of {}, whose variables lie otherwise (layout {:016x} "
+          fmt::format("the state was saved by another build of {}, whose variables have another layout (layout {:016x} "
                       "there, {:016x} here); restore it with that build, or run from the start again",
                       definition_.model_identifier, saved.layout, layout));
   };

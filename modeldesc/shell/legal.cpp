@@ -22,7 +22,7 @@ constexpr std::array<StateText, 8> kStates = {{
     {State::step_failed, "step failed", "call {0}Reset to start over, or {0}FreeInstance"},
     {State::configuration, "configuration mode", "call {0}ExitConfigurationMode first"},
     {State::terminated, "terminated", "call {0}Reset to start over, or {0}FreeInstance"},
-    {State::error, "error", "read the error before this one; then {0}Reset, {1} or {0}FreeInstance"},
+    {State::error, "error", "see the previous error; then {0}Reset, {1} or {0}FreeInstance"},
     {State::fatal, "fatal", "this instance can no longer be used"},
 }};
 

@@ -45,8 +45,8 @@ Unit read_unit(const Element& element) {
     unit.factor = base.real("factor").value_or(1);
     unit.offset = base.real("offset").value_or(0);
     if (unit.factor == 0 || !std::isfinite(unit.factor) || !std::isfinite(unit.offset))
-      base.fail(fmt::format("the unit \"{}\" has the factor {} and the offset {}, which convert nothing", unit.name,
-                            unit.factor, unit.offset));
+      base.fail(fmt::format("the unit \"{}\" has the factor {} and the offset {}, which define no conversion",
+                            unit.name, unit.factor, unit.offset));
   }
   element.each_child("DisplayUnit", [&](const Element& display) {
     unit.display_units.push_back(

@@ -155,7 +155,7 @@ class UnitParser {
     if (text_.size() > kLongest) fail(fmt::format("longer than {} characters", kLongest));
     expression(1);
     if (at_ < text_.size()) {
-      fail(text_[at_] == '/' ? "a second '/'; put what is below the line into brackets, as in J/(kg.K)"
+      fail(text_[at_] == '/' ? "a second '/'; put the denominator into brackets, as in J/(kg.K)"
                              : expected("'.' or '/'"));
     }
     return std::move(factors_);
@@ -179,7 +179,7 @@ class UnitParser {
       close();
     } else {
       factor(-sign);
-      if (peek() == '.') fail("a product behind '/'; put what is below the line into brackets, as in J/(kg.K)");
+      if (peek() == '.') fail("a product behind '/'; put the denominator into brackets, as in J/(kg.K)");
     }
   }
 
@@ -224,7 +224,7 @@ class UnitParser {
   }
 
   std::string expected(std::string_view what) const {
-    return at_ == 0 ? fmt::format("{} is expected at its start", what)
+    return at_ == 0 ? fmt::format("{} is expected at the start", what)
                     : fmt::format("{} is expected behind '{}'", what, text_.substr(0, at_));
   }
   [[noreturn]] void fail(const std::string& why) const {

@@ -149,7 +149,7 @@ std::string xml_as_utf8(std::string_view bytes, std::string_view source) {
   text.reserve(bytes.size());
   if (!converter.convert(bytes, text)) {
     throw Error(ErrorCode::syntax_error,
-                fmt::format("{}, line {}: there are bytes that are no {} text; save the file in UTF-8", source,
+                fmt::format("{}, line {}: there are bytes that are not {} text; save the file in UTF-8", source,
                             line_of(text, static_cast<std::ptrdiff_t>(text.size())), encoding));
   }
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);

@@ -159,7 +159,7 @@ TEST_F(DataFile, ConverterTableThatCannotBeInvertedIsRefused) {
   write(R"({"core": {"source": "x", "output_voltage": {"value": 1, "unit": "V", "source": "x"},
             "output_current": {"unit": "A", "value": [0.1, 0.2]}, "efficiency": {"unit": "1", "value": [0.1, 0.9]}}})");
   EXPECT_THAT(error_of([&] { load_converter(path, "core", "soc.converter"); }),
-              HasSubstr("more output would need less input"));
+              HasSubstr("a larger output would need a smaller input"));
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST_F(CheckDescription, CombinationsOfCausalityVariabilityInitialAndStart) {
   EXPECT_THAT(
       and_variable(
           R"(<ScalarVariable name="p" valueReference="9" causality="parameter" variability="fixed" initial="calculated"><Real/></ScalarVariable>)"),
-      Contains(HasSubstr("initial calculated does not go with causality parameter")));
+      Contains(HasSubstr("initial calculated is not compatible with causality parameter")));
   EXPECT_THAT(
       and_variable(
           R"(<ScalarVariable name="p" valueReference="9" causality="parameter" variability="fixed"><Real/></ScalarVariable>)"),

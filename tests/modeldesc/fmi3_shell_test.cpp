@@ -208,7 +208,7 @@ TEST(Fmi3Shell, ReadsAndSetsArraysAsAWhole) {
 TEST(Fmi3Shell, AStructuralParameterChangesTheSizeOfArrays) {
   Instance3 bank(Fmu3::bank());
   EXPECT_EQ(bank.set<std::uint64_t>(CALL(Fmu3::bank(), fmi3SetUInt64), "lines", {3}), fmi3Error);
-  EXPECT_THAT(bank.last_message(), HasSubstr("call fmi3EnterConfigurationMode to set it"));
+  EXPECT_THAT(bank.last_message(), HasSubstr("call fmi3EnterConfigurationMode before you set it"));
   bank.set_lines(4);
   ASSERT_EQ(bank.set_numbers("line.u", {1, 1, 1, 1}), fmi3OK) << bank.last_message();
   bank.start();
@@ -230,7 +230,7 @@ TEST(Fmi3Shell, ConfigurationModeSetsStructuralParametersOnlyAndChecksThem) {
   Instance3 bank(fmu);
   ASSERT_EQ(CALL(fmu, fmi3EnterConfigurationMode)(bank.handle()), fmi3OK);
   EXPECT_EQ(bank.set_numbers("line.initial", {1, 2}), fmi3Error);
-  EXPECT_THAT(bank.last_message(), HasSubstr("leave configuration mode to set it"));
+  EXPECT_THAT(bank.last_message(), HasSubstr("leave configuration mode before you set it"));
   EXPECT_EQ(bank.set<std::uint64_t>(CALL(fmu, fmi3SetUInt64), "lines", {5}), fmi3Error);
   EXPECT_THAT(bank.last_message(), HasSubstr("lines = 5 is above its maximum of 4"));
   EXPECT_EQ(bank.set<std::uint64_t>(CALL(fmu, fmi3SetUInt64), "lines", {~std::uint64_t{0}}), fmi3Error);
@@ -239,7 +239,7 @@ TEST(Fmi3Shell, ConfigurationModeSetsStructuralParametersOnlyAndChecksThem) {
   EXPECT_THAT(bank.last_message(), HasSubstr("not allowed in state 'configuration mode'"));
   Instance3 lag(Fmu3::lag());
   EXPECT_EQ(CALL(Fmu3::lag(), fmi3EnterConfigurationMode)(lag.handle()), fmi3Error);
-  EXPECT_THAT(lag.last_message(), HasSubstr("no structural parameter"));
+  EXPECT_THAT(lag.last_message(), HasSubstr("not a structural parameter"));
 }
 
 TEST(Fmi3Shell, KeepsACopyOfBinariesAndSavesIt) {

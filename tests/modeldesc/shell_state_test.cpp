@@ -204,7 +204,8 @@ TEST(ShellState, IsRefusedIfAnotherBuildHasAnotherLayout) {
   Lag fresh;
   for (Lag* const instance : {&fresh, &lag}) {
     EXPECT_EQ(library().set_fmu_state(instance->component(), state), fmi2Error);
-    EXPECT_THAT(instance->last_message(), HasSubstr("saved by another build of lag, whose variables lie otherwise"));
+    EXPECT_THAT(instance->last_message(),
+                HasSubstr("saved by another build of lag, whose variables have another layout"));
   }
   ASSERT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);
   drive(lag, 5, 6);  // it has changed nothing

@@ -99,7 +99,7 @@ TEST_F(RotorFile, SpeedThatDoesNotRiseIsRefused) {
 
 TEST_F(RotorFile, TableThatDoesNotBeginAtRestIsRefused) {
   json["steady_speed"]["effective_voltage"]["value"][0] = 0.1;
-  EXPECT_THAT(refused(), HasSubstr("/steady_speed/effective_voltage/value/0: this must be 0, the standstill"));
+  EXPECT_THAT(refused(), HasSubstr("/steady_speed/effective_voltage/value/0: this must be 0, for standstill"));
 }
 
 TEST_F(RotorFile, EfficiencyAboveOneIsRefused) {

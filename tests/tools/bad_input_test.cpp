@@ -63,10 +63,12 @@ TEST_F(BadInput, IsRefusedOnTheCommandLine) {
 }
 
 TEST_F(BadInput, IsRefusedIfTheFlashFileOrTheFlashIsMissing) {
-  expect_refused(fmt::format("run {} --board gap8 --flash /nowhere", program_), "--flash /nowhere: this is not a file");
+  expect_refused(fmt::format("run {} --board gap8 --flash /nowhere", program_),
+                 "--flash /nowhere: this is not a readable file");
   expect_refused(fmt::format("run {} --board gap8 --flash /dev/zero", program_),
-                 "--flash /dev/zero: this is not a file");
-  expect_refused(fmt::format("run {} --board ri5cy --flash {}", program_, folder_ / "flash"), "this is not a file");
+                 "--flash /dev/zero: this is not a readable file");
+  expect_refused(fmt::format("run {} --board ri5cy --flash {}", program_, folder_ / "flash"),
+                 "this is not a readable file");
   write_file(folder_ / "flash", "x");
   expect_refused(fmt::format("run {} --board ri5cy --flash {}", program_, folder_ / "flash"),
                  "board ri5cy has no device of kind gap8_udma");
@@ -76,7 +78,7 @@ TEST_F(BadInput, IsRefusedIfPicturesAreMissingOrDoNotFitTheCamera) {
   const auto with = [&](std::string_view board) {
     return fmt::format("run {} --board {} --pictures {}", program_, board, folder_ / ".");
   };
-  expect_refused(fmt::format("run {} --board gap8 --pictures /nowhere", program_), "this is not a folder");
+  expect_refused(fmt::format("run {} --board gap8 --pictures /nowhere", program_), "this is not a readable folder");
   expect_refused(with("gap8"), "there is no .png or .pgm file");
   write_file(folder_ / "a.pgm", "P2 1 1 255 0");
   expect_refused(with("gap8"), "a.pgm: this is not a binary PGM");

@@ -220,13 +220,13 @@ TEST(Ram, ThatIsNoneIsRefused) {
   const Folder folder;
   const auto program = folder.program("_start: j _start");
   for (const auto& [options, says] : std::initializer_list<std::pair<std::string, std::string>>{
-           {"--ram 64M", "this is no range of memory; give an address and a size, such as 0x80000000:64M"},
-           {"--ram 0x80000000:x", "this is no range"},
+           {"--ram 64M", "this is not a range of memory; give an address and a size, such as 0x80000000:64M"},
+           {"--ram 0x80000000:x", "this is not a range"},
            {"--ram 0x80000000:0", "must be multiples of 4"},
            {"--ram 0xf0000000:1G", "passes the end of the 32-bit address space"},
            {"--board virt --ram 0x10000000:4K", "device uart of the board is at 0x10000000"},
-           {"--max-time 5lightyears", "--max-time 5lightyears: this is no time"},
-           {"--timeout -1", "this is no time"},
+           {"--max-time 5lightyears", "--max-time 5lightyears: this is not a time"},
+           {"--timeout -1", "this is not a time"},
            {"--console telex", "there are stdio and pty"},
            {"argument", "which only --user passes on"}}) {
     const auto run = run_tool(fmt::format("run {} {}", program, options));
@@ -252,8 +252,7 @@ TEST(Limits, OfTheHostsTimeEndTheRun) {
 
 TEST(Limits, DoNotHideThatACoreSpinsOrSleeps) {
   EXPECT_THAT(run_program("_start: j _start", "--max-time 1s").err, HasSubstr("an endless jump to itself"));
-  EXPECT_THAT(run_program("_start: wfi\nj _start", "--timeout 50s").err,
-              HasSubstr("nothing is left that could wake the core"));
+  EXPECT_THAT(run_program("_start: wfi\nj _start", "--timeout 50s").err, HasSubstr("no event can wake it"));
 }
 
 TEST(Messages, ReportTheFirstExceptionOfAHandlerThatSleeps) {
@@ -284,7 +283,7 @@ TEST(Virt, FinisherGivesTheExitCode) {
   }
   const auto reset = run_program(finishing(0x7777), "--board virt");
   EXPECT_EQ(reset.exit_code, 101);
-  EXPECT_THAT(reset.err, HasSubstr("asks the test finisher for a reset (0x7777), which is not modelled"));
+  EXPECT_THAT(reset.err, HasSubstr("requested a reset from the test finisher (0x7777), which is not modelled"));
   const auto other = run_program(finishing(0x1234), "--board virt");
   EXPECT_EQ(other.exit_code, 101);
   EXPECT_THAT(other.err, HasSubstr("ignores 0x00001234"));

@@ -122,9 +122,10 @@ TEST(Run, NamesLinesAndCallersOfFailingFirmwareInCxx) {
                                         MEBOTS_BINARY_DIR, MEBOTS_SOURCE_DIR));
   EXPECT_EQ(run.exit_code, 255) << run.out << run.err;
   EXPECT_THAT(run.out, HasSubstr("2 gauges, level 42"));
-  EXPECT_THAT(run.err,
-              HasSubstr("the program's own handler gave up, with exit code 255, after load access fault (mcause "
-                        "5, mtval 0x40000000)"));
+  EXPECT_THAT(
+      run.err,
+      HasSubstr("the program's own handler ended the program with exit code 255, after load access fault (mcause "
+                "5, mtval 0x40000000)"));
   EXPECT_THAT(run.err, HasSubstr("in (anonymous namespace)::Gauge::read() const+0x"));
   EXPECT_THAT(run.err, HasSubstr("(main.cpp:18): "));
   EXPECT_THAT(run.err, HasSubstr("called from (anonymous namespace)::look("));
@@ -157,7 +158,7 @@ TEST(Run, EndsWithTheReasonIfACoreCannotWakeUp) {
   const auto run = run_program("_start: nop\nwfi\n1: j 1b");
   EXPECT_EQ(run.exit_code, 101);
   EXPECT_THAT(run.err, HasSubstr("at pc 0x80000006"));
-  EXPECT_THAT(run.err, HasSubstr("nothing is left that could wake the core"));
+  EXPECT_THAT(run.err, HasSubstr("no event can wake it"));
 }
 
 TEST(Run, SaysAtTheLimitWhenTheCoreSpins) {

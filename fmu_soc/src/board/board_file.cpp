@@ -106,7 +106,8 @@ void read_instruction_cache(const Node& node, BoardInstructionCaches& caches) {
         .fail(ErrorCode::invalid_value, "the fabric controller has the clock of the SoC: add them to refill_cycles");
   }
   if (place == Place::fabric_controller && cache.invalid_ways_first) {
-    node.at("invalid_ways_first").fail(ErrorCode::invalid_value, "only the cluster's cache can be so; leave it out");
+    node.at("invalid_ways_first")
+        .fail(ErrorCode::invalid_value, "only the cluster's cache has this property; leave it out");
   }
   auto& taken = caches[static_cast<std::size_t>(place)];
   if (taken.size != 0) {
@@ -204,7 +205,7 @@ void check_parts(const Node& root, const BoardDescription& board) {
         if (std::ranges::find(loads, load) == loads.end()) {
           nodes[k].complain_unknown("the part or regulator before this one", load, loads);
         } else if (!supplied.insert(load).second) {
-          nodes[k].complain(ErrorCode::duplicate_name, fmt::format("{} hangs on a regulator already", load));
+          nodes[k].complain(ErrorCode::duplicate_name, fmt::format("{} already has a regulator", load));
         }
       }
     }

@@ -69,7 +69,7 @@ BoardRegister read_register(const Node& node, std::set<std::string>& names) {
   object.finish();
   if (object.sound() && (entry.least || entry.most) && entry.sends.empty()) {
     node.complain(ErrorCode::invalid_value,
-                  fmt::format("{} has limits: they need a variable that it sends", entry.name));
+                  fmt::format("{} has limits, but only a register that sends a variable can have them", entry.name));
   }
   return entry;
 }
@@ -184,14 +184,14 @@ void check_sender(const Node& node, const BoardDevice& device, const BoardRegist
   const auto entry = entry_of(node, reg);
   if (reg.access == "r" || !reg.shows.empty()) {
     entry.complain(ErrorCode::invalid_value,
-                   fmt::format("{} sends a variable: it must be writable and show nothing", reg.name));
+                   fmt::format("{} sends a variable: it must be writable, and must not show a variable", reg.name));
   }
   const auto known = numbers_of(device, false);
   if (std::ranges::find(known, reg.sends) == known.end()) {
     nearest(entry, {"sends"}).complain_unknown("the device's output", reg.sends, known);
   }
   if (std::ranges::find(device.opcodes, reg.name, &BoardOpcode::register_name) != device.opcodes.end()) {
-    entry.complain(ErrorCode::invalid_value, fmt::format("{} sends a variable: it must take no opcodes", reg.name));
+    entry.complain(ErrorCode::invalid_value, fmt::format("{} sends a variable: it must have no opcodes", reg.name));
   }
 }
 
@@ -231,7 +231,7 @@ void check_commit(const Node& node, const BoardDevice& device, const BoardRegist
       std::ranges::find(device.opcodes, reg.name, &BoardOpcode::register_name) != device.opcodes.end();
   if (reg.access != "w" || !reg.shows.empty() || !reg.sends.empty() || takes_opcodes) {
     entry.complain(ErrorCode::invalid_value,
-                   fmt::format("{} commits: its access must be w, and it must do nothing else", reg.name));
+                   fmt::format("{} commits: its access must be w, and it must have no other effect", reg.name));
   }
   if (std::ranges::all_of(device.registers, [](const auto& other) { return other.sends.empty(); })) {
     entry.complain(ErrorCode::invalid_value, fmt::format("{} commits: no register of the device sends", reg.name));

@@ -44,7 +44,7 @@ inline auto new_name(std::set<std::string>& taken) {
   return [&taken](const data::Node& node) {
     auto name = read_name(node);
     if (!taken.insert(name).second) {
-      node.fail(ErrorCode::duplicate_name, fmt::format("the name \"{}\" is taken by another one", name));
+      node.fail(ErrorCode::duplicate_name, fmt::format("the name \"{}\" is already used", name));
     }
     return name;
   };

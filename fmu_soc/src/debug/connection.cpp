@@ -27,7 +27,7 @@ constexpr std::size_t kLongestPacket = 1U << 20;
 constexpr int kRefusalMs = 1000;
 /// gdb shows the text after "E." of the reply to its first packet.
 constexpr std::string_view kBusy =
-    "E.another debugger is connected to this run: wait until it has gone, and call again";
+    "E.another debugger is connected to this run: wait until it disconnects, and connect again";
 
 /// Returns whether something can be read or accepted within `timeout_ms`.
 bool is_readable(const Socket& socket, int timeout_ms) {

@@ -209,7 +209,7 @@ std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const Sectio
   const auto section = std::ranges::find(sections, kSymbolTable, &SectionHeader::type);
   if (section == sections.end()) return symbols;
   if (section->link >= sections.size())
-    file.fail(fmt::format("symbol table names section {}, which is not there", section->link));
+    file.fail(fmt::format("the symbol table refers to section {}, which does not exist", section->link));
   const auto& strings_header = sections[section->link];
   const auto strings = file.part(strings_header.offset, strings_header.size, "the symbol names");
   const auto table = file.part(section->offset, section->size, "the symbol table");
@@ -228,7 +228,7 @@ std::vector<ElfSymbol> read_symbols(const ElfBytes& file, std::span<const Sectio
     if (entry.name == 0 || entry.section == kUndefined || type > kFunction)
       continue;  // names of sections and files are skipped, too
     if (entry.name >= text.size())
-      file.fail(fmt::format("symbol {} has its name outside the names", at / sizeof entry));
+      file.fail(fmt::format("the name of symbol {} is outside of the string table", at / sizeof entry));
     const auto end = *std::lower_bound(ends.begin(), ends.end(), entry.name);
     const auto name = text.substr(entry.name, end - entry.name);
     if (!name.empty() && !is_unnamed(name)) {

@@ -83,7 +83,7 @@ Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resou
   if (parameters.firmware.empty()) {
     if (firmware_inside().empty()) {
       throw Error(fmt::format(
-          "firmware = \"\": this FMU has board {} and no program inside; give the path of an ELF file for it",
+          "firmware = \"\": this FMU has board {} and contains no program; set it to the path of an ELF file",
           MEBOTS_SOC_BOARD));
     }
     return Elf::read(resources / firmware_inside());
@@ -158,7 +158,7 @@ void Model::start(std::int64_t start_ns) {
 void Model::step(std::int64_t start_ns, std::int64_t duration_ns) {
   if (duration_ns > kLongestNs - (start_ns - origin_ns_)) {
     throw Error(fmt::format(
-        "the step would end more than {} s after its start, where the chip's time of whole picoseconds ends",
+        "the step would end more than {} s after its start; the chip's time in picoseconds cannot represent that",
         kLongestNs / 1'000'000'000));
   }
   take_inputs();

@@ -14,8 +14,8 @@ void Decisions::picture_stored(const PictureTimes& times, const CoreWork& work) 
   // The times come from devices of any library.
   if (times.asked > times.exposed || times.exposed > times.read_out || times.read_out > times.stored) {
     throw Error(fmt::format(
-        "picture_stored(): a device of the board says that its picture was asked for at {} ps, exposed from "
-        "{} ps, read out from {} ps and stored at {} ps; give these times in their order",
+        "picture_stored(): a device of the board says that its picture was requested at {} ps, exposed from "
+        "{} ps, read out from {} ps and stored at {} ps; these times must not decrease",
         times.asked, times.exposed, times.read_out, times.stored));
   }
   if (sender_.empty()) return;

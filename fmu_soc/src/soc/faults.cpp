@@ -119,8 +119,8 @@ std::string Soc::fault_text() const {
   if (!giver && !fault.happened) return {};
   const auto whose = core == kFabricControllerCore ? "" : fmt::format("cluster core {}: ", core);
   if (giver) {
-    return fmt::format("{}the program's own handler gave up, with exit code {}, after {}{}", whose, exit_code(),
-                       text_of(fault.first, *this, ender), stack_text(fault.first, program_, memory()));
+    return fmt::format("{}the program's own handler ended the program with exit code {}, after {}{}", whose,
+                       exit_code(), text_of(fault.first, *this, ender), stack_text(fault.first, program_, memory()));
   }
   auto text = fmt::format("{}{}: {}", whose,
                           fault.double_trap ? "an exception in its own trap handler" : "trap without a handler",

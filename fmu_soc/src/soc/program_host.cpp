@@ -30,8 +30,8 @@ bool has_upper_half(const Elf& program, std::uint32_t tohost) {
 
 void ProgramHost::watch(std::uint32_t address) {
   if (hardware_.memory().find(address, 4) == nullptr) {
-    throw Error(fmt::format("{}: its symbol tohost is at 0x{:08x}, where there is no memory to watch",
-                            program_.origin(), address));
+    throw Error(
+        fmt::format("{}: its symbol tohost is at 0x{:08x}, where the board has no memory", program_.origin(), address));
   }
   stop_word_ = address;
   has_upper_half_ = has_upper_half(program_, address) && hardware_.memory().find(address, kCommandSize) != nullptr;

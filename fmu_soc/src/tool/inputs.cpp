@@ -124,7 +124,7 @@ void add_ram(BoardDescription& board, const std::string& text) {
   const auto colon = text.find(':');
   const auto base = read_size(std::string_view(text).substr(0, colon));
   const auto size = colon == std::string::npos ? std::nullopt : read_size(std::string_view(text).substr(colon + 1));
-  if (!base || !size) refuse_ram(text, "this is no range of memory");
+  if (!base || !size) refuse_ram(text, "this is not a range of memory");
   if (*size == 0 || *size % 4 != 0 || *base % 4 != 0) refuse_ram(text, "address and size must be multiples of 4");
   if (*base + *size > kAddressSpace) refuse_ram(text, "this passes the end of the 32-bit address space");
   if (*size > kMost) refuse_ram(text, fmt::format("a memory has at most {} MiB", kMost / kMiB));
@@ -156,7 +156,7 @@ Picoseconds time_of(std::string_view option, const std::string& text) {
   const auto* const found = std::ranges::find(kUnits, unit, &std::pair<std::string_view, double>::first);
   const auto time_ps = found == kUnits.end() ? 0 : value * found->second;
   if (error != std::errc() || !(time_ps >= 1) || time_ps > kLongestNs * 1e3) {
-    throw Error(fmt::format("{} {}: this is no time; give seconds, or a number with s, ms, us or ns, such as 2.5ms",
+    throw Error(fmt::format("{} {}: this is not a time; give seconds, or a number with s, ms, us or ns, such as 2.5ms",
                             option, text));
   }
   return std::llround(time_ps);
@@ -227,7 +227,7 @@ GreyPicture read_pgm(const std::filesystem::path& path) {
   const auto width = number_of_head(file);
   const auto height = number_of_head(file);
   const auto most = number_of_head(file);
-  if (!file || most != 255) refuse(path, "the head of a PGM with 255 greys is \"P5 WIDTH HEIGHT 255\"");
+  if (!file || most != 255) refuse(path, "the header of a PGM with 255 grey levels is \"P5 WIDTH HEIGHT 255\"");
   if (std::uint64_t{width} * height > kMostPixels) {
     refuse(path, fmt::format("{} x {} pixels are too many", width, height));
   }
@@ -249,7 +249,7 @@ std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path
     const auto extension = entry.path().extension();
     if (extension == ".png" || extension == ".pgm") paths.push_back(entry.path());
   }
-  if (error) refuse(folder, "this is not a folder that can be read");
+  if (error) refuse(folder, "this is not a readable folder");
   if (paths.empty()) refuse(folder, "there is no .png or .pgm file in this folder");
   std::ranges::sort(paths);
   std::vector<std::vector<std::uint8_t>> pictures;

@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
     if (mark != last) options.arguments.insert(options.arguments.end(), mark + 1, last);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    fmt::print(stderr, "mebots-soc: {}. `mebots-soc run --help` tells what it takes\n", error.what());
+    fmt::print(stderr, "mebots-soc: {}. `mebots-soc run --help` lists its options\n", error.what());
     return kBadInput;
   }
   try {

@@ -47,7 +47,7 @@ void add_options(CLI::App& command, Options& options) {
       ->type_name("ARGUMENT");
   command
       .add_option("--board", options.board,
-                  "Board file, or the name of one of MEbots' own; without one: RAM around the program's segments")
+                  "Board file, or name of a shipped board; default: only RAM around the program's segments")
       ->type_name("BOARD");
   command
       .add_option("--core", options.core,
@@ -69,7 +69,7 @@ void add_options(CLI::App& command, Options& options) {
       .add_option("--devices", options.device_folders,
                   "Folder with the libraries of devices that the board names; default: the folder of the board")
       ->type_name("FOLDER");
-  command.add_option("--flash", options.flash, "What the board's flash holds at the start")->type_name("FILE");
+  command.add_option("--flash", options.flash, "Initial content of the board's flash")->type_name("FILE");
   command
       .add_option("--pictures", options.pictures,
                   "Folder of what the board's camera sees: .png and .pgm files, one a picture, in the order of their "

@@ -53,7 +53,7 @@ std::optional<std::string> bytes_of(const std::string& path) {
 
 std::vector<std::uint8_t> read_flash(const std::string& path) {
   const auto bytes = bytes_of(path);
-  if (!bytes) throw Error(fmt::format("--flash {}: this is not a file that can be read", path));
+  if (!bytes) throw Error(fmt::format("--flash {}: this is not a readable file", path));
   return {bytes->begin(), bytes->end()};
 }
 
@@ -177,7 +177,7 @@ std::string reason_text(const Soc& soc, const Options& options, Reached reached)
     case Reached::none:
       break;
   }
-  if (soc.hart().sleeping()) return "nothing is left that could wake the core, which sleeps";
+  if (soc.hart().sleeping()) return "the core sleeps, and no event can wake it";
   return "endless loop";
 }
 

@@ -311,7 +311,7 @@ HostReply SystemCalls::serve(std::uint32_t number, std::span<const std::uint32_t
     case Call::exit_group:
       return HostReply::exit(arguments[0]);
     case Call::kill:
-      report_once(fmt::format("the program ends itself by signal {}", arguments[1]));
+      report_once(fmt::format("the program ended itself with signal {}", arguments[1]));
       return HostReply::exit(kSignalled + arguments[1]);
     case Call::getpid:
       return result(1);

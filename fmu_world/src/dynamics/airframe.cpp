@@ -19,8 +19,8 @@ Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg) {
   Eigen::Vector3d inertia = drone.inertia_kg_m2 + (mass_kg - drone.reference_mass_kg) * per_mass_m2;
   if (!(inertia.minCoeff() > 0.0)) {
     throw Error(
-        fmt::format("drone.dry_mass + cell.mass = {} kg: drone \"{}\" has no positive inertia left at this mass; "
-                    "its inertia holds for {} kg",
+        fmt::format("drone.dry_mass + cell.mass = {} kg: drone \"{}\" would have no positive inertia at this mass; "
+                    "its inertia is that of {} kg",
                     mass_kg, drone.name, drone.reference_mass_kg));
   }
   return inertia;

@@ -204,8 +204,7 @@ class RigidWorld::Impl {
 
   static void require_moderate(const char* what, double value) {
     if (value < kMost) return;
-    throw Error(fmt::format("{} is {}, and a step is possible below {} only; look at inputs and parameters", what,
-                            value, kMost));
+    throw Error(fmt::format("{} is {}, but must be below {}; check inputs and parameters", what, value, kMost));
   }
 
   static void check(const Drone& drone, const RigidState& state, const Eigen::Vector3d& force_W,

@@ -88,7 +88,7 @@ class GltfReader {
                : loader.LoadASCIIFromString(&model_, &error, &warning, bytes.data(), size, folder);
     if (!read) refuse(fmt::format("not a glTF 2.0 file: {}", one_line(error)));
     if (!model_.extensionsRequired.empty()) {
-      refuse(fmt::format("it requires the extension {}, which is not read here; export it without",
+      refuse(fmt::format("it requires the extension {}, which is not supported; export the file without it",
                          model_.extensionsRequired.front()));
     }
   }
@@ -139,8 +139,8 @@ class GltfReader {
   }
 
   void add_node(int index, const Eigen::Affine3d& parent, int depth) {
-    if (++nodes_ > kMostNodes) refuse(fmt::format("more than {} nodes, or nodes that hold each other", kMostNodes));
-    if (depth > kDeepest) refuse(fmt::format("its nodes hold each other more than {} deep", kDeepest));
+    if (++nodes_ > kMostNodes) refuse(fmt::format("more than {} nodes, or a cycle in the node hierarchy", kMostNodes));
+    if (depth > kDeepest) refuse(fmt::format("its nodes are nested more than {} deep", kDeepest));
     const tinygltf::Node& node = at(model_.nodes, index, "node");
     const Eigen::Affine3d transform = parent * transform_of(node);
     if (node.mesh >= 0) {
@@ -151,7 +151,8 @@ class GltfReader {
 
   Numbers numbers(int index, int components, std::initializer_list<int> types, const char* what) const {
     const tinygltf::Accessor& accessor = at(model_.accessors, index, "accessor");
-    if (accessor.sparse.isSparse) refuse(fmt::format("accessor {} is sparse; export it without", index));
+    if (accessor.sparse.isSparse)
+      refuse(fmt::format("accessor {} is sparse; export the file without sparse accessors", index));
     const int found = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
     if (found != components || std::find(types.begin(), types.end(), accessor.componentType) == types.end()) {
       refuse(fmt::format("accessor {} is not of a type that {} have", index, what));
@@ -176,7 +177,7 @@ class GltfReader {
 
   void add_primitive(const tinygltf::Primitive& primitive, const Eigen::Affine3d& transform) {
     if (primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != -1) {
-      refuse(fmt::format("a primitive of mode {}; triangles (4) are read", primitive.mode));
+      refuse(fmt::format("a primitive of mode {}; only triangles (4) are supported", primitive.mode));
     }
     const auto position = primitive.attributes.find("POSITION");
     if (position == primitive.attributes.end()) refuse("a primitive without POSITION");

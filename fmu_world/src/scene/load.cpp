@@ -110,7 +110,7 @@ void check_path(const Node& node, const Path& path) {
   const auto points = node.at("points").elements();
   if (path.points.size() < 2) {
     node.at("points").fail(ErrorCode::invalid_value,
-                           "a path needs two points or more; remove it from a thing that does not move");
+                           "a path needs two points or more; remove it from an object that does not move");
   }
   if (path.points.front().time_ns != 0)
     points[0].at("time").complain(ErrorCode::invalid_value, "a path begins at time 0");
@@ -205,10 +205,10 @@ Heights read_heights(const Node& node) {
   const auto rows = data::list_of(data::numbers(Limits::at_least(0.0)))(node);
   const auto elements = node.elements();
   if (rows.size() < 2 || rows.size() != elements.size()) {
-    node.fail(ErrorCode::invalid_value, "two rows of numbers are the least");
+    node.fail(ErrorCode::invalid_value, "at least two rows of numbers are needed");
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].size() < 2) elements[i].fail(ErrorCode::invalid_value, "two numbers are the least");
+    if (rows[i].size() < 2) elements[i].fail(ErrorCode::invalid_value, "at least two numbers are needed");
     if (rows[i].size() != rows[0].size()) {
       elements[i].fail(ErrorCode::invalid_value,
                        fmt::format("{} numbers for {} of the first row", rows[i].size(), rows[0].size()));
@@ -255,8 +255,8 @@ auto terrain_in(const File& folder) {
     if (heights.size() < 2 || heights[0].size() < 2 ||
         2 * (heights.size() - 1) * (heights[0].size() - 1) > kMostTriangles) {
       node.fail(ErrorCode::invalid_value,
-                fmt::format("a grid of {} x {} points; 2 x 2 are the least, and {} squares the most", heights[0].size(),
-                            heights.size(), kMostTriangles / 2));
+                fmt::format("a grid of {} x {} points; at least 2 x 2 points and at most {} squares are allowed",
+                            heights[0].size(), heights.size(), kMostTriangles / 2));
     }
     terrain.p_W_m = {corner.x(), corner.y(), 0.0};
     terrain.mesh = std::make_shared<const Mesh>(height_field(heights, spacing_m, texture));

@@ -45,7 +45,7 @@ std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
   object.finish();
   std::vector<ThrustPoint> curve;
   if (!object.sound()) return curve;
-  if (command.size() < 2) node.at("command").complain(ErrorCode::invalid_value, "two numbers are the least");
+  if (command.size() < 2) node.at("command").complain(ErrorCode::invalid_value, "at least two numbers are needed");
   if (thrust.size() != command.size()) {
     node.at("thrust").fail(ErrorCode::invalid_value, fmt::format("{} numbers for {} of command; each needs its own",
                                                                  thrust.size(), command.size()));
@@ -61,9 +61,10 @@ std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
 Eigen::Vector3d read_inertia(const Node& node) {
   Eigen::Vector3d j = sourced_vector("kg.m2", Limits::positive())(node);
   if (2.0 * j.maxCoeff() > j.sum()) {
-    node.fail(ErrorCode::invalid_value,
-              fmt::format("[{}, {}, {}] is not any body's: each moment is at most the sum of the other two", j.x(),
-                          j.y(), j.z()));
+    node.fail(
+        ErrorCode::invalid_value,
+        fmt::format("[{}, {}, {}] is impossible for a rigid body: each moment is at most the sum of the other two",
+                    j.x(), j.y(), j.z()));
   }
   return j;
 }
@@ -82,7 +83,7 @@ RangeData read_range(const Node& node) {
   object.finish();
   if (object.sound() && range.far_m <= range.near_m) {
     node.at("far").complain(ErrorCode::invalid_value,
-                            fmt::format("{} m is not farther than near, {} m", range.far_m, range.near_m));
+                            fmt::format("{} m must be greater than near, {} m", range.far_m, range.near_m));
   }
   return range;
 }
@@ -111,10 +112,11 @@ FlowData read_flow(const Node& node) {
   object.finish();
   if (object.sound() && most_counts(flow) > std::numeric_limits<std::int32_t>::max()) {
     node.at("resolution")
-        .complain(ErrorCode::invalid_value,
-                  fmt::format("a sample could have {:.3g} counts, more than 32 bits hold: make resolution coarser, or "
-                              "pixels_per_rad, fastest, noise or period smaller",
-                              most_counts(flow)));
+        .complain(
+            ErrorCode::invalid_value,
+            fmt::format("a sample could have {:.3g} counts, more than 32 bits can hold: use a coarser resolution, or "
+                        "reduce pixels_per_rad, fastest, noise or period smaller",
+                        most_counts(flow)));
   }
   return flow;
 }

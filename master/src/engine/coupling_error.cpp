@@ -71,13 +71,13 @@ const ResolvedConnection& half(const ResolvedSystem& system, const VariableName&
     throw InputError(
         ErrorCode::invalid_value,
         fmt::format("{}: the connection to '{}' lies within a continuous system, whose solver evaluates it "
-                    "at every step: the coupling makes no energy. Remove the bond",
+                    "at every step: the coupling creates no energy. Remove the bond",
                     place, input.text()));
   }
   if (connection == system.connections.end() || !connection->moves_real()) {
     throw InputError(ErrorCode::invalid_value,
-                     fmt::format("{}: '{}' is not a Real input with one connection; a bond's effort and flow are the "
-                                 "two inputs that take them",
+                     fmt::format("{}: '{}' is not a Real input with one connection; effort and flow of a bond are "
+                                 "two such inputs",
                                  place, input.text()));
   }
   return *connection;
@@ -146,11 +146,12 @@ PowerBond::PowerBond(const ResolvedSystem& system, Ensemble& ensemble, const Bon
   const auto& effort = half(system, description.effort, description.place);
   const auto& flow = half(system, description.flow, description.place);
   if (effort.from.instance != flow.to.instance || flow.from.instance != effort.to.instance) {
-    throw InputError(ErrorCode::invalid_value,
-                     fmt::format("{}: '{}' and '{}' are not a bond: the effort goes to '{}' and must come from the "
-                                 "instance that takes the flow, and the other way round",
-                                 description.place, description.effort.text(), description.flow.text(),
-                                 description.effort.instance));
+    throw InputError(
+        ErrorCode::invalid_value,
+        fmt::format("{}: '{}' and '{}' are not a bond: the effort goes to '{}' and must come from the "
+                    "instance that receives the flow; the flow must come from the instance that receives the effort",
+                    description.place, description.effort.text(), description.flow.text(),
+                    description.effort.instance));
   }
   const auto& effort_taker = *system.instances[effort.to.instance].description;
   const auto& flow_taker = *system.instances[flow.to.instance].description;

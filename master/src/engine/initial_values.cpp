@@ -105,8 +105,8 @@ void InitialValues::settle() {
 void InitialValues::fail(const std::string& what) const {
   const auto loop = initial_loop(*ensemble_.system_);
   throw Error(ErrorCode::algebraic_loop,
-              fmt::format("the initial values do not settle {}{}. Cut the loop, or give the FMUs other start values",
-                          what, loop.empty() ? "" : fmt::format("; they run in a loop: {}", loop)));
+              fmt::format("the initial values do not converge {}{}. Cut the loop, or give the FMUs other start values",
+                          what, loop.empty() ? "" : fmt::format("; their connections form a loop: {}", loop)));
 }
 
 bool InitialValues::sweep(int sweeps, bool hold_cuts) {

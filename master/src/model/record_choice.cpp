@@ -150,8 +150,8 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
       unwanted.use(name);
     }
   });
-  wanted.check("nothing that can be recorded", names);
-  unwanted.check("nothing that is recorded", names);
+  wanted.check("no variable that can be recorded", names);
+  unwanted.check("no recorded variable", names);
   return chosen;
 }
 

@@ -129,7 +129,7 @@ const AlgorithmKind& find_algorithm(const AlgorithmDescription& description) {
   }
   if (!found->takes_order && !description.order.empty()) {
     throw InputError(ErrorCode::invalid_value,
-                     fmt::format("'{}' steps all instances on the same values, so it has no order", found->name));
+                     fmt::format("'{}' steps all instances with the same values, so it has no order", found->name));
   }
   return *found;
 }

@@ -140,7 +140,7 @@ std::vector<std::string> Coupling::warnings() const {
     const double limit = bond.description().limit;
     if (bond.relative() <= limit) continue;
     warnings.push_back(fmt::format(
-        "the coupling {} energy in the bond '{}': {:.2g} of the energy that passed, more than its limit {:g}; {}",
+        "the coupling {} energy in the bond '{}': {:.2g} of the transferred energy, more than its limit {:g}; {}",
         bond.made() > 0 ? "made" : "lost", name, bond.relative(), limit, advice(bond.relative(), limit, bond.order())));
   }
   for (const auto& input : inputs_) {

@@ -95,7 +95,7 @@ class ConnectionCheck {
                        from_.type == Type::clock ? to_.name : from_.name));
     }
     if (to_.fmi3->timing->is_time_based()) {
-      fail(fmt::format("'{}' has a timing of its own and takes no ticks; connect a triggered Clock", to_.name));
+      fail(fmt::format("'{}' has its own timing and accepts no ticks; connect a triggered Clock", to_.name));
     }
     if (from_.fmi3->element || to_.fmi3->element) fail("arrays of Clocks are not supported");
   }

@@ -81,8 +81,8 @@ void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& not
   instance.tolerance = description.tolerance ? description.tolerance : usual.usable_tolerance();
   if (usual.tolerance && !instance.tolerance) {
     notices.push_back(
-        fmt::format("{}: its FMU has a default tolerance of {}, which is not passed to it: a tolerance "
-                    "is above 0. Set \"tolerance\" to pass one",
+        fmt::format("{}: its FMU has a default tolerance of {}, which is not passed to it, because a tolerance "
+                    "must be above 0. Set \"tolerance\" to pass one",
                     description.name, *usual.tolerance));
   }
 }
@@ -182,7 +182,7 @@ void note_open_inputs(ResolvedSystem& system) {
       if (open.empty() || open.back() != name) open.push_back(std::move(name));
     }
     if (open.empty()) continue;
-    system.notices.push_back(fmt::format("{}: not connected, so the FMU's start value holds: {}",
+    system.notices.push_back(fmt::format("{}: not connected, so the FMU's start value is used: {}",
                                          instance.description->name, fmt::join(open, ", ")));
   }
 }

@@ -285,7 +285,7 @@ void Run::attempt(Work work) {
     fail(ErrorCode::unspecified, error.what());
     throw;
   } catch (...) {
-    fail(ErrorCode::unspecified, "a listener threw something that is not an error");
+    fail(ErrorCode::unspecified, "a listener threw an object that is not an exception");
     throw;
   }
 }

@@ -351,8 +351,8 @@ void ContinuousSystem::iterate_event() {
   }
   throw Error(
       ErrorCode::not_converged,
-      fmt::format("{}: the event does not settle within {} updates of the discrete states; these instances need "
-                  "another one: {}",
+      fmt::format("{}: the event does not end within {} updates of the discrete states; these instances request "
+                  "another update: {}",
                   subject(), kMostUpdates, causes()));
 }
 
@@ -390,7 +390,7 @@ bool ContinuousSystem::propagate_in_event() {
     changed = true;
   }
   throw Error(ErrorCode::algebraic_loop,
-              fmt::format("{}: discrete values along the connections do not settle within {} transfers", subject(),
+              fmt::format("{}: discrete values along the connections still change after {} transfers", subject(),
                           kMostTransfers));
 }
 

@@ -198,10 +198,11 @@ Evaluation Wiring::settle_loop() {
     if (write(loop_) != Evaluation::ok) return Evaluation::recoverable;
     if (sweep > 0 && std::ranges::equal(before, inputs_, is_close)) return Evaluation::ok;
   }
-  throw Error(ErrorCode::algebraic_loop,
-              fmt::format("an algebraic loop does not settle within {} sweeps: {}. Cut the loop, for example by an FMU "
-                          "with a state",
-                          kMostSweeps, loop_path_));
+  throw Error(
+      ErrorCode::algebraic_loop,
+      fmt::format("an algebraic loop does not converge within {} sweeps: {}. Cut the loop, for example by an FMU "
+                  "with a state",
+                  kMostSweeps, loop_path_));
 }
 
 void Wiring::propagate(std::size_t member, std::size_t state, std::span<const std::size_t> first_states,

@@ -74,7 +74,7 @@ TEST(Clocks, AreRefusedWhereTheyCannotTick) {
   EXPECT_THAT(metronomes_refused(metronomes(R"({"from": "a.tock", "to": "b.heard"})")),
               HasSubstr("'tock' is a Clock and 'heard' is not"));
   EXPECT_THAT(metronomes_refused(metronomes(R"({"from": "a.tock", "to": "b.beat"})")),
-              HasSubstr("'beat' has a timing of its own"));
+              HasSubstr("'beat' has its own timing"));
   EXPECT_THAT(metronomes_refused(metronomes("", "", R"(, "process": "own")")), HasSubstr("'a' has clocks"));
 }
 

@@ -236,7 +236,7 @@ TEST(InitialLoops, ALoopWithoutSolutionIsReportedWithItsPath) {
     run.initialize();
     FAIL();
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("do not settle"),
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("do not converge"),
                                     HasSubstr("a.loop_in -> a.loop_out -> b.loop_in -> b.loop_out -> a.loop_in")));
   }
 }

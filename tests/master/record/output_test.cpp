@@ -75,7 +75,7 @@ TEST(Recorder, AnExclusionThatFitsNothingIsRefused) {
                 TestRun run(R"({"step": 0.1, "stop_time": 0.1, "instances": {"a": {"fmu": "PROBE"}},
                     "connections": [], "record": {"exclude": ["a.stepz"]}})");
               }),
-              testing::AllOf(HasSubstr("/record/exclude/0"), HasSubstr("nothing that is recorded fits 'a.stepz'"),
+              testing::AllOf(HasSubstr("/record/exclude/0"), HasSubstr("no recorded variable fits 'a.stepz'"),
                              HasSubstr("a.steps")));
 }
 

@@ -81,7 +81,7 @@ TEST(Simulation, AnInitialLoopThatDivergesIsReportedWithItsPath) {
     run.initialize();
     FAIL() << "the loop x = 1 + x has no solution";
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("do not settle"),
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("do not converge"),
                                     HasSubstr("a.real_in -> a.real_out -> b.real_in -> b.real_out -> a.real_in")));
   }
 }

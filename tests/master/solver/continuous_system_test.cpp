@@ -249,7 +249,7 @@ TEST(ContinuousSystem, NamesMembersWhoseEventDoesNotSettle) {
   PlainModel restless("restless", laws, {1, 0});
   ContinuousSystem system(parts_of({&calm, &restless}), {});
   EXPECT_THAT(error_of([&] { system.initialize(0); }),
-              testing::AllOf(testing::HasSubstr("does not settle"), testing::HasSubstr("another one: 'restless'")));
+              testing::AllOf(testing::HasSubstr("does not end"), testing::HasSubstr("another update: 'restless'")));
 }
 
 TEST(ContinuousSystem, NamesTheStateWhoseDerivativeIsNoNumber) {

@@ -71,7 +71,7 @@ def main():
     if not summary["board_energy"] > summary["rails_energy"] > chip + summary["camera_energy"] > 0:
         sys.exit(f"energies that cannot be: {summary}")
 
-    for option, complaint in ((["--set", "soc.firmware="], "no program inside"),
+    for option, complaint in ((["--set", "soc.firmware="], "contains no program"),
                               (["--set", "soc.firmware=nowhere.elf"], "nowhere.elf"),
                               (["--set", f"soc.firmware={arguments.firmware}", "--set", "soc.flash.image=nowhere.raw"],
                                "nowhere.raw")):

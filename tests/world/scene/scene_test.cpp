@@ -214,7 +214,7 @@ TEST_F(SceneFile, RefusesAFlowSensorWhoseCountsDoNotFit) {
   flow["resolution"]["value"] = 1e-3;
   EXPECT_NO_THROW(load());
   flow["pixels_per_rad"]["value"] = 1e9;
-  EXPECT_THAT(message(), AllOf(HasSubstr("/flow_sensor/resolution"), HasSubstr("make resolution coarser")));
+  EXPECT_THAT(message(), AllOf(HasSubstr("/flow_sensor/resolution"), HasSubstr("use a coarser resolution")));
 }
 
 TEST_F(SceneFile, NamesTheDroneFileThatIsNotThere) {

@@ -228,7 +228,7 @@ void DescribedDevice::program_ended() {
       is_read = is_read || (shows && was_read_[i] != 0);
     }
     if (value == variable.start || !is_shown || is_read) continue;
-    host_.complain(fmt::format("{} = {} had no effect: the program ended and never read it", variable.name, value));
+    host_.complain(fmt::format("{} = {} had no effect: the program ended without reading it", variable.name, value));
   }
 }
 

@@ -22,8 +22,9 @@ KindLibrary::KindLibrary(const std::filesystem::path& path) : path_(path) {
   }
   library_ = function();
   if (library_->interface != DeviceLibrary::kInterface || library_->entry_bytes != sizeof(BoardDevice)) {
-    throw Error(fmt::format("{}: was made for another MEbots (interface {}, this one has {}); build it again",
-                            path.string(), library_->interface, DeviceLibrary::kInterface));
+    throw Error(
+        fmt::format("{}: was built for another version of MEbots (interface {}, this one has {}); build it again",
+                    path.string(), library_->interface, DeviceLibrary::kInterface));
   }
 }
 
@@ -38,7 +39,7 @@ KindLibrary find_kind_library(const BoardDescription& board, const std::string& 
     looked += fmt::format("{}{}", looked.empty() ? "" : ", ", place.string());
   }
   throw Error(ErrorCode::file_not_found,
-              fmt::format("board {}: its library {} is not there; looked for {}", board.name, name, looked));
+              fmt::format("board {}: its library {} was not found at {}", board.name, name, looked));
 }
 
 }  // namespace mebots::soc

@@ -47,7 +47,7 @@ void check_registers(const BoardDevice& entry, std::span<const board::RegisterNa
   };
   if (expected.empty() || std::ranges::equal(entry.registers, expected, same)) return;
   throw Error(fmt::format(
-      "board: the registers of device {} are not those of its kind {}; take them from configs/boards/ai_deck.json",
+      "board: the registers of device {} do not match those of its kind {}; copy them from configs/boards/ai_deck.json",
       entry.name, entry.kind));
 }
 

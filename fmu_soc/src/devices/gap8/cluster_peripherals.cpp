@@ -138,7 +138,7 @@ BusReply ClusterPeripherals::timer(std::uint32_t offset, const ClusterAccess& ac
 
 /// Handles an access without a model. The reply of silicon is not known.
 BusReply ClusterPeripherals::pass_over(std::uint32_t offset, const ClusterAccess& access) {
-  warn_once(offset, access, "no register of it is modelled there, or not for this; it reads 0");
+  warn_once(offset, access, "this register, or this kind of access to it, is not modelled; it reads 0");
   return BusReply::done();
 }
 

@@ -64,7 +64,8 @@ bool Efuse::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value
   const auto fuse = fuse_at(offset);
   if (!fuse) return false;
   if (command_ != kRead) {
-    host_.complain(fmt::format("{}: a fuse is read while the command is not read (1 into offset 0): 0", entry_.name));
+    host_.complain(
+        fmt::format("{}: a fuse was read without the command read (1 at offset 0): the value is 0", entry_.name));
     value = 0;
     return true;
   }
@@ -89,12 +90,12 @@ bool Efuse::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value
   const auto fuse = fuse_at(offset);
   if (!fuse) return false;
   if (command_ != kProgram) {
-    host_.complain(fmt::format(
-        "{}: a fuse is stored into while the command is not program ({} into offset 0): nothing was changed",
-        entry_.name, kProgram));
+    host_.complain(
+        fmt::format("{}: a fuse was written without the command program ({} at offset 0): nothing was changed",
+                    entry_.name, kProgram));
   } else if (value >= kBits) {
     host_.complain(
-        fmt::format("{}: bit {} of fuse register {} was to be programmed, which has bits 0 to 7: nothing was "
+        fmt::format("{}: the program tried to set bit {} of fuse register {}, which has bits 0 to 7: nothing was "
                     "changed",
                     entry_.name, value, *fuse));
   } else {

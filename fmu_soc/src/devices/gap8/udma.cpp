@@ -158,7 +158,7 @@ void Udma::clear(std::size_t channel, Picoseconds now) {
 void Udma::enqueue(std::size_t channel, Picoseconds now) {
   if (queued(channel) >= kMostInQueue) {
     host_.host.complain(
-        fmt::format("{}: a third transfer of the channel at 0x{:08x} is lost: look at bit 5 of its CFG first",
+        fmt::format("{}: a third transfer of the channel at 0x{:08x} is lost: check bit 5 of its CFG first",
                     host_.entry.name, host_.entry.base + kChannelRows[channel].offset));
     return;
   }
@@ -220,7 +220,7 @@ void Udma::load_flash() {
   std::error_code error;
   const std::filesystem::path path(flash_path_);
   std::ifstream file(path, std::ios::binary);
-  if (!file || !std::filesystem::is_regular_file(path, error)) refuse("this is not a file that can be read");
+  if (!file || !std::filesystem::is_regular_file(path, error)) refuse("this is not a readable file");
   std::vector<std::uint8_t> image(std::istreambuf_iterator<char>(file), {});
   if (image.size() > kFlashBytes) {
     refuse(fmt::format("the image has {} bytes, the flash of device {} holds {}", image.size(), host_.entry.name,

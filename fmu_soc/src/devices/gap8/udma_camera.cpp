@@ -109,15 +109,16 @@ void UdmaCamera::take(std::span<const std::uint8_t> picture, Picoseconds now) {
 
 void UdmaCamera::require_rows(std::size_t bytes) const {
   if (bytes % Himax::kWidth != 0 || bytes / Himax::kWidth < format_.window_height) {
-    throw Error(fmt::format(
-        "{}: picture {} of the camera has {} bytes; this camera's has rows of {} and now at least {} of them",
-        host_.entry.name, requests_, bytes, Himax::kWidth, format_.window_height));
+    throw Error(
+        fmt::format("{}: picture {} of the camera has {} bytes; this camera needs rows of {} pixels, and at present at "
+                    "least {} rows",
+                    host_.entry.name, requests_, bytes, Himax::kWidth, format_.window_height));
   }
 }
 
 void UdmaCamera::registers_changed(std::uint32_t offset, Picoseconds /*now*/) {
   if (offset == kCameraGlobal && (host_.config(kCameraGlobal) & kDropsFrames) != 0) {
-    host_.host.complain(host_.entry.name + ": the camera interface is to drop frames, which is not modelled");
+    host_.host.complain(host_.entry.name + ": the camera interface is set to drop frames, which is not modelled");
   }
 }
 

@@ -53,12 +53,13 @@ void UdmaHyperBus::move(const UdmaTransfer& transfer) {
     host_.host.complain(fmt::format("{}: transfer of {} bytes between 0x{:08x} and 0x{:08x} of the HyperBus: {}",
                                     host_.entry.name, size, transfer.address, transfer.outside, what));
   };
-  if (place > room || size > room - place) return complain("the memory there ends before");
+  if (place > room || size > room - place) return complain("the memory ends before the last byte");
   bytes_.resize(size);
   if (transfer.channel == send_channel_) {
-    if (!host_.host.read_memory(transfer.address, bytes_)) return complain("no memory of the chip there");
+    if (!host_.host.read_memory(transfer.address, bytes_)) return complain("the chip has no memory there");
     if (is_flash) {
-      if (!flash_.write(place, bytes_)) complain("no command of the flash, or not in its order: nothing was written");
+      if (!flash_.write(place, bytes_))
+        complain("this is not a command of the flash, or its order is wrong: nothing was written");
       return;
     }
     if (ram_.size() < place + size) ram_.resize(place + size);
@@ -73,7 +74,7 @@ void UdmaHyperBus::move(const UdmaTransfer& transfer) {
                 bytes_.begin());
     std::fill(bytes_.begin() + static_cast<std::ptrdiff_t>(there), bytes_.end(), std::uint8_t{0});
   }
-  if (!host_.host.write_memory(transfer.address, bytes_)) complain("no memory of the chip there");
+  if (!host_.host.write_memory(transfer.address, bytes_)) complain("the chip has no memory there");
 }
 
 }  // namespace mebots::soc::gap8_devices

@@ -111,7 +111,7 @@ double UdmaI2c::command(Master& master, std::uint8_t byte, bool acts) {
       master.next = Next::divider_high;
       return 0;
     default:
-      if (acts) host_.host.complain(host_.entry.name + ": I2C: a command that there is not was passed over");
+      if (acts) host_.host.complain(host_.entry.name + ": I2C: an unknown command was ignored");
       return 0;
   }
 }

@@ -101,7 +101,7 @@ double UdmaSpim::obey(Master& master, bool acts, Picoseconds now) {
       case kSpimWait:
         break;
       default:
-        if (acts) host_.host.complain(host_.entry.name + ": SPI: a command that is not modelled was passed over");
+        if (acts) host_.host.complain(host_.entry.name + ": SPI: a command that is not modelled was ignored");
         break;
     }
   }

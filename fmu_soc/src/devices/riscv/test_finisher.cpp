@@ -43,7 +43,8 @@ bool TestFinisher::store_narrow(std::uint32_t offset, Picoseconds /*now*/, std::
       end_.end_program(size == 4 ? static_cast<std::int32_t>(value >> 16) : 0);
       break;
     case kReset:
-      host_.complain("the program asks the test finisher for a reset (0x7777), which is not modelled: the run ends");
+      host_.complain(
+          "the program requested a reset from the test finisher (0x7777), which is not modelled: the run ends");
       end_.end_program(kResetCode);
       break;
     default:

@@ -279,7 +279,7 @@ class Judge:
                 lines.append(f"Missions that would separate {self._names[best]}: {'; '.join(told[:_MOST_NAMED])}.")
             if never:
                 more = f" and {len(never) - _MOST_NAMED} more" if len(never) > _MOST_NAMED else ""
-                lines.append(f"No difference so far that more missions would prove: {'; '.join(never[:_MOST_NAMED])}{more}.")
+                lines.append(f"More missions would not prove a difference for: {'; '.join(never[:_MOST_NAMED])}{more}.")
         for constraint in self._study.constraints:
             lines += self._open_constraint(constraint)
         return lines

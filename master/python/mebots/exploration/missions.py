@@ -334,7 +334,7 @@ def _put(config: dict[str, Any], pointer: str, value: Any) -> None:
         elif isinstance(place, dict) and (last or step in place):
             key = step
         else:
-            raise InputError(f"the factor '{pointer}' names nothing in the mission's config: there is no '{step}'", "unknown_key")
+            raise InputError(f"the factor '{pointer}' does not exist in the mission's config: there is no '{step}'", "unknown_key")
         if last:
             place[key] = value
         else:

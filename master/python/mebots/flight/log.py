@@ -89,7 +89,7 @@ class FlightLog:
         if emptied:
             raise InputError(
                 f"{self.file}: {purpose} needs {', '.join(emptied)}, of which fewer than two samples are good: not a finite number, "
-                "a time that does not grow, or a value that cannot be; check units and times in the mapping",
+                "a time that does not increase, or an impossible value; check units and times in the mapping",
                 "invalid_value",
             )
         if absent:

@@ -106,7 +106,7 @@ def _stated(name: str, capacity_mah: float, mass_g: float, c_rate: float, resist
     half_g = _digits(mass_g)
     return cell | {
         "name": name,
-        "notes": "Written by mebots new-cell. Intervals say what the seller's figures leave open; open-circuit voltage and time constants are those of another cell.",
+        "notes": "Written by mebots new-cell. Intervals show the uncertainty of the seller's figures; open-circuit voltage and time constants are those of another cell.",
         "mass": {"value": mass_g * 1e-3, "unit": "kg", "source": f"the seller: {mass_g:g} g", "interval": [(mass_g - half_g) * 1e-3, (mass_g + half_g) * 1e-3]},
         "capacity": {
             "value": charge_c,

@@ -178,7 +178,7 @@ def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | No
         return
     low, high = _bounds(signal, cells)
     raise InputError(
-        f"{log.file}: {signal.column}: {int(bad.sum())} of {bad.size} values cannot be {signal.name}, which is from {low:g} to "
+        f"{log.file}: {signal.column}: {int(bad.sum())} of {bad.size} values are impossible for {signal.name}, whose range is {low:g} to "
         f"{high:g} {signal.unit}; their median is {np.median(signal.values):g}. Check the unit of the column in the mapping",
         "wrong_unit",
     )

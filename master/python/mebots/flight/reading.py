@@ -41,7 +41,7 @@ def read_log(file: str | os.PathLike[str], mapping: str | os.PathLike[str] | Non
         )
     if "time" not in given:
         raise InputError(
-            f"{path}: a CSV table needs --mapping with 'time' and 'columns', which say what the columns hold; "
+            f"{path}: a CSV table needs --mapping with 'time' and 'columns', which define the columns; "
             "`mebots schema log-mapping` prints its keys",
             "missing_key",
         )

@@ -201,7 +201,7 @@ class _Flight:
         highest_v = self._voltage_with(high)
         if measured_v >= highest_v:
             if measured_v > highest_v:
-                self.notes.append(f"the cell has {measured_v - highest_v:.3f} V more than the model's full cell: it starts full")
+                self.notes.append(f"the cell has {measured_v - highest_v:.3f} V above the voltage of the model's full cell: the model starts with a full cell")
             return 1.0
         for _ in range(20):
             middle = (low + high) / 2

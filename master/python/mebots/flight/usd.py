@@ -143,7 +143,7 @@ def _walk(reader: _Reader, kinds: dict[int, _Kind], end: int, whole: bool) -> in
         kind = kinds.get(number)
         if kind is None:
             if whole:
-                raise reader.fail(f"a record has the id {number}, which the header does not have", at)
+                raise reader.fail(f"a record has the id {number}, which is not in the header", at)
             return at
         if at + kind.record.itemsize > end:
             if whole:

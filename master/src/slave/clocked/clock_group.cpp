@@ -127,7 +127,7 @@ void ClockGroup::enter(Member& member, double time_s) {
   member.in_event = true;
   if (member.time_s <= time_s + kSameTime_s) return;
   notice(member, time_s,
-         "comes too late: the instance has already stepped past it. List the instance that has such events earlier "
+         "is too late: the instance has already stepped past it. List the instance that has such events earlier "
          "in the config, or take shorter steps");
 }
 

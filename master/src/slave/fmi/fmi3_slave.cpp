@@ -42,7 +42,7 @@ bool Fmi3Slave::handle_event() {
     return false;
   }
   calls().fail("fmi3UpdateDiscreteStates",
-               fmt::format("asked for another update {} times in a row: the event does not settle", kMostUpdates));
+               fmt::format("requested another update {} times in a row: the event does not end", kMostUpdates));
 }
 
 /// Returns empty for fmi3Discard.
@@ -62,7 +62,7 @@ std::optional<StepEnd> Fmi3Slave::do_step(double start_s, double end_s, bool nev
                  fmt::format("returned early at {} s, but the step was from {} s to {} s", end.time_s, start_s, end_s));
   }
   if (end.event && !uses_events()) {
-    calls().fail("fmi3DoStep", "asks for an event, but modelDescription.xml states hasEventMode = false");
+    calls().fail("fmi3DoStep", "requests an event, but modelDescription.xml states hasEventMode = false");
   }
   return end;
 }

@@ -68,11 +68,12 @@ template <typename Functions>
 void FmuStates<Functions>::restore(const SlaveState& state) {
   const auto& saved = static_cast<const State&>(state);
   if (saved.time_ns < promised_ns_) {
-    throw Error(ErrorCode::wrong_call_order,
-                fmt::format("instance '{}': its state of {} s cannot be restored: at {} s no state was kept, so the "
-                            "FMU was promised that it will not be set back (noSetFMUStatePriorToCurrentPoint). Keep a "
-                            "state for as long as the run may go back",
-                            calls_->name(), to_seconds(saved.time_ns), to_seconds(promised_ns_)));
+    throw Error(
+        ErrorCode::wrong_call_order,
+        fmt::format("instance '{}': its state of {} s cannot be restored: at {} s no state was kept, so the "
+                    "master told the FMU that no earlier state will be set (noSetFMUStatePriorToCurrentPoint). Keep a "
+                    "state for as long as the run may go back",
+                    calls_->name(), to_seconds(saved.time_ns), to_seconds(promised_ns_)));
   }
   calls_->require(names_->set, functions_->set_fmu_state, saved.handle);
   calls_->set_time_ns(saved.time_ns);

@@ -33,7 +33,7 @@ StepResult StepCalls<Types>::step(std::int64_t start_ns, std::int64_t duration_n
   if (status != InstanceCalls::kPending) return ended(status);
   if (functions_->get_status == nullptr && !has_callback_) {
     calls_->fail(Types::kDoStep,
-                 fmt::format("returned {}, and the end of the step cannot be found out: the FMU has no {}, and "
+                 fmt::format("returned {}, and the end of the step cannot be detected: the FMU has no {}, and "
                              "canRunAsynchronuously is false",
                              calls_->name_of_status(status), Types::kGetStatus));
   }
@@ -48,7 +48,7 @@ StepResult StepCalls<Types>::step(std::int64_t start_ns, std::int64_t duration_n
 template <typename Types>
 void StepCalls<Types>::fail_unknown_end() {
   calls_->fail(Types::kDoStep,
-               fmt::format("returned {}, and the end of the step cannot be found out: the FMU has no {}, and "
+               fmt::format("returned {}, and the end of the step cannot be detected: the FMU has no {}, and "
                            "stepFinished was called with an unknown instance. Run the instance in a process of "
                            "its own (\"process\": \"own\")",
                            calls_->name_of_status(InstanceCalls::kPending), Types::kGetStatus));

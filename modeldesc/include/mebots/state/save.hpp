@@ -76,7 +76,8 @@ template <Visited T>
 void restore(T& object, std::span<const std::byte> bytes) {
   Reader reader(bytes);
   restore(object, reader);
-  if (!reader.at_end()) throw Error(ErrorCode::state_damaged, "a saved state is longer than what it is put back into");
+  if (!reader.at_end())
+    throw Error(ErrorCode::state_damaged, "a saved state is longer than the object that it restores");
 }
 
 }  // namespace mebots::state

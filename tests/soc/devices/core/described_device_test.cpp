@@ -133,7 +133,8 @@ TEST(DescribedDevice, IsRefusedIfItsDescriptionIsInconsistent) {
                 "the device's input 'colour' is unknown"},
         Mistake{"\"sends\": \"range_finder.reported\"", "\"sends\": \"colour\"",
                 "the device's output 'colour' is unknown"},
-        Mistake{"\"access\": \"rw\", \"sends\"", "\"access\": \"r\", \"sends\"", "must be writable and show nothing"},
+        Mistake{"\"access\": \"rw\", \"sends\"", "\"access\": \"r\", \"sends\"",
+                "must be writable, and must not show a variable"},
         Mistake{"\"causality\": \"input\"", "\"causality\": \"local\"", "the word 'local'"},
         Mistake{"\"causality\": \"input\"", "\"type\": \"String\", \"causality\": \"input\"",
                 "numbers only, no String"},
@@ -237,7 +238,7 @@ TEST(DescribedDevice, ReportsASetParameterThatTheProgramNeverRead) {
       EXPECT_TRUE(ear().complaints.empty());
     } else {
       ASSERT_EQ(ear().complaints.size(), 1U);
-      EXPECT_EQ(ear().complaints[0], "link.gain = 0.75 had no effect: the program ended and never read it");
+      EXPECT_EQ(ear().complaints[0], "link.gain = 0.75 had no effect: the program ended without reading it");
     }
   }
 }

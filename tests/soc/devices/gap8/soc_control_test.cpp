@@ -58,7 +58,7 @@ ends: csrr a1, mhartid
   EXPECT_EQ(system.soc.exit_code(), 5);
   EXPECT_EQ(system.soc.gave_up(), 5);
   ASSERT_EQ(system.faults.size(), 1U);
-  EXPECT_THAT(system.faults.front(), testing::HasSubstr("cluster core 5: the program's own handler gave up"));
+  EXPECT_THAT(system.faults.front(), testing::HasSubstr("cluster core 5: the program's own handler ended the program"));
 }
 
 TEST(Gap8Cluster, DoesNotReportACoreWhoseHandlerContinues) {
