@@ -17,7 +17,7 @@
     )
     observation, info = env.reset(seed=1)
 
-``gymnasium.make("mebots/Mission-v0", config=..., ...)`` makes the same. Needs Gymnasium: pip install 'mebots[gym]'.
+``gymnasium.make("mebots/Mission-v0", config=..., ...)`` returns the same environment. Needs Gymnasium: pip install 'mebots[gym]'.
 """
 
 from __future__ import annotations
@@ -57,11 +57,11 @@ class MissionEnv(gymnasium.Env):
     """An episode is a run of the mission. Equal seeds and actions give equal episodes, bit for bit.
 
     :param config: config, FMU or SSP, or the content of a config as a dict, as for ``mebots.Mission``.
-    :param actions: for each input its least and greatest value, as a tuple, or for each a list of values to choose from. An
-        input must be unconnected. Tunable parameters are inputs too.
-    :param observations: names of variables, or for each its least and greatest value.
+    :param actions: maps each input to a tuple of its least and greatest value, or maps each input to a list of permitted values.
+    An input must be unconnected. Tunable parameters may be used, too.
+    :param observations: names of variables, or a dict that maps each name to its least and greatest value.
     :param reward: called with the ``Values`` before and after a step.
-    :param prepare: called with the mission at the start of an episode, for a take-off or for constant inputs.
+    :param prepare: called with the mission at the start of an episode, for example for a take-off, or to set constant inputs.
     :param period: time between actions [s]; the communication step by default.
     :param set: values for parameters and start values, in place of the config's.
     :param draws: parameters and start values that each ``reset`` draws, with their distributions as in a study:

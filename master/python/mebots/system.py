@@ -38,7 +38,8 @@ class Instance:
 
 
 class System:
-    """A system of FMUs that a program builds. It is a config of ``mebots run``, which ``config`` has and ``write`` writes.
+    """A system of FMUs that a program builds. It is equivalent to a config of ``mebots run``: ``config`` returns that config, and
+    ``write`` saves it.
 
         system = mebots.System(step=0.002, stop_time=10)
         battery = system.add("battery", "fmu_battery")
@@ -60,14 +61,14 @@ class System:
         self._config: dict[str, Any] = {"step": shown, "stop_time": stop_time, "instances": {}, "connections": [], **copy.deepcopy(keys)}
 
     def add(self, name: str, fmu: Path, parameters: Mapping[str, Scalar] | None = None, **keys: Any) -> Instance:
-        """Adds an instance: of an FMU of MEbots by its name, or of a file. ``keys``: others of an instance in a config."""
+        """Adds an instance of an FMU: the name of a shipped FMU, or a file. ``keys``: further keys of an instance in a config."""
         if name in self._config["instances"]:
             raise InputError(f"add('{name}'): the system has an instance with this name", "duplicate_name")
         self._config["instances"][name] = {"fmu": os.fspath(fmu), **({"parameters": dict(parameters)} if parameters else {}), **keys}
         return Instance(name)
 
     def connect(self, source: Variable | str, target: Variable | str, **keys: Any) -> None:
-        """Connects an output with an input. ``keys``: others of a connection, such as ``sum`` or ``map``."""
+        """Connects an output with an input. ``keys``: further keys of a connection, such as ``sum`` or ``map``."""
         self._config["connections"].append({"from": str(source), "to": str(target), **keys})
 
     @property

@@ -23,8 +23,8 @@ namespace mebots::soc {
 ///
 /// A register that shows "status" has bit 0 busy (a delay runs), bit 1 ready (write 1 to clear, which also clears the
 /// interrupt) and bit 2 refused (write 1 to clear). Parameters, and inputs of a device without delays, are shown
-/// directly. Registers that show nothing keep their last stored value, at first their `reset`. If the device has a
-/// `span`, an access without a register is reported once; a load returns 0.
+/// directly. Registers that show no variable keep their last stored value; after reset it is `reset`. If the device has
+/// a `span`, an access without a register is reported once; a load returns 0.
 ///
 /// The value of a register that sends becomes an output at once, or at the next store into a register that commits. If
 /// a value is outside the limits of its register or of its variable's enumeration, it is reported and nothing is sent.

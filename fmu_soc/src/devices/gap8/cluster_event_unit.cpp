@@ -12,7 +12,7 @@ namespace {
 
 namespace reg = event_unit_reg;
 
-/// Stands for an access on the peripheral bus.
+/// In place of a core's number: an access on the peripheral bus.
 constexpr unsigned kNoCore = kMostClusterCores;
 
 /// Cycles of an event load beyond the first, if its answer is available: 4 in all. Source: CV32E40P user manual.
@@ -116,7 +116,7 @@ BusReply ClusterEventUnit::wait(Core& core, Wait what, bool clear, bool event) {
   return BusReply::done(events, event ? kEventLoadExtra : 0);
 }
 
-/// Three blocks with a word for each event: raise; raise and wait; raise, wait and clear.
+/// The three blocks have a word for each event: raise; raise and wait; raise, wait and clear.
 BusReply ClusterEventUnit::software_event(unsigned core, std::uint32_t offset, const std::uint32_t* stored,
                                           bool event) {
   const auto number = offset % reg::kTriggerBytes / 4;

@@ -14,7 +14,6 @@ namespace mebots::soc::gap8_devices {
 ///
 /// Sources: archi/vendors/dolphin/rtc.h and rtc_periph.h of GreenWaves' gap_sdk; effect of a tick, and reset values:
 /// GVSoC's model there (rtc_impl.cpp). Our addition: leap years from 2000 to 2099, as in the driver's calculation.
-/// reset: GVSoC's model there (rtc_impl.cpp). Ours: leap years between 2000 and 2099, as the driver reckons.
 class Rtc final : public Device {
  public:
   explicit Rtc(Signals& signals) : signals_(signals) { reset(); }

@@ -20,7 +20,7 @@ class TimerClock {
   TimerClock& operator=(const TimerClock&) = delete;
   virtual ~TimerClock() = default;
 
-  /// Returns the end of time.
+  /// Returns the largest time, which stands for never.
   virtual std::int64_t never() const = 0;
   /// Returns the counts between two times of a counter with this configuration.
   virtual std::uint64_t counts(std::uint32_t config, std::int64_t from, std::int64_t to) const = 0;
@@ -58,7 +58,7 @@ class TimerCounters {
     std::uint32_t compare = 0;
     std::uint64_t value = 0;        // at `since`; the low counter of a pair holds both
     std::uint64_t compared_at = 0;  // value at the last match
-    bool met = false;               // matched, and the counter has not moved since
+    bool met = false;               // a match has occurred, and the counter has not changed since
     std::int64_t since = 0;
 
     void visit(state::Visitor& v) {

@@ -18,7 +18,6 @@ namespace {
 
 /// The integration of an HM01B0 has this many lines less than its frame. Source: its data sheet, as used in
 /// nanocockpit's driver (himax.c).
-/// driver (himax.c) obeys it.
 constexpr double kBlankLines = 2;
 
 }  // namespace

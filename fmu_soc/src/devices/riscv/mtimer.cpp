@@ -31,7 +31,7 @@ class Mtimer final : public Device {
   std::uint64_t count_at(Picoseconds now) const { return static_cast<std::uint64_t>(now / kPeriod) + written_; }
 
   std::uint64_t compare_ = ~std::uint64_t{0};
-  std::uint64_t written_ = 0;  // MTIME at reset, as a write of MTIME moves it
+  std::uint64_t written_ = 0;  // value of MTIME at reset; changes if MTIME is written
   bool due_ = false;
 };
 

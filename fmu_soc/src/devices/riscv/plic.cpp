@@ -87,7 +87,7 @@ unsigned Plic::claim() {
   return source;
 }
 
-/// Ignores a source that is not enabled, as the specification has it.
+/// Ignores a source that is not enabled, as the specification requires.
 void Plic::complete(std::uint32_t source) {
   if (source >= kSources || !test(enabled_, source) || !test(in_service_, source)) return;
   set(in_service_, source, false);

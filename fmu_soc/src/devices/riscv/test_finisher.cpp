@@ -7,8 +7,8 @@
 namespace mebots::soc {
 namespace {
 
-/// SiFive's test finisher: a store ends the program. Bits 15 to 0 say how, bits 31 to 16 are the exit code of a
-/// failure. Source: QEMU 7.2, hw/misc/sifive_test.c; SiFive FU540-C000 device tree, "sifive,test0".
+/// SiFive's test finisher: a store ends the program. Bits 15 to 0 select pass, fail or reset; bits 31 to 16 are the
+/// exit code of a failure. Source: QEMU 7.2, hw/misc/sifive_test.c; SiFive FU540-C000 device tree, "sifive,test0".
 class TestFinisher final : public Device {
  public:
   TestFinisher(DeviceHost& host, ProgramEnd& end) : host_(host), end_(end) {}
@@ -27,7 +27,7 @@ class TestFinisher final : public Device {
   static constexpr std::uint32_t kFail = 0x3333;
   static constexpr std::uint32_t kPass = 0x5555;
   static constexpr std::uint32_t kReset = 0x7777;
-  static constexpr std::int32_t kResetCode = 101;  // as for a fault: the program has not come to its end
+  static constexpr std::int32_t kResetCode = 101;  // as for a fault: the program did not reach its end
 
   DeviceHost& host_;
   ProgramEnd& end_;

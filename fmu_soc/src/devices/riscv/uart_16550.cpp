@@ -24,9 +24,9 @@ constexpr std::uint8_t kLoop = 0x10;           // MCR
 /// Sources of an interrupt as in IIR, by falling priority.
 enum class Source : std::uint8_t { receive = 0x04, timeout = 0x0c, transmit = 0x02, modem = 0x00, none = 0x01 };
 
-/// UART 16550A with one byte per register. A transmitted byte is out at once, as in QEMU. Input comes one byte in a
-/// character's time, and waits while there is no room, so that none is lost; the first one comes when the program first
-/// reads LSR or RBR, or enables the interrupt of received data.
+/// UART 16550A with one byte per register. Transmission takes no time, as in QEMU. Input arrives at one byte per
+/// character time. If the FIFO is full, it waits, so that no byte is lost. The first byte arrives when the program
+/// first reads LSR or RBR, or enables the interrupt of received data.
 class Uart16550 final : public Device {
  public:
   explicit Uart16550(ChipHost& host) : port_(host), lines_(host) {}
@@ -128,7 +128,7 @@ void Uart16550::begin_input(Picoseconds now) {
   resume_input(now);
 }
 
-/// Lets the next byte come in a character's time, if none is on its way.
+/// Schedules the next byte after one character time, unless one is already scheduled.
 void Uart16550::resume_input(Picoseconds now) {
   if (input_began_ && !input_ended_ && next_input_ == kNever && room() != 0) next_input_ = now + character_time();
 }
@@ -148,7 +148,7 @@ void Uart16550::advance(Picoseconds now) {
   resume_input(now);
 }
 
-/// Adds a received byte. If there is no room, drops it, which only a loop can cause.
+/// Adds a received byte. If the FIFO is full, drops it; this can happen only in loop-back mode.
 void Uart16550::receive(std::uint8_t byte, Picoseconds now) {
   if (room() == 0) return;
   received_[(first_ + count_) % kDepth] = byte;

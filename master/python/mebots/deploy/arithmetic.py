@@ -8,21 +8,21 @@ import math
 
 import numpy as np
 
-_LEAST_SHIFT, _MOST_SHIFT = 1, 22  # of the upper word; the zero of the output must fit above it
+_LEAST_SHIFT, _MOST_SHIFT = 1, 22  # maximum shift of the upper word; the zero of the output must fit above it
 LARGEST_SUM = (1 << 31) - 1
 LEAST_NARROW = 1024  # as a multiplier of 32-bit products: its rounding changes the largest byte by an eighth at most
 
 
 @dataclasses.dataclass(frozen=True)
 class Scale:
-    """Bytes of a tensor: the real value is (byte - zero) x step."""
+    """The scale of a tensor's bytes: the real value is (byte - zero) x step."""
 
     step: float
     zero: int
 
     @staticmethod
     def of_range(low: float, high: float) -> Scale:
-        """Returns the scale whose bytes reach from ``low`` to ``high``, with zero exactly on a byte."""
+        """Returns the scale whose bytes cover ``low`` to ``high``; a byte represents zero exactly."""
         low, high = min(low, 0.0), max(high, 0.0)
         if high - low < 1e-12:
             high = low + 1.0
@@ -57,7 +57,7 @@ class Requantisation:
     lower: np.ndarray | None = None
 
     def apply(self, sums: np.ndarray, low: int, high: int) -> np.ndarray:
-        """``sums`` has the channels last."""
+        """The last dimension of ``sums`` is that of the channels."""
         product = sums.astype(np.int64) * self.multiplier
         if self.lower is not None:
             product += self.lower
@@ -67,7 +67,7 @@ class Requantisation:
 
 
 def requantisation(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisation:
-    """Returns the integers for real factors per channel. ``bounds``: largest magnitudes of the sums."""
+    """Returns the integers for one real factor per channel. ``bounds`` are the largest magnitudes of the sums."""
     factors = np.asarray(factors, dtype=np.float64)
     bounds = np.asarray(bounds, dtype=np.float64)
     if (factors < 0.25).all() and (_narrow_multipliers(factors, zero, bounds)[0] < LEAST_NARROW).any():
@@ -101,7 +101,7 @@ def _narrow(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisatio
 
 
 def exact_requantisation(multipliers: np.ndarray, addends: np.ndarray, shift: int, bounds: np.ndarray) -> Requantisation:
-    """Returns the integers for given ones: (sum x multiplier + addend) >> shift, without rounding. Raises OverflowError
+    """Returns the integers for the given numbers of (sum x multiplier + addend) >> shift, without rounding. Raises OverflowError
     if multipliers need more than 30 bits, or the products more than 63."""
     m, a = (np.asarray(one, dtype=np.int64) for one in (multipliers, addends))
     if shift < 31 and (bounds * np.abs(m) + np.abs(a) <= LARGEST_SUM).all():

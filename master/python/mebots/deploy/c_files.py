@@ -15,7 +15,7 @@ _TAG = "// SPDX-License-Identifier: Apache-2.0\n"
 
 
 def identifier(name: str) -> str:
-    """Returns a name of C for a tensor."""
+    """Returns a C identifier for a tensor."""
     text = re.sub(r"[^0-9A-Za-z]+", "_", name).strip("_").lower()
     return text if re.match(r"[a-z]", text) else f"output_{text}"
 
@@ -88,7 +88,8 @@ uint8_t* network_l1_buffer(void);
 
 
 def l1_bytes(plan: Plan) -> int:
-    """Returns the bytes of L1: with those that kernels may read after the last buffer, and enough for the rows of a camera's picture (app/deployed.c)."""
+    """Returns the bytes of L1, including those that kernels may read after the last buffer. They suffice for the rows of a camera's picture
+    (app/deployed.c)."""
     return max(plan.l1_bytes + 16, 16 << 10)
 
 
@@ -101,7 +102,7 @@ def _factors(network: Network) -> str:
 
 
 def _copy(network: Network) -> str:
-    """The functions that bring outputs of bytes and of sums to the result."""
+    """C functions that copy outputs to the result: outputs of bytes, and outputs of sums."""
     text = {
         1: """static void copy(int32_t* to, const uint8_t* from, int count, int zero) {
   for (int i = 0; i < count; ++i) {

@@ -39,7 +39,7 @@ class FloatModel:
             raise InputError(f"{model.path}: onnxruntime cannot run it: {_one_line(error)}", "invalid_model") from error
 
     def run(self, values: np.ndarray) -> dict[str, np.ndarray]:
-        """``values`` have ONNX's shape, with the batch."""
+        """``values`` have ONNX's shape, including the batch."""
         try:
             results = self._session.run(self.names, {self._input: values.astype(np.float32)})
         except Exception as error:  # onnxruntime's own classes
@@ -79,7 +79,7 @@ class Ranges:
 
 
 def _quantiles(array: np.ndarray) -> np.ndarray:
-    """Returns at most _BINS values that have the distribution of a tensor."""
+    """Returns at most _BINS values with the distribution of a tensor's values."""
     flat = array.ravel()
     return flat if flat.size <= _BINS else np.quantile(flat, np.linspace(0, 1, _BINS))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots deploy``: the program reads the command line, and becomes this."""
+"""``mebots deploy``: the program is replaced by this module, which parses the command line."""
 
 from __future__ import annotations
 

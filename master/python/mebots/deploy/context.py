@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the operators of an ONNX model need while they become nodes of a graph."""
+"""Data and helpers for the functions that convert ONNX operators to nodes of a graph."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_ELEMENTS = 8 << 20
 
 
 class Importer:
-    """Reads node by node. An operator is a function of the importer, whose ``node`` is the present one."""
+    """Converts node by node. The importer has one method per operator; ``node`` is the present node."""
 
     def __init__(self, model: Model, operators: Mapping[str, Callable[[Importer], None]]) -> None:
         self.model = model
@@ -38,7 +38,7 @@ class Importer:
         outputs = [self._output(one.name) for one in proto.output]
         return Graph(inputs, outputs, self._nodes)
 
-    # --- What operators need ---
+    # --- Helpers for operators ---
 
     def refuse(self, what: str, way_out: str) -> InputError:
         node = self.node
@@ -90,7 +90,7 @@ class Importer:
         return tensor
 
     def alias(self, tensor: Tensor) -> None:
-        """The node changes nothing."""
+        """Passes the input on unchanged."""
         self._tensors[self.node.output[0]] = tensor
 
     def add(self, kind: str, inputs: list[Tensor], **fields: Any) -> Node:
@@ -100,7 +100,7 @@ class Importer:
         return node
 
     def insert(self, node: Node) -> None:
-        """Adds a node whose output is no tensor of the model."""
+        """Adds a node whose output is a new tensor, not one of the model."""
         self._nodes.append(node)
 
     def _import(self, node: Any) -> None:

@@ -18,7 +18,7 @@ from mebots.deploy.plan import Plan
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """``percentile``: None for the least and greatest values. ``vectors``: how many test vectors are kept."""
+    """``percentile``: None uses the least and greatest values. ``vectors``: number of test vectors to keep."""
 
     board: str = "ai_deck"
     percentile: float | None = None
@@ -32,7 +32,7 @@ class Options:
 
 @dataclasses.dataclass(frozen=True)
 class Deployed:
-    """A network in memory: in float, in integers, and as C."""
+    """A network in three forms: in float, in integers, and as C."""
 
     model: Model
     graph: Graph
@@ -41,5 +41,5 @@ class Deployed:
     sources: Sources
     pictures: Pictures
     scale: Scale
-    float_model: FloatModel | None  # None: the model is one of integers
+    float_model: FloatModel | None  # None: the model is an integer network
     board: Board

@@ -21,7 +21,7 @@ _KERNELS = {"max_pool": "layer_max_pool", "average_pool": "layer_average_pool", 
 
 
 def _kernel(layer: Layer) -> dict[str, str]:
-    """Returns the kind, and the kernel's name."""
+    """Returns the layer's kind, and the name of its kernel."""
     if layer.kind in ("move", "softmax"):
         return {"kind": f"LAYER_{layer.kind.upper()}"}
     if layer.kind in _KERNELS:
@@ -37,7 +37,7 @@ def _kernel(layer: Layer) -> dict[str, str]:
 
 
 class Weights:
-    """The binary file; parts begin at multiples of four bytes."""
+    """The binary file of the weights; its parts begin at multiples of four bytes."""
 
     def __init__(self) -> None:
         self._bytes = bytearray()
@@ -48,7 +48,7 @@ class Weights:
         return at
 
     def content(self) -> bytes:
-        # Copies may read a word too much.
+        # Copies may read one word beyond the end.
         return bytes(self._bytes) + bytes(8)
 
 
@@ -57,7 +57,7 @@ def _words(*values: Any) -> bytes:
 
 
 def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) -> bytes:
-    """Four output channels: header, requantisation, weights run by run."""
+    """A block of four output channels: header, numbers of the requantisation, weights run by run."""
     first, count, source = group
     if sliced:
         source -= part.first
@@ -74,14 +74,14 @@ def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) 
         weights = _depthwise_weights(layer, first, count)
     else:
         weights = np.zeros((4, runs_y * runs_x, planning.align(run)), dtype=np.int8)
-        # Rows, columns, input channels: the order of a patch in memory.
+        # Reorders weights to rows, columns, input channels: the order of a patch in memory.
         weights[:count, :, :run] = layer.weight[first : first + count].transpose(0, 2, 3, 1).reshape(count, runs_y * runs_x, run)
     shifts = rows[3].astype(np.uint8).tobytes()
     return _words(source | (first - part.first) << 16) + shifts + _words(count, *rows[0], *rows[1], *rows[2], *lower) + weights.tobytes()
 
 
 def _depthwise_weights(layer: Layer, first: int, count: int) -> np.ndarray:
-    """Four places of the kernel of each of four channels, then the next four places."""
+    """For each of four channels, four places of the kernel; then the next four places."""
     places = math.prod(layer.kernel)
     weights = np.zeros((4, 4 * planning.fours(layer)), dtype=np.int8)
     weights[:count, :places] = layer.weight[first : first + count].reshape(count, places)
@@ -199,7 +199,7 @@ def _run_fields(layer: Layer) -> dict[str, int]:
     length = planning.align(run)
     channels = layer.inputs[0].channels
     pitch = (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
-    # From the end of a run to the start of the next one; the step of a row follows the step of its last run.
+    # The distances from the end of a run to the start of the next one. At the end of a row, the step of the row is added.
     if runs_y * runs_x == 1:
         return {"runs_y": 1, "runs_x": 1, "run_words": length // 4, "group_bytes": planning.group_bytes(layer)}
     step_x = layer.dilations[1] * channels - length if runs_x > 1 else 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A network in float: tensors and nodes of few kinds, in the order of computation. The batch is always one.
+"""A network in float: tensors, and nodes of a few kinds in the order of computation. The batch is always one.
 
     conv     weight (out, in / groups, rows, columns), bias, strides, pads, dilations; dense layers have the kernel of
              their whole input; ``pool`` > 1: maximum of pool x pool places afterwards
@@ -63,12 +63,12 @@ class Tensor:
 class Node:
     kind: str
     name: str
-    op: str  # ONNX's operators of which it is made, for reports
+    op: str  # the ONNX operators that it replaces, for reports
     inputs: list[Tensor]
     output: Tensor
     weight: np.ndarray | None = None
     bias: np.ndarray | None = None
-    weight_steps: np.ndarray | None = None  # of weights that were bytes in the model: one for all, or one per output channel
+    weight_steps: np.ndarray | None = None  # scale of weights that are bytes in the model: one for all, or one per output channel
     kernel: tuple[int, int] = (1, 1)
     strides: tuple[int, int] = (1, 1)
     pads: tuple[int, int, int, int] = (0, 0, 0, 0)  # top, left, bottom, right
@@ -78,7 +78,7 @@ class Node:
     counts_pads: bool = True
     limits: tuple[float, float] = (-math.inf, math.inf)
     function: Callable[[np.ndarray], np.ndarray] | None = None
-    range: tuple[float, float] | None = None  # of a function whose values are known
+    range: tuple[float, float] | None = None  # range of a function, if it is known
     moves: list[Any] = dataclasses.field(default_factory=list)
     fill: float | None = None
 

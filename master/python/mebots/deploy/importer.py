@@ -24,7 +24,7 @@ def import_graph(model: Model) -> Graph:
 
 
 def _two(values: Any, what: str, owner: Importer) -> tuple[int, ...]:
-    """Makes a list for rows and columns of one for columns alone."""
+    """Extends a list for columns to one for rows and columns."""
     values = [int(one) for one in values]
     if any(one < 0 for one in values):
         raise owner.refuse(f"{what} {values} has negative numbers", "Use a Slice instead")
@@ -108,7 +108,7 @@ def _matmul(owner: Importer) -> None:
 
 
 def affine(owner: Importer, source: Tensor, factor: np.ndarray, offset: np.ndarray) -> None:
-    """Multiplies and adds constants per channel: a convolution of one place with a group per channel."""
+    """Multiplies and adds constants per channel, as a 1 x 1 convolution with one group per channel."""
     weight = np.asarray(factor, dtype=np.float64).reshape(-1, 1, 1, 1)
     owner.add("conv", [source], weight=weight, bias=np.asarray(offset, dtype=np.float64), groups=source.channels)
 
@@ -227,7 +227,7 @@ def _softmax(owner: Importer) -> None:
 
 
 def _quantise_linear(owner: Importer) -> None:
-    """The node gives its input a scale; the next one, DequantizeLinear, changes nothing here."""
+    """The node defines the scale of its input; the following DequantizeLinear has no effect here."""
     source, step = owner.input(), owner.constant(1)
     zero = owner.constant(2)
     zero = np.zeros(1, dtype=np.uint8) if zero is None else zero

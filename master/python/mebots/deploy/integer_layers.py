@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layers of a network whose numbers are whole already: nothing is rounded, so that its outputs stay bit by bit.
-
-Bytes of a tensor with signs are 128 more than the network's numbers. A layer without requantising has sums as outputs.
+"""Layers of a network that already has integers. Nothing is rounded, so its outputs keep their bits. The bytes of a signed tensor
+are the network's numbers plus 128. The outputs of a layer without requantisation are sums.
 """
 
 from __future__ import annotations
@@ -53,14 +52,14 @@ class IntegerLayers:
         return tensor
 
     def _next(self, node: Node, kind: str) -> Node | None:
-        """Returns the only user of the node's output if it is of this kind."""
+        """If the node's output has only one user, and it is of this kind, returns it."""
         users = self._graph.users(node.output)
         if len(users) == 1 and users[0].kind == kind and self._graph.has_one_user(node.output):
             return users[0]
         return None
 
     def _requantised(self, node: Node) -> tuple[Tensor, str, Requantising | None]:
-        """Joins the node that requantises. Returns the output, the operators, and the numbers."""
+        """Merges the node that requantises. Returns the output, the operators, and the numbers of the requantisation."""
         user = self._next(node, "requantise")
         if user is None:
             return node.output, node.op, None
@@ -68,7 +67,7 @@ class IntegerLayers:
         return user.output, f"{node.op}+{user.op}", self._requantising[user.output.name]
 
     def _limits(self, node: Node, numbers: Requantising, out: Tensor) -> tuple[int, int, int]:
-        """Returns zero, low and high of the output's bytes."""
+        """Returns zero point, lowest and highest value of the output's bytes."""
         zero = SIGNED_ZERO if numbers.low < 0 else 0
         low, high = numbers.low + zero, numbers.high + zero
         if low < 0 or high > 255:
@@ -118,7 +117,7 @@ class IntegerLayers:
         return self.layer("convolution", node, op, output, requantise=scaling, low=low, high=high, pool=pool, **fields)
 
     def _pooled(self, output: Tensor, op: str) -> tuple[Tensor, str, int]:
-        """Joins the maximum of places that do not overlap."""
+        """Merges a maximum pool without overlap."""
         users = self._graph.users(output)
         if len(users) != 1 or users[0].kind != "max_pool" or not self._graph.has_one_user(output):
             return output, op, 1
@@ -149,7 +148,7 @@ class IntegerLayers:
         return self.layer("add", node, op, output, factors=(factor, factor), addend=addend, shift=shift, low=low, high=high)
 
     def requantise(self, node: Node) -> Layer:
-        """Requantises bytes: a table."""
+        """Requantises bytes by a table."""
         numbers = self._requantising[node.output.name]
         if numbers.multiplier.size + numbers.addend.size > 2:
             raise self._refuse(node, "it requantises bytes by a number per channel", "One number for all is possible")
@@ -170,7 +169,7 @@ class IntegerLayers:
 
 
 def _outputs_of_sums(graph: Graph) -> None:
-    """Outputs that only select sums of a dense layer become the whole layer's output."""
+    """Replaces outputs that only select sums of a dense layer by the output of the whole layer."""
     outputs = []
     for one in graph.outputs:
         node = graph.producer(one)

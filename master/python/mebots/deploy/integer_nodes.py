@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Networks whose weights are whole numbers already: finds the nodes that requantise sums, in the forms of NEMO (Mul, Add, Mul,
-Div, Floor, Clip) and QuantLab (RequantShift), and makes one node of each."""
+"""Reads networks that already have integer weights. Finds chains of nodes that requantise sums, in the forms of NEMO (Mul, Add,
+Mul, Div, Floor, Clip) and QuantLab (RequantShift), and replaces each by one node."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Requantising:
 
 
 def expand_shifts(model: Any) -> None:
-    """Replaces RequantShift, which rounds and which ONNX does not know, by Mul, Add, Div, Floor and Clip."""
+    """Replaces RequantShift, which rounds and is not an ONNX operator, by Mul, Add, Div, Floor and Clip."""
     helper, numpy_helper = onnx_package().helper, onnx_package().numpy_helper
     nodes = []
     for node in model.graph.node:
@@ -74,7 +74,7 @@ def _opset(model: Any) -> int:
 
 
 def is_integer(model: Model) -> bool:
-    """True if the weights of all convolutions and dense layers are whole numbers of a byte."""
+    """True if the weights of all convolutions and dense layers are integers that fit into a byte."""
     found = False
     for node in model.nodes:
         if node.op_type not in ("Conv", "Gemm", "MatMul") or len(node.input) < 2 or node.input[1] not in model.constants:
@@ -87,7 +87,7 @@ def is_integer(model: Model) -> bool:
 
 
 def collapse(model: Model) -> None:
-    """Makes one node of each chain that requantises; its numbers are in ``model.requantising`` by the name of its output."""
+    """Replaces each chain that requantises by one node. Its numbers are in ``model.requantising``, by the name of its output."""
     users: dict[str, list[Any]] = {}
     for node in model.nodes:
         for name in node.input:
@@ -110,7 +110,7 @@ def collapse(model: Model) -> None:
 
 
 def _chain(model: Model, first: Any, users: dict[str, list[Any]]) -> list[Any] | None:
-    """Returns the nodes from ``first`` to the limits, if they are a division and its companions."""
+    """Returns the nodes from ``first`` to the Clip, if they form a requantisation."""
     chain: list[Any] = []
     node = first
     while node.op_type in _CHAIN and (node.op_type in ("Cast", "Floor", "Clip") or any(name in model.constants for name in node.input)):
@@ -144,7 +144,7 @@ def _apply(model: Model, node: Any, result: Requantising, value: np.ndarray) -> 
         result.addend = result.addend + value
     else:
         divisor = int(value[0])
-        # NEMO writes 2^24 - 1 for 2^24, which has no float below it.
+        # NEMO writes 2^24 - 1 in place of 2^24.
         divisor += 1 if divisor & (divisor + 1) == 0 else 0
         if value.size != 1 or divisor < 1 or divisor & (divisor - 1):
             raise model.fail(f"node {label(node)} (Div): divides by {value.tolist()[:4]}; one power of two is possible")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A network in integers: its layers, as the chip computes them, and what each of them computes (numpy)."""
+"""A network in integers: its layers, as the chip computes them, and a reference of each in numpy."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Layer:
 
     @property
     def macs(self) -> int:
-        """Products of a weight and a value; those with places outside the input count."""
+        """The number of products of a weight and a value, including those with places outside the input."""
         if self.weight is None:
             return 0
         return int(self.weight.size // self.weight.shape[0]) * self.output.size * self.pool**2
@@ -89,7 +89,7 @@ def _convolution(layer: Layer, values: np.ndarray) -> np.ndarray:
     for group in range(layer.groups):
         part = windows[..., group * each : (group + 1) * each].reshape(*windows.shape[:2], -1)
         weight = layer.weight[group * out : (group + 1) * out].transpose(2, 3, 1, 0).reshape(-1, out)
-        sums.append(part.astype(np.float64) @ weight.astype(np.float64))  # exact: whole numbers below 2^53
+        sums.append(part.astype(np.float64) @ weight.astype(np.float64))  # exact, because all numbers are whole and below 2^53
     total = np.concatenate(sums, axis=2).astype(np.int64) + layer.bias
     if layer.requantise is None:
         return total.astype(np.int32)

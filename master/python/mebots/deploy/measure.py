@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Time and energy of each layer on the chip: runs of the first 0, 1, 2 ... layers, of which the differences count."""
+"""Measures time and energy of each layer on the chip, as differences between runs of the first 0, 1, 2 ... layers."""
 
 from __future__ import annotations
 

@@ -21,13 +21,14 @@ _NEVER_CONSTANT = {"RandomNormal", "RandomNormalLike", "RandomUniform", "RandomU
 
 
 def onnx_package() -> Any:
-    """Returns the package onnx, which only a deployment needs."""
+    """Imports and returns the package onnx, which only a deployment needs."""
     extra("onnx.reference", "`mebots deploy`", "onnx", "deploy")
     return extra("onnx", "`mebots deploy`", "onnx", "deploy")
 
 
 class Model:
-    """An ONNX model. ``constants`` are initialisers and what follows from them; ``nodes`` are the others, in order."""
+    """An ONNX model. ``constants`` are the initialisers and all tensors computed from them; ``nodes`` are the remaining nodes, in
+    order."""
 
     def __init__(self, path: str | os.PathLike[str], rewrite: Callable[[Any], None] | None = None) -> None:
         """``rewrite`` changes the model before it is checked."""
@@ -71,7 +72,7 @@ class Model:
         return value
 
     def _without_constants(self) -> list[Any]:
-        """Computes all nodes whose inputs are constants. Returns the others."""
+        """Evaluates all nodes whose inputs are constants. Returns the other nodes."""
         rest = []
         for node in self.proto.graph.node:
             if node.op_type == "Shape" and self._fold_shape(node):
@@ -87,7 +88,8 @@ class Model:
         return rest
 
     def _dequantise(self, node: Any) -> None:
-        """Computes weights that the model has in bytes, and keeps their steps. onnx's evaluator has no old versions of it."""
+        """Computes weights that the model stores as bytes, and keeps their scales. onnx's evaluator lacks old versions of this
+        operator."""
         whole = self.constants[node.input[0]]
         step = np.asarray(self.constants[node.input[1]], dtype=np.float64)
         zero = self.constants[node.input[2]].astype(np.float64) if len(node.input) > 2 and node.input[2] else np.zeros_like(step)
@@ -121,7 +123,7 @@ class Model:
         model = onnx.helper.make_model(graph, opset_imports=[onnx.helper.make_opsetid("", self.opset)])
         try:
             values = onnx.reference.ReferenceEvaluator(model).run(None, {name: self.constants[name] for name in names})
-        except Exception as error:  # the evaluator raises whatever its operators raise
+        except Exception as error:  # the evaluator passes on all exceptions of its operators
             raise self.fail(f"constant node {_label(node)} ({node.op_type}) cannot be computed: {error}") from error
         for name, value in zip([n for n in node.output if n], values, strict=True):
             self.constants[name] = self._finite(name, np.asarray(value))
@@ -168,7 +170,7 @@ def _opset(model: Any, path: pathlib.Path) -> int:
 
 
 def _fix_batch(model: Any, path: pathlib.Path) -> None:
-    """Sets an open batch of the inputs to 1. Refuses other open dimensions."""
+    """Sets an undefined batch size of the inputs to 1. Rejects other undefined dimensions."""
     constants = {one.name for one in model.graph.initializer}
     for one in model.graph.input:
         if one.name in constants:

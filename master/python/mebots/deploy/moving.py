@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Operators that only move values. A move is a pair of views, one of the input and one of the output, of equal shape: their
-strides are what the chip's kernel needs."""
+"""Operators that only move values. A move is a pair of views of equal shape, one of the input and one of the output. The chip's
+kernel uses their strides."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_DIMENSIONS = 6
 
 @dataclasses.dataclass(frozen=True)
 class Move:
-    """Copies input number ``source``: byte offsets, counts, and steps in input and output."""
+    """Describes a copy of input number ``source``: byte offsets, counts, and steps in input and output."""
 
     source: int
     start: int
@@ -51,7 +51,7 @@ def _address(array: np.ndarray) -> int:
 
 
 def move(number: int, source: np.ndarray, source_view: np.ndarray, out: np.ndarray, out_view: np.ndarray) -> Move:
-    """Describes the copy of one view to the other. Both are of bytes, and of equal shape."""
+    """Describes the copy of one view of bytes to another one of equal shape."""
     kept = [i for i in range(source_view.ndim) if source_view.shape[i] > 1]
     counts, steps, out_steps = [], [], []
     for i in kept:
@@ -73,7 +73,7 @@ def move(number: int, source: np.ndarray, source_view: np.ndarray, out: np.ndarr
 
 
 def _join(counts: list[int], steps: list[int], out_steps: list[int]) -> None:
-    """Joins dimensions that are one in both views."""
+    """Merges neighbouring dimensions that are contiguous in both views."""
     i = 0
     while i + 1 < len(counts):
         if steps[i] == counts[i + 1] * steps[i + 1] and out_steps[i] == counts[i + 1] * out_steps[i + 1]:
@@ -107,7 +107,7 @@ def _reshape(owner: Importer) -> None:
         raise owner.refuse(f"its output has shape {list(shape)}", "At most four dimensions are possible")
     ones = [t for t in (source, target) if len(t.shape) == 1 or t.rows * t.columns == 1 or t.channels == 1]
     if len(ones) == 2 or source.shape == target.shape:
-        # The order in memory stays.
+        # The order in memory does not change.
         node = owner.add("move", [source])
         node.moves = []
         return
@@ -123,7 +123,7 @@ def _reshape(owner: Importer) -> None:
 
 
 def _common(a: tuple[int, ...], b: tuple[int, ...]) -> tuple[int, ...] | None:
-    """Returns dimensions of which both shapes are products of neighbours, or None."""
+    """Returns dimensions from which both shapes result by merging neighbours, or None."""
     edges = sorted({math.prod(shape[i:]) for shape in (a, b) for i in range(len(shape) + 1)}, reverse=True)
     if any(big % small for big, small in zip(edges, edges[1:], strict=False)):
         return None
@@ -148,7 +148,7 @@ def _slices(owner: Importer, rank: int) -> list[slice]:
         steps = owner.constant(4) if owner.constant(4) is not None else [1] * len(starts)
     result = [slice(None)] * rank
     for start, end, axis, step in zip(starts, ends, axes, steps, strict=True):
-        # The end of a slice backwards that includes the first element is less than -length.
+        # The end of a backward slice that includes the first element is less than -length.
         stop = None if step < 0 and int(end) < -(1 << 30) else int(end)
         result[int(axis) % rank] = slice(int(start), stop, int(step))
     return result
@@ -181,7 +181,7 @@ def _gather(owner: Importer) -> None:
 
 
 def _scalar(owner: Importer, source: Tensor, channel: int) -> None:
-    """One channel of a vector: ONNX then drops the dimension, here a vector of one is left."""
+    """Selects one channel of a vector. ONNX drops the dimension; here a vector of length one remains."""
     _add(owner, source, lambda view: view[:, channel : channel + 1], lambda view: view)
 
 

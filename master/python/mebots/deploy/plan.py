@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Memory: which bytes of L2 hold which tensor when, and how each layer is cut into steps that fit L1."""
+"""Plans the memory: assigns bytes of L2 to each tensor for its lifetime, and divides each layer into steps that fit into L1."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FLAT_KINDS = ("add", "multiply", "table")
 
 @dataclasses.dataclass(frozen=True)
 class Memory:
-    """Bytes that a board has for a network."""
+    """The bytes of a board's memories that a network may use."""
 
     l1: int
     l2: int
@@ -39,7 +39,7 @@ class Part:
 
 @dataclasses.dataclass
 class Steps:
-    """How a layer is cut. Offsets in L1 are those of two buffers each."""
+    """The division of a layer into steps. Each buffer in L1 exists twice, so there are two offsets of each."""
 
     tile_rows: int
     tiles: int
@@ -89,7 +89,7 @@ def _shift(steps: Steps, by: int) -> None:
 
 
 def _lifetimes(network: Network) -> dict[Tensor, tuple[int, int]]:
-    """From the layer that computes a tensor to the last one that reads it."""
+    """The lifetime of a tensor: from the layer that computes it to the last one that reads it."""
     last = len(network.layers)
     result: dict[Tensor, tuple[int, int]] = {}
     for number, layer in enumerate(network.layers):
@@ -103,7 +103,7 @@ def _lifetimes(network: Network) -> dict[Tensor, tuple[int, int]]:
 
 
 def _place(lifetimes: dict[Tensor, tuple[int, int]]) -> tuple[dict[Tensor, int], int]:
-    """Gives the largest tensors their places first, each the lowest one that is free during its life."""
+    """Assigns addresses, to the largest tensors first: each gets the lowest one that is free during its lifetime."""
     offsets: dict[Tensor, int] = {}
     size = 0
     for tensor in sorted(lifetimes, key=lambda one: (-one.bytes, lifetimes[one])):
@@ -128,7 +128,7 @@ def is_depthwise(layer: Layer) -> bool:
 
 
 def fours(layer: Layer) -> int:
-    """Returns how often a depthwise kernel takes four of its places."""
+    """Returns the number of groups of four places in a depthwise kernel."""
     return math.ceil(math.prod(layer.kernel) / 4)
 
 
@@ -144,7 +144,8 @@ def gathered_stride(layer: Layer) -> int:
 
 
 def gathers(layer: Layer) -> bool:
-    """True if patches are copied first: their runs of contiguous bytes are short, and many channels share the copy."""
+    """True if patches are copied before they are used: their runs of contiguous bytes are short, and many channels share the
+    copy."""
     if layer.kind != "convolution" or layer.groups > 1:
         return False
     rows, columns, run = _patch_runs(layer)
@@ -176,7 +177,7 @@ def patch_bytes(layer: Layer) -> int:
 
 
 def run_geometry(layer: Layer) -> tuple[int, int, int]:
-    """Returns how many runs of contiguous bytes a patch has per row and column, and the bytes of each."""
+    """Returns the number of runs of contiguous bytes of a patch, per row and column, and the bytes of each."""
     return (1, 1, patch_bytes(layer)) if gathers(layer) else _patch_runs(layer)
 
 
@@ -188,7 +189,7 @@ def gathered_bytes(layer: Layer) -> int:
 
 
 def gather_geometry(layer: Layer) -> tuple[int, int, int]:
-    """The same before the patch is copied."""
+    """The same, for a patch that is not copied."""
     return _patch_runs(layer)
 
 
@@ -275,7 +276,7 @@ def _steps(layer: Layer, available: int, board: str) -> Steps | None:
 
 
 def _row_choices(layer: Layer, parts: list[Part], available: int) -> list[int]:
-    """Returns rows of a tile that fit: the most, and those of a few tiles more."""
+    """Returns possible numbers of rows of a tile: the maximum that fits, and smaller ones that give a few more tiles."""
     out_rows = flat_rows(layer) if layer.kind in FLAT_KINDS else layer.output.rows
     low, high = 0, out_rows
     while low < high:
@@ -371,7 +372,7 @@ PEAK_MACS = 32 / 14
 
 
 def estimate(layer: Layer, steps: Steps) -> float:
-    """Cycles of a layer: the cores' and the DMA's, of which the longer one counts, and what neither hides."""
+    """Cycles of a layer: the maximum of the cores' and the DMA's cycles, plus those that do not overlap."""
     count = steps.tiles * len(steps.parts)
     moved = traffic(layer, steps)
     rows_copied = steps.tile_rows if any(layer.pads) else 1
@@ -387,7 +388,7 @@ _CYCLES_PER_STEP = 250
 
 
 def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
-    """Cycles of the cores for a part of a tile, with those in which some of them wait for others."""
+    """Cycles of the cores for a part of a tile, including the time in which some wait for the others."""
     if layer.kind in FLAT_KINDS:
         return steps.tile_rows * 12 / CORES
     rows, columns = steps.tile_rows * layer.pool, layer.output.columns * layer.pool

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a graph in float and the ranges of its tensors to a network in integers.
+"""Converts a graph in float, with the ranges of its tensors, to a network in integers.
 
 Activations are bytes with one scale per tensor; weights are signed bytes with a scale per output channel.
 """
@@ -27,7 +27,7 @@ class Quantiser:
         self._graph = graph
         self._range_of = range_of
         self._scales: dict[Tensor, Scale] = {graph.inputs[0]: input_scale}
-        self._same: dict[Tensor, Tensor] = {}  # tensors in the memory of another
+        self._same: dict[Tensor, Tensor] = {}  # tensors that are a part of another tensor's memory
         self._channel_scales: dict[Tensor, dict[int, Scale]] = {}
         self._layers: list[Layer] = []
 
@@ -110,8 +110,8 @@ class Quantiser:
         )
 
     def _scales_by_channel(self, node: Node) -> list[Scale] | None:
-        """Returns a scale for each channel of a dense layer, if each user of its output selects channels: those of a user have
-        the scale of its output. Otherwise None."""
+        """If each user of a dense layer's output selects some channels, returns a scale per channel: the scale of that user's
+        output. Otherwise returns None."""
         users = self._graph.users(node.output)
         is_output = any(one is node.output for one in self._graph.outputs)
         if len(node.output.shape) > 1 or node.is_limited() or is_output or not users or node.output.name in self._given:
@@ -153,7 +153,7 @@ class Quantiser:
         scale = self._out_scale(node)
         sources = [self._scale(one) for one in node.inputs]
         ratios = [one.step / scale.step for one in sources]
-        # 255 x both factors, the zeros and half of a unit must fit into 31 bits.
+        # The sum of 255 times both factors, the zeros and half a unit must fit into 31 bits.
         shift = int(np.clip(np.floor(np.log2((1 << 30) / (255 * 2 * sum(ratios) + 2 * scale.zero + 1))), 0, _ADD_SHIFT))
         factors = [int(np.floor(one * 2.0**shift + 0.5)) for one in ratios]
         addend = (scale.zero << shift) + ((1 << shift) >> 1) - sum(f * one.zero for f, one in zip(factors, sources, strict=True))
@@ -205,7 +205,7 @@ def _weight_steps(node: Node, source: Scale) -> np.ndarray:
 
 
 def _least_step(node: Node, source: Scale) -> np.ndarray:
-    """Channels of small weights with a large bias get a larger step, so that the bias fits into 30 bits."""
+    """Channels with small weights and a large bias get a larger step, so that the bias fits into 30 bits."""
     return np.maximum(np.abs(node.bias) * 127 / (source.step * (1 << 30)), 1e-12)
 
 

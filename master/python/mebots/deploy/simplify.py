@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Joins nodes, so that the chip has fewer layers: normalisations into weights, pads, functions and pools into
-convolutions."""
+"""Merges nodes, so that the chip has fewer layers: normalisations into weights; pads, functions and pools into convolutions."""
 
 from __future__ import annotations
 
@@ -24,7 +23,7 @@ def simplify(graph: Graph) -> None:
 
 
 def join_flattened(graph: Graph) -> None:
-    """Only joins pads and flattened inputs, which changes no numbers."""
+    """Merges only pads and flattened inputs, which does not change the numbers."""
     _drop_unused(graph)
     while _join_pads(graph) or _join_flatten(graph):
         pass
@@ -124,7 +123,8 @@ def _join_flatten(graph: Graph) -> bool:
 
 
 def _swap_limits(graph: Graph) -> bool:
-    """Limits after a maximum are the same before it, where they may join a convolution."""
+    """Moves limits after a maximum to the place before it, where they can be merged into a convolution. The result is the
+    same."""
     for first, second in _pairs(graph):
         source = first.inputs[0]
         before = graph.producer(source)
@@ -162,7 +162,7 @@ def _clip(limits: tuple[float, float]):
 
 
 def _join_pools(graph: Graph) -> None:
-    """The maximum of places that do not overlap joins the convolution before it."""
+    """Merges a maximum pool without overlap into the convolution before it."""
     for first, second in _pairs(graph):
         fits = (
             first.kind == "conv"

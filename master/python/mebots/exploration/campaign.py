@@ -42,7 +42,7 @@ TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "levels.csv", *colum
 _CHUNK = 1000
 """The number of missions that are looked up in the journal at once."""
 _OBJECTS_OF_A_COLLECTION = 100_000
-"""The number of new objects after which Python searches for unused cycles. With its default of 700, this takes a
+"""The number of new objects after which Python's garbage collector searches for cycles. With its default of 700, this takes a
 fifth of a large study's time."""
 _MOST_COMPARED = 300
 """With more designs, the progress does not name the leaders."""
@@ -152,7 +152,7 @@ class Campaign:
         for mission, (what, values) in tried.items():
             error, about = found[mission]["error"], found[mission].get("about", "")
             if error:
-                # No program called set(): the value is in the study.
+                # The message must not refer to set(), because the value is in the study.
                 problems.setdefault(error.removeprefix(f'set("{about}"): '), self._blamed(about, error, values) or what)
         if problems:
             told = (": ".join(filter(None, (self.study.place, what, error))) for error, what in problems.items())

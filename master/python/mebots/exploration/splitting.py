@@ -2,12 +2,12 @@
 """The probability of rare events, by multilevel splitting with fixed effort (Garvels 2000; Cérou, Guyader 2007). Levels of
 a score divide the way to the event, so that each is likely to be reached from the one before.
 
-N missions start at t = 0. Those that reach the first level are its entrances. N missions continue from them with new draws,
-the same number from each entrance as far as N permits (the rest by lot), and so on to the last level. If r_k of N missions
-reached level k, the estimate is the product of r_k/N. Its expectation is the exact probability for any levels and any N;
-its spread depends on both. Therefore several estimates are made independently, and their mean has Student's interval. The
-only assumption about the missions is that their score reaches a level step by step: a mission that jumps over levels
-counts for each.
+N missions start at t = 0. The states in which missions reach the first level are its entrances. N missions continue from them
+with new draws: the same number from each entrance, with the remainder assigned at random. This is repeated up to the last level.
+If r_k of N missions reached level k, the estimate is the product of r_k/N. Its expectation is the exact probability for any
+levels and any N; its spread depends on both. Therefore several estimates are made independently, and their mean has Student's
+interval. The only assumption about the missions is that their score reaches a level step by step: a mission that jumps over
+levels counts for each.
 
 If a study defines no levels, pilot missions determine them.
 """

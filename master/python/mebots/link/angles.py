@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sine, cosine and arc tangent with the same bits on every machine: additions, multiplications and divisions alone, because
-those of the C library differ between its versions."""
+"""Sine, cosine and arc tangent with the same bits on every machine: they only use additions, multiplications and divisions,
+because the functions of the C library differ between its versions."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def sine_and_cosine(angle: float) -> tuple[float, float]:
 
 
 def arc_tangent(y: float, x: float) -> float:
-    """Returns the angle of the direction (x, y) [rad], by Newton's steps on its sine: each doubles the digits."""
+    """Returns the angle of the direction (x, y) [rad], by Newton's method on its sine; each step doubles the number of digits."""
     length = math.sqrt(x * x + y * y)
     if length == 0.0:
         return 0.0

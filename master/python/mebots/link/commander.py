@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commander: the set-point that counts now, and who may replace it."""
+"""The commander: stores the present set-point, and decides by priority which new set-point may replace it."""
 
 from __future__ import annotations
 

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a set-point to the inputs of the simulated drone: velocity along the heading, yaw rate and altitude.
-
-The simulated drone has the firmware's cascade from velocity and altitude downwards. This loop adds what is above, at the same
-100 Hz: the firmware's proportional controller of the level position, limited by 1.1 times the greatest velocity. Two set-points
-differ from the firmware's. A yaw is followed by a yaw rate, its own and 3 1/s times the error; of the resulting second-order
-loop with the firmware's 6 1/s the damping is 0.71. A climb moves the wanted altitude.
+"""Converts a set-point to the inputs of the simulated drone: velocity along the heading, yaw rate and altitude. The simulated
+drone contains the firmware's loops for velocity and altitude, and all inner loops. This module adds the outer loop at the same
+100 Hz: the firmware's proportional controller of the level position, limited to 1.1 times the greatest velocity. Two set-points
+are handled differently from the firmware. For a yaw, the yaw rate is that of the set-point plus 3 1/s times the error; with the
+firmware's 6 1/s, this second-order loop has a damping of 0.71. For a climb rate, the wanted altitude moves.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ PERIOD_MS = 10
 _YAW_PER_S = 3.0
 _MOST_YAW_RATE_RAD_PER_S = 4.0
 _LIMIT_FACTOR = 1.1
-_MOST_LEAD_M = 0.55  # of the wanted altitude over the present one: the cascade's 1.1 m/s over its 2 1/s
+_MOST_LEAD_M = 0.55  # limit of the wanted altitude minus the present one: the cascade's 1.1 m/s divided by its 2 1/s
 
 
 class Mode(enum.IntEnum):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A drone's firmware between the link and the simulated controller.
-
-Its behaviour follows from packets, readings and simulated time alone, so that a recorded run can be repeated.
+"""A drone's firmware between the link and the simulated controller. It depends only on packets, readings and simulated time, so
+that a recorded run can be repeated.
 """
 
 from __future__ import annotations
@@ -159,8 +158,8 @@ class Drone:
             self._planner.stop()
 
     def _is_farewell(self, packet: Packet) -> bool:
-        """True for the zeros that cflib sends when it closes a link. Its radio driver closes before they are sent, and a drone
-        that the high-level commander controls would take them as the start of new set-points, and lock itself when none follow."""
+        """True for the zeros that cflib sends when it closes a link. The real radio driver closes before they are sent. A drone
+        under the high-level commander would interpret them as new set-points, and lock itself because no further ones follow."""
         return packet.port == Port.SETPOINT and not any(packet.data) and self._commander.priority != Priority.CLIENT
 
     def _follow_planner(self) -> None:

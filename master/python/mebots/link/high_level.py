@@ -26,9 +26,7 @@ class _Trajectory(NamedTuple):
 
 
 class HighLevel:
-    """Decodes commands, and gives them to the planner.
-
-    :param supervisor: allows or refuses flights.
+    """Decodes commands, and passes them to the planner. :param supervisor: permits or rejects flights.
     :param memory: the uploaded trajectories.
     """
 
@@ -143,7 +141,7 @@ class HighLevel:
         return Errno.NONE
 
     def _pieces(self, trajectory: _Trajectory) -> list[Piece]:
-        """Returns no pieces if the trajectory does not lie in the memory."""
+        """If the trajectory is not inside the memory, returns no pieces."""
         end = trajectory.offset + trajectory.pieces * PIECE_BYTES
         if end > len(self._memory):
             return []

@@ -118,5 +118,5 @@ def _packet(number: int, block: _Block, now_ms: int) -> Packet:
 
 
 def _stored(variable: Variable) -> float:
-    """Returns the value as the drone's memory holds it: a voltage of 3.7 in an integer is 3, for example."""
+    """Returns the value as the drone stores it: for example, a voltage of 3.7 in an integer is 3."""
     return variable.scalar.unpack(variable.scalar.pack(variable.read()))

@@ -62,7 +62,7 @@ class Parameters:
         self._updates.append(Packet(Port.PARAMETERS, _OTHER_CHANNEL, bytes([_UPDATED]) + number.to_bytes(2, "little") + self._bytes[number]))
 
     def updates(self) -> list[Packet]:
-        """Returns and forgets the notifications since the last call."""
+        """Returns the notifications since the last call, and deletes them."""
         packets, self._updates = self._updates, []
         return packets
 
@@ -83,7 +83,7 @@ class Parameters:
         return [packet.answer(head + self._bytes[number]), *self._notify(number)]
 
     def _write(self, number: int, value: bytes) -> bool:
-        """Returns whether there were enough bytes."""
+        """Returns False if there are too few bytes."""
         size = self._parameters[number].scalar.size
         if len(value) < size:
             return False

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The planner of the high-level commander: from take-off, landing, go-to, spiral and trajectory to a goal for every moment."""
+"""The planner of the high-level commander: converts take-off, landing, go-to, spiral and trajectory commands to a goal at each
+time."""
 
 from __future__ import annotations
 
@@ -19,8 +20,8 @@ class State(enum.Enum):
 
 
 class Planner:
-    """The state of the planner, and the last goal, from which new paths start. While no path is flown, ``rest`` keeps that goal
-    at the drone's state."""
+    """The state of the planner, and the last goal, from which new paths start. While no path is active, ``rest`` sets the goal to
+    the drone's present state."""
 
     def __init__(self) -> None:
         self.state = State.IDLE
@@ -117,7 +118,8 @@ class Planner:
         self._fly(start, end, duration_s, time_s)
 
     def follow(self, pieces: Sequence[Piece], time_scale: float, time_s: float, *, relative: bool, turned: bool, backwards: bool) -> None:
-        """Flies an uploaded trajectory, from where the drone is if ``relative``, and then along its yaw if ``turned``."""
+        """Flies an uploaded trajectory. If ``relative``, it starts at the drone's position; if also ``turned``, it is rotated by
+        the drone's yaw."""
         path = Path(pieces, time_s, time_scale, backwards)
         if relative:
             first = path.at(time_s)
@@ -149,5 +151,5 @@ class Planner:
 
 
 def _nearest(angle_rad: float, to_rad: float) -> float:
-    """Returns the angle equal to the first that is nearest to the second."""
+    """Returns the first angle plus the multiple of a full turn that brings it nearest to the second."""
     return to_rad + wrapped(angle_rad - to_rad)

@@ -25,7 +25,7 @@ class Power:
 
     @property
     def level(self) -> int:
-        """Charge in % by the voltage, in steps of 10."""
+        """Returns the charge in % for a voltage, in steps of 10."""
         return 10 * min(sum(self.voltage_v > one for one in _CHARGE_CURVE_V), 9)
 
     def update(self, voltage_v: float, low_v: float, now_ms: int) -> str | None:

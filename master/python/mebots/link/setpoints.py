@@ -18,12 +18,13 @@ _FULL_CLIMB = 32767.0
 
 @dataclasses.dataclass(frozen=True)
 class Setpoint:
-    """What the drone shall do. Of position and velocity, height and climb, yaw and yaw rate the first counts if it is given."""
+    """A set-point for the drone. If position, height or yaw is given, it takes precedence over velocity, climb rate or yaw
+    rate."""
 
     motors: bool = True
     position_m: tuple[float, float] | None = None  # level
     velocity_m_per_s: tuple[float, float] = (0.0, 0.0)  # level
-    along_heading: bool = False  # frame of the velocity; else the world's
+    along_heading: bool = False  # the velocity is in this frame; else in the world frame
     height_m: float | None = None
     climb_m_per_s: float = 0.0
     yaw_rad: float | None = None
@@ -38,7 +39,7 @@ class Unsupported(Exception):
 
 
 def decode(packet: Packet, flags: Mapping[str, bool]) -> Setpoint | None:
-    """Returns the set-point of a packet; None if it is none. Raises Unsupported.
+    """Returns the set-point in a packet; None if it contains none. Raises Unsupported.
 
     :param flags: the parameters flightmode.althold, poshold and posSet.
     """
@@ -53,7 +54,7 @@ def decode(packet: Packet, flags: Mapping[str, bool]) -> Setpoint | None:
 
 
 def _sticks(values: tuple, flags: Mapping[str, bool]) -> Setpoint:
-    """Roll, pitch, yaw and thrust; parameters change their meaning."""
+    """Roll, pitch, yaw and thrust. Parameters can change the meaning of these four values."""
     roll, pitch, yaw, thrust = values
     if flags["posSet"] and thrust != 0:
         return Setpoint(position_m=(-pitch, roll), height_m=thrust / 1000.0, yaw_rad=yaw * _RADIANS)
@@ -96,8 +97,8 @@ def _full_state(values: tuple) -> Setpoint:
 
 
 def _quaternion(packed: int) -> tuple[float, float, float, float]:
-    """Returns w, x, y, z of 32 bits: the number of the largest component in two bits, then a sign and nine bits for each other
-    one, in units of 1 / (511 sqrt 2). The largest is positive. Components are in the order x, y, z, w."""
+    """Decodes a quaternion of 32 bits; returns w, x, y, z. Two bits have the number of the largest component, in the order x, y,
+    z, w; it is positive. Each other component has a sign and nine bits, in units of 1 / (511 sqrt 2)."""
     largest = packed >> 30
     components = [0.0, 0.0, 0.0, 0.0]
     for index in (3, 2, 1, 0):

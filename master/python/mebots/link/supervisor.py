@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The supervisor: whether the drone may fly, flies, has crashed or is locked (port 9).
+"""The supervisor: knows if the drone may fly, flies, has crashed or is locked (port 9).
 
-States and conditions are those of the firmware, for a drone that arms itself. A crash of the simulated drone counts as tumbled
-and stays so, because its motors do not start again.
+States and conditions are those of the firmware, for a drone that arms itself. A crash of the simulated drone counts as tumbled.
+This state is permanent, because the motors do not restart.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ class Supervisor:
         return _TEXTS.get(after)
 
     def _is_tilted(self, now: Readings, now_ms: int) -> bool:
-        """Tilted for long, or upside down for a shorter time; a free fall is none."""
+        """Returns True if the drone was tilted for a long time, or upside down for a shorter time. A free fall does not count."""
         x, y, z = (one / _G for one in now.acceleration_m_per_s2)
         if max(abs(x), abs(y), abs(z)) < _FREE_FALL_G:
             self._tilted_ms = None
@@ -163,7 +163,7 @@ class Supervisor:
         return since_ms > _TILTED_MS or (z < _UPSIDE_DOWN_G and since_ms > _UPSIDE_DOWN_MS)
 
     def _next(self, flying: bool, stop: bool, age_ms: int, limits_ms: tuple[float, float], now_ms: int) -> State | None:
-        """Returns the next state; None if the state stays. The order of the conditions decides between several."""
+        """Returns the next state; None if the state does not change. If several conditions hold, the first one decides."""
         timed_out = age_ms > TIMEOUT_MS
         transitions: dict[State, tuple[tuple[bool, State], ...]] = {
             State.CHECKS_NOT_PASSED: ((stop, State.FREE_FALL), (not self.tumbled, State.CHECKS_PASSED)),

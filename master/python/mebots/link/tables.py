@@ -77,7 +77,7 @@ def parameters(decks: Iterable[str]) -> list[Parameter]:
 
 
 class Source(Protocol):
-    """What the log variables are read from: a drone."""
+    """The source of the log variables: a drone."""
 
     now: Readings
     power: Power

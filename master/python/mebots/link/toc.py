@@ -15,10 +15,11 @@ _MOST_LETTERS = 24  # of group and name together
 
 
 class Toc:
-    """A table in version 2 of the protocol. The check sum is of names and types, because clients keep tables by it.
+    """A table in version 2 of the protocol. The checksum covers names and types, because clients use it as the key of cached
+    tables.
 
     :param entries: group, name and type byte of each variable, in the order of their numbers.
-    :param limits: bytes after the check sum in the answer about the whole table.
+    :param limits: bytes after the checksum in the answer about the whole table.
     """
 
     def __init__(self, entries: Sequence[tuple[str, str, int]], limits: bytes = b"") -> None:

@@ -43,7 +43,8 @@ def between(start: Ends, end: Ends, duration_s: float) -> list[float]:
     """Returns the coefficients of the polynomial of degree 7 between two ends without jerk, in ascending order.
 
     With s = t / T and d = end - (start + v s T + a (s T)^2 / 2) and its derivatives at s = 1, d0, d1, d2, the terms of
-    degree 4 to 7 in s solve p(1) = d0, p'(1) = d1, p''(1) = d2, p'''(1) = 0. A duration of 0 gives the end at once.
+    degree 4 to 7 in s solve p(1) = d0, p'(1) = d1, p''(1) = d2, p'''(1) = 0. With a duration of 0, the polynomial is constant at
+    the end.
     """
     if not duration_s > 0.0:
         return [end.value, end.rate, 0.5 * end.acceleration, 0.0, 0.0, 0.0, 0.0, 0.0]
@@ -94,9 +95,8 @@ class Piece(NamedTuple):
 
 
 class Path:
-    """Pieces one after another, stretched in time, turned and shifted. After its end a path holds its last point.
-
-    :param time_scale: 2 takes twice as long.
+    """A sequence of pieces, scaled in time, rotated and shifted. After its end, a path stays at its last point. :param
+    time_scale: 2 takes twice as long.
     :param backwards: from the end to the start.
     """
 
@@ -110,7 +110,7 @@ class Path:
         self._shift_m = ZERO
 
     def move(self, turn_rad: float, to_m: Vector) -> None:
-        """Turns the path about the vertical through the origin, then shifts its first point."""
+        """Rotates the path about the vertical axis through the origin, then moves its first point."""
         self._turn_rad = turn_rad
         self._shift_m = ZERO
         x, y, z = self.at(self._begin_s).position_m
