@@ -7,7 +7,7 @@
 namespace mebots::soc {
 namespace {
 
-/// The model asks for the variables of its board's devices by their names, so it gets them all.
+/// The model looks up the variables of its board's devices by name, so it gets all variables.
 class Instance final : public fmu::Model {
  public:
   Instance(Variables& variables, const fmu::Host& host, std::int64_t start_ns, const Listeners& listeners)

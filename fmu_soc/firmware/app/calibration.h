@@ -3,7 +3,7 @@
 #pragma once
 
 // Focal length over half the picture's width, in thousandths: 1 / tan(fov / 2) for the 1.51844 rad of the AI-deck's
-// lens as Stargate recorded with it.
+// lens with which Stargate's data were recorded.
 #define CAMERA_FOCAL_OVER_HALF_WIDTH_MILLI 1054
 
 // Outer edge of a gate's frame [mm]; the paper's 60 cm.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A network that `mebots deploy` has written, on the camera's pictures.
+// Runs a network written by `mebots deploy` on the camera's pictures.
 #pragma once
 
 #include <stdbool.h>

@@ -15,7 +15,7 @@
 #define EVIDENCE_TO_ENTER 6500
 // If the drone flies slower than a quarter of its command for this time, it leans against an object: there was no gate.
 #define STALLED_US 2000000
-// A drone that comes free of an object has this time to fly back.
+// After an object has released the drone, it has this time to fly back.
 #define STUCK_US 6000000
 // Size, in 127ths of SIGHT_MOST_SIZE, at which the frame has left the picture (1.2); and of a gate so near that it can
 // only have left the picture (0.65).
@@ -38,13 +38,13 @@
 #define LEAST_SIZE 8
 // Yaw rate of a search, relative to the scale.
 #define SEARCH_YAW 64
-// A direction that led against an object is not followed again: sightings this near to its heading are ignored. The
-// heading of a sighting is computed with half the view of the longest lens.
+// The drone does not follow a direction again that led to an object: sightings within this angle of that heading are
+// ignored. The heading of a sighting is computed with half the view of the longest lens.
 #define DEAD_END_URAD 450000
 #define HALF_VIEW_URAD 410000
 #define HALF_TURN_URAD 3141593
-// After a full turn without success, a search flies this far in a direction without a dead end, forgets other dead
-// ends, and turns again.
+// After a full turn without success, a search flies this far in a free direction, deletes the other stored headings,
+// and turns again.
 #define ELSEWHERE_UM 1000000
 
 static int32_t limited(int32_t value, int32_t low, int32_t high) {

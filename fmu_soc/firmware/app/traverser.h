@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steers through a gate with the outputs of the sight network. It turns and climbs towards the middle of the opening
 // until the frame leaves the picture, then keeps heading and altitude. It turns until it sees a gate, or after it has
-// lost one. There is no signal that the gate is crossed: it flies as far as the gate can be, and half a metre more.
+// lost one. Nothing signals that the gate is crossed: it flies the gate's greatest distance plus half a metre.
 #pragma once
 
 #include <stdbool.h>
@@ -40,7 +40,7 @@ typedef enum {
   TRAVERSER_SEARCH,     // hover and turn until a gate is seen
   TRAVERSER_APPROACH,   // fly to the gate
   TRAVERSER_THROUGH,    // straight on through it
-  TRAVERSER_ELSEWHERE,  // fly straight to the next place to search, back or ahead
+  TRAVERSER_ELSEWHERE,  // fly straight, back or ahead, to the place of the next search
   TRAVERSER_DONE        // after the last gate
 } traverser_phase_t;
 

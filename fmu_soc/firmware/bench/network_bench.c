@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inferences without pause, for mebots-network-bench. Prints a line before and after those of each number of cores; the
-// second line has their time [ns].
+// Runs inferences without pause, for mebots-network-bench. For each number of cores, prints a line before and a line
+// after its inferences; the second one has their time [ns].
 #include <stdint.h>
 
 #include "drivers/timer.h"

@@ -31,7 +31,7 @@ static inline __attribute__((always_inline)) void all_groups(const layer_step_t*
   }
 }
 
-// Short runs of bytes: the patches of two places are gathered for all channels.
+// For short runs of bytes: gathers the patches of two places, for all channels.
 static inline __attribute__((always_inline)) void convolve_gathered(const layer_step_t* step, layer_share_t share,
                                                                     int scaling) {
   const layer_t* layer = step->layer;

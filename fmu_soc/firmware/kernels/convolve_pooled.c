@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Convolutions with the maximum of 2 x 2 places afterwards. The greatest sum gives the greatest byte, because all
-// multipliers are positive: so the maximum comes first, and one of four sums is requantised.
+// Convolutions followed by the maximum of 2 x 2 places. All multipliers are positive, so the greatest sum gives the
+// greatest byte. Therefore the maximum is computed first, and only one of four sums is requantised.
 #include "kernels/products.h"
 #include "kernels/requantise.h"
 #include "kernels/work.h"

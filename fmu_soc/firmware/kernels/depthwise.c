@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Convolutions of each channel by itself, four channels at a time. The places of the kernel are taken in fours: a word
-// from each, turned so that each channel has its four values in a word.
+// Convolutions of each channel by itself, four channels at a time. The places of the kernel are processed in groups of
+// four: a word is loaded from each, and transposed so that a word contains the four values of a channel.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
@@ -17,7 +17,7 @@ static inline __attribute__((always_inline)) turned_t turn(const uint8_t* patch,
   const uint32_t b = *(const xpulp_word*)(const void*)(patch + offsets[1]);
   const uint32_t c = *(const xpulp_word*)(const void*)(patch + offsets[2]);
   const uint32_t d = *(const xpulp_word*)(const void*)(patch + offsets[3]);
-  // Bytes of the first word are 0 to 3 here, of the second 4 to 7.
+  // The selectors: bytes of the first word are 0 to 3, bytes of the second 4 to 7.
   const uint32_t lower_ab = xpulp_shuffle2_b(a, b, 0x05010400);
   const uint32_t upper_ab = xpulp_shuffle2_b(a, b, 0x07030602);
   const uint32_t lower_cd = xpulp_shuffle2_b(c, d, 0x05010400);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The layers of a network that `mebots deploy` has written, and what they compute.
+// The layers of a network written by `mebots deploy`, and their arithmetic.
 //
 // All tensors are unsigned bytes, row by row, column by column, channels together. A tensor has a scale and a zero:
 // its real values are (byte - zero) x scale. Sums are 32 bits. A sum becomes a byte by
@@ -58,7 +58,7 @@ layer_kernel_t layer_add;       // clip((a x factors[0] + b x factors[1] + adden
 layer_kernel_t layer_multiply;  // (a - zeros[0]) x (b - zeros[1]), requantised
 layer_kernel_t layer_table;     // table[a]
 
-// A part of the output's channels, with what it needs of the weights.
+// A part of the output's channels, and its part of the weights.
 typedef struct {
   uint32_t data;   // offset in the weights
   uint32_t bytes;  // of the data; 0: none
@@ -80,7 +80,7 @@ typedef struct {
   uint8_t scaling;
   uint8_t element;  // bytes of an output value: 1, or 4 for sums
   uint8_t by_tile;  // 1: all blocks of a tile, then the next tile; 0: all tiles of a block first
-  uint8_t sliced;   // 1: a block needs the input of its own channels alone
+  uint8_t sliced;   // 1: a block only needs the input of its own channels
   uint8_t pool;     // a convolution's output is pooled: maximum of pool x pool
   int32_t in_rows, in_columns, in_channels;
   int32_t out_rows, out_columns, out_channels;  // after pooling
@@ -135,7 +135,7 @@ typedef struct {
 
 typedef struct {
   uint32_t source;  // offset of the input in the network's memory
-  int32_t fill;     // -1, or the byte that the whole output gets first
+  int32_t fill;     // -1, or the byte with which the whole output is filled first
   int32_t fill_bytes;
   int32_t table;  // 1: a table of 256 bytes follows, and changes each byte
   int32_t in;     // offset of the first byte in the input

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maximum and mean of the places of a window, channel by channel.
+// Maximum and mean over the places of a window, for each channel.
 #include "kernels/requantise.h"
 #include "kernels/work.h"
 
@@ -65,7 +65,7 @@ static int32_t largest_of_fours(const window_t* w, uint8_t* to) {
 void layer_max_pool(const layer_step_t* step, layer_share_t share) {
   const layer_t* layer = step->layer;
   const int32_t columns = layer->out_columns;
-  // The pooling of a convolution's output has no pads, and its windows touch.
+  // The pooling of a convolution's output has no pads, and its windows do not overlap.
   const int is_fused = layer->then != 0;
   const int32_t stride = is_fused ? layer->pool : layer->stride_columns;
   const int32_t row_stride = is_fused ? layer->pool : layer->stride_rows;
@@ -118,7 +118,7 @@ void layer_average_pool(const layer_step_t* step, layer_share_t share) {
       }
     }
     const layer_mean_t* mean = means;
-    if (layer->zeros[0]) {  // the mean of the places inside alone
+    if (layer->zeros[0]) {  // the mean only of the places inside the input
       const int32_t row = (step->first_row + y) * layer->stride_rows - layer->pad_top;
       const int32_t column = x * layer->stride_columns - layer->pad_left;
       mean +=

@@ -72,7 +72,7 @@ static inline void copy_four(uint8_t* to, const uint8_t* from) {
 
 #endif
 
-// Copies a patch to contiguous bytes. Words may exceed a run; the next run then replaces what is too much.
+// Copies a patch to contiguous bytes. A copied word may exceed a run; the next run then overwrites the extra bytes.
 static inline void gather(const layer_t* layer, const uint8_t* patch, uint8_t* to) {
   const int32_t bytes = layer->gather_bytes;
   const int32_t step = layer->gather_row_step;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the sums of four channels to their bytes.
+// Converts the sums of four channels to bytes.
 #pragma once
 
 #include "kernels/layer.h"
@@ -11,7 +11,7 @@
 // Returns the upper word of the product.
 static inline __attribute__((always_inline)) int32_t upper_product(int32_t a, int32_t b) {
 #ifdef __riscv
-  int32_t result;  // the compiler would take several multiplications
+  int32_t result;  // in C, the compiler would use several multiplications
   __asm__("mulh %0, %1, %2" : "=r"(result) : "r"(a), "r"(b));
   return result;
 #else

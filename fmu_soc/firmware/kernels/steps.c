@@ -189,7 +189,7 @@ static void compute(const layer_network_t* n, const layer_t* layer, const cursor
   }
 }
 
-// Fills the columns to the left and right of the input, which no copy changes, in both buffers.
+// Fills the columns to the left and right of the input in both buffers; copies never change them.
 static void fill_sides(const layer_network_t* n, const layer_t* layer, layer_share_t share) {
   const layer_block_t* block = block_of(n, layer, 0);
   const int32_t channels = in_channels_of(layer, block);
@@ -224,7 +224,7 @@ static void run_tiles(const layer_network_t* n, const layer_t* layer, const tens
     if (share.core == 0) {
       wait_for_all(&copies);
     }
-    // The data of the step are there, and all cores are done with the step before.
+    // The data of the step have arrived, and all cores have finished the previous step.
     machine_barrier();
     if (share.core == 0) {
       if (i > 0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between steps.c, which moves tiles, and the kernels, which compute them.
+// Interface between steps.c, which moves tiles, and the kernels, which compute them.
 #pragma once
 
 #include "kernels/layer.h"

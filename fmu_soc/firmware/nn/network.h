@@ -7,8 +7,8 @@
 //
 // A convolution's output is clip((sum of weight x input + bias) >> shift, 0, 255) with zeros around the picture and
 // one bias and shift for each output channel. Half of 1 << shift is in the bias already, so the shift rounds half up.
-// The dense layer's is clip((sum + bias) >> shift, -127, 127). Tensors lie row by row, column by column, channels
-// together. examples/paper/training makes the weights and defines the same arithmetic in Python.
+// The dense layer's is clip((sum + bias) >> shift, -127, 127). A tensor has row after row, in it place after
+// place with its channels. examples/paper/training produces the weights and defines the same arithmetic in Python.
 #pragma once
 
 #include <stdint.h>

@@ -28,7 +28,7 @@ static inline void interrupts_on(void) {
 // Sets the clock of the core during a sleep [Hz]. If it is not below the core's present clock, or never set, the clock
 // does not change.
 void sleep_clock_set(uint32_t hz);
-// Changes to that clock before the last sleep. Returns the clock before [Hz].
+// Lowers the clock to that of a sleep. Returns the clock before [Hz].
 uint32_t sleep_clock_lower(void);
 
 // Sleeps until an attached interrupt is pending, then runs its handler. Interrupts must be off, and are off at return.

@@ -158,7 +158,7 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
 }
 
 /// Rejects an interrupt line that two devices share: firmware could not distinguish them, and each would lower the line
-/// of the other. Also rejects an interrupt controller that is no device of the board.
+/// of the other. Also rejects an interrupt controller that is not a device of the board.
 void check_interrupts(const Node& root, const BoardDescription& board) {
   std::map<std::pair<std::string, int>, std::string> taken;
   std::vector<std::string> names;

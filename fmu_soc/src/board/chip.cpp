@@ -23,8 +23,8 @@ namespace {
 /// Upper bound that keeps a block's sum of femtojoules within 32 bits.
 constexpr double kMostWeight = 100;
 
-/// Operations on floats have the weights of the kind of integer operation that is closest: nothing is published for
-/// GAP8, whose cores have no unit for them.
+/// Floating-point operations have the weights of the most similar integer operation. No values are published, because
+/// GAP8's cores have no floating-point unit.
 std::string_view class_of(Op op) {
   const auto kind = traits_of(op).kind;
   if (kind == OpKind::float_multiply || kind == OpKind::float_multiply_add) return "multiply";

@@ -245,7 +245,7 @@ std::string read_architecture(const ElfBytes& file, std::span<const SectionHeade
   return architecture_in(file.part(section->offset, section->size, "the attributes"));
 }
 
-/// Lines are for messages: a file whose sections for them are not in order, or packed, has none.
+/// Line numbers are only for messages. If their sections are damaged or compressed, the program has none.
 std::shared_ptr<const LineSections> read_lines(const ElfBytes& file, const FileHeader& header,
                                                std::span<const SectionHeader> sections) {
   auto lines = std::make_shared<LineSections>();

@@ -48,7 +48,7 @@ struct EnergyLedger {
   double total_j() const;
   /// Returns the parts of the total with their names.
   std::array<EnergyComponent, kParts> components() const;
-  /// Energy of executed instructions; of accesses and transfers; of all other parts.
+  /// Energy by group: executed instructions; accesses and transfers; all other parts.
   double core_active_j() const;
   double memory_j() const;
   double standing_j() const;

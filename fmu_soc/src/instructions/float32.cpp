@@ -112,7 +112,7 @@ std::uint32_t pack(Exact value, Context& context) {
   const auto [kept, inexact] = rounded(value.significand, weight - value.exponent, value.sign, context.rounding);
   if (inexact) {
     context.flags |= kInexact;
-    // Tiny if below the least normal number even when rounded to all bits of the fraction.
+    // The result is tiny if it is below the least normal number after rounding to all bits of the fraction.
     const bool below = exponent < kLeastExponent;
     const bool reaches = exponent == kLeastExponent - 1 &&
                          rounded(value.significand, kTop - kFractionBits, value.sign, context.rounding).value ==

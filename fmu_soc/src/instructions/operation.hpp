@@ -17,8 +17,8 @@ constexpr std::int32_t as_signed(Word word) {
   return static_cast<std::int32_t>(word);
 }
 
-/// An operation: its handlers for the interpreter, and its lowering to host code. The tables of each family
-/// (isa/*.decode) name the two functions from which operation() makes it.
+/// An operation: its handlers for the interpreter, and its lowering to host code. operation() makes it from two
+/// functions, which the tables of each family (isa/*.decode) name.
 struct Operation {
   std::array<Handler, 3> handlers{};  // by Operand
   Lowering emit = nullptr;            // null: the interpreter executes all forms

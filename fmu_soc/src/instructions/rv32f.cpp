@@ -105,7 +105,7 @@ void emit_float_move(Assembler& c, const Instruction* at) {
 #ifdef MEBOTS_TRANSLATES
 /// The host's own operations, which round to nearest. MXCSR collects the flags: see TranslatedRun::take_float_flags().
 
-/// Returns false for a rounding mode that the host is not in; the interpreter executes these.
+/// Returns false for a rounding mode other than the host's present one; the interpreter executes those.
 bool emit_rounding(Assembler& c, const Instruction* at) {
   const auto own = static_cast<unsigned>(at->imm) & 7U;
   if (own != static_cast<unsigned>(float32::Rounding::nearest_even) && own != float32::kDynamic) return false;
@@ -362,7 +362,7 @@ void emit_fsgnjx_s(Assembler& c, const Instruction* at) {
     c.xor_(eax, ecx);
   });
 }
-/// A NaN, and zeros, which may differ in their signs, are left to the interpreter.
+/// Leaves NaNs to the interpreter, and zeros, whose signs may differ.
 template <typename Apply>
 void emit_extreme(Assembler& c, const Instruction* at, Apply apply) {
   emit_check(c, at);

@@ -44,7 +44,7 @@ const Instruction* leave_to(Execution& e, const Instruction* at, Word target) {
   e.jumped = at->rs2 == 0;
   e.redirected = true;
   e.exit = at + 1;
-  e.link = &at->link;  // jalr keeps its last target there
+  e.link = &at->link;  // jalr stores its last target there
   return nullptr;
 }
 const Instruction* execute_jal(Execution& e, const Instruction* at) {

@@ -53,7 +53,7 @@ constexpr auto kAbsent = std::to_array<Absent>({
   throw Error(ErrorCode::invalid_value, fmt::format("the instruction set \"{}\": {}", text, what));
 }
 
-/// Splits "rv32imac_zba" into "i", "m", "a", "c" and "zba". Versions as in "i2p1" are left out.
+/// Splits "rv32imac_zba" into "i", "m", "a", "c" and "zba". Omits versions such as that in "i2p1".
 std::vector<std::string> parts_of(std::string_view text, std::string_view rest) {
   std::vector<std::string> parts;
   bool in_name = false;

@@ -8,7 +8,8 @@
 
 namespace mebots::soc {
 
-/// The extension that a core must have for a row of the tables of instructions. The last two are no instructions.
+/// The extension that a core must have for a row of the tables of instructions. The last two are properties without
+/// instructions.
 enum class Extension : std::uint8_t {
   standard,  // RV32IMC_Zicsr_Zifencei, machine mode
   xpulp,     // Xpulp v2 as in RI5CY
@@ -35,7 +36,7 @@ class Extensions {
     more.add(extension);
     return more;
   }
-  /// True if the core computes with floats, in registers of their own or not.
+  /// True if the core computes with floats, in separate registers (F) or in the integer registers (Zfinx).
   constexpr bool has_floats() const { return has(Extension::f) || has(Extension::zfinx); }
   bool operator==(const Extensions&) const = default;
 
@@ -45,7 +46,7 @@ class Extensions {
   std::uint32_t bits_ = bit(Extension::standard);
 };
 
-/// All that can be together: Zfinx excludes F.
+/// All extensions that a core can have at the same time; Zfinx excludes F.
 inline constexpr auto kMostExtensions = [] {
   Extensions most;
   for (const auto extension : {Extension::xpulp, Extension::a, Extension::f, Extension::zba, Extension::zbb,
@@ -55,15 +56,14 @@ inline constexpr auto kMostExtensions = [] {
   return most;
 }();
 
-/// Reads an ISA string such as "rv32imafc_zicsr_zba_zbb"; `u` is U mode. The result never has Xpulp. Throws Error that
-/// names the first extension that no core has here, or that is missing, and what to write instead.
+/// Reads an ISA string such as "rv32imafc_zicsr_zba_zbb"; `u` is U mode. The result never contains Xpulp. Throws Error
+/// that names the first unsupported or missing extension, and what to write instead.
 Extensions read_isa(std::string_view text);
 
 /// Returns the ISA string of a set, without Xpulp: "rv32imac_zicsr_zifencei_zba".
 std::string isa_string(Extensions extensions);
 
-/// Returns the extension with this name in an ISA string, such as "A" or "Zba"; `standard` if it is no option of a
-/// core.
+/// Returns the extension with this name, such as "A" or "Zba"; `standard` if it is not an option of a core.
 Extension optional_extension(std::string_view name);
 
 // Registers: x0 to x31 are 0 to 31, f0 to f31 follow.

@@ -59,8 +59,8 @@ enum class Relation : std::uint8_t { eq, ne, gt, ge, lt, le };
 inline constexpr unsigned kMultiplyHighCycles = 5;
 inline constexpr unsigned kDivideBaseCycles = 3;
 inline constexpr unsigned kFenceCycles = 4;
-/// The most that CV32E40P's user manual gives, for the latencies FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0 of its other
-/// operations, which take one cycle. The core may continue earlier if the next instructions do not need the result.
+/// The maximum in CV32E40P's user manual, with FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0, so that its other operations take
+/// one cycle. The real core may continue earlier if the next instructions do not need the result.
 inline constexpr unsigned kFloatDivideCycles = 19;
 inline constexpr unsigned kFloatRootCycles = 19;
 /// Measured together with the entry of a trap: 9 cycles. The split is our choice.

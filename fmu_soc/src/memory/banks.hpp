@@ -24,10 +24,11 @@ class Banks {
   static constexpr unsigned kMost = 32;
   /// The table should restart when time reaches this row.
   static constexpr std::uint64_t kTurn = 4096;
-  /// Most ticks of one run of translated code, and most that it can go beyond them in the block in which they end.
+  /// The maximum number of ticks of one run of translated code, and the maximum by which its last block can exceed
+  /// them.
   static constexpr std::uint64_t kLongestRun = 1024;
   static constexpr std::uint64_t kLongestBlock = 5120;
-  /// Ticks from the start on that can be reserved: cores reach them in their last block, and may wait there.
+  /// Number of ticks from the start that can be claimed: cores reach them in their last block, and may wait there.
   static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
 
   /// `count` must be a power of two, at most kMost.
@@ -56,8 +57,8 @@ class Banks {
   std::uint64_t ticks_left(std::uint64_t tick) const { return start_ + kReach - std::min(tick, start_ + kReach); }
 
   /// Claims the banks of all words from `address` to before `end` in `tick`. If a bank is claimed already, claims the
-  /// next tick instead, whether that is claimed or not. So the claims of at most one other user can be in the way.
-  /// Returns 1 if any bank was claimed, else 0.
+  /// next tick instead, whether that is claimed or not. So it expects the claims of at most one other user. Returns 1
+  /// if any bank was claimed, else 0.
   std::uint32_t claim_or_next(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
     if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
     auto* row = &byte_of(tick, 0);

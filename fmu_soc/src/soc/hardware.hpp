@@ -25,21 +25,21 @@ namespace mebots::soc {
 /// Cores and memories of a chip, and the connections between them.
 class Hardware {
  public:
-  /// `board` and `chip` must outlive the hardware. `bus` reaches what lies outside the memories.
+  /// `board` and `chip` must outlive the hardware. `bus` serves accesses outside the memories.
   Hardware(const BoardDescription& board, const Chip& chip, const Settings& settings, Bus& bus);
   Hardware(const Hardware&) = delete;
   Hardware& operator=(const Hardware&) = delete;
 
-  /// Adds the cluster if board and settings have one; its own devices are those of the board's kinds.
+  /// Adds the cluster if board and settings have one. Its devices are of the kinds in the board file.
   void add_cluster(const Settings& settings, DeviceHost& host);
-  /// Connects the fabric controller with the memories, those of a cluster that is on included.
+  /// Connects the fabric controller with the memories, including those of the cluster if it is on.
   void connect_memories();
   /// Sets the latencies of the cluster's accesses, which depend on both clocks.
   void set_latencies(std::uint32_t soc_hz);
-  /// Copies each segment to its load address; start-up code copies it to where it runs. Throws Error for a segment that
-  /// lies neither in a memory nor, without bytes, in a device.
+  /// Copies each segment to its load address; start-up code copies it to its run address. Throws Error for a segment
+  /// outside of the memories; a segment without bytes may also be in a device.
   void load_program(const Elf& program, const DeviceSet& devices);
-  /// Changes memory between instructions. Returns false, with nothing done, unless all bytes lie in one memory.
+  /// Changes memory between instructions. If the bytes are not all in one memory, returns false without effect.
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes);
 
   const Chip& chip() const { return chip_; }

@@ -254,8 +254,8 @@ void Soc::update_lines() {
 }
 
 /// Applies the settings that a core has requested at `time`. The cluster's clock changes at that time, which all cores
-/// of the cluster have reached. All else changes after the fabric controller's last instruction, which may be later and
-/// still had the old settings.
+/// of the cluster have reached. All other settings change after the fabric controller's last instruction, which may be
+/// later and still used the old settings.
 void Soc::apply_power_settings(Picoseconds time) {
   devices_.set_power_applied();
   const auto* settings = devices_.power_settings();

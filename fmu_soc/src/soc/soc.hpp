@@ -43,7 +43,7 @@ class Soc final {
  public:
   static constexpr Picoseconds kWithoutEnd = kNever - 1;
 
-  /// Throws Error for a board, settings or a program that do not fit.
+  /// Throws Error if board, settings and program are not compatible.
   Soc(const BoardDescription& board, const Chip& chip, const Settings& settings, const Elf& program,
       Listeners listeners);
   Soc(const Soc&) = delete;
@@ -51,7 +51,7 @@ class Soc final {
 
   /// Begins a step: parameters and inputs of the devices have been set.
   void begin_step();
-  /// Advances to `time_ns`, which may not lie in the past.
+  /// Advances to `time_ns`, which must not be in the past.
   void advance(std::int64_t time_ns);
   /// Runs until any core has executed `cycle_limit` active cycles, until a time, until the end, or until a sleep that
   /// nothing can end. For programs that run alone.

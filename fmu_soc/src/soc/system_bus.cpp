@@ -18,7 +18,6 @@ constexpr std::uint32_t kSharedDevices = 0x1000'0000;
 
 /// Peripherals of the SoC, and the fabric controller's own at both of their addresses. Source:
 /// archi/chips/gap/memory_map.h.
-/// archi/chips/gap/memory_map.h.
 struct Area {
   std::uint32_t base;
   std::uint32_t size;

@@ -22,7 +22,7 @@ void Timeline::wake(Picoseconds time) {
   asleep_ = false;
 }
 
-/// A fabric controller that is awake may be ahead of `time`; one that slept continues to sleep.
+/// If the fabric controller is awake, it may be ahead of `time`; if it sleeps, it continues to sleep.
 void Timeline::finish(End why, Picoseconds time) {
   end_ = why;
   end_time_ = std::max(core_time(), time);

@@ -29,7 +29,7 @@ std::vector<std::string> devices_at(std::uint32_t address) {
         }
       }
     } catch (const Error&) {
-      continue;  // a board that cannot be read is no advice
+      continue;  // ignores a board that cannot be read
     }
   }
   return found;

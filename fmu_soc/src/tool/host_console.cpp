@@ -35,7 +35,8 @@ void restore_and_end(int signal) {
   std::raise(signal);
 }
 
-/// Lets each typed byte through at once, without an echo. Signals of the terminal still end the process.
+/// Switches the terminal to raw mode without echo, so that each typed byte arrives at once. Signals of the terminal
+/// still end the process.
 void set_raw_terminal() {
   if (::isatty(STDIN_FILENO) == 0 || ::tcgetattr(STDIN_FILENO, &saved_mode) != 0) return;
   auto raw = saved_mode;
@@ -61,7 +62,7 @@ int open_terminal() {
     throw Error(fmt::format("--console pty: no pseudo terminal: {}", std::strerror(errno)));
   }
   const std::string name = ::ptsname(master);
-  // After its other end has been closed once, the master reports whether a program has it open.
+  // Opened and closed once, so that the master can report whether a program has the other end open.
   if (const int other = ::open(name.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC); other >= 0) {
     termios mode{};
     ::tcgetattr(other, &mode);

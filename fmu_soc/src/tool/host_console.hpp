@@ -47,7 +47,7 @@ class HostConsole {
 
   Kind kind_;
   int input_ = -1;        // file descriptor; -1 = none
-  bool is_file_ = false;  // the input never has to be waited for
+  bool is_file_ = false;  // input is always available without waiting
   bool ended_ = false;
   bool in_line_ = false;  // the last byte on standard output was not the end of a line
   std::array<char, 4096> buffer_{};

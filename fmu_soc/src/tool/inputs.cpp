@@ -85,7 +85,7 @@ BoardDescription board_around(const Elf& program, std::uint64_t heap) {
     ram.name = fmt::format("ram{}", board.memories.empty() ? "" : std::to_string(board.memories.size() + 1));
     ram.base = static_cast<std::uint32_t>(range.begin);
     ram.size = static_cast<std::uint32_t>(std::min(range.end - range.begin, kMost));
-    ram.leaks = false;  // it belongs to no real chip
+    ram.leaks = false;  // it is not part of a real chip
     board.memories.push_back(ram);
     total += range.end - range.begin;
   }
@@ -142,7 +142,7 @@ void add_ram(BoardDescription& board, const std::string& text) {
   ram.name = fmt::format("ram_0x{:08x}", *base);
   ram.base = static_cast<std::uint32_t>(*base);
   ram.size = static_cast<std::uint32_t>(*size);
-  ram.leaks = false;  // it belongs to no real chip
+  ram.leaks = false;  // it is not part of a real chip
   board.memories.push_back(ram);
 }
 

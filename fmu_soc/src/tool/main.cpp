@@ -15,17 +15,17 @@
 
 int main(int argc, char** argv) {
   using namespace mebots::soc::tool;
-  std::signal(SIGXFSZ, SIG_IGN);  // a file at the limit of its size is an error that is told, as a full disk is
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that reaches its size limit then gives an error message, like a full disk
   CLI::App app{"Runs bare-metal RISC-V programs on the simulated chip"};
   app.set_version_flag("--version", "mebots-soc " MEBOTS_VERSION);
   app.require_subcommand(1);
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a run that is killed keeps its lines
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // the printed lines are kept if the run is killed
   Options options;
   auto* command = app.add_subcommand("run", "Run a program until it stores to tohost, exits or faults");
   add_options(*command, options);
   app.name("mebots-soc");
   if (const auto code = mebots::command_line::handle_hidden_options(app, MEBOTS_VERSION, argc, argv)) return *code;
-  // CLI11 does not pass what follows -- to a subcommand whose positional options have all they need.
+  // CLI11 does not pass arguments after -- to a subcommand whose positional options are complete.
   auto** const last = argv + argc;
   auto** const mark = std::find_if(argv, last, [](const char* text) { return std::string_view(text) == "--"; });
   try {

@@ -44,7 +44,7 @@ std::filesystem::path page_folder() {
       "-DMEBOTS_PAGES=ON");
 }
 
-/// A name of the report as words.
+/// Returns a name of the report as words.
 std::string spaced(std::string name) {
   std::ranges::replace(name, '_', ' ');
   return name;
@@ -88,7 +88,7 @@ class Columns {
     if (!text.empty()) variables[name] = {{"type", "Real"}, {"causality", "output"}, {"unit", unit}, {"text", text}};
   }
 
-  /// The greatest part is the lowest in the stack.
+  /// The part with the greatest energy is at the bottom of the stack.
   void add_parts(const ChipReport& report) {
     std::vector<std::size_t> order(report.parts.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;

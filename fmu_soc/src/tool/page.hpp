@@ -29,7 +29,7 @@ class ScratchFile {
   std::string path_;
 };
 
-/// The page of a run: energy by part, counts, functions, and power over time. It is the page of `mebots report`, with
+/// The page of a run: energy by part, counts, functions, and power over time. It uses the page of `mebots report`, with
 /// the chip in place of a system.
 class RunPage {
  public:
@@ -37,7 +37,7 @@ class RunPage {
   /// wants, if any.
   RunPage(const std::string& path, const std::optional<std::string>& profile);
 
-  /// The file for the profile, in speedscope's format.
+  /// Returns the file for the profile, in speedscope's format.
   const std::string& profile() const { return profile_ ? *profile_ : scratch_->path(); }
 
   /// Starts to record the chip, which must outlive the page.

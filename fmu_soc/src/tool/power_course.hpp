@@ -30,7 +30,7 @@ class PowerCourse final : public StateListener {
   explicit PowerCourse(const Soc& soc);
 
   void changed(Picoseconds time) override;
-  /// Adds the last point.
+  /// Adds the last point of the run.
   void finish();
 
   /// Names of the devices that have states with power.

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What each part of the chip's energy is, in the order of kPartNames.
+/// Descriptions of the parts of the chip's energy, in the order of kPartNames.
 constexpr std::array<std::string_view, kParts> kPartTexts{
     "instructions of the fabric controller, and its gated clock while it sleeps",
     "instructions of the cluster's cores, and their gated clocks while they sleep",
@@ -52,7 +52,7 @@ std::string number_text(double value) {
 /// A quantity with an SI prefix: 184.1 mW.
 std::string quantity_text(double value, std::string_view unit) {
   if (value == 0) return fmt::format("0 {}", unit);
-  // Half a unit of the last digit below a prefix, a value reads as 1000 of the next one.
+  // A value that rounds to 1000 uses the next larger prefix.
   const auto fits = [&](const Prefix& prefix) { return std::abs(value) >= prefix.size * 0.99995; };
   const auto* found = std::ranges::find_if(kPrefixes, fits);
   const auto& prefix = found == kPrefixes.end() ? kPrefixes.back() : *found;
@@ -151,7 +151,7 @@ Row energy_row(const ChipReport::Part& part, const ChipReport& report, bool has_
   return {part.name, quantity_text(part.energy_j, "J"), mean, share, part.text};
 }
 
-/// The parts that took energy, the greatest first, their sum, and the board's devices.
+/// Returns the parts that consumed energy, the greatest first; then their sum, and the board's devices.
 void print_energy(const ChipReport& report) {
   std::vector<Row> rows = {{"part", "energy", "mean power", "share", ""}};
   auto parts = report.parts;

@@ -16,7 +16,7 @@ struct ChipReport {
   struct Cores {
     std::string name;
     unsigned cores = 1;
-    std::uint64_t instructions = 0;  ///< of all these cores together, as cycles
+    std::uint64_t instructions = 0;  ///< sum over these cores, like `cycles`
     std::uint64_t cycles = 0;
     std::optional<std::uint64_t> refills;  ///< of their instruction cache, if they have one
     std::uint64_t waited_cycles = 0;       ///< for it
@@ -24,7 +24,7 @@ struct ChipReport {
   struct Part {
     std::string name;
     double energy_j = 0;
-    std::string text;  ///< one sentence on what it is
+    std::string text;  ///< a sentence that describes it
   };
 
   std::vector<Cores> cores;  ///< the fabric controller, then the cluster if there is one
@@ -32,8 +32,8 @@ struct ChipReport {
   double asleep_s = 0;
   double chip_j = 0;
   std::vector<Part> parts;  ///< of the chip; their sum is chip_j
-  std::size_t checks = 0;   ///< measured programs that the energies were compared with
-  double least_j = 0;       ///< chip_j as the checks would have it
+  std::size_t checks = 0;   ///< measured programs with which the energies were compared
+  double least_j = 0;       ///< chip_j, corrected by the deviations of the checks
   double most_j = 0;
   std::vector<Part> devices;  ///< of the board; a regulator holds the energy of its loads
   double host_mips = 0;

@@ -31,9 +31,9 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// How far a run without a limit goes before it looks whether anything can still happen.
+/// A run without a limit checks after this many cycles whether anything can still happen.
 constexpr std::uint64_t kSlice = 1U << 26;
-/// The same where power over time is wanted: a point in every millisecond at 100 MHz, at least.
+/// The same if power over time is recorded: at least one point per millisecond at 100 MHz.
 constexpr std::uint64_t kFineSlice = 100'000;
 
 bool has_kind(const BoardDescription& board, std::string_view kind) {
@@ -43,7 +43,7 @@ bool has_kind(const BoardDescription& board, std::string_view kind) {
 /// Which has a flash and a camera.
 constexpr std::string_view kFlashKind = "gap8_udma";
 
-/// Nothing where this is not a regular file that can be read.
+/// Returns nullopt if this is not a readable regular file.
 std::optional<std::string> bytes_of(const std::string& path) {
   std::error_code error;
   std::ifstream file(path, std::ios::binary);
@@ -57,7 +57,7 @@ std::vector<std::uint8_t> read_flash(const std::string& path) {
   return {bytes->begin(), bytes->end()};
 }
 
-/// The most active cycles that a core has behind it.
+/// Returns the largest number of active cycles of a core.
 std::uint64_t busiest_cycles(const Soc& soc) {
   const auto* cluster = soc.cluster();
   return std::max(soc.hart().counters().cycles, cluster == nullptr ? 0 : cluster->longest_cycles());
@@ -119,7 +119,7 @@ class LimitedRun {
       if (left > cluster_lead) {
         piece = std::min(piece, left - cluster_lead);
       } else {
-        session_.add(last_.emplace(*limits_.instructions));  // cycles cannot tell any more
+        session_.add(last_.emplace(*limits_.instructions));  // cycles no longer determine the time
       }
     }
     soc_.run_cycles(before + piece, piece_end());
@@ -165,7 +165,7 @@ bool has_reported_end(const Soc& soc) {
   return soc.end() == End::host || soc.end() == End::exited || soc.end() == End::faulted;
 }
 
-/// Returns why a program that has not ended itself runs no more.
+/// Returns the reason why a program stopped that did not end itself.
 std::string reason_text(const Soc& soc, const Options& options, Reached reached) {
   switch (reached) {
     case Reached::instructions:
@@ -202,14 +202,14 @@ std::string missing_end_text(const Soc& soc, const Options& options, Reached rea
   return text;
 }
 
-/// How the program ended, for its page.
+/// Returns a text about the end of the program, for its page.
 std::string outcome_text(const Soc& soc, const Options& options, Reached reached, int code) {
   if (soc.end() == End::faulted) return "fault: " + soc.fault_text();
   return code == kFaultOrLimit && !has_reported_end(soc) ? missing_end_text(soc, options, reached)
                                                          : fmt::format("exit {}", code);
 }
 
-/// The program has taken all pictures, and nothing but one more could wake it.
+/// The program has taken all pictures, and only a further one could wake it.
 bool has_seen_all(const Soc& soc, const Options& options) {
   return options.pictures && soc.hart().sleeping() && soc.devices().wait_for_picture();
 }
@@ -219,7 +219,7 @@ int exit_code(const Soc& soc, std::optional<std::uint32_t> tohost) {
   return soc.end() == End::exited ? soc.exit_code() & 0xff : kFaultOrLimit;
 }
 
-/// Says once what the core did otherwise than the program may expect.
+/// Reports once each behaviour of the core that the program may not expect.
 void print_remarks(const Soc& soc, bool is_alone) {
   const auto& remarks = soc.hart().csr_remarks();
   const auto print = [](std::string_view text) {
@@ -252,7 +252,7 @@ observe::Requests requests_of(const Options& options, const std::optional<RunPag
   return requests;
 }
 
-/// Heap and stack of a program with an operating system's calls. Only touched pages take memory of the host.
+/// Size of heap and stack for a program that uses system calls. Only pages that it touches take memory of the host.
 constexpr std::uint64_t kUserHeap = std::uint64_t{128} << 20;
 constexpr std::uint64_t kHeap = std::uint64_t{1} << 20;
 

@@ -18,7 +18,7 @@
 
 namespace mebots::soc::tool {
 
-/// Makes the board of a program that names none. It has RAM where the program's segments are loaded and where they run,
+/// Makes the board for a program without one. It has RAM where the program's segments are loaded and where they run,
 /// and no device. A RAM begins at the page of its lowest segment, has at least 4 MiB, and ends at least 1 MiB past its
 /// highest segment; the last one ends `heap` bytes past it. Segments with more than 64 MiB between them get a RAM each.
 /// Throws Error if that would be more than 2 GiB.
@@ -34,26 +34,27 @@ Picoseconds time_of(std::string_view option, const std::string& text);
 /// Returns the board files that came with this program.
 std::vector<std::filesystem::path> own_boards();
 
-/// Returns where a folder of MEbots' data may be: in the share/ of an installation, or next to the bin/ of a build.
+/// Returns the possible places of a folder of MEbots' data: in the share/ of an installation, or next to the bin/ of a
+/// build.
 std::vector<std::filesystem::path> own_folders(std::string_view name);
 
 /// Returns the file of a board, which is given by its path or by the name of a board that came with this program.
 /// Throws Error that lists those boards for a name that is not one of them.
 std::filesystem::path board_file(const std::string& asked);
 
-/// The pictures of a folder, its .png and .pgm files in the order of their names, as grey pixels row by row; colours
-/// become grey as libpng weighs them. Throws Error, naming the file, for one that cannot be read or is not `width`
-/// pixels wide and at least `least_height` high, and for a folder without pictures.
+/// Returns the pictures of a folder: its .png and .pgm files in the order of their names, as grey pixels row by row.
+/// Colours are converted to grey with libpng's weights. Throws Error that names the file if it cannot be read, is not
+/// `width` pixels wide, or is lower than `least_height`. Also throws for a folder without pictures.
 std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path& folder, std::uint32_t width,
                                                      std::uint32_t least_height);
 
-/// The words between the symbols begin_signature and end_signature, 8 hexadecimal digits a line.
+/// Writes the words between the symbols begin_signature and end_signature, 8 hexadecimal digits per line.
 class Signature {
  public:
-  /// Throws Error, before the run, when the program lacks the symbols, they lie outside its memory, or the file cannot
-  /// be written.
+  /// Called before the run. Throws Error if the program lacks the symbols, they are outside of its memory, or the file
+  /// cannot be written.
   Signature(const std::string& path, const Soc& soc);
-  /// Takes the words as they are now.
+  /// Writes the present words.
   void write(const Soc& soc);
 
  private:
@@ -62,7 +63,7 @@ class Signature {
   observe::TextFile file_;
 };
 
-/// What the user asked `mebots-soc run` for.
+/// The options of `mebots-soc run`.
 struct Options {
   std::string program;
   std::vector<std::string> arguments;
@@ -94,22 +95,22 @@ struct Options {
   std::optional<std::string> timeout;
 };
 
-/// Lets the command take them, with what its help says of each; they are set when the command line is parsed.
+/// Adds the options and their help texts to the command. They are set when the command line is parsed.
 void add_options(CLI::App& command, Options& options);
 
-/// Throws Error for contradictory options: an empty name, one file for two purposes, an input of the run as its output,
-/// a path to a folder that does not exist.
+/// Throws Error for invalid options: an empty name, one file for two purposes, an input of the run as its output, a
+/// path in a folder that does not exist.
 void check(const Options& options);
 
-/// Returns what the user can do about the fault that ended a run: an option that serves the program's system call, or a
-/// board that has a device at the address. Empty if there is nothing to say.
+/// Returns advice about the fault that ended a run: an option that serves the program's system call, or a board that
+/// has a device at the address. Empty if there is none.
 std::string advice_after_fault(const Soc& soc, const Options& options);
 
 inline constexpr int kFaultOrLimit = 101;
 inline constexpr int kBadInput = 102;
 
-/// Runs a program to its end and reports. Gives the exit code: tohost >> 1 or what the firmware passed to EXIT (low 8
-/// bits), or kFaultOrLimit. Throws Error for bad input.
+/// Runs a program to its end and prints the report. Returns the exit code: tohost >> 1 or the value passed to EXIT (low
+/// 8 bits), or kFaultOrLimit. Throws Error for bad input.
 int run(const Options& options);
 
 }  // namespace mebots::soc::tool

@@ -133,7 +133,8 @@ constexpr std::uint32_t kMostStack = 8U << 20;
 /// A shell adds the number of the signal that ended a program to this exit code.
 constexpr std::uint32_t kSignalled = 128;
 
-/// Flags of open() as a program's C library numbers them. Both number O_RDONLY, O_WRONLY and O_RDWR alike.
+/// Flags of open() with the numbers of a program's C library. O_RDONLY, O_WRONLY and O_RDWR have the same numbers in
+/// both.
 struct OpenFlags {
   std::uint32_t append, create, truncate, exclusive;
 
@@ -233,7 +234,7 @@ long SystemCalls::open(std::uint32_t name, int flags) {
   return text ? files_.open(*text, flags) : -EFAULT;
 }
 
-/// writev: an address and a length for each part.
+/// writev takes an address and a length for each part.
 long SystemCalls::write_parts(int file, std::uint32_t parts, std::uint32_t count) {
   if (count > kMostParts) return -EINVAL;
   long total = 0;

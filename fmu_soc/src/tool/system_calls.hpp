@@ -14,18 +14,18 @@
 
 namespace mebots::soc::tool {
 
-/// Linux's system calls as far as C libraries without an operating system make them. A program makes them by ecall or
-/// through `tohost`. Results are 0 or more, or -errno. Numbers: Linux, include/uapi/asm-generic/unistd.h; from 1024 on
-/// newlib, libgloss/riscv/machine/syscall.h.
+/// The subset of Linux's system calls that C libraries without an operating system use. A program makes them by ecall
+/// or through `tohost`. Results are 0 or more, or -errno. Numbers: Linux, include/uapi/asm-generic/unistd.h; from 1024
+/// on newlib, libgloss/riscv/machine/syscall.h.
 class SystemCalls {
  public:
   static constexpr std::uint32_t kOpenAt = 56;
 
   SystemCalls(Soc& soc, HostFiles& files) : soc_(soc), files_(files) {}
 
-  /// Prepares the fabric controller for a program that expects an operating system: its stack at the end of the RAM
-  /// that holds the program, with arguments there as Linux passes them, and its heap after the program. Throws Error if
-  /// there is no space for them.
+  /// Prepares the fabric controller for a program that expects an operating system. The stack is at the end of the RAM
+  /// that contains the program, with the arguments in Linux's form; the heap is after the program. Throws Error if
+  /// there is not enough memory.
   void begin_program(const std::vector<std::string>& arguments);
 
   HostReply serve(std::uint32_t number, std::span<const std::uint32_t> arguments);

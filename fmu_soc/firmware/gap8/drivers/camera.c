@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // An HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels; the interface
 // passes the middle. A request lets the sensor take one frame, after which it enters standby. So each picture is new,
-// and no frame is taken without use. A real sensor also needs integration, black level and gain, from its maker's
+// and no frame remains unused. A real sensor also needs integration, black level and gain, from its maker's
 // table.
 #include "drivers/camera.h"
 
@@ -93,7 +93,7 @@ bool camera_ask(void) {
   }
   stored = false;
   filling ^= 1;
-  // First the transfer: the interface only takes a frame from its start.
+  // Start the transfer first, because the interface only takes a frame from its start.
   udma_start(UDMA_CAMERA_OFFSET, buffers[filling], sizeof buffers[filling]);
   write_sensor(MODE_SELECT, SOME_FRAMES);
   is_requested = true;

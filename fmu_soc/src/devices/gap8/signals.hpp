@@ -13,7 +13,6 @@ namespace mebots::soc::gap8_devices {
 
 /// Events of the fabric controller: bits of its event unit. Source: archi/chips/gap/properties.h of pulp-platform's and
 /// GreenWaves' archi headers.
-/// GreenWaves' archi headers.
 inline constexpr unsigned kTimerLowEvent = 10;
 inline constexpr unsigned kTimerHighEvent = 11;
 inline constexpr unsigned kSocEvent = 27;
