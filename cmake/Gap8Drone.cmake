@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # mebots_gap8_drone_board(<file>)
-# Board gap8 with what the drone's mission adds: flight link, gauge and mission parameters of board ai_deck, at addresses
-# that GAP8's map leaves free. Made of both files, so that neither is written twice.
+# Generates board gap8_drone: board gap8 with flight link, gauge and mission parameters of board ai_deck, at addresses that are
+# free in GAP8's map. It is generated from both files, so that nothing is written twice.
 function(mebots_gap8_drone_board file)
   set(boards ${PROJECT_SOURCE_DIR}/configs/boards)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${boards}/gap8.json ${boards}/ai_deck.json)

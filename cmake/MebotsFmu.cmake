@@ -2,9 +2,9 @@
 
 # mebots_add_fmu(<name>
 #   MODEL_SOURCES <file>...       plain C++ model, free of FMI: becomes the library <name>_model
-#   [MODEL_LIBRARIES <target>...] what the model links
-#   [MODEL_DEFINITIONS <NAME=value>...] macros that its sources are compiled with
-#   [BUNDLE <file>...]            shared libraries that travel beside the FMU's own
+#   [MODEL_LIBRARIES <target>...] libraries that the model links
+#   [MODEL_DEFINITIONS <NAME=value>...] macros for compiling its sources
+#   [BUNDLE <file>...]            shared libraries that are packed next to the FMU's own
 #   [LINKED_IN <file>...]         files of the libraries that are linked in: their licences and their rows in the bill of
 #                                 materials (documentation/sbom.spdx.json) go into the archive
 #   [BOARD <file>]                board description whose variables join description.json
@@ -16,11 +16,11 @@
 #   [MODEL <target>]              the model's library of another mebots_add_fmu(), instead of MODEL_SOURCES
 #   [FMI <version>...]            2, 3 or both; default: "fmi" of description.json, else 2
 # )
-# Looks in the calling folder for description.json, src/fmu.cpp, LICENSE, model.png and reference/; reference/ is that of
-# the FMU whose archive has the name of description.json.
-# Builds ${MEBOTS_FMU_DIR}/<name>.fmu; fmus/ in the build folder when that is not set. With both versions of FMI, this one is
-# of FMI 2.0, and <name>_fmi3.fmu of FMI 3.0. Targets <name>_archive and <name>_fmi3_archive.
-# The same inside this tree and after find_package(mebots).
+# Uses description.json, src/fmu.cpp, LICENSE, model.png and reference/ of the calling folder. reference/ belongs to the FMU whose
+# archive has the name in description.json.
+# Builds ${MEBOTS_FMU_DIR}/<name>.fmu; the default of MEBOTS_FMU_DIR is fmus/ in the build folder. With both versions of FMI, this
+# archive is of FMI 2.0, and <name>_fmi3.fmu of FMI 3.0. The targets are <name>_archive and <name>_fmi3_archive.
+# Works inside this tree and after find_package(mebots).
 function(mebots_add_fmu name)
   cmake_parse_arguments(ARG "" "BOARD;SOURCE_DIR;IDENTIFIER;COUNT;MODEL"
     "FMI;MODEL_SOURCES;MODEL_LIBRARIES;MODEL_DEFINITIONS;BUNDLE;LINKED_IN;RESOURCES;RESOURCE_FILES" ${ARGN})
@@ -173,7 +173,7 @@ function(mebots_add_fmu name)
   endforeach()
 endfunction()
 
-# The versions that an FMU is built for: those given, else those of its description, else 2.
+# Returns the versions of FMI to build: the given ones, else those of the description, else 2.
 function(_mebots_fmi_versions result description)
   set(versions ${ARGN})
   if(NOT versions)

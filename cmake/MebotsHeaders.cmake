@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # mebots_included_headers(<variable> <root> <file>...)
-# The headers below <root> that these files include, directly or through others, relative to <root>.
+# Returns the headers below <root> that these files include, directly or indirectly, as paths relative to <root>.
 function(mebots_included_headers variable root)
   set(open ${ARGN})
   set(found)

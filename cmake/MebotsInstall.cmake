@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-# What `cmake --install` lays down. Nothing in it knows where it is: the tree can be moved.
+# The files that `cmake --install` writes. None contains the path of the installation, so the tree can be moved.
 #
 #   bin/                                  programs
-#   include/mebots/                       public headers: who runs systems, fmu/ who writes FMUs, soc/ who writes devices
+#   include/mebots/                       public headers: to run systems; in fmu/ to write FMUs; in soc/ to write devices
 #   lib/                                  libraries, and the package for find_package(mebots)
 #   lib/python3.x/site-packages/mebots/   the Python package
 #   share/man, bash-completion, fish, zsh manual pages and completion
 #   share/mebots/                         LICENSE, bill of materials (sbom.spdx.json), fmus, the page of a run with its licences (web), configs with boards and scenarios, scenes, templates, scripts;
-#                                         fmu_soc: what a chip FMU with another board or firmware is built of
+#                                         fmu_soc: sources for a chip FMU with another board or firmware
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/mebots)
 set(share ${CMAKE_INSTALL_DATADIR}/mebots)
 
-# Programs apart from libraries: who builds firmware needs none of the libraries' dependencies.
+# Programs are exported separately from libraries, because building firmware needs no dependencies of the libraries.
 set(programs mebots mebots-fmu-host mebots-modeldesc)
 set(libraries mebots_master mebots_modeldesc mebots_shell mebots_data mebots_interface mebots_math)
 if(MEBOTS_CHIP)
@@ -36,8 +36,8 @@ foreach(count IN LISTS MEBOTS_WORLD_DRONES)
   list(APPEND world_fmus fmu_world_${count} fmu_world_${count}_fmi3)
 endforeach()
 
-# The headers of who runs systems, of who writes FMUs, and what these include. Each header is installed once: a second copy
-# would be another file to the compiler, and what it declares would be declared twice.
+# The headers to run systems and to write FMUs, and the headers that these include. Each header is installed once, because the
+# compiler would treat a second copy as another file and reject its repeated declarations.
 install(DIRECTORY master/include/mebots DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 file(GLOB_RECURSE modeldesc_headers RELATIVE ${PROJECT_SOURCE_DIR}/modeldesc/include CONFIGURE_DEPENDS modeldesc/include/*.hpp)
 set(private_headers ${modeldesc_headers})
@@ -56,7 +56,7 @@ if(math_part MATCHES "^(.*[|])([^|]+)$")
   set(MEBOTS_INSTALLED_MATH_PART "${CMAKE_MATCH_1}\${MEBOTS_ROOT}/licenses/musl-dev/copyright")
 endif()
 
-# The bill of materials of what is installed: what is inside the programs and FMUs, and what they ask the machine for.
+# The bill of materials of the installation: the parts inside the programs and FMUs, and the packages that they need.
 get_property(parts GLOBAL PROPERTY MEBOTS_PARTS)
 list(APPEND parts ${math_part})
 function(mebots_list_parts relation)
@@ -67,7 +67,7 @@ function(mebots_list_parts relation)
   set(parts ${parts} PARENT_SCOPE)
 endfunction()
 set(linked /usr/include/nlohmann/json.hpp /usr/include/fmt/core.h /usr/include/eigen3/Eigen/Core /usr/include/CLI/CLI.hpp)
-# mebots-fmu-host holds these, since an FMU may bring other versions of them.
+# mebots-fmu-host contains these libraries, because an FMU may contain other versions of them.
 execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libstdc++.a OUTPUT_VARIABLE cxx_library
   OUTPUT_STRIP_TRAILING_WHITESPACE)
 find_library(MEBOTS_STATIC_CVODE libsundials_cvode.a REQUIRED)
@@ -133,11 +133,11 @@ if(MEBOTS_CHIP)
   install(DIRECTORY fmu_soc/firmware/runtime fmu_soc/firmware/drivers fmu_soc/firmware/gap8
     fmu_soc/firmware/kernels fmu_soc/firmware/app DESTINATION ${share}/fmu_soc/firmware)
   install(FILES ${PROJECT_BINARY_DIR}/boards/gap8_drone.json DESTINATION ${share}/configs/boards)
-  # For mebots_soc_fmu(): its model is compiled with the variables of each board. No public headers.
+  # For mebots_soc_fmu(), which compiles its model with the variables of each board. These headers are not public.
   install(FILES fmu_soc/description.json fmu_soc/model.png DESTINATION ${share}/fmu_soc)
   install(FILES fmu_soc/src/fmu.cpp DESTINATION ${share}/fmu_soc/src)
   install(FILES fmu_soc/src/fmu/model.cpp fmu_soc/src/fmu/variable_fields.cpp DESTINATION ${share}/fmu_soc/src/fmu)
-  # Of the chip's headers, those that these three include: found when the files are installed.
+  # The chip's headers that these three include; they are determined during the installation.
   install(CODE "
     set(root \"${PROJECT_SOURCE_DIR}/fmu_soc/src\")
     include(\"${PROJECT_SOURCE_DIR}/cmake/MebotsHeaders.cmake\")
@@ -165,7 +165,7 @@ install(FILES ${installed_package}/mebotsConfig.cmake ${installed_package}/mebot
   cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/MebotsTarget.cmake cmake/fmi2.map cmake/fmi3.map cmake/list_exports.cmake
   DESTINATION ${package_dir})
 
-# find_package(mebots COMPONENTS firmware) also finds a build folder, whose bin/ is in PATH or which is in CMAKE_PREFIX_PATH.
+# find_package(mebots COMPONENTS firmware) also finds a build folder if it is in CMAKE_PREFIX_PATH, or if its bin/ is in PATH.
 set(build_package ${PROJECT_BINARY_DIR}/lib/cmake/mebots)
 export(TARGETS ${programs} NAMESPACE mebots:: FILE ${build_package}/mebotsPrograms.cmake)
 configure_file(cmake/mebotsBuildConfig.cmake.in ${build_package}/mebotsConfig.cmake @ONLY)
@@ -174,7 +174,7 @@ file(COPY_FILE ${installed_package}/mebotsConfigVersion.cmake ${build_package}/m
 include(MebotsManual)
 include(MebotsPackage)
 
-# Programs of the build find the same beside bin/.
+# Programs of the build find the same files next to bin/.
 foreach(data configs master/new_folder/templates)
   get_filename_component(name ${data} NAME)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${data} ${PROJECT_BINARY_DIR}/${name} SYMBOLIC)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# A Debian package of what is installed: `cpack` in the build folder; scripts/package.sh makes it and flies it in a clean root.
-# The programs' libraries are found by dpkg-shlibdeps. Who builds firmware or FMUs against it needs the compilers besides.
-# .invalid: an address that can reach nobody (RFC 2606), until someone publishes the package. scripts/release.sh asks for theirs.
+# A Debian package of the installation: `cpack` in the build folder. scripts/package.sh builds the package and tests it in a clean
+# system. dpkg-shlibdeps finds the libraries that the programs need. Building firmware or FMUs with it also needs the compilers.
+# The address ends in .invalid, which is never a real domain (RFC 2606). scripts/release.sh requires the address of the publisher.
 set(MEBOTS_MAINTAINER "nobody yet <unset@mebots.invalid>" CACHE STRING "The maintainer that the Debian package names, as NAME <ADDRESS>")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME mebots)

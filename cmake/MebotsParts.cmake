@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# Other people's software in what is built: where the licences beside it and the bills of materials come from.
+# Third-party software in the build: the source of the licence files and of the bills of materials.
 
-# Debian's packages, as regular expressions, and their licences as SPDX expressions. A package that is not here goes
-# without (NOASSERTION); the licence's text travels in any case.
+# Debian's packages, as regular expressions, and their licences as SPDX expressions. A package that is not listed has none
+# (NOASSERTION); the text of its licence is included in any case.
 set(MEBOTS_PACKAGE_LICENSES
   "libstdc\\+\\+-.*-dev|GPL-3.0-or-later WITH GCC-exception-3.1"
   "gcc-riscv64-unknown-elf|GPL-3.0-or-later WITH GCC-exception-3.1"
@@ -29,8 +29,8 @@ set(MEBOTS_PACKAGE_LICENSES
   "libseccomp.*|LGPL-2.1-only")
 
 # mebots_part(<variable> linked|bundled|needed <file>)
-# A line for the list of parts (modeldesc/src/pack_fmu.hpp): of the Debian package that <file> belongs to; empty where it is
-# of none.
+# Returns a line for the list of parts (modeldesc/src/pack_fmu.hpp): the Debian package to which <file> belongs. Empty if it
+# belongs to none.
 function(mebots_part variable relation file)
   set(${variable} "" PARENT_SCOPE)
   get_filename_component(real_file ${file} REALPATH)
@@ -71,7 +71,7 @@ function(mebots_part variable relation file)
 endfunction()
 
 # mebots_write_parts(<file> <line>...)
-# Only when something changed: what is packed depends on it.
+# Writes the file only if its content has changed, because the archives depend on it.
 function(mebots_write_parts file)
   set(lines ${ARGN})
   list(REMOVE_DUPLICATES lines)
@@ -85,7 +85,7 @@ function(mebots_write_parts file)
 endfunction()
 
 # mebots_license_of(<file> <variable>)
-# The SPDX expression of a licence's text, where it is one that we know.
+# Returns the SPDX expression of a licence's text, if it is a known one.
 function(mebots_license_of file variable)
   set(${variable} "" PARENT_SCOPE)
   file(READ ${file} text LIMIT 2000)

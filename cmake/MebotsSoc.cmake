@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 #
-# What a board needs: headers, firmware, and the chip's FMU built with it. A folder that calls these three adds a board,
-# its sensors included, without a change anywhere else.
+# Functions for a board: headers, firmware, and the chip's FMU with this board. A folder that calls these three adds a board with
+# its sensors; no other file changes.
 
-# The same inside this tree and after find_package(mebots), which says where it is installed: the chip's sources, its
-# firmware's runtime and drivers in fmu_soc/, the boards in configs/boards/.
+# They work inside this tree and after find_package(mebots), which sets the folder with the chip's sources, the firmware's runtime
+# and drivers in fmu_soc/, and the boards in configs/boards/.
 if(NOT MEBOTS_ROOT)
   get_filename_component(MEBOTS_ROOT ${CMAKE_CURRENT_LIST_DIR}/.. ABSOLUTE)
 endif()
 set_property(GLOBAL PROPERTY MEBOTS_ROOT ${MEBOTS_ROOT})
 
 # mebots_find_riscv_gcc()
-# MEBOTS_RISCV_GCC and MEBOTS_RISCV_LIBGCC in the cache; stops where there is none.
+# Sets MEBOTS_RISCV_GCC and MEBOTS_RISCV_LIBGCC in the cache. Stops with an error if there is no such compiler.
 function(mebots_find_riscv_gcc)
   find_program(MEBOTS_RISCV_GCC riscv64-unknown-elf-gcc DOC "Bare-metal RISC-V C compiler for the firmware")
   if(NOT MEBOTS_RISCV_GCC)
@@ -21,8 +21,8 @@ function(mebots_find_riscv_gcc)
   if(MEBOTS_RISCV_LIBGCC)
     return()
   endif()
-  # GCC's library has no rv32imc folder and takes rv32im's. The march of the link has no _zicsr: with it, GCC 12 does not
-  # find its 32-bit libraries.
+  # GCC has no rv32imc library, so that of rv32im is used. The -march for linking has no _zicsr, because GCC 12 would not find its
+  # 32-bit libraries.
   execute_process(
     COMMAND ${MEBOTS_RISCV_GCC} -march=rv32im -mabi=ilp32 -print-libgcc-file-name
     OUTPUT_VARIABLE libgcc OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
@@ -30,7 +30,7 @@ function(mebots_find_riscv_gcc)
 endfunction()
 
 # mebots_require_picolibc()
-# Stops with the name of the package if the RISC-V compiler has no picolibc.
+# If the RISC-V compiler has no picolibc, stops with the name of the missing package.
 function(mebots_require_picolibc)
   execute_process(COMMAND ${MEBOTS_RISCV_GCC} --specs=picolibc.specs -E -x c /dev/null
     OUTPUT_QUIET ERROR_QUIET RESULT_VARIABLE result)
@@ -40,7 +40,7 @@ function(mebots_require_picolibc)
 endfunction()
 
 # mebots_soc_board(<name> <board file>)
-# Target <name>_headers: board.h for the firmware and board.hpp for device models in C++, in generated/<name>.
+# Adds the target <name>_headers: board.h for the firmware and board.hpp for device models in C++, in generated/<name>.
 function(mebots_soc_board name file)
   get_filename_component(file ${file} ABSOLUTE)
   set(out ${PROJECT_BINARY_DIR}/generated/${name})
@@ -57,13 +57,13 @@ endfunction()
 
 # mebots_add_firmware(<name> SOURCES <file>... [DRIVERS <name>...] [DATA <file>...] [BOARD <name of mebots_soc_board>]
 #   [NO_CLUSTER] [C_LIBRARY] [OPTIONS <compiler option>...] [LINKER_SCRIPT <file>])
-# Compiles C, C++ (.cpp: C++20 without exceptions, RTTI and heap) and assembler sources, links them with the runtime of fmu_soc/firmware, and makes
-# ${PROJECT_BINARY_DIR}/firmware/<name>.elf as target <name>_firmware. DRIVERS are those of fmu_soc/firmware/drivers;
-# DATA are files that assembler sources bring in. BOARD is the AI-deck when not said; NO_CLUSTER is for a board without
-# one. C_LIBRARY links picolibc (Debian's picolibc-riscv64-unknown-elf): printf(), malloc(), <math.h> on the fabric controller
-# (fmu_soc/firmware/runtime/c_library.c). On a board with GAP8's own event unit, files of fmu_soc/firmware/gap8 take the places of those of the same names.
-# OPTIONS come behind the usual ones, so that -Os or -O3 holds in place of -O2. LINKER_SCRIPT takes the place of the
-# runtime's (firmware/runtime/link.ld.in, whose symbols it must define); the C preprocessor fills in the board's memory map.
+# Compiles C, C++ (.cpp: C++20 without exceptions, RTTI and heap) and assembler sources, links them with the runtime of fmu_soc/firmware, and builds
+# ${PROJECT_BINARY_DIR}/firmware/<name>.elf as target <name>_firmware. DRIVERS are names in fmu_soc/firmware/drivers; DATA are files that assembler
+# sources include. The default BOARD is the AI-deck; NO_CLUSTER is for a board without a cluster. C_LIBRARY links picolibc (Debian's
+# picolibc-riscv64-unknown-elf): printf(), malloc(), <math.h> on the fabric controller (fmu_soc/firmware/runtime/c_library.c). On a board with GAP8's
+# own event unit, files of fmu_soc/firmware/gap8 replace those of the same names. OPTIONS follow the standard ones, so that -Os or -O3 overrides -O2.
+# LINKER_SCRIPT replaces that of the runtime (firmware/runtime/link.ld.in), and must define the same symbols; the C preprocessor inserts the board's
+# memory map.
 function(mebots_add_firmware name)
   cmake_parse_arguments(ARG "NO_CLUSTER;C_LIBRARY" "BOARD;LINKER_SCRIPT" "SOURCES;DRIVERS;DATA;OPTIONS" ${ARGN})
   mebots_find_riscv_gcc()
@@ -78,7 +78,7 @@ function(mebots_add_firmware name)
   endif()
   get_target_property(board_dir ${ARG_BOARD}_headers MEBOTS_BOARD_DIR)
   get_target_property(board_file ${ARG_BOARD}_headers MEBOTS_BOARD_FILE)
-  # A board with GAP8's own devices: files of firmware/gap8 take the places of those of the same names.
+  # On a board with GAP8's own devices, files of firmware/gap8 replace those of the same names.
   set(overlay)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${board_file})
   file(READ ${board_file} board_text)
@@ -110,7 +110,7 @@ function(mebots_add_firmware name)
     get_filename_component(script_source ${ARG_LINKER_SCRIPT} ABSOLUTE)
   endif()
 
-  # The order is that of the code in memory: another one costs other refills of the instruction cache.
+  # This order determines that of the code in memory, and therefore the number of refills of the instruction cache.
   set(sources crt0.S console.c exit.c memory.c sleep.c trap.c)
   if(ARG_C_LIBRARY)
     list(APPEND sources c_library.c)
@@ -124,7 +124,7 @@ function(mebots_add_firmware name)
       list(APPEND sources dma.c)
     endif()
   endif()
-  # Constructors of C++ objects run before main() where there is C++: other programs keep their code, and its cycles.
+  # Only programs with C++ call constructors before main(), so that the code of other programs, and its cycles, do not change.
   if(ARG_SOURCES MATCHES "\\.cpp(;|$)")
     list(APPEND sources cxx.cpp)
     list(APPEND options -DWITH_CONSTRUCTORS)
@@ -155,7 +155,7 @@ function(mebots_add_firmware name)
   endforeach()
   set(objects)
   foreach(source IN LISTS sources)
-    # Told apart by their path in the project, or in MEbots.
+    # Named by their path in the project, or in MEbots, so that names are unique.
     file(RELATIVE_PATH shown ${PROJECT_SOURCE_DIR} ${source})
     if(shown MATCHES "^\\.\\./")
       file(RELATIVE_PATH shown ${root} ${source})
@@ -200,8 +200,8 @@ function(mebots_add_firmware name)
 endfunction()
 
 # mebots_device_library(<name> SOURCES <file>...)
-# Kinds of devices in C++ (mebots/soc/device_kind.hpp): ${PROJECT_BINARY_DIR}/devices/<name>.so, which a board names under
-# "libraries", as target <name>_devices.
+# Builds a library of device kinds in C++ (mebots/soc/device_kind.hpp) as target <name>_devices:
+# ${PROJECT_BINARY_DIR}/devices/<name>.so, which a board names under "libraries".
 function(mebots_device_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES" ${ARGN})
   add_library(${name}_devices MODULE ${ARG_SOURCES})
@@ -212,7 +212,7 @@ function(mebots_device_library name)
   if(TARGET soc_files)
     target_include_directories(${name}_devices PRIVATE $<TARGET_PROPERTY:soc_files,INTERFACE_INCLUDE_DIRECTORIES>)
   endif()
-  # Its own copy, as in an FMU, so that it runs where either does.
+  # Contains its own copy of the C++ library, like an FMU, so that it runs on the same machines.
   if(NOT MEBOTS_SANITIZE)
     target_link_options(${name}_devices PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs)
   endif()
@@ -220,10 +220,10 @@ endfunction()
 
 # mebots_soc_fmu(<name> BOARD <board file> [FIRMWARE <name of mebots_add_firmware>...] [DEVICES <name of mebots_device_library>...]
 #   [FMI <version>...])
-# The chip with another board and other firmware inside, as target <name>_archive: ${MEBOTS_FMU_DIR}/<name>.fmu. The first
-# firmware runs unless the parameter `firmware` names another; without any, the FMU asks for the path of one. Its
-# variables are those of fmu_soc/description.json and of the board's devices. DEVICES are the libraries that the board
-# names; the archive contains them. FMI is as in mebots_add_fmu(); default: 2.
+# Builds a chip FMU with another board and other firmware as target <name>_archive: ${MEBOTS_FMU_DIR}/<name>.fmu. The first
+# firmware runs, unless the parameter `firmware` names another one. Without FIRMWARE, that parameter must be the path of a
+# program. Its variables are those of fmu_soc/description.json and of the board's devices. DEVICES are the libraries that the
+# board names; the archive contains them. FMI is as in mebots_add_fmu(); default: 2.
 function(mebots_soc_fmu name)
   cmake_parse_arguments(ARG "" "BOARD" "FIRMWARE;DEVICES;FMI" ${ARGN})
   if(NOT ARG_FMI)

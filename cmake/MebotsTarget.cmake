@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # mebots_target(<target>)
-# Our own code's compile options: warnings, hidden symbols, the same floating point everywhere, assertions, sanitizers,
-# hardening in releases; no path of this machine in what is built.
+# Sets the compiler options of our own code: warnings, hidden symbols, equal floating-point results on all machines, assertions,
+# sanitizers, hardening in releases, and no paths of this machine in the output.
 function(mebots_target target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_link_libraries(${target} PRIVATE mebots::math)
@@ -38,7 +38,7 @@ function(mebots_target target)
 endfunction()
 
 # mebots_test(<name> SOURCES <file>... [LIBRARIES <target>...])
-# One GoogleTest executable; every TEST becomes a ctest of its own, with the label of its area (tests/CMakeLists.txt).
+# Adds a GoogleTest executable. Every TEST becomes a separate ctest with the label of its area (tests/CMakeLists.txt).
 function(mebots_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})

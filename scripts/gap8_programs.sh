@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs published GAP8 programs, unmodified, on board gap8, and prints a table of how far they come. FOLDER holds
-# checkouts, of which those that are missing are left out:
+# Runs published GAP8 programs, unmodified, on board gap8, and prints a table of their progress. FOLDER contains these checkouts;
+# missing ones are left out:
 #   git clone https://github.com/pulp-platform/pulp-dronet             PULP-Dronet's ELF, flash image (for the dumper, too) and weights
 #   git clone https://github.com/pulp-platform/Himax_Dataset           pictures of its camera
 #   git clone https://github.com/GreenWaves-Technologies/gap_sdk       flasher, fuser
-# and hello, which gvsoc/gvsoc has as examples/pulp-open/hello at e4a7e8c. Where there is a GVSoC (MEBOTS_GVSOC names its
-# program, or it is on the PATH), what both can run runs on both, with CoreMark from
+# and hello, which gvsoc/gvsoc has as examples/pulp-open/hello at e4a7e8c. If GVSoC is installed (MEBOTS_GVSOC names its program,
+# or it is on PATH), programs that both support run on both, with CoreMark from
 #   git clone https://github.com/eembc/coremark
 # Build first: cmake --build --preset release --target mebots-soc. Needs numpy for the integers of the reference, and
 # riscv64-unknown-elf-gcc.

@@ -21,7 +21,7 @@ try {
   if (tab) await page.click(`[data-tab="${tab}"]`);
   await setTime(page, Number(time ?? 0));
   await page.evaluate(() => Promise.all([...document.images].map((image) => image.decode().catch(() => {}))));
-  await setTime(page, Number(time ?? 0)); // with the picture on the scene's screen
+  await setTime(page, Number(time ?? 0)); // including the picture on the scene's screen
   await page.screenshot({ path: out });
 } finally {
   await browser.close();

@@ -99,7 +99,7 @@ class OMSimulator:
 
 
 class Fmpy:
-    """simulate_fmu for one FMU; for several, a user's loop over FMPy's slaves."""
+    """Runs one FMU with simulate_fmu, and several FMUs with a loop over FMPy's slaves, as a user would write it."""
 
     name = "FMPy"
     steps = 20_000
@@ -155,7 +155,7 @@ class Fmpy:
 
 
 class Libcosim:
-    """libcosim with its default threads, because its C interface has no other setting."""
+    """Runs libcosim with its default number of threads, because its C interface has no setting for it."""
 
     name = "libcosim"
     steps = 200_000

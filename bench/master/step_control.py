@@ -7,9 +7,9 @@ libcosim's ECCO: a Markdown table and a figure.
 FOLDER is tests/data/fmi2/quarter_truck of a checkout of libcosim (github.com/open-simulation-platform/libcosim): Chassis.fmu and
 Wheel.fmu. libcosimpy comes from PyPI (scripts/setup.sh bench); it is left out if it is missing.
 
-OSCILLATOR.fmu is made from tests/fmus/oscillator.c. With it the same truck stands still for 1.0034 s, then its wheel meets a kerb, which
-is not announced. Its states can be restored. Those of libcosim's FMUs cannot: the FMUs return to their first saved state in every step
-while a state is kept (noSetFMUStatePriorToCurrentPoint = false).
+OSCILLATOR.fmu is made from tests/fmus/oscillator.c. With it, the same truck is at rest for 1.0034 s; then its wheel meets a kerb that
+the master cannot predict. The states of this FMU can be restored. Those of libcosim's FMUs cannot: the FMUs return to their first saved
+state in every step while a state is kept (noSetFMUStatePriorToCurrentPoint = false).
 
 The truck is linear (nd = 0.5), so its exact course is a matrix exponential. Steps inside the FMUs are so short that their own error is
 below that of the coupling. The error is the largest difference of the positions of chassis and wheel from the exact course at any
@@ -130,7 +130,7 @@ def run(mebots, truck, *settings, **more):
 
 
 def ecco(folder, tolerance):
-    """The same of libcosim, with the settings of its example but for the tolerances."""
+    """Returns the same for libcosim, with the settings of its example except the tolerances."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
     from libcosimpy.CosimObserver import CosimObserver

@@ -3,7 +3,7 @@
 
 #include "runtime/xpulp.h"
 
-// Sums become bytes again like this.
+// Converts a sum to a byte.
 #define SHIFT 7
 
 static int8_t narrow(int32_t sum) {
@@ -32,7 +32,7 @@ void convolution_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// A row of five taps: no load is used by the instruction behind it.
+// A row of five taps, in which no instruction uses the result of a load directly before it.
 // clang-format off
 #define TAPS_OF_A_ROW                                                 \
   XPULP_LB_POST("t0", "1", "%[p]") XPULP_LB_POST("t1", "1", "%[w]")   \
@@ -65,7 +65,7 @@ void convolution_scalar(const job_t* shared, unsigned core) {
   }
 }
 
-// Along a column: four words and four bytes stay in registers, one of each is new.
+// Moves along a column: four words and four bytes are kept in registers, and one of each is loaded.
 void convolution_vector(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
   const unsigned begin = first_of(kOut, &job, core);
@@ -106,7 +106,8 @@ void convolution_vector(const job_t* shared, unsigned core) {
   }
 }
 
-// Two products: the second one waits a cycle for its load, as the published cycles say of GreenWaves' kernel.
+// Two products. The second one waits a cycle for its load, because this gives the published cycles of GreenWaves'
+// kernel.
 // clang-format off
 #define PRODUCT_PAIR(load, product, step)                                    \
   load("t0", step, "%[p]") load("t1", step, "%[w]") load("t2", step, "%[p]") \
@@ -123,7 +124,7 @@ void linear_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// One layer for both forms: so many bytes a load.
+// One implementation of the layer for both forms, which differ in the bytes per load.
 // clang-format off
 #define LINEAR(name, load, product, bytes)                                                                     \
   void name(const job_t* shared, unsigned core) {                                                              \
@@ -190,7 +191,7 @@ void pool_vector(const job_t* shared, unsigned core) {
   }
 }
 
-// One layer for both forms: a pixel takes the 8 and 7 cycles that the published ones are.
+// One implementation of the layer for both forms: a pixel takes 8 and 7 cycles, like the published values.
 // clang-format off
 #define AVERAGE(name, instructions, body)                                                                    \
   void name(const job_t* shared, unsigned core) {                                                            \
@@ -244,7 +245,7 @@ static uint32_t six_bits(const int8_t* bits, unsigned at) {
   return (uint32_t)half >> at % 8 & 63;
 }
 
-// Along two columns at once: five rows of six bits in a word, of which one row is new.
+// Moves along two columns at the same time: a word contains five rows of six bits, of which one row is loaded.
 void xnor_scalar(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
   const unsigned end = first_of(kOut / 2, &job, core + 1);

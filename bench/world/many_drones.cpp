@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast a world of several drones is, and how much memory it takes: drones times simulated time over wall-clock
-// time. The drones hover with the Crazyflie's own cascade; rotors are a lag of first order. No pictures, no chips, no
-// master.
+// Measures speed and memory of a world with several drones. The speed is the number of drones times simulated time over
+// wall-clock time. The drones hover with the Crazyflie's own cascade; rotors are a lag of first order. No pictures, no
+// chips, no master.
 #include "model.hpp"
 #include "scene/load.hpp"
 #include "stabiliser/stabiliser.hpp"
@@ -32,7 +32,7 @@ double resident_mib() {
   return static_cast<double>(resident * sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
 }
 
-/// On one core; a machine that does other things at the same time does not change it much.
+/// Processor time of one core, which other load on the machine changes little.
 double processor_s() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Configuration of the site. The repository's root is the source folder: READMEs are pages where they lie, nothing is copied.
+"""Configuration of the site. The repository's root is the source folder, so that READMEs are pages without being copied.
 scripts/docs.sh calls Sphinx with this folder as configuration."""
 
 import os
@@ -53,9 +53,9 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 
 nitpick_ignore_regex = [
-    # Names of other projects, whose sites are not asked: nothing is loaded while these pages are built.
+    # Names of other projects. Their sites are not queried, because nothing is downloaded while the pages are built.
     ("py:.*", r"(os|collections|concurrent|np|npt|numpy|pathlib)\..*"),
-    # Namespaces: they have no page.
+    # Namespaces, which have no page.
     ("cpp:identifier", r"(std|(mebots::)?(fmu|soc|state)|mebots)"),
 ]
 

@@ -42,7 +42,8 @@ def read_layers(name):
 
 
 def scaled(layer, step_in, step_out):
-    """The layer's weights and bias in float, for inputs and outputs in these steps. Half of a unit is in the biases."""
+    """Returns the layer's weights and bias in float, for these steps of inputs and outputs. The biases include half a unit for
+    rounding."""
     weights, biases, shifts = layer
     factor = 2.0 ** -shifts.astype(float) * step_out
     half = 2.0 ** (shifts.astype(float) - 1)
@@ -50,7 +51,7 @@ def scaled(layer, step_in, step_out):
 
 
 def model(name):
-    """Input: grey levels over 255, less 128 / 255. Outputs in [-1, 1]."""
+    """The input is grey levels / 255 - 128 / 255; the outputs are in [-1, 1]."""
     layers = read_layers(name)
     nodes = []
     constants = [numpy_helper.from_array(np.float32(value), key) for key, value in (("least", 0), ("most", 1))]

@@ -29,7 +29,8 @@ struct RotorData {
   double reference_density_kg_per_m3 = 0;
   double torque_per_thrust_m = 0;
   double inertia_kg_m2 = 0;
-  std::optional<ElectricMotor> motor;       // if present, the members from here to power_per_thrust_w_per_n are unused
+  std::optional<ElectricMotor> motor;       // if present, the following members up to power_per_thrust_w_per_n are
+                                            // unused
   std::vector<double> effective_voltage_v;  // steady speed over effective voltage; both begin at 0
   std::vector<double> speed_rad_per_s;
   double slope_above_rad_per_sv = 0;  // beyond the last point

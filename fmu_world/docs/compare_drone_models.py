@@ -7,7 +7,8 @@
 
 drone-models integrates Newton's and Euler's equations of a Crazyflie (cf2x_L250) with its own drag, thrust and gyroscopic torque;
 here with a Runge-Kutta method of fourth order. The FMU gets the same thrusts, torques and speeds each millisecond, and a drone of that
-mass, inertia, arm and drag. So what is compared is this FMU's dynamics: frames, signs of all torques, rotations, drag, gyroscopic torque.
+mass, inertia, arm and drag. So the comparison covers this FMU's dynamics: frames, signs of all torques, rotations, drag, gyroscopic
+torque.
 """
 import json
 import shutil

@@ -76,7 +76,7 @@ Calibration calibrate(scene::Drone& drone, const DroneParameters& parameters) {
   return calibration;
 }
 
-/// The first drone has the seed itself, as the drone of a world of one.
+/// The first drone uses the seed unchanged, like the drone of a world with one drone.
 std::uint64_t seed_of(const Parameters& shared, std::size_t index) {
   const std::uint64_t seed = static_cast<std::uint32_t>(shared.sensors_seed);
   return index == 0 ? seed : noise::bits(seed, noise::Stream::drone, index);

@@ -5,7 +5,7 @@
     .venv/bin/python fmu_world/tools/make_worlds.py
 
 Needs NumPy and Pillow. Same output on every run; look at it before you commit it (mebots-camera renders a scene).
-Grounds are pictures of the whole place, in which the shadows of what stands there are painted.
+Each ground is a picture of the whole place, with painted shadows of its objects.
 """
 import json
 import math

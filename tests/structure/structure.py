@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the include graph of the product with the order in layers.json. structure.py print violations of the order
-structure.py --list [PART] print the dependencies between folders, with the number of includes
+"""Compares the include graph of the product with the order in layers.json.
+
+    structure.py                 print violations of the order
+    structure.py --list [PART]   print the dependencies between folders, with the number of includes
     structure.py --write         write the tables of layers into docs/architecture.md
 """
 import argparse

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one moment that everything on the page shows, and its running on.
+// The time of the run that all parts of the page show, and its playback.
 
 export type Listener = (time: number) => void;
 
@@ -17,7 +17,7 @@ export class Clock {
     return this.last;
   }
 
-  /** The run went on. */
+  /** The run has continued. */
   extend(end: number): void {
     this.last = end;
     this.notifyState();

@@ -7,7 +7,7 @@ import { shownTime, shownUnit } from "./data/units";
 import { dotted, element } from "./dom";
 import type { Window } from "./view/window";
 
-/** Between two looks [ms]. */
+/** Time between two requests [ms]. */
 const PERIOD = 400;
 /** Offered paces, in multiples of real time. */
 const PACES = [0, 0.1, 0.5, 1, 2, 5, 10];
@@ -26,7 +26,7 @@ async function post(path: string, values: Record<string, string>): Promise<strin
   return text;
 }
 
-/** Keeps the page up with the run. The moment goes along while it is the last one. Returns the controls. */
+/** Updates the page with the run. While the page shows the last time, it follows the run. Returns the controls. */
 export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   const badge = element("span", { class: "outcome", id: "live" }, "live");
   const hold = element("button", { id: "hold", onclick: () => void order(run.header.live?.held ? "go" : "hold") });

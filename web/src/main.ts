@@ -31,7 +31,7 @@ declare global {
   }
 }
 
-/** Without a scene, so few panels have room for curves of this height [px]. */
+/** If there is no scene and there are few panels, curves have this height [px]. */
 const FEW_PANELS = 4;
 const ROOMY_HEIGHT = 150;
 
@@ -107,13 +107,13 @@ function makeSplit(label: string, axis: "x" | "y", part: HTMLElement, grid: HTML
   });
 }
 
-/** The moment that an address asks for: flight.html#t=12.5 opens there and does not play. */
+/** The time in the address: flight.html#t=12.5 opens at that time and does not play. */
 function timeOfAddress(): number | null {
   const found = /^#t=(\d+(?:\.\d+)?)$/.exec(location.hash);
   return found ? Number(found[1]) : null;
 }
 
-/** Null without a scene, or without WebGL: then all else is shown. */
+/** Null without a scene or without WebGL; then everything else is shown. */
 function makeStage(runs: Run[], clock: Clock): Stage | null {
   const run = runs[0];
   if (!run.scene?.bodies?.length) return null;

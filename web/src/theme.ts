@@ -8,7 +8,7 @@ const DARK = ["#4ea8de", "#f0803c", "#2fc79a", "#e39ac4", "#e6c14a", "#8fd3ff", 
 const darkQuery = matchMedia("(prefers-color-scheme: dark)");
 const listeners: (() => void)[] = [];
 
-let dark = darkQuery.matches; // as the system has it, until somebody chooses
+let dark = darkQuery.matches; // that of the system, until the user chooses
 
 export function isDark(): boolean {
   return dark;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""```{fmu-variables} fmu_battery```: the variables of an FMU as its modelDescription.xml tells them, by causality."""
+"""```{fmu-variables} fmu_battery```: lists the variables in an FMU's modelDescription.xml by causality."""
 
 import os
 import zipfile

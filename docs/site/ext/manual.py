@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""```{manual} mebots```: a program's manual and those of its commands. The program writes them from what its parser knows
-(cmake/MebotsManual.cmake); this reads the part of man(7) that modeldesc/command_line/manual.cpp writes."""
+"""```{manual} mebots```: inserts the manual of a program and those of its commands. The program generates them from its parser
+(cmake/MebotsManual.cmake). This module reads the subset of man(7) that modeldesc/command_line/manual.cpp writes."""
 
 import os
 import re
@@ -18,7 +18,7 @@ def code(text):
 
 
 def markdown(manual, level):
-    """The manual as MyST, its sections below a heading of this level."""
+    """Returns the manual as MyST, with its sections below a heading of this level."""
     lines, result, words = iter(manual.splitlines()), [], []
     for line in lines:
         if line.startswith(".SH "):

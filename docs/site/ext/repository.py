@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Links between files of the repository. A link to a folder leads to the page of its README; one to a folder without a page shows its
-text. A link to nothing is a warning, which ends the build."""
+text. A broken link is a warning, which fails the build."""
 
 import re
 from pathlib import Path

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""```{schema} mebots-config```: tables of the keys of a JSON schema below configs/schemas, one for each kind of object."""
+"""```{schema} mebots-config```: inserts tables of the keys of a JSON schema in configs/schemas, one for each kind of object."""
 
 import json
 from pathlib import Path
@@ -8,7 +8,7 @@ from sphinx.util.docutils import SphinxDirective
 
 
 def target_of(schema, whole):
-    """The schema itself, or what it refers to; the name of a definition."""
+    """Returns the schema, or the definition to which it refers; and the name of that definition."""
     if "$ref" not in schema:
         return schema, None
     path = schema["$ref"].removeprefix("#/").split("/")
@@ -29,7 +29,7 @@ def limits_of(schema):
 
 
 def type_of(schema, whole, anchors, around=()):
-    """A value in words. `around` are the definitions that this one lies in: one that holds itself is told by its name."""
+    """Describes a value in words. `around` are the enclosing definitions; a recursive definition is represented by its name."""
     target, name = target_of(schema, whole)
     if name in anchors:
         return f"[{name}](#{anchors[name]})"
@@ -54,7 +54,7 @@ def type_of(schema, whole, anchors, around=()):
 
 
 def properties_of(schema):
-    """All keys that an object may have, those of its alternatives included."""
+    """Returns all keys that an object may have, including those of its alternatives."""
     keys = dict(schema.get("properties", {}))
     for group in ("anyOf", "oneOf", "allOf"):
         for part in schema.get(group, []):

@@ -32,8 +32,8 @@ def batteries():
 
 
 def in_the_air(motors, battery, name, speed, landing_charge):
-    """Returns one flight in a world without gates, from take-off until it lands at a charge. It takes five pictures
-    per second: there is nothing to see, but the firmware reads its gauge once per picture."""
+    """Returns one flight in a world without gates, from take-off until it lands at a charge. It takes five pictures per second,
+    although nothing is visible, because the firmware reads its gauge once per picture."""
     extra = (("world.scene.name", "empty"), ("world.start.offset.y", 0.0), ("soc.mission.frame_period", 0.2),
              ("soc.mission.landing_charge", landing_charge))
     return Flight(named(motors, f"endurance-{battery}-{name}"), "easy", speed, battery=battery, motors=motors,

@@ -15,8 +15,8 @@ from fmpy.fmi2 import FMU2Slave
 from missions import CELLS, ROOT
 from results import CRUISE
 
-# The columns next to the bench's, each with one effect less than the one before: label, whether the flight controller's
-# power counts, whether the cell's resistance counts.
+# The columns next to the bench's; each omits one more effect: label, flight controller's power included, cell's resistance
+# included.
 READINGS = {"paper": ("paper's motors", True, True), "no_avionics": ("without flight controller", False, True),
             "no_losses": ("nor cell resistance", False, False)}
 LOADS = {"motors.power": "motors.power", "soc.power": "soc.power", "camera.power": "soc.camera.power",

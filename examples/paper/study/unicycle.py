@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A perfect network in the hard scenario: a unicycle that gets the expert's command, and the policy.
+"""Simulates a perfect network in the hard scenario: a unicycle that follows the expert's command and the policy.
 
-Separates the effects of the network, of the expert's fading near the gate, and of the yaw-rate scale. No contact, no noise;
-the speed follows its set-point with a time constant.
+Separates the effects of the network, of the expert's fading near the gate, and of the yaw-rate scale. There is no contact and no
+noise; the speed follows its set-point with a time constant.
 """
 
 import math

@@ -32,7 +32,7 @@ class Sights:
         return len(self.pixels)
 
     def with_first(self, count, others):
-        """Returns these and the first pictures of others, without their labels."""
+        """Returns these pictures and the first pictures of others, without their labels."""
         both = copy.copy(self)
         for name in ("pixels", "visible", "wanted"):
             setattr(both, name, np.concatenate([getattr(self, name), getattr(others, name)[:count]]))

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Pictures, training, fine-tuning in whole numbers, weights and golden vectors of the sight network: all of it, from
-# nothing. 14 to 20 minutes of processor time on one core: one thread, whose sums have one order. Run again, it wrote
-# the shipped files byte for byte.
+# Generates the pictures, trains the sight network, fine-tunes it with integers, and writes weights and golden vectors. Takes 14
+# to 20 minutes of processor time on one core. It uses one thread, so that the order of sums is fixed: a second run gave the
+# shipped files byte for byte.
 # Needs scripts/setup.sh training.
 #
 #   examples/paper/training/train_sight.sh [BUILD [WORK]]    default: build/release results/sight
@@ -21,7 +21,7 @@ $dataset --out "$work/test" --seed 3 --scenes 200 --pictures 10
 $dataset --out "$work/easy" --seed 4 --scenes 1 --pictures 300 --scene $scenes/gate_easy.json
 $dataset --out "$work/hard" --seed 5 --scenes 1 --pictures 300 --scene $scenes/gate_edge.json --field-of-view 0.87
 
-# Debian's Python has PyTorch; the project's own has not.
+# Debian's Python has PyTorch; that of .venv does not.
 python="/usr/bin/python3 -B"
 here=examples/paper/training
 $python $here/train_sight.py "$work" "$work"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks the range finder for twenty distances, sleeping while it measures, and reports them. Exit code 0: all came.
+// Requests twenty distances from the range finder, sleeps during each measurement, and reports them. Exit code 0: all
+// were measured.
 #include "board.h"
 #include "runtime/console.h"
 #include "runtime/interrupt.h"
@@ -24,6 +25,6 @@ int main(void) {
     RANGE_FINDER_REPORT = distance_mm;
     print("distance %u mm\n", (unsigned)distance_mm);
   }
-  RANGE_FINDER_COMMAND = 99;  // no opcode
+  RANGE_FINDER_COMMAND = 99;  // not an opcode
   return (RANGE_FINDER_STATUS & RANGE_FINDER_STATUS_REFUSED) != 0 ? 0 : 1;
 }

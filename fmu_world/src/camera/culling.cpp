@@ -11,8 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Faces per group: few, so that they are near each other; many, so that most faces outside the picture need no test of
-/// their own.
+/// Number of faces per group. A small number keeps them near each other; a large number saves tests of single faces
+/// outside the picture.
 constexpr std::size_t kMostFaces = 16;
 /// Added to a sphere's radius for rounding.
 constexpr double kMargin_m = 1e-6;

@@ -10,8 +10,8 @@
 
 namespace mebots::world::crazyflie {
 
-/// Extended Kalman filter of position, velocity in body axes and attitude error, around an attitude that takes the
-/// error in after each update: M. W. Mueller, M. Hamer, R. D'Andrea, "Fusing ultra-wideband range measurements with
+/// Extended Kalman filter of position, velocity in body axes and attitude error, around an attitude to which the error
+/// is added after each update: M. W. Mueller, M. Hamer, R. D'Andrea, "Fusing ultra-wideband range measurements with
 /// accelerometers and rate gyroscopes for quadrocopter state estimation", ICRA 2015; the covariance turns with the
 /// attitude as in M. W. Mueller, M. Hehn, R. D'Andrea, "Covariance correction step for Kalman filtering with an
 /// attitude", JGCD 2016. With x' = R v, v' = f - w x v - g R^T e_z, R' = R [w]x. The measurements of flow and distance

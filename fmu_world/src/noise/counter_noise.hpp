@@ -14,8 +14,8 @@ enum class Stream : std::uint64_t { range = 1, camera = 2, gust = 3, imu = 4, im
 /// Weyl increment of SplitMix64.
 inline constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15ULL;
 
-/// One output of SplitMix64 (Steele, Lea, Flood 2014) for the state `x`: a bijection whose output shows no order of its
-/// input. Stateless, so the value of any pixel or lattice point can be computed alone.
+/// Returns one output of SplitMix64 (Steele, Lea, Flood 2014) for the state `x`: a bijection whose outputs look random
+/// even for consecutive inputs. Stateless, so the value of any pixel or lattice point can be computed alone.
 constexpr std::uint64_t hashed(std::uint64_t x) {
   x += kGolden;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;

@@ -92,7 +92,7 @@ constexpr double kFinestFlow_pixels = 1e-3;
 
 /// Upper bound of a sample of the sensor.
 double most_counts(const FlowData& flow) {
-  constexpr double kLongestStep_s = 1.0;  // of physics; a sample may come so much late
+  constexpr double kLongestStep_s = 1.0;  // largest physics step, by which a sample may be late
   constexpr double kLargestDeviation = 10.0;
   return (flow.pixels_per_rad * flow.fastest_rad_per_s * (flow.period_s + kLongestStep_s) +
           kLargestDeviation * flow.noise_pixels) /

@@ -2,7 +2,7 @@
 // The lines of log.txt.
 
 export interface Message {
-  time: number | null; // null for a notice of the run, which belongs to no moment
+  time: number | null; // null for a notice of the run, which has no time
   instance: string;
   severity: "info" | "warning" | "error";
   text: string;

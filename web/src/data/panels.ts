@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panels of a run. If its config has none: all that varies, by instance and unit. The first panel of each instance comes
-// before the second one of any.
+// The panels of a run. If its config has none: all variables that change, grouped by instance and unit. The first panel of each
+// instance precedes the second panel of any.
 import type { CurveInfo, PanelInfo } from "./payload";
 import type { Run } from "./run";
 import { meaningOf } from "./units";
@@ -15,14 +15,15 @@ interface Found {
   names: string[];
 }
 
-/** The panels of the config, else those of all that varies. */
+/** The panels of the config, else those of all variables that change. */
 export function panelsOf(run: Run): PanelInfo[] {
   const asked = run.system?.view.panels ?? [];
   return asked.length > 0 ? asked : defaultPanels(run);
 }
 
 function defaultPanels(run: Run): PanelInfo[] {
-  const varying = run.variables.filter((name) => run.header.live || !run.stands(name)); // at the start of a live run everything stands
+  const varying = run.variables.filter((name) => run.header.live || !run.stands(name)); // at the start of a live run nothing has
+                                                                                        // changed yet
   const isState = (name: string) => ["Boolean", "Enumeration"].includes(run.info(name)?.type ?? "");
   const found = taken(groupsOf(run, varying.filter((name) => !isState(name))).map((group) => panelOf(run, group)));
   const states = varying.filter(isState).slice(0, MOST_STATES);

@@ -40,7 +40,7 @@ export interface SystemInfo {
 // eslint-disable-next-line @typescript-eslint/no-explicit-any
 export type Json = any;
 
-/** Of a run that is under way. */
+/** Data of a run in progress. */
 export interface LiveState {
   held: boolean;
   pace: number; // simulated seconds per second; 0: as fast as possible
@@ -60,10 +60,10 @@ export interface RunHeader {
   log: string;
   texts: string[];
   rows: number;
-  span: number; // of so many rows two are here
-  whole: [number, number][]; // but all of them within these times
+  span: number; // the server reduced this number of rows to two
+  whole: [number, number][]; // but all rows within these times are here
   kept: number;
-  /** Numbers of a column: all the same, in a block, or here. */
+  /** Numbers of a column: a constant, in a block, or in the header. */
   columns: { name: string; unit: string; still?: number; block?: Place; values?: number[] }[];
   scene: Place | null;
   profiles: Json[];

@@ -31,7 +31,7 @@ export interface Slice {
   functions(withIdle: boolean): FunctionCost[];
 }
 
-/** What a function cost by itself, on all harts [J, s]. */
+/** The cost of a function without its callees, over all harts [J, s]. */
 export interface FunctionCost {
   name: string;
   energy: number;
@@ -55,7 +55,7 @@ export class WindowedProfile {
     return SCALES[cost][1];
   }
 
-  /** Whole windows: all that `start` to `stop` [s] touches. */
+  /** All windows that overlap `start` to `stop` [s]. */
   slice(start: number, stop: number): Slice {
     const { windows, harts } = this.file.mebots;
     const inside = windows.filter((window: Json) => window.to * 1e-9 > start && window.from * 1e-9 < stop);
@@ -113,7 +113,7 @@ export class WindowedProfile {
   }
 }
 
-/** Calls of the same name as one. */
+/** Merges calls of the same name. */
 function added(calls: Call[]): Call[] {
   const byName = new Map<string, Call[]>();
   for (const call of calls) byName.set(call.name, [...(byName.get(call.name) ?? []), call]);

@@ -36,7 +36,7 @@ export function rowAt(times: Float64Array, time: number): number {
   return low;
 }
 
-/** Of a run that is under way: more than these [numbers] are fetched thinned out. */
+/** In a run in progress, more than this number of values are fetched thinned out. */
 const MOST_NUMBERS = 4e6;
 
 export class Run {
@@ -50,7 +50,7 @@ export class Run {
   private readonly places = new Map<string, RunHeader["columns"][number]>();
   private readonly numbers = new Map<string, Float64Array>();
   private kept = 0; // rows that are here
-  private camera: string | undefined; // the first one that took a picture: what is shown
+  private camera: string | undefined; // the first camera that took a picture: it is shown
   private readonly listeners: (() => void)[] = [];
   private version = 0;
 
@@ -83,7 +83,7 @@ export class Run {
     this.takePictures(header, payload);
   }
 
-  /** There is more of it. */
+  /** New data have arrived. */
   tell(): void {
     for (const listener of this.listeners) listener();
   }
@@ -227,7 +227,7 @@ export class Run {
     };
   }
 
-  /** All of these together, of those that were recorded. */
+  /** The sum of those of these variables that were recorded. */
   sum(infos: CurveInfo[]): Curve | null {
     const curves = infos.map((info) => this.curve(info)).filter((curve) => curve !== null);
     if (curves.length === 0) return null;

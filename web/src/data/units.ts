@@ -10,14 +10,14 @@ export const SHARE = "s/s";
 
 const RATES: Record<string, string> = { J: "W", s: SHARE, m: "m/s", rad: "rad/s", "m/s": "m/s2", C: "A", "1": "1/s", "-": "1/s" };
 
-/** What is measured in a unit, and then the unit's own name. */
+/** The quantity that is measured in a unit, then the name of the unit. */
 const UNIT_WORDS: Record<string, string> = {
   V: "voltage volt", A: "current ampere", W: "power watt", J: "energy joule", s: "time second", m: "length distance metre",
   "m/s": "speed velocity", "m/s2": "acceleration", rad: "angle radian", "rad/s": "angular_speed rate", Hz: "frequency clock hertz", N: "force newton",
   "N.m": "torque newton metre", degC: "temperature celsius", K: "temperature kelvin", kg: "mass kilogram", Pa: "pressure pascal", Ohm: "resistance",
 };
 
-/** Words that a search finds variables of a unit by. */
+/** Words by which a search finds the variables of a unit. */
 export function wordsOf(unit: string): string {
   return (UNIT_WORDS[unit] ?? "").replaceAll("_", " ");
 }
@@ -51,7 +51,7 @@ function digits(value: number): string {
 export function prefixFor(size: number, unit: string): [number, string] {
   if (unit === SHARE) return [0.01, ""];
   if (!PREFIXED.has(unit) || !(size > 0)) return [1, ""];
-  // Kiloseconds are not in use.
+  // Kiloseconds are not used.
   if (unit === "s" && size >= 1) return [1, ""];
   return PREFIXES.find(([factor]) => size >= 0.9995 * factor) ?? PREFIXES[PREFIXES.length - 1];
 }

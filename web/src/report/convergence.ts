@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the estimates of the best designs became narrower with missions; of a search, the best design so far.
+// Shows how the intervals of the best designs became narrower with the number of missions; for a search, the best design so far.
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
 import type { Course, Study } from "./content";
@@ -55,7 +55,7 @@ function makeCourses(study: Study, selection: Selection, shown: Shown): HTMLElem
   return element("div", {}, plot.root, key);
 }
 
-/** The bounds of the later half: earlier ones are so wide that nothing else would be seen. */
+/** The bounds of the later half. The earlier ones are so wide that the rest would not be visible. */
 function laterBounds({ counts, low, high }: Course, objective: number): (number | null)[] {
   const from = Math.floor(counts.length / 2);
   return [...low[objective].slice(from), ...high[objective].slice(from)];

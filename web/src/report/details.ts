@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The chosen design with its missions, and the commands that fly missions again and compare them.
+// The chosen design with its missions, and the commands that repeat and compare missions.
 import { element } from "../dom";
 import type { Objective, Study } from "./content";
 import { counted, factorText, objectiveText, titleOf } from "./format";
@@ -34,7 +34,7 @@ export function makeDetails(study: Study, selection: Selection): HTMLElement {
   return root;
 }
 
-/** The missions of a design, sortable. A click on one shows the command that flies it again. */
+/** The missions of a design, sortable. A click on one shows the command that repeats it. */
 function makeMissions(study: Study, selection: Selection, design: number): HTMLElement {
   const missions = study.missions!;
   const start = firstOf(missions.counts)[design];
@@ -90,7 +90,7 @@ const missionText = (objective: Objective, value: number | null) => (objective.s
 
 const folderOf = (study: Study, { design, replicate }: Mission) => `design_${study.designs.number[design]}_mission_${replicate}`;
 
-/** The command that flies a mission again; null where only another config could, or where the page lacks its draws. */
+/** The command that repeats a mission; null if that needs another config, or if the page lacks its draws. */
 function commandOf(study: Study, mission: Mission): string | null {
   const { replay } = study;
   const [own, draws] = [replay?.designs[mission.design], replay?.draws[mission.replicate]];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How missions ended, how their values are distributed, and the spread within each design.
+// Shows the outcomes of missions, the distribution of their values, and the spread within each design.
 import { element } from "../dom";
 import { colour, onTheme, styleColour } from "../theme";
 import type { Study } from "./content";

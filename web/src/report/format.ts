@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers as people read them.
+// Formats numbers for readers.
 import type { Factor, Objective } from "./content";
 
 /** A number with this many significant digits, without trailing zeros, and with a real minus sign. */
@@ -26,7 +26,7 @@ export function titleOf({ label, statistic, unit }: Objective): string {
   return unit === "" ? name : `${name} [${unit}]`;
 }
 
-/** A share in per cent. Digits are added next to 100, so that no other share reads as all. */
+/** A share in per cent. Digits are added near 100, so that only the whole reads as 100 %. */
 export function percent(share: number): string {
   if (share > 0 && share < 0.001) return "< 0.1 %";
   return `${digits(100 * share, share > 0.99 && share < 1 ? 4 : 2)} %`;

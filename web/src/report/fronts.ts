@@ -225,7 +225,7 @@ function choicesOf(study: Study): Choice[] {
   return [...all, place];
 }
 
-/** What is minimised or maximised first, over the first share, else over the next objective, else over a factor. */
+/** The default axes: the first minimised or maximised objective over the first share, else over the next objective, else over a factor. */
 function firstChoices(study: Study): [number, number] {
   const { objectives } = study;
   const sorted = objectives.map((_, i) => i).sort((a, b) => Math.abs(objectives[b].sense) - Math.abs(objectives[a].sense));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parallel coordinates: a line for each design through its factors and values. A drag along an axis filters all panels. In a
-// narrow page the axes lie under each other.
+// narrow page the axes are one below the other.
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
 import type { Place, Study } from "./content";
@@ -227,7 +227,7 @@ function numeric(label: string, unit: string, scale: number, values: (number | n
   const [low, high] = extent(values, 0);
   const place = (value: number) => (value - low) / (high - low || 1);
   const named = ticks ?? [low, low + 0.25 * (high - low), low + 0.5 * (high - low), low + 0.75 * (high - low), high];
-  // The ends come first: names in between give way to them.
+  // Places the names of the ends first; names between them are left out if there is no space.
   const order = [...named].sort((a, b) => Math.abs(place(b) - 0.5) - Math.abs(place(a) - 0.5));
   return {
     label: unit ? `${label} [${unit}]` : label,

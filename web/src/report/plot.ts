@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture on a canvas with two axes. A text that would lie over another one, or leave the picture, is not drawn.
+// A picture on a canvas with two axes. A text that would overlap another one, or leave the picture, is not drawn.
 import { element } from "../dom";
 import { onTheme, styleColour } from "../theme";
 
@@ -32,7 +32,7 @@ export class Plot {
   width = 0;
   height = 0;
   box: Box = { left: 0, right: 1, top: 0, bottom: 1 };
-  /** Where texts were drawn last. */
+  /** Places of the texts in the last picture. */
   texts: (Box & { text: string })[] = [];
   private xAxis!: Axis;
   private yAxis!: Axis;

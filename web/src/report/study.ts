@@ -56,7 +56,7 @@ function makeAnswer(study: Study): HTMLElement {
     ...remarks.map((text) => element("p", {}, text)), element("p", { class: "faint" }, facts));
 }
 
-/** What all panels show: the objective, and the selection. It stays in view. */
+/** Controls of all panels: the objective and the selection. They stay in view. */
 function makeToolbar(study: Study, selection: Selection, shown: Shown): HTMLElement {
   const text = element("span", { class: "status", role: "status" });
   const clear = element("button", { onclick: () => selection.reset() }, "show all");
@@ -70,7 +70,7 @@ function makeToolbar(study: Study, selection: Selection, shown: Shown): HTMLElem
   return element("div", { class: "toolbar" }, ...(study.objectives.length ? [choice] : []), text, clear);
 }
 
-/** Loads the page of a running study again, unless somebody looks at a selection or a design. */
+/** Reloads the page of a running study, unless there is a selection or a chosen design. */
 function reload(period_s: number, selection: Selection): void {
   setInterval(() => {
     if (!selection.isFiltered && selection.chosen < 0) location.reload();

@@ -14,10 +14,10 @@ const NARROW = 620; // pixels, as in report.css
 interface Column {
   title: string;
   text(design: number): string;
-  /** What the column is sorted by. */
+  /** The value by which the column is sorted. */
   value(design: number): number | string | null;
   isNumber: boolean;
-  /** The better values come first on the first click. */
+  /** The first click sorts the better values first. */
   sign: number;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body that flies: its box, arms, turning rotors, camera with its field of view, and the path that it takes.
+// A flying body: its box, arms, rotors, camera with its field of view, and path.
 import * as THREE from "three";
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
@@ -40,7 +40,7 @@ export class Body {
 
   move(time: number): void {
     this.group.position.copy(this.position(time));
-    // Yaw jumps from pi to -pi: of two rows the angle is taken, not the mean.
+    // Yaw jumps from pi to -pi, so angles are interpolated along the shorter way.
     const [roll, pitch, yaw] = (this.info.attitude as string[]).map((name) => this.run.at(this.full(name), time));
     this.group.setRotationFromEuler(new THREE.Euler(roll, pitch, yaw, "ZYX"));
     for (const { disc, sense, command } of this.rotors) {

@@ -13,11 +13,10 @@ import { Body } from "./body";
 import { Path } from "./path";
 import { Surfaces } from "./surfaces";
 
-/** From outside the scene is drawn this much brighter than its camera sees it; on board it is as the camera sees it. */
+/** Factor of brightness from outside, relative to the camera's picture. On board, the brightness is that of the picture. */
 const EXPOSURE = 1.2;
 
-/** Target and place of the following camera, relative to the body [m]: low and far ahead, so that it shows what lies
- *  before the drone, also at the start. */
+/** Target and place of the following camera, relative to the body [m]: low and far ahead, so that the space in front of the drone is visible, also at the start. */
 const AHEAD = new THREE.Vector3(0.42, 0, 0.14);
 const BEHIND = new THREE.Vector3(-0.85, -0.36, 0.36);
 
@@ -45,7 +44,7 @@ export class Stage {
   private readonly camera = new THREE.PerspectiveCamera(42, 1, 0.01, 200);
   private readonly controls: OrbitControls;
   private readonly surfaces: Surfaces;
-  private readonly background: THREE.Color; // what its camera sees where nothing stands
+  private readonly background: THREE.Color; // what its camera sees in the background
   private readonly flights: Flight[] = [];
   private readonly labels: { place: THREE.Vector3; tag: HTMLElement }[] = [];
   private readonly plumb: THREE.Line;
@@ -173,7 +172,7 @@ export class Stage {
     const values = chosen.values();
     const sorted = Float64Array.from(values).sort();
     const low = Math.min(0, sorted[0]);
-    const high = sorted[Math.floor(0.99 * (sorted.length - 1))]; // one spike would take the colours from all else
+    const high = sorted[Math.floor(0.99 * (sorted.length - 1))]; // otherwise one peak would use the whole range of colours
     this.flights[0].path.colourBy(values, low, high);
     const select = element("select", { "aria-label": "what colours the path" });
     this.colours.forEach((entry, i) => select.append(element("option", { value: String(i) }, entry.label)));

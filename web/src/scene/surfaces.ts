@@ -30,7 +30,7 @@ export class Surfaces {
     this.lighting = scene.lighting
       ? { ambient: scene.lighting.ambient, sun: scene.lighting.sun, toSun: vector(scene.lighting.to_sun) }
       : null;
-    // Walls are meshes of their own, so that each can be left out; all else is drawn texture by texture.
+    // Walls are separate meshes, so that each can be hidden; all other faces are drawn by texture.
     const shared = new Map<string, Json[]>();
     for (const face of scene.faces ?? []) {
       if (face.mover === undefined && areaOf(face.corners) > WALL_M2) {

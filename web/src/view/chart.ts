@@ -132,7 +132,7 @@ export class Chart implements Drawing {
   }
 }
 
-/** Each curve upon those before it. */
+/** Stacks each curve on the previous ones. */
 function cumulated(curves: Float64Array[]): Float64Array[] {
   const sums: Float64Array[] = [];
   for (const values of curves) {
@@ -162,7 +162,7 @@ function tickText(value: number, step: number, prefix: string, unit: string): st
 function niceRange(low: number | null, high: number | null, fromZero: boolean): [number, number] {
   if (low == null || high == null) return [0, 1];
   const bottom = fromZero ? Math.min(0, low) : low;
-  // A difference of totals is exact to about nine digits: less is no change.
+  // A difference of totals is exact to about nine digits; a smaller one counts as no change.
   const isStill = high - bottom < 1e-7 * Math.abs(high);
   const span = isStill ? Math.abs(high) || 1 : high - bottom;
   return [fromZero && bottom === 0 ? 0 : bottom - 0.06 * span, high + 0.06 * span];

@@ -9,11 +9,11 @@ import { finalValues, shownValue } from "./statistics";
 interface Row {
   label: string;
   cells: string[];
-  /** Last run less first run, of numbers. */
+  /** For numbers, the last run minus the first run. */
   difference: string;
 }
 
-/** A value as text, and as a number with its unit where it is one. */
+/** A value as text and, if it is a number, as a number with its unit. */
 interface Cell {
   text: string;
   number?: number;
@@ -48,7 +48,7 @@ function rowsOf(runs: Run[], missing: string, read: (run: Run) => Map<string, Ce
   });
 }
 
-/** "+12.3 J (+4.5 %)"; "" for what has no difference. */
+/** "+12.3 J (+4.5 %)"; "" if there is no difference. */
 function differenceOf(first: Cell | undefined, last: Cell | undefined): string {
   if (first?.number === undefined || last?.number === undefined || first.unit !== last.unit) return "";
   const difference = last.number - first.number;

@@ -17,7 +17,7 @@ export interface Drawing {
   readonly root: HTMLElement;
   /** In pixels. */
   readonly height: number;
-  /** null: the first height. */
+  /** null: the initial height. */
   setHeight(height: number | null): void;
   redraw(): void;
 }

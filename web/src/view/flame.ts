@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flame graphs of a profile: each box is a function, as wide as its share with all that it calls. Where the profile has
-// windows, it is of the span of time that the plots show.
+// Flame graphs of a profile: each box is a function, as wide as its share including its callees. If the profile has windows, the
+// graph is of the time span of the plots.
 import { select } from "d3-selection";
 import flamegraph from "d3-flame-graph";
 import { BY_CORE, BY_FUNCTION, type Call, type Cost, COSTS, treeOf, WindowedProfile } from "../data/profile";
@@ -40,7 +40,7 @@ export function makeFlames(profiles: Json[], window: Window): HTMLElement {
   let asked = false;
   window.onChange(() => {
     if (!windowed || asked || !drawing.isConnected) return;
-    asked = true; // a wheel that turns tells more often than a browser draws
+    asked = true; // wheel events are more frequent than frames
     requestAnimationFrame(() => {
       asked = false;
       draw();

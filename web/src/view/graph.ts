@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The system as a graph: instances on a ring, an arrow for all that goes from one to another.
+// The system as a graph: instances on a ring, and one arrow for all connections from one to another.
 import type { Clock } from "../clock";
 import type { SystemInfo } from "../data/payload";
 import type { Run } from "../data/run";
@@ -91,7 +91,7 @@ function makeBox(name: string, model: string, [x, y]: [number, number], onChoose
     svg("text", { x: String(x), y: String(y + 16), class: "model" }, shortened(model)));
 }
 
-/** Adds the place of its words to those that are taken. */
+/** Adds the place of its text to the occupied places. */
 function makeArrow(bundle: Bundle, from: [number, number], to: [number, number], taken: Place[], onChoose: () => void): SVGElement {
   const group = svg("g", { class: "bundle", tabindex: "0", onclick: onChoose, onfocus: onChoose });
   const text = labelOf(bundle);
@@ -120,7 +120,7 @@ function overlap(one: Place, other: Place): boolean {
   return 2 * Math.abs(one.x - other.x) < one.width + other.width && 2 * Math.abs(one.y - other.y) < one.height + other.height;
 }
 
-/** The one variable that goes there, or how many values do; their units, as far as there is room. */
+/** The name of the only variable, or the number of values; with units, if there is space. */
 function labelOf({ from, connections }: Bundle): string {
   const units = [...new Set(connections.map(({ unit, type }) => shownUnit(unit ?? "") || (type === "Binary" ? "bytes" : "")))].filter(Boolean);
   if (connections.length === 1) return shortened(connections[0].from.slice(from.length + 1)) + (units.length > 0 ? ` [${units[0]}]` : "");
@@ -138,7 +138,7 @@ function edgeOf([x, y]: [number, number], [px, py]: [number, number]): [number, 
   return [x + share * dx, y + share * dy];
 }
 
-/** What each instance is: its model, the model's own description, and its step. */
+/** Describes each instance: its model, the description of the model, and its step. */
 function makeInstances(system: SystemInfo, names: string[]): HTMLElement[] {
   if (names.length === 0) return [];
   const rows = names.map((name) => {
@@ -149,7 +149,7 @@ function makeInstances(system: SystemInfo, names: string[]): HTMLElement[] {
     element("table", {}, element("thead", {}, element("tr", {}, ...["instance", "model", "what it is", "step"].map((head) => element("th", { class: "whole" }, head)))), element("tbody", {}, ...rows))];
 }
 
-/** Returns the function that updates the values to the moment. */
+/** Returns the function that updates the values to the shown time. */
 function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bundle[], title: string, before: HTMLElement[]): () => void {
   const rows = bundles.flatMap((bundle) => bundle.connections);
   const body = element("tbody", {});

@@ -15,7 +15,7 @@ const GAP = 3;
 const NAME = 16;
 const NAME_FONT = "11px system-ui, sans-serif";
 
-/** The least that a lane may be scaled to, and the most. */
+/** Minimum and maximum scale of a lane. */
 const SCALES = [0.6, 6];
 
 interface Lane {
@@ -25,7 +25,7 @@ interface Lane {
   height: number;
 }
 
-/** Their area lies under the plots' one, so that a moment is at the same place in all of them. */
+/** Their area is aligned with that of the plots, so that a time is at the same place in all of them. */
 export class Lanes implements Drawing {
   readonly root = element("div", { class: "lanes" });
   private readonly canvas = element("canvas", {});
@@ -36,7 +36,7 @@ export class Lanes implements Drawing {
 
   constructor(curves: RunCurve[], clock: Clock, private readonly window: Window) {
     const names = laneNames(curves);
-    this.isAbove = widest(names) > AXIS.left - 6; // as soon as one has no room beside the lanes
+    this.isAbove = widest(names) > AXIS.left - 6; // if one of them has no space next to the lanes
     curves.forEach((entry, i) => {
       const name = element("div", { class: "lane-name", title: `${entry.curve.variable}, ${entry.run.name}` }, names[i]);
       this.root.append(name);

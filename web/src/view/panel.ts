@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a panel: a title, a line with every curve's name, colour and value at the moment, and the drawing below.
+// Makes a panel: a title, a line with every curve's name, colour and value at the shown time, and the drawing below.
 import type { Clock } from "../clock";
 import type { PanelInfo } from "../data/payload";
 import { type Run, rowAt } from "../data/run";

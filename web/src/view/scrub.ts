@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pointer on anything that lies along time. On a plot a drag of the mouse chooses a span, and a click the moment; on the
-// timeline a drag moves the moment. Shift exchanges the two. A finger moves the moment, two fingers or ctrl and wheel zoom, a
-// double click shows all.
+// Handles the pointer on anything with a time axis. On a plot, a drag of the mouse selects a span, and a click selects the shown
+// time; on the timeline, a drag moves the shown time. Shift exchanges the two. A finger moves the shown time; two fingers, or
+// ctrl and wheel, zoom; a double click shows all.
 import type { Clock } from "../clock";
 import { element } from "../dom";
 import type { Window } from "./window";

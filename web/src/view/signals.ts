@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every recorded variable: found by words of its name, unit or meaning, its value at the moment, plotted at a click.
+// Lists every recorded variable with its value at the shown time. A search finds it by words of its name, unit or meaning; a
+// click plots it.
 import type { Clock } from "../clock";
 import type { Run } from "../data/run";
 import { shownUnit, wordsOf } from "../data/units";
@@ -7,7 +8,7 @@ import { element } from "../dom";
 
 const MOST_ROWS = 400;
 
-/** What else a variable with this meaning may be called. */
+/** Other words for a variable with this meaning. */
 const SYNONYMS: Record<string, string[]> = {
   altitude: ["position.z", "height"], height: ["position.z", "altitude"], battery: ["cell."], charge: ["state_of_charge", "soc"],
   heading: ["yaw"], cpu: ["soc.", "core"], chip: ["soc."], propeller: ["rotor"], motor: ["rotor"], drone: ["body"],

@@ -7,7 +7,7 @@ import { element } from "../dom";
 import { cyclesPerInstruction } from "./chip";
 import { finalValues } from "./statistics";
 
-/** The first time at which a recorded variable is not 0, of those whose name ends so. */
+/** The first time at which a recorded variable is not 0 whose name has this ending. */
 function firstTrue(run: Run, ending: string): number | null {
   const name = run.variables.find((candidate) => candidate.endsWith(ending));
   const values = name === undefined ? undefined : run.values(name);
@@ -39,7 +39,7 @@ function charge(summary: Json): string {
   return typeof left === "number" && summary.units?.state_of_charge === "1" ? `${(100 * left).toFixed(1)} % of the charge left` : "";
 }
 
-/** Mean power, and what the controller executed, of a program on the chip alone. */
+/** For a program on the chip alone: mean power, and the instructions of the controller. */
 function chip({ header }: Run): string {
   if (!header.chip) return "";
   const { chip_mean_w, controller, cluster } = header.chip;

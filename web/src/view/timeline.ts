@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The foot of the page: play, speed, the moment, and a line of the whole run with its marks.
+// The bottom of the page: play, speed, the shown time, and a line of the whole run with its marks.
 import type { Clock } from "../clock";
 import type { Message } from "../data/messages";
 import { shortText } from "../data/messages";
@@ -64,7 +64,7 @@ export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElemen
   return element("footer", { class: "timeline" }, play, speed, now, track);
 }
 
-/** Of marks whose words would lie upon each other, the later ones keep theirs for the pointer. Warnings are long: theirs, too. */
+/** If texts of marks would overlap, those of later marks appear only under the pointer. So do warnings, which are long. */
 function keepApart(marks: HTMLElement[]): void {
   let end = -Infinity;
   for (const mark of marks) {

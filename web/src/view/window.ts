@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The span of time that all plots show: the whole run until somebody looks closer. And the time under the pointer, which all
-// plots mark.
+// The time span that all plots show (at first the whole run), and the time under the pointer, which all plots mark.
 
 export class Window {
   private from = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoreMark's port to a core without a library for time and text; core_portme.c checks the texts that it would print.
+// CoreMark's port to a core without a C library. core_portme.c checks the texts that CoreMark would print.
 #ifndef CORE_PORTME_H
 #define CORE_PORTME_H
 #include <stddef.h>

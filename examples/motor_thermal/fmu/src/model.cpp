@@ -44,7 +44,7 @@ void Model::start(const Inputs& /*inputs*/, Outputs& outputs) {
 void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs) {
   const double t = 1e-9 * static_cast<double>(duration_ns);
   const auto& p = parameters_;
-  // The driver switches: the winding conducts all the time, the battery only for the duty's share.
+  // The driver switches: the winding carries current all the time, the battery only during the duty cycle.
   const double effective_v = inputs.motor_command * inputs.bus_voltage_v;
   current_a_ = effective_v > 0 ? inputs.motor_power_w / kMotors / effective_v : 0;
   const double loss_w = current_a_ * current_a_ * p.winding_resistance_ohm;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Layers of a network that already has integers. Nothing is rounded, so its outputs keep their bits. The bytes of a signed tensor
-are the network's numbers plus 128. The outputs of a layer without requantisation are sums.
+"""Layers of a network that already has integers. Nothing is rounded, so its outputs keep their bits.
+
+The bytes of a signed tensor are the network's numbers plus 128. The outputs of a layer without requantisation are sums.
 """
 
 from __future__ import annotations

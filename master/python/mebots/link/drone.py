@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A drone's firmware between the link and the simulated controller. It depends only on packets, readings and simulated time, so
-that a recorded run can be repeated.
+"""A drone's firmware between the link and the simulated controller.
+
+It depends only on packets, readings and simulated time, so that a recorded run can be repeated.
 """
 
 from __future__ import annotations

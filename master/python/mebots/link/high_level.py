@@ -26,7 +26,9 @@ class _Trajectory(NamedTuple):
 
 
 class HighLevel:
-    """Decodes commands, and passes them to the planner. :param supervisor: permits or rejects flights.
+    """Decodes commands, and passes them to the planner.
+
+    :param supervisor: permits or rejects flights.
     :param memory: the uploaded trajectories.
     """
 

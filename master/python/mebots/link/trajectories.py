@@ -95,8 +95,9 @@ class Piece(NamedTuple):
 
 
 class Path:
-    """A sequence of pieces, scaled in time, rotated and shifted. After its end, a path stays at its last point. :param
-    time_scale: 2 takes twice as long.
+    """A sequence of pieces, scaled in time, rotated and shifted. After its end, a path stays at its last point.
+
+    :param time_scale: 2 takes twice as long.
     :param backwards: from the end to the start.
     """
 
