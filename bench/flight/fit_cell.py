@@ -27,7 +27,7 @@ COMMON = 3      # values shared by all flights: series resistance, resistance an
 
 
 def scaled(base, series, pairs):
-    """Returns curves of the published shape, with these values at full charge and the given pairs."""
+    """Scales the curves of cell ``base``, so that resistance and RC pairs have the given values at full charge."""
     return replace(base, series=base.series / base.series[-1] * series,
                    pairs=[(ohm / ohm[-1] * value, tau / tau[-1] * time) for (ohm, tau), (value, time) in zip(base.pairs, pairs)])
 

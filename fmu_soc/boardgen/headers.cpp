@@ -20,7 +20,7 @@ std::string c_header(const BoardDescription& board) {
       << "// Made from the board description \"" << board.name << "\" by mebots-boardgen. Do not edit.\n"
       << "// " << board.text << "\n"
       << "//\n"
-      << "// DEVICE_BASE, DEVICE_INTERRUPT, DEVICE_REGISTER_OFFSET are numbers, for the assembler too;\n"
+      << "// DEVICE_BASE, DEVICE_INTERRUPT, DEVICE_REGISTER_OFFSET are numbers that assembly code can use, too;\n"
       << "// DEVICE_REGISTER is the register itself, to read or write as a 32-bit variable.\n"
       << "#pragma once\n\n"
       << "#ifndef __ASSEMBLER__\n#include <stdint.h>\n#endif\n\n";

@@ -62,7 +62,7 @@ typedef struct {
   uint8_t seventh[NN_FEATURES];
 } nn_activations_t;
 
-// The outputs, each in [-127, 127], 127 = 1. A single output is a plain number.
+// The outputs, each in [-127, 127], 127 = 1. If there is only one, the type is a number, not a struct.
 #if NN_OUTPUTS == 1
 typedef int8_t nn_output_t;
 #define NN_OUTPUT(output, index) (output)

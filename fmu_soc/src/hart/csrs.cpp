@@ -238,7 +238,7 @@ void Csrs::set_mode(Mode mode) {
   update_guard();
 }
 
-/// Lets each access be checked if a mode's rights may forbid one.
+/// Switches the check of each access on if the mode does not have all rights, else off.
 void Csrs::update_guard() {
   guarded_ = !pmp_.allows_all(state_.mode) || !pmp_.allows_all(data_mode());
   if (execution_.units != nullptr) execution_.units->data_path.guard(guarded_);

@@ -162,7 +162,7 @@ struct HartUnits {
 /// The state of a core that its handlers and translated code change, and the block in progress. During a block, the
 /// counters and the pipeline are those of its start.
 struct Execution {
-  /// x0 to x31, then f0 to f31. x[0] stays 0; the last one takes what is written to x0.
+  /// x0 to x31, then f0 to f31. x[0] stays 0; the last element receives the values written to x0.
   std::array<std::uint32_t, kNoRegister + 1> x{};
   std::uint32_t pc = 0;
   std::array<HardwareLoop, 2> loops{};  // 0 is the inner one

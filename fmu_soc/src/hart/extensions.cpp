@@ -221,7 +221,7 @@ std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_v
   const auto or_xpulp = is_xpulp ? ", or an instruction of Xpulp v2 for a core ri5cy" : "";
   const auto built =
       architecture.empty() ? std::string() : fmt::format("; the program was compiled for {}", architecture);
-  // The generic core may have it, and a board's core by its key isa.
+  // The generic core may have the extension. A core of a board gets it by the key isa.
   const auto option = optional_extension(foreign.extension);
   if (decode(word, has).encoding != nullptr) {
     return "this instruction is not allowed now: an operation on floats while mstatus.FS is Off or with a rounding "

@@ -9,8 +9,7 @@
 namespace mebots::soc {
 namespace {
 
-/// True if the operation reads rs1. A register that an operation does not read is 0 in its decoded form, unless the
-/// field holds something else.
+/// True if the operation reads rs1. If it does not, the decoded field of rs1 is 0, or contains other data.
 bool reads_rs1(Op op) {
   return traits_of(op).kind != OpKind::csr_immediate;
 }

@@ -65,7 +65,7 @@ struct Previous {
   static constexpr std::uint8_t kSlow = 0x80;
   constexpr bool slow() const { return (pointer_and_slow & kSlow) != 0; }
   constexpr std::uint8_t pointer() const { return pointer_and_slow & static_cast<std::uint8_t>(~kSlow); }
-  /// True if it wrote a register.
+  /// True if the previous instruction wrote a register.
   constexpr bool writes() const { return rd != 0 && rd < kRegisters; }
 
   bool operator==(const Previous&) const = default;

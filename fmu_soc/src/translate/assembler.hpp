@@ -66,7 +66,7 @@ struct Stubs {
   const std::uint8_t* far = nullptr;
 };
 
-/// Number of an exit that stands for no exit: no translated code was left.
+/// Number for "no exit": no translated code was left.
 inline constexpr std::uint64_t kNoExit = 0xffffffff;
 
 /// Inputs of all regions of a translator: memories, blocks and options.
@@ -107,7 +107,8 @@ class Assembler : public Xbyak::CodeGenerator {
   /// True if a table is within reach of r14.
   bool is_near(const void* table, std::size_t size) const;
   int from_first_memory(const void* table) const;
-  /// Returns the operand for the marks of one or two words of the first memory, from word ecx. May change rdx.
+  /// Returns the operand for the marks of one or two words of the first memory; ecx has the number of the first word.
+  /// May change rdx.
   Xbyak::Address marks_of_word(unsigned words);
 
   const CodeMemory& code_memory;

@@ -105,12 +105,12 @@ void CycleAccounting::record_flow_to(const Instruction* at, std::uint32_t next) 
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// Records a step to the address in `next`.
+/// Records that control flow goes from `at` to the address in register `next`.
 void CycleAccounting::record_flow_to(const Instruction* at, const Xbyak::Reg32& next) {
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// Records a step within the block. Its sums are added for the record, and subtracted again.
+/// Records that control flow continues within the block. Adds the block's sums for the record, and subtracts them again.
 void CycleAccounting::record_flow_inside(const Instruction* at) {
   if (is_block_end(at[1].op) || !is_noted(at, at[1].pc)) return;
   count(at, 0);

@@ -182,7 +182,7 @@ Entry EdgeWriter::emit_entry(const Node& node, bool runs_into_node) {
   return entry;
 }
 
-/// Leaves the block after `at`. All is counted except the cycle of an unaligned target.
+/// Leaves the block after `at`. Counts everything except the cycle of an unaligned target.
 void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
   MEBOTS_ASSERT(is_branch(at->op) || is_jump(at->op));
   const auto extra = is_branch(at->op) ? kTakenBranchExtra : 0U;

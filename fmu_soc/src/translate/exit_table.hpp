@@ -61,14 +61,14 @@ class ExitTable {
     unpatched_[segment_].push_back(nullptr);
     return number_of(unpatched_[segment_].size());
   }
-  /// Returns its writable address.
+  /// Returns the writable address of a patch point.
   std::uint8_t* place_of(std::uint32_t patch_point) const {
     MEBOTS_ASSERT((patch_point & kIndexMask) != 0 && (patch_point & kIndexMask) <= Segments::kPatchPoints);
     return memory_.writable() + Segments::begin_of(patch_point >> kIndexBits) +
            ((patch_point & kIndexMask) - 1) * sizeof(const std::uint8_t*);
   }
   std::size_t free_patch_points() const { return Segments::kPatchPoints - unpatched_[segment_].size(); }
-  /// Returns its target.
+  /// Returns the present target of a patch point.
   const std::uint8_t* target_of(std::uint32_t patch_point) const {
     const std::uint8_t* target = nullptr;
     std::memcpy(&target, place_of(patch_point), sizeof target);
@@ -77,12 +77,12 @@ class ExitTable {
   void patch(std::uint32_t patch_point, const std::uint8_t* target) {
     std::memcpy(place_of(patch_point), &target, sizeof target);
   }
-  /// Sets its target outside translated code, which it has while it is not chained.
+  /// Sets the target outside of translated code: a patch point has it while it is not chained to a block.
   void set_unpatched(std::uint32_t patch_point, const std::uint8_t* target) {
     unpatched_[patch_point >> kIndexBits][(patch_point & kIndexMask) - 1] = target;
     patch(patch_point, target);
   }
-  /// Restores that target. Has no effect if the segment has been emptied since.
+  /// Restores the target of set_unpatched(). Has no effect if the segment was emptied in the meantime.
   void unpatch(std::uint32_t patch_point) {
     const auto& targets_out = unpatched_[patch_point >> kIndexBits];
     const auto index = patch_point & kIndexMask;

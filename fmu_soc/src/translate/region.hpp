@@ -27,7 +27,7 @@ struct Node {
 
 /// Blocks that are translated together, so that guest registers stay in host registers between them.
 struct Region {
-  std::vector<Node> nodes;  // in the order of their code; the first is the one that was asked for
+  std::vector<Node> nodes;  // in the order of their code; the first is the one whose translation was requested
 
   const Node* find(std::uint32_t number) const {
     for (const auto& node : nodes) {

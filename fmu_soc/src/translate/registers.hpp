@@ -59,7 +59,7 @@ class RegisterMap {
   static Xbyak::Address memory(unsigned reg);
   /// A register as an operand of the host's instruction; neither x0 nor one in a vector register.
   const Xbyak::Operand& operand(unsigned reg);
-  /// The same to be read only; from `scratch` if it is in a vector register.
+  /// A register as an operand that is only read. The value of a vector register is copied to `scratch` first.
   const Xbyak::Operand& source(unsigned reg, const Reg32& scratch);
   /// A register's value in a host register, which must not be changed unless it is `scratch`.
   Reg32 value(unsigned reg, const Reg32& scratch);

@@ -28,7 +28,7 @@ struct BoardRegister {
   std::optional<std::int32_t> most;
 };
 
-/// A named value whose store into a register puts the device into a state.
+/// An opcode: if the firmware stores this value into the register, the device changes to the state `state`.
 struct BoardOpcode {
   std::string name;
   std::string register_name;

@@ -18,10 +18,10 @@ struct HyperBusParts {
   PartPort pads;  // of the chip
 };
 
-/// The HyperBus with a GAPuino's memories: 8 MiB of RAM, and flash from MEM_CFG4's MBR1 on (16 MiB after reset). A
-/// transfer takes 3 clocks of the bus for command and address, 12 of latency, and one per two bytes (HyperBus
-/// specification, fixed latency of 6 clocks twice). The bus has half the clock of the SoC, which is our assumption.
-/// Source of registers: archi/udma/udma_hyper_v1.h.
+/// The HyperBus with a GAPuino's memories: 8 MiB of RAM, and flash. The flash begins at the address in field MBR1 of
+/// register MEM_CFG4 (16 MiB after reset). A transfer takes 3 clocks of the bus for command and address, 12 clocks of
+/// latency, and one clock per two bytes (HyperBus specification: the fixed latency is twice 6 clocks). The bus has half
+/// the clock of the SoC, which is our assumption. Source of registers: archi/udma/udma_hyper_v1.h.
 class UdmaHyperBus final : public UdmaPeripheral {
  public:
   static constexpr std::uint32_t kRamBytes = 8U << 20;  // S71KS512S, the GAPuino's HyperBus memory

@@ -95,7 +95,7 @@ class Judge:
         self._share = next((one for one in shares if one is not self._main), None)
 
     def standings(self) -> Answer:
-        """Ranks designs by all results so far, before they count. This proves nothing."""
+        """Ranks designs by all results so far, also by those that the study has not evaluated yet. The order is not proven."""
         return Answer([], self._titles(), self._rows(self._evidence.so_far, lambda design: self._ended(design)), [])
 
     def answer(self, places: Sequence[str]) -> Answer:
@@ -223,7 +223,7 @@ class Judge:
         return f" among {counted(len(group), 'design')} with {' and '.join(parts)}" if parts else ""
 
     def _share_of(self, designs: Sequence[int], objective: Objective) -> str:
-        """Describes the certain part of their share of successes."""
+        """Returns a sentence with the lower bound of the designs' share of successes; "" if it is below 1 %."""
         if self._share is None or objective.is_share:
             return ""
         low = min(self._evidence.shown(design, self._share).interval[0] for design in designs)
@@ -247,7 +247,7 @@ class Judge:
             return "not separated from the best"
         return self._ended(design) or ("worse" if self._evidence.surely_better(best, design, self._main.label) else "")
 
-    # The front, and further missions.
+    # Lines about the Pareto front, and about the number of missions that would separate designs.
 
     def _front_lines(self, places: Sequence[str]) -> list[str]:
         if len(self._senses) < 2:
@@ -338,8 +338,8 @@ def missions_to_decide(evidence: Evidence, design: int, constraint: Constraint) 
 
 
 def _more_missions(count: int, is_sure: Callable[[float], bool]) -> int | None:
-    """Returns by how much ``count`` must grow, to two digits, until ``is_sure`` is true for its multiple. None
-    beyond the limit."""
+    """Returns how many missions must be added to ``count``, rounded up to two digits, until ``is_sure(factor)`` is true;
+    ``factor`` is the new number divided by ``count``. None if more than ``_MOST_MISSIONS`` are needed."""
     factor = 1.0
     while not is_sure(factor):
         factor *= 1.1

@@ -59,7 +59,7 @@ def is_done(folder: pathlib.Path) -> bool:
     return (folder / "report.html").exists()
 
 _MOST_VALUES_TRIED = 64
-"""The check tries this many values of a factor; if there are more, the least and the greatest."""
+"""The check tries all values of a factor if there are at most this many; otherwise only the least and the greatest."""
 
 
 class Campaign:

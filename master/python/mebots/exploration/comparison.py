@@ -159,7 +159,7 @@ class Evidence:
         return _estimated(objective, values, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def course(self, design: int, objective: Objective, counts: Sequence[int]) -> list[Estimate]:
-        """Returns the former results of ``shown`` after each of these numbers of missions."""
+        """Returns what ``shown`` would have returned after each of these numbers of missions."""
         values = self.column(design, self.index[objective.label])
         methods = SEQUENCES if self.study.looks else SHOWN
         return [_estimated(objective, values[:count], self.study.error, methods) for count in counts]

@@ -44,7 +44,7 @@ class Traces:
     times: Array
     good: Mask
     logged: Mask
-    """As ``good``, independent of the model's cell."""
+    """The times with logged commands. ``good`` also excludes times after the protection of the model's cell opened."""
     values: dict[str, Array]
     initial_charge: float
     settle_s: float
@@ -137,7 +137,7 @@ class _Flight:
         return (times >= self.start_s + self.settle_s) & (times - since > SETTLE_S)
 
     def _write_inputs(self, file: pathlib.Path) -> None:
-        """Writes a row per communication point: commands are held as the motors' driver holds them."""
+        """Writes a row per communication point. A command keeps its value until the next one, as in the motors' driver."""
         columns = {"time": np.arange(self.steps + 1) * self.step_s}
         for name in COMMANDS:
             signal = self.log[name]

@@ -27,7 +27,7 @@ class Parts:
 
 
 def find_drones(config: Mapping[str, Any], file: str) -> list[Parts]:
-    """Returns the drones of a config: each ``fmu_world``, and the battery that feeds the motors which its rotors turn."""
+    """Returns the drones of a config: each ``fmu_world``, and the battery that feeds the motors of its rotors."""
     feeds = {end["to"]: end["from"] for end in config.get("connections", [])}
     targets = collections.defaultdict(list)
     for end in config.get("connections", []):

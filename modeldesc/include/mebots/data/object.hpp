@@ -112,7 +112,8 @@ inline auto quantity(std::string_view unit, const Limits& limits = {}) {
 void read_unit(Object& object, std::string_view unit);
 void read_source(Object& object);
 
-/// Returns the meaning of a word. If it is unknown, the mistake suggests the nearest.
+/// Returns a function that converts a word of a file to its meaning. For an unknown word, the error message suggests
+/// the most similar known one.
 template <typename T>
 auto word_of(std::vector<std::pair<std::string, T>> words) {
   return [words = std::move(words)](const Node& node) {
