@@ -110,7 +110,8 @@ void CycleAccounting::record_flow_to(const Instruction* at, const Xbyak::Reg32& 
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// Records that control flow continues within the block. Adds the block's sums for the record, and subtracts them again.
+/// Records that control flow continues within the block. Adds the block's sums for the record, and subtracts them
+/// again.
 void CycleAccounting::record_flow_inside(const Instruction* at) {
   if (is_block_end(at[1].op) || !is_noted(at, at[1].pc)) return;
   count(at, 0);
