@@ -78,7 +78,7 @@ class LibcosimTruck:
 
 
 class OwnTruck:
-    """The same truck; positions count from its place after the kerb."""
+    """The quarter truck from our own FMUs. Positions are relative to the truck's position after the kerb."""
 
     kerb_time = KERB_TIME
     positions = ("chassis.x", "wheel.x")
@@ -94,7 +94,7 @@ class OwnTruck:
 
 
 def held(fmu, target):
-    """The same FMU without time derivatives, as the FMUs of libcosim are."""
+    """Writes a copy of the FMU without time derivatives, like the FMUs of libcosim."""
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w") as copy:
         for name in source.namelist():
             content = source.read(name)

@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT / "bench/gvsoc"))
 import gvsoc  # noqa: E402
 
 MOST_OFF = {"fit": 0.05, "validation": 0.15}
-# Its filter is in another place, as in the benchmark: it is another layer.
+# The layer whose filter is at another address, as in the benchmark. So it is not the layer that was fitted.
 OTHER_FILTER = ("linear, vector", 8)
 
 

@@ -90,7 +90,7 @@ def measure(size, sims, instructions, repeats, folder):
 
 
 def spread(heights, least):
-    """Returns the heights in the same order, raised where one is closer to the one below it than `least`."""
+    """Returns the heights in the same order. Raises each height that is less than `least` above the next lower one."""
     lifted, below = {}, float("-inf")
     for i in sorted(range(len(heights)), key=heights.__getitem__):
         below = lifted[i] = max(heights[i], below + least)

@@ -43,7 +43,7 @@ struct Cell {
   Circuit circuit_at(double s) const;
 };
 
-/// Positions in the intervals of the file's quantities, from -1 to 1: 0 is the value.
+/// The position of each quantity in its interval in the file: -1 and 1 are the ends, 0 is the value.
 struct CellPositions {
   double resistance = 0;  // of resistance_factor; capacitances change inversely, so that time constants are unchanged
   double capacity = 0;    // of capacity_factor or, if that has no interval, of capacity

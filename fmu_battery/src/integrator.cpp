@@ -215,7 +215,7 @@ class Integrator::Solver {
 
   double series_ohm(double soc) const { return cell_.series_ohm(std::max(soc, cell_.hold_below_soc)); }
 
-  /// Falls through 0 if no current gives the power any more [W].
+  /// Returns the greatest possible power minus the demanded power [W]. Negative if no current can deliver the power.
   double power_margin_w(double soc, double pair1_v, double pair2_v) const {
     return power_limit_w(cell_.open_circuit_v(soc) - pair1_v - pair2_v, series_ohm(soc), 0) - demand_.terminal_w();
   }

@@ -17,7 +17,7 @@ namespace {
 /// Up to this limit, products of a few inputs are finite. The world's forces and motion have the same limit.
 constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
-/// A surge is a current whose value in the step before was less than this share of it.
+/// A current is a surge if the current of the previous step was less than this share of it.
 constexpr double kEarlierShare = 0.1;
 /// A smaller sag is harmless, and other loads may have caused it.
 constexpr double kLeastSag_v = 0.02;

@@ -52,7 +52,7 @@ class Model {
 
   std::array<double, rotor::kCount> speed_rad_per_s_{};
   double energy_j_ = 0;
-  // From the bus through the windings: means of the last step and of the step before.
+  // Mean current from the bus through the windings in the last step, and in the step before it.
   double last_current_a_ = 0;
   double earlier_current_a_ = 0;
   double last_bus_v_ = 0;

@@ -53,7 +53,7 @@ struct RotorData {
   }
 };
 
-/// Positions in the intervals of the file's quantities, from -1 to 1: 0 is the value.
+/// The position of each quantity in its interval in the file: -1 and 1 are the ends, 0 is the value.
 struct RotorPositions {
   double thrust = 0;  // of thrust_coefficient; torque and power at a speed are unchanged
   double power = 0;   // of power_factor

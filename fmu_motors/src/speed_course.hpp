@@ -10,7 +10,7 @@ namespace mebots::motors {
 /// With e = u - w this is Bernoulli's equation de/dt = -k e + b e^2, k = a + 2 b u. There is no step size.
 class SpeedCourse {
  public:
-  /// From `initial` towards `steady` [rad/s, both >= 0]; a, b >= 0.
+  /// The speed changes from `initial` towards `steady` [rad/s, both >= 0]; a, b >= 0.
   SpeedCourse(const SpeedLaw& law, double initial_rad_per_s, double steady_rad_per_s);
 
   /// Speed [rad/s] after `time_s` >= 0.

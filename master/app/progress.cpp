@@ -55,7 +55,7 @@ std::optional<std::string> Progress::reached(const master::Point& point) {
 void Progress::look(const master::Point& point) {
   const auto now = Clock::now();
   const double since_look_s = std::chrono::duration<double>(now - last_look_).count();
-  // Aims at one look per kLookEveryS, whatever the cost of a step.
+  // Adapts the number of steps between two calls, so that about kLookEveryS pass between them for any cost of a step.
   if (since_look_s < kLookEveryS / 2) stride_ = std::min(stride_ * 2, kLongestStride);
   if (since_look_s > kLookEveryS * 2) stride_ = std::max<std::int64_t>(stride_ / 2, 1);
   last_look_ = now;

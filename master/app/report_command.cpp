@@ -22,7 +22,7 @@ using namespace mebots::master;
 
 namespace {
 
-/// Within the spans `whole`, every row of a table is kept that is too long for a page.
+/// Writes the page. If a table is too long for a page, all its rows are kept only in the time spans `whole`.
 std::filesystem::path write_page(const std::vector<std::filesystem::path>& folders, std::filesystem::path file,
                                  const std::vector<report::TimeSpan>& whole) {
   const auto parts = report::read_page_parts();

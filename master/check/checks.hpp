@@ -15,13 +15,13 @@ namespace mebots::check {
 /// Checks names, kinds and sizes of an archive's entries. Unpacks nothing. Throws mebots::Error if the file is not a
 /// zip archive.
 void check_archive(const std::filesystem::path& archive, Findings findings);
-/// The same for an open archive (libzip's zip_t).
+/// Checks an archive that is already open (libzip's zip_t).
 void check_archive(zip& archive, Findings findings);
 
 /// Compares the text of a modelDescription.xml with the grammar of its version of FMI: elements, their order and
 /// number, attributes, the form of their values, and the encoding.
 void check_schema(std::string_view text, Findings findings);
-/// The same for the text of a terminalsAndIcons.xml.
+/// Compares the text of a terminalsAndIcons.xml with its grammar.
 void check_terminals_schema(std::string_view text, Findings findings);
 
 using modeldesc::ModelDescription;

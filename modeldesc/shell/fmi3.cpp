@@ -40,7 +40,7 @@ Logger::Sink sink_of(fmi3LogMessageCallback log_message, fmi3InstanceEnvironment
   };
 }
 
-/// Rejects instantiation as a kind of FMU that ours do not support.
+/// Refuses to instantiate a kind of FMU that our FMUs do not support.
 fmi3Instance refuse_kind(const char* function, fmi3String name, fmi3String token, std::string_view kind,
                          fmi3LogMessageCallback log_message, fmi3InstanceEnvironment environment) {
   return instantiate(

@@ -16,7 +16,7 @@ ModelDescription to_model_description(const Description& description);
 
 /// Returns an HTML page about the FMU and its variables.
 std::string write_html(const ModelDescription& description);
-/// As above, for the FMU of FMI 3.0.
+/// Returns an HTML page about the FMU of FMI 3.0.
 std::string write_fmi3_html(const Description& description, const ModelDescription& common);
 
 /// The modelDescription.xml of FMI 3.0. `common` is the result of to_model_description() for the same description. The

@@ -210,7 +210,7 @@ struct Rows3 {
   std::size_t per_size = 1;
 };
 
-/// Returns them by row; rows in which no variable of FMI 3.0 begins are missing.
+/// Returns the data of FMI 3.0 by row of the table. Rows in which no variable of FMI 3.0 begins are missing.
 std::map<std::size_t, Rows3> fmi3_rows(const Description& description) {
   std::map<std::size_t, Rows3> rows;
   for (const Fmi3Variable& variable : fmi3_variables(description)) {

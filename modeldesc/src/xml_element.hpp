@@ -207,7 +207,8 @@ Value read_start(const Element& details, Type type);
 /// The types of <TypeDefinitions> by name. A description may have thousands.
 class DeclaredTypes {
  public:
-  /// Appends a type to `types`, always the same list. Throws Error if the list has one of that name.
+  /// Appends a type to `types`, which must be the same list in every call. Throws Error if the list already has a type
+  /// of that name.
   void add(const Element& element, TypeDefinition type, std::vector<TypeDefinition>& types);
   /// Fills in what a variable does not state and its declared type does; no effect if it has no declared type. Throws
   /// Error if the type is unknown, or of another type than the variable.

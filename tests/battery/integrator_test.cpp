@@ -111,7 +111,7 @@ TEST(Integrator, CutOffIsLocatedWhereTheVoltageCrosses) {
   const double voltage_v = source_v - c.series_ohm * terminal_current_a(source_v, c.series_ohm, 9);
   // The voltage is that of the located instant; the interpolant between two steps is of third order.
   EXPECT_NEAR(voltage_v, cell.cut_off_voltage_v, 1e-6);
-  // The same event from steps of 1 ms.
+  // Finds the same event with steps of 1 ms.
   CellState slow{0.12, 0.05, 0.05};
   double passed_s = 0;
   for (;;) {

@@ -34,7 +34,7 @@ class CheckDescription : public testing::Test {
     files_only.run = false;
     return findings(check_fmu(workshop_.described(text), files_only));
   }
-  /// The same with one more variable, which has index 4.
+  /// Returns the findings for a description with one more variable, which has index 4.
   std::vector<std::string> and_variable(const std::string& element) {
     return with("</ModelVariables>", element + "</ModelVariables>");
   }

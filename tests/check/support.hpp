@@ -22,7 +22,7 @@ class Workshop {
   std::filesystem::path archive(const std::vector<std::pair<std::string, std::string>>& entries);
   /// Writes a complete FMU with the culprit's library and further entries.
   std::filesystem::path culprit(const std::string& crime, std::vector<std::pair<std::string, std::string>> more = {});
-  /// The same, with this description.
+  /// Writes a complete FMU with the culprit's library, this description and further entries.
   std::filesystem::path culprit_with(const std::string& description,
                                      std::vector<std::pair<std::string, std::string>> more = {});
   /// Writes the culprit with another description.

@@ -88,7 +88,8 @@ def main():
         raises(KeyError, lambda: fresh["world.drone"], "is not recorded")
         raises(KeyError, lambda: fresh["battery.cell.voltag"], "battery.cell.voltage")
 
-        # All arguments as keywords; closed before its end; files as from the command line, read back to the same bits.
+        # A mission with all arguments as keywords, closed before its end. Its files equal those of the command line, and are read
+        # back to the same bits.
         out = pathlib.Path(folder) / "out"
         points = []
         with mebots.Mission(path, set={"motors.rotor[1].command": 0.5, "battery.cell.name": "lipol_350"}, stop_time=0.5,

@@ -81,7 +81,7 @@ class Frames(StudyCase):
 
 
 class Notebooks(StudyCase):
-    """With a stand-in for IPython, which keeps what it displays."""
+    """Tests with a replacement of IPython, which stores what it would display."""
 
     def setUp(self):
         super().setUp()

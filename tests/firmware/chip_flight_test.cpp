@@ -220,7 +220,7 @@ TEST(ChipFlight, OneInferenceCostsLessThanThreeMillionInstructions) {
   EXPECT_LT(most, 3'000'000U);
 }
 
-/// The same on GAP8's own devices.
+/// Returns the outcome of the same flight on GAP8's own devices.
 const Outcome& gap8_flight() {
   static const Outcome outcome = [] {
     Surroundings around;

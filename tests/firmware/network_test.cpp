@@ -60,7 +60,7 @@ TEST(Network, PlainCodeAgreesWithTheDefinitionInPythonOnEveryGoldenVector) {
 }
 
 TEST(Network, ShrunkPictureAgreesWithTheDefinitionInPython) {
-  // The same formula and hash as in examples/paper/training/export.py.
+  // The formula of the picture and the hash are those of examples/paper/training/export.py.
   for (const auto [width, height, expected] :
        {std::array<std::uint32_t, 3>{320, 320, 0x5c9579f5}, std::array<std::uint32_t, 3>{324, 244, 0xb893bb05}}) {
     std::vector<std::uint8_t> picture(static_cast<std::size_t>(width) * height);
@@ -103,7 +103,8 @@ std::vector<std::string> on_chip(const std::vector<std::vector<std::uint8_t>>& p
   return lines;
 }
 
-/// The same on GAP8's own devices, with the camera interface's window in the centre of the sensor's pictures.
+/// Returns the lines that the firmware prints on GAP8's own devices. The window of the camera interface is in the
+/// centre of the sensor's pictures.
 std::vector<std::string> on_gap8(const std::vector<std::vector<std::uint8_t>>& pictures) {
   constexpr std::size_t kSensor = 324;
   constexpr std::size_t kMargin = (kSensor - SHRUNK_EDGE) / 2;

@@ -42,7 +42,7 @@ Soc& chip() {
   return soc;
 }
 
-/// The debugger's bytes, and how many of them were read.
+/// The bytes that the debugger sends, and the number of bytes that were read.
 struct Debugger {
   std::string_view said;
   bool has_called = false;

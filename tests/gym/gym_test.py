@@ -41,7 +41,7 @@ def hover(**more):
 
 
 def episode(env, actions, **reset):
-    """All that an agent sees."""
+    """Runs an episode. Returns everything that an agent receives."""
     seen = [env.reset(**reset)[0]]
     rewards = []
     for action in actions:

@@ -88,7 +88,7 @@ TEST(ShellState, GoesBackInTimeInTheSameInstance) {
   ASSERT_EQ(library().set_fmu_state(lag.component(), state), fmi2OK);
   drive(lag, 10, 20);
   expect_same_bits(straight, lag);
-  // The same handle receives another state.
+  // A second call with the same handle stores another state in it.
   ASSERT_EQ(library().get_fmu_state(lag.component(), &state), fmi2OK);
   ASSERT_EQ(library().free_fmu_state(lag.component(), &state), fmi2OK);
 }

@@ -32,7 +32,7 @@ struct Outcome {
 Outcome run_tool(const std::string& arguments);
 /// Runs a program of assembly text, which has the symbol tohost.
 Outcome run_program(std::string_view text, const std::string& options = "");
-/// Returns its path, quoted for the shell.
+/// Returns the path of `mebots-soc`, quoted for the shell.
 std::string tool_path();
 
 /// Ends a program with a value in tohost; `tohost` is a double word, aligned.

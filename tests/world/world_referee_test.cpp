@@ -14,7 +14,8 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-/// One metre up, at this distance in front of the gate of gate_easy and to the left of its centre [m].
+/// Flights in gate_easy. start() places the drone `before_m` in front of the gate and `left_m` to the left of its
+/// centre.
 class Referee : public ::testing::Test {
  protected:
   static test::RigParameters start(double before_m, double left_m, double yaw_rad = 0.0) {

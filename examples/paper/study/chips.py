@@ -191,7 +191,7 @@ def describe_starts(both, name):
 
 
 def bounds(data):
-    """Returns the tolerance of the chip's joules according to checks against silicon, as shares of them."""
+    """Returns the tolerance of the chip's energy, from checks against silicon, relative to the computed energy."""
     parts = [(one["least_j"] / one["chip_j"], one["most_j"] / one["chip_j"]) for one in data["decisions"].values()]
     return min(low for low, _ in parts), max(high for _, high in parts)
 

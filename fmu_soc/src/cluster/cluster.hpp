@@ -127,7 +127,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   std::uint32_t interrupt_taken(unsigned core, unsigned line) override;
   bool watched(std::uint32_t address) override { return watcher_ && watcher_(address); }
   BusReply access_outside(const ClusterAccess& access);
-  // Calls from the scheduler.
+  // Functions that the scheduler calls.
   void alarm_rings(std::uint64_t tick) override;
   void transfers_end(std::uint64_t tick) override;
   bool core_stopped(ClusterCore& core, Stop stop) override;

@@ -77,7 +77,7 @@ class ClusterCore final : private Bus {
     resume_at(tick);
     if (observer_ != nullptr) observer_->switched(hart_, true);
   }
-  /// True if it has not started yet.
+  /// Puts the core to sleep, without a message to the observer.
   void halt() { asleep_ = true; }
   void stop() {
     if (observer_ != nullptr) observer_->switched(hart_, false);
@@ -99,7 +99,7 @@ class ClusterCore final : private Bus {
   // Its runs.
 
   Stop run(std::uint64_t end) { return hart_.run(end - offset_); }
-  /// Handles the return of its hart.
+  /// Must be called with the result of run().
   void stopped(Stop stop) { asleep_ = stop == Stop::sleeping; }
   /// True if its next run can resume in translated code.
   bool can_resume() const { return !waits_for_turn_ && hart_.has_resume_point(); }
@@ -117,7 +117,7 @@ class ClusterCore final : private Bus {
 
   /// True if its next instruction accesses a shared device.
   bool waits_for_turn() const { return waits_for_turn_; }
-  /// Permits that access in its next run, because no other core is earlier.
+  /// Permits this access in the next run, because no other core has an earlier tick.
   void grant_turn() {
     granted_ = waits_for_turn_;
     waits_for_turn_ = false;

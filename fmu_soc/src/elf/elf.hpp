@@ -53,8 +53,8 @@ class Elf {
   bool uses_float_registers() const { return uses_float_registers_; }
   const std::vector<ElfSegment>& segments() const { return segments_; }
   std::optional<std::uint32_t> symbol(std::string_view name) const;
-  /// Returns all symbols with an address, sorted by it. Excludes mapping symbols ($x, $d, $xrv32imc...) and the
-  /// compiler's local labels (.L...).
+  /// Returns all symbols that have an address, sorted by address. Excludes mapping symbols ($x, $d, $xrv32imc...) and
+  /// the compiler's local labels (.L...).
   const std::vector<ElfSymbol>& symbols() const { return symbols_; }
   /// Returns the function, or else the label, that contains an address; null if there is none.
   const ElfSymbol* covering(std::uint32_t address) const;

@@ -105,7 +105,7 @@ class BlockCache {
     const auto number = known(pc);
     return number != 0 ? number : decode_block(pc);
   }
-  /// The same, but returns 0 for a block that is not decoded.
+  /// Returns the number of the block that starts at `pc`; 0 if it is not decoded.
   std::uint32_t known(std::uint32_t pc) const {
     auto number = by_pc_[bucket_of_pc(pc)];
     while (number != 0 && blocks_[number].pc != pc) number = blocks_[number].next_of_pc;
@@ -178,7 +178,7 @@ class BlockCache {
     }
     return true;
   }
-  /// The same for the lines of its first instruction. The block must have lines.
+  /// True if the lines of the block's first instruction are in the instruction cache. The block must have lines.
   bool begins_present(const Block& block) const {
     MEBOTS_ASSERT(block.line_count > 0);
     return block.lines[0] != 0 && (!block.begins_across || block.lines[1] != 0);

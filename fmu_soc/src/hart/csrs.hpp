@@ -44,7 +44,7 @@ class Csrs {
   void set_interrupts(std::uint32_t lines);
   /// Returns the lines that are pending and enabled.
   std::uint32_t pending() const { return word<csr::kMip>() & word<csr::kMie>(); }
-  /// True if one of them is taken now (mstatus).
+  /// True if the core now takes one of these interrupts (mstatus).
   bool interrupt_ready() const { return interrupt_ready_; }
   bool interrupts_enabled() const {
     return (state_.interrupts_on || state_.mode == Mode::user) && word<csr::kMie>() != 0;

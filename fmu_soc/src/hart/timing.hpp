@@ -76,7 +76,7 @@ struct Previous {
   }
 };
 
-/// Returns that state for an executed instruction (Decoded or Instruction).
+/// Returns the pipeline state of an executed instruction (Decoded or Instruction).
 template <typename Executed>
 Previous executed(const Executed& instruction, bool across_words) {
   const auto pointer = is_post_increment(instruction.op) ? instruction.rs1 : std::uint8_t{0};

@@ -133,7 +133,8 @@ std::uint32_t packed_sum(Exact a, Exact b, Context& context) {
   a = normal(a);
   b = normal(b);
   if (a.exponent < b.exponent || (a.exponent == b.exponent && a.significand < b.significand)) std::swap(a, b);
-  // Both have zeros below their bits. If more than one of the bits of b is lost, the sum keeps enough of them above it.
+  // The low bits of both significands are 0. If more than one bit of b is lost, the sum has enough bits above the lost
+  // ones.
   const auto aligned = shift_right_sticky(b.significand, a.exponent - b.exponent);
   const auto sum = a.sign == b.sign ? a.significand + aligned : a.significand - aligned;
   if (sum == 0) return with_sign(zero_sign, 0);

@@ -29,7 +29,7 @@ class Bus {
   /// Performs a 4-byte aligned access of the instruction that starts in active cycle `cycle` of the core.
   virtual BusReply load(std::uint32_t address, std::uint64_t cycle) = 0;
   virtual BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) = 0;
-  /// The same for a p.elw, which may wait for an event.
+  /// Performs the load of a p.elw instruction, which may wait for an event.
   virtual BusReply load_event(std::uint32_t address, std::uint64_t cycle) { return load(address, cycle); }
   /// Performs an access of 1 or 2 bytes, or a misaligned one within a word.
   virtual BusReply load_narrow(std::uint32_t /*address*/, std::uint64_t /*cycle*/, unsigned /*size*/) { return {}; }

@@ -95,7 +95,7 @@ void write_nodes(std::span<const HartTree> harts, TextFile& file) {
   }
 }
 
-/// Omits cores that executed nothing, like their trees.
+/// Writes the time windows. Omits cores that executed nothing, because the file has no call trees of them.
 void write_windows(std::span<const HartTree> harts, std::span<const ProfileWindows::Window> windows, TextFile& file) {
   constexpr int kPsDigits = 3;
   for (const auto& window : windows) {

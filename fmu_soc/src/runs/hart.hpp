@@ -50,7 +50,7 @@ class Hart {
   /// Sets all registers and counters to 0, and the next instruction to `pc`. Discards decoded code, because a program
   /// may have been loaded.
   void reset(std::uint32_t pc);
-  /// The same, but keeps the counters that no program can write, and the decoded code.
+  /// Resets the hart as reset() does, but keeps the decoded code and the counters that no program can write.
   void restart(std::uint32_t pc);
 
   /// Sets the memories that the core can access. The first two are the fast ones.

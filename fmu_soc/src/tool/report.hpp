@@ -45,7 +45,7 @@ ChipReport report_of(const Soc& soc, double host_s, std::optional<std::uint32_t>
 
 /// Prints tables of counts and energies.
 void print(const ChipReport& report);
-/// The same as JSON, in SI units.
+/// Returns the report as JSON, in SI units.
 std::string json_text(const ChipReport& report);
 /// The same with the cycles of each core and function by cause, and the use of the banks.
 std::string json_text(const ChipReport& report, const observe::CycleStack& cycles);

@@ -33,7 +33,7 @@ namespace {
 
 /// A run without a limit checks after this many cycles whether anything can still happen.
 constexpr std::uint64_t kSlice = 1U << 26;
-/// The same if power over time is recorded: at least one point per millisecond at 100 MHz.
+/// The number of cycles if power over time is recorded: at least one point per millisecond at 100 MHz.
 constexpr std::uint64_t kFineSlice = 100'000;
 
 bool has_kind(const BoardDescription& board, std::string_view kind) {

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 /// Number of faces per group. A small number keeps them near each other; a large number saves tests of single faces
 /// outside the picture.
 constexpr std::size_t kMostFaces = 16;
-/// Added to a sphere's radius for rounding.
+/// Margin that is added to the radius of a sphere, because results are rounded.
 constexpr double kMargin_m = 1e-6;
 
 FaceGroup group_of(const std::vector<Face>& faces, std::size_t first, std::size_t end) {

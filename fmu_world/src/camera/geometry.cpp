@@ -107,7 +107,7 @@ void add_gate(Geometry& geometry, const scene::Gate& gate, std::size_t tile, con
       corners.reserve(ring.size());
       for (const auto& [y, z] : ring) corners.push_back(at(far, y, z));
       add_side(geometry, solid, 0, far != 0 ? 1.0 : -1.0, std::move(corners));
-      // One pattern for the whole frame.
+      // All sides of the frame share one texture origin, so the pattern has no breaks.
       geometry.faces.back().texture_origin_W_m = at(far, far != 0 ? 0 : 3, 0);
     };
     front({{3, 0}, {2, 0}, {2, 1}, {2, 2}, {2, 3}, {3, 3}});  // left

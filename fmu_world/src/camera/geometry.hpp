@@ -63,7 +63,8 @@ double lambert(const scene::Lighting& lighting, const Eigen::Vector3d& normal_W)
 /// never visible. There are no shadows.
 Geometry make_geometry(const scene::Scene& scene);
 
-/// Radius of a rotor's disc over its distance from the centre along x: neighbours leave a gap between them.
+/// Radius of a rotor's disc divided by its distance from the centre along x. With this value, there is a gap between
+/// neighbouring discs.
 inline constexpr double kRotorRadiusOverArm = 0.7;
 
 /// Adds a drone as others see it: its contact box, and a disc of eight sides for each rotor on top of it.

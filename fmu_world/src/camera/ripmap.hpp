@@ -28,7 +28,7 @@ class Ripmap {
   /// log2 of the array's row length 2S.
   int row_shift() const { return row_shift_; }
   const std::uint32_t* words() const { return words_.data(); }
-  /// Returns its memory in bytes.
+  /// Returns the size of the texture in memory, in bytes.
   std::size_t bytes() const { return words_.size() * sizeof(words_[0]); }
   /// Returns the grey level of a texel; level 0 is the full resolution in that direction.
   int texel(int level_u, int level_v, int column, int row) const;

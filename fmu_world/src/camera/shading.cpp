@@ -32,7 +32,7 @@ float smaller(float a, float b) {
   return a < b ? a : b;
 }
 
-/// One axis of a texture look-up.
+/// The position of a texture look-up on one axis.
 struct Axis {
   std::int32_t index;  // in the ripmap's array
   float fraction;      // of the way to the next texel

@@ -31,7 +31,7 @@ constexpr double kMostVariance = 100.0;
 constexpr double kLeastHeight_m = 0.1;
 /// Cone of the distance sensor in the filter: 15 degrees from edge to edge.
 constexpr double kHalfCone_rad = 0.130899693899575;
-/// Its standard deviation: near (1 + exp(growth (d - from))).
+/// Standard deviation of the distance sensor: near (1 + exp(growth (d - from))).
 constexpr double kRangeDeviation_m = 0.0025;
 constexpr double kRangeFrom_m = 2.5;
 constexpr double kRangeGrowth_per_m = 2.921350978;  // log(0.2 / 0.0025) / (4 - 2.5)

@@ -30,7 +30,7 @@ struct GateFrame {
   Eigen::Vector2d inner_m;  ///< width and height of the opening
   Eigen::Vector2d outer_m;  ///< of the frame
   double thickness_m;       ///< along x
-  /// Of a polygon: y and z of its sides' outward normals. All sides have the same distance from the middle.
+  /// For a polygon: y and z of the outward normals of its sides. All sides have the same distance from the centre.
   std::vector<Eigen::Vector2d> sides;
 
  private:

@@ -15,7 +15,7 @@ struct Attitude {
 
 Attitude attitude_of(const Eigen::Matrix3d& R_WB);
 
-/// The same angle in (-pi, pi].
+/// Returns the equivalent angle in (-pi, pi].
 double wrapped_rad(double angle_rad);
 
 Eigen::Quaterniond yaw_rotation(double yaw_rad);

@@ -52,7 +52,7 @@ class CameraDevice {
   camera::Pose pose_after(const RigidState& body, std::int64_t time_ns, double after_s, const Others& others);
 
   Settings settings_;
-  /// One of the two is set: the sensor if a parameter needs it.
+  /// Either the renderer or the sensor is set. The sensor is set if a parameter needs it.
   std::optional<camera::Renderer> renderer_;
   std::optional<camera::Sensor> sensor_;
   std::array<std::vector<std::uint8_t>, 2> buffers_;

@@ -46,7 +46,7 @@ class RangeSensor {
 
   /// Returns the distance along -z, without noise, limited to range_limit_m.
   double distance_m(const RigidState& state, std::int64_t time_ns = 0, const Others& others = {}) const;
-  /// Does the same without the limit: infinity if there is no surface.
+  /// Returns the distance along -z without noise and without limit; infinity if there is no surface.
   double sight_m(const RigidState& state, std::int64_t time_ns, const Others& others = {}) const;
 
   void visit(state::Visitor& v);

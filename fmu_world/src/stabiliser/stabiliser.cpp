@@ -12,7 +12,7 @@ namespace {
 
 /// A braking drone below this speed holds its present position.
 constexpr double kStoppedSpeed_m_per_s = 0.05;
-/// If the drone's underside is lower than this, it starts on the ground.
+/// If the height of the drone's underside is less than this, the drone starts on the ground.
 constexpr double kOnGround_m = 0.01;
 
 /// Returns the vector with its horizontal part limited to `limit`.

@@ -63,7 +63,7 @@ std::vector<Setting> read_parameters(const Node& node) {
   return settings;
 }
 
-/// Keeps the written form, because the run gives a notice if a decimal means a ratio.
+/// Returns the time as it is written, because the run gives a notice if a decimal number is used as a ratio.
 WrittenTime read_step(const Node& node) {
   static_cast<void>(config::step_time(node));
   if (node.is(data::Kind::text)) return node.text();

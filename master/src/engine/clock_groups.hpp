@@ -14,12 +14,12 @@ namespace mebots::master {
 /// Creates the slaves whose clocks tick, and the groups that advance them, from a resolved system.
 class ClockGroups {
  public:
-  /// Both must outlive the slaves.
+  /// Both arguments must outlive the slaves.
   ClockGroups(const ResolvedSystem& system, MessageSink& messages);
 
-  /// Instantiates an instance whose clocks tick. In the order of the config.
+  /// Instantiates an instance whose clocks tick. Must be called in the order of the config.
   std::unique_ptr<Slave> make_slave(std::size_t instance);
-  /// Connects the members of each group. After the last make_slave().
+  /// Connects the members of each group. Must be called after the last make_slave().
   void connect();
 
  private:

@@ -15,12 +15,12 @@ namespace mebots::master {
 /// Creates the model exchange slaves, and the groups that advance them, from a resolved system.
 class ContinuousGroups {
  public:
-  /// All three must outlive the slaves.
+  /// All arguments must outlive the slaves.
   ContinuousGroups(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options);
 
-  /// Instantiates a model exchange instance. In the order of the config.
+  /// Instantiates a model exchange instance. Must be called in the order of the config.
   std::unique_ptr<Slave> make_slave(std::size_t instance);
-  /// Connects the members of each group. After the last make_slave().
+  /// Connects the members of each group. Must be called after the last make_slave().
   void connect();
 
  private:

@@ -85,7 +85,8 @@ class Ensemble {
   /// an Integer is not an item of the Enumeration that it is connected to.
   void write_inputs(std::size_t instance, std::int64_t time_ns);
 
-  /// Valid after initialize(), as long as the ensemble.
+  /// Return the last read value of a signal. The references are valid from initialize() until the ensemble is
+  /// destroyed.
   const double& real(SignalId id) const { return members_[id.instance].outputs.reals.values[id.slot]; }
   const std::int64_t& integer(SignalId id) const {
     const auto& outputs = members_[id.instance].outputs;

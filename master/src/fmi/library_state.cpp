@@ -115,8 +115,8 @@ bool is_in(std::uintptr_t address, const std::vector<Range>& ranges) {
                              [address](const Range& range) { return address >= range.begin && address < range.end; });
 }
 
-/// True for the memory that GCC's C++ library reserves for exceptions when it is loaded: one free block. Its size is
-/// its first word, and follows the pointer to it.
+/// True for the memory that GCC's C++ library reserves for exceptions when it is loaded: one free block. The first word
+/// of the block is its size. In the library's data, the size also follows the pointer to the block.
 bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   const auto size_at = [&](std::size_t place) { return place < words.size() ? words[place] : 0; };
   // NOLINTNEXTLINE(performance-no-int-to-ptr): addresses of loaded libraries come as numbers

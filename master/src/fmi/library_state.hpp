@@ -61,7 +61,7 @@ class LibraryState {
   std::optional<std::string> difference() const {
     return difference_in([](const Object&) { return true; });
   }
-  /// As difference(), while instances exist, for libraries that do not export kKeepsNoState.
+  /// Does the same as difference() while instances exist. Ignores libraries that export kKeepsNoState.
   std::optional<std::string> difference_while_used() const {
     return difference_in([](const Object& object) { return !object.keeps_no_state; });
   }

@@ -31,7 +31,7 @@ class MessageHub final : public MessageSink {
  public:
   using Listener = std::function<void(const Message&)>;
 
-  /// Not while messages may arrive.
+  /// Adds a listener. Must not be called while messages may arrive.
   void add(Listener listener) { listeners_.push_back(std::move(listener)); }
 
   void message(const Message& message) override {

@@ -63,7 +63,7 @@ struct ResolvedConnection {
   std::vector<ValuePair> map = {};  ///< ordered by `from`; other values pass as they are
 
   bool changes_value() const { return factor != 1 || offset != 0; }
-  /// True if it moves a Real at communication points, and its input has no other source.
+  /// True if the connection transfers a Real at communication points, and its input has no other source.
   bool moves_real() const;
   /// True for moves_real() between continuous variables: then the deviation of the input from its source can be
   /// measured.

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-/// Points and ends of a run, used by all layers.
+/// Communication points of a run and the way it ended. All layers use these types.
 namespace mebots::master {
 
 /// The arguments of fmi2SetupExperiment.

@@ -32,20 +32,20 @@ struct Statistics {
 /// Returns the statistics of all continuous systems as JSON; equal for equal inputs.
 nlohmann::ordered_json solvers_json(const std::vector<SolverStatistics>& solvers);
 
-/// Returns the same as lines of text.
+/// Returns the statistics of all continuous systems as lines of text.
 std::vector<std::string> solvers_table(const std::vector<SolverStatistics>& solvers);
 
 /// The communication steps of a run under step control as JSON, lengths in seconds.
 nlohmann::ordered_json step_control_json(const ResolvedSystem& system, const StepStatistics& steps);
 
-/// The same as a line of text.
+/// Returns the communication steps of a run under step control as a line of text.
 std::string step_control_line(const ResolvedSystem& system, const StepStatistics& steps);
 
-/// The table as JSON, times in seconds. `total_s` is the wall time of initialisation and stepping. The part of it
-/// outside of calls to instances is the master's.
+/// Returns the statistics as JSON, times in seconds. `total_s` is the wall time of initialisation and stepping. The
+/// part of it outside of calls to instances is the master's.
 nlohmann::ordered_json statistics_json(const Statistics& statistics, double total_s);
 
-/// Returns the same as lines of text.
+/// Returns the statistics as lines of text.
 std::vector<std::string> statistics_table(const Statistics& statistics, double total_s);
 
 }  // namespace mebots::master

@@ -45,7 +45,7 @@ ResultTable read_results(const std::filesystem::path& file, const std::vector<Ti
 /// monotonic columns, such as energy counters, keep their exact values at both times.
 class Thinner {
  public:
-  /// With a span of 1, every row is kept. The first column is the time.
+  /// `span` is the number of rows that become one group; with 1, every row is kept. The first column is the time.
   Thinner(std::size_t columns, std::size_t span);
 
   void add(std::span<const double> row);

@@ -33,7 +33,7 @@ class ResultFiles {
   /// Returns the path of the rows, for messages.
   std::filesystem::path rows_file() const;
 
-  /// Gives the recorder its sinks. Before the first point.
+  /// Gives the recorder its sinks. Call it before the first point.
   void add_sinks(Recorder& recorder);
   /// Returns observers, each for one file, in order. Before the first point; valid as long as this object.
   std::vector<Observer*> make_observers(Ensemble& ensemble);

@@ -33,7 +33,7 @@ class ResultFolder {
  public:
   /// Creates the folder if it is absent. Throws InputError if that fails, or if another run writes into it.
   explicit ResultFolder(std::filesystem::path path);
-  /// Without keep(): removes the new files and leaves all others unchanged.
+  /// If keep() was not called, removes the new files. Other files stay unchanged.
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;

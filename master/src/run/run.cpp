@@ -519,7 +519,7 @@ void Run::finish() {
   try {
     simulation_->terminate();
   } catch (const Error& error) {
-    // If an interrupt ended an instance's call, the text of the end already reports it.
+    // If an interrupt ended the call of an instance, the message about the end of the run already contains this.
     if (end.reason != EndReason::interrupted) {
       report_.notices.push_back(fmt::format("after the end: {}", error.what()));
       say(Severity::warning, "notice", report_.notices.back());

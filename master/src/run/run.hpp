@@ -138,9 +138,9 @@ class Run {
   const Statistics& statistics() const { return statistics_; }
   /// Returns the statistics of the solvers of model exchange; empty if there are none.
   const std::vector<SolverStatistics>& solvers() const { return solvers_; }
-  /// The communication steps under step control; null without it. From the start on.
+  /// Returns counts of the communication steps under step control; null without step control, and before the start.
   const StepStatistics* step_statistics() const { return simulation_ ? simulation_->step_statistics() : nullptr; }
-  /// The values that the config asks for under `summary`. From the start on.
+  /// Returns the values that the config requests under `summary`. Exists after the start.
   const SummaryValues& values() const { return *values_; }
   /// Returns the instances that failed while the others continued.
   std::vector<InstanceLoss> losses() const;

@@ -54,7 +54,7 @@ class LabelTree {
   Json value_ = Json::object();  // for a leaf; in an empty tree an object without members
 };
 
-/// Appends the members of `more`. `object` must have none of them.
+/// Appends the members of `more` to `object`, which must not contain any of them.
 void append(Json& object, Json more) {
   for (auto& [label, value] : more.get_ref<Json::object_t&>()) add_member(object, label) = std::move(value);
 }

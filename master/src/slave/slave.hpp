@@ -82,7 +82,7 @@ class Slave {
 
   virtual void set_reals(std::span<const ValueReference> references, std::span<const double> values) = 0;
   virtual void set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) = 0;
-  /// Takes 0 or 1.
+  /// Each value must be 0 or 1.
   virtual void set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) = 0;
   virtual void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) = 0;
   virtual void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values);

@@ -20,7 +20,8 @@ namespace {
 constexpr int kMostUpdates = 1000;
 /// The maximum of transfers over discrete links between two updates.
 constexpr int kMostTransfers = 1000;
-/// Consecutive events within this share of a communication step count as an infinite sequence.
+/// If this number of consecutive events occurs within this share of a communication step, the sequence is treated as
+/// infinite.
 constexpr std::size_t kZenoEvents = 20;
 constexpr double kZenoShare = 1e-7;
 /// Absolute tolerance divided by relative tolerance, for a nominal value of 1, as the FMI standard suggests.

@@ -30,7 +30,7 @@ class Equations {
   virtual Evaluation derivatives(double time_s, std::span<const double> states, std::span<double> derivatives) = 0;
   virtual Evaluation roots(double time_s, std::span<const double> states, std::span<double> values) = 0;
   virtual bool has_jacobian() const { return false; }
-  /// Only if has_jacobian(). `jacobian` is zero on entry.
+  /// Computes the Jacobian. Called only if has_jacobian() is true. `jacobian` is zero at the call.
   virtual Evaluation jacobian(double /*time_s*/, std::span<const double> /*states*/, const Columns& /*jacobian*/) {
     return Evaluation::recoverable;
   }
@@ -46,7 +46,7 @@ class Integrator {
  public:
   enum class Reached { step, root, stop_time };
 
-  /// Counts since the last restart.
+  /// Numbers of the solver's operations since the last restart.
   struct Counts {
     std::int64_t rejected_steps = 0;
     std::int64_t evaluations = 0;
@@ -70,7 +70,7 @@ class Integrator {
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
 
-  /// Restarts at order 1.
+  /// Restarts the integration with a method of order 1.
   void restart(const Start& start);
   /// Takes one step, which ends early at a root. Throws Error (not_converged) if even the shortest step fails.
   Reached advance();

@@ -120,7 +120,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real, fmi2Real, fmi2Boolean) 
   return fmi2OK;
 }
 
-// Its states contain the instance and nothing else.
+// A saved state contains only the data of the instance.
 fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate* state) {
   if (*state == nullptr) *state = new (std::nothrow) Instance;
   std::memcpy(*state, component, sizeof(Instance));

@@ -329,7 +329,7 @@ TEST_F(Ssp, ValuesAreConvertedFromTheUnitOfTheirFile) {  // 6.2.1, 7.1.1
   EXPECT_NEAR(given(real("kelvin_in", "20", "C"))["kelvin_in"].get<double>(), 293.15, 1e-12);
   EXPECT_EQ(given(real("bare_in", "36", "km/h"))["bare_in"], 36.0);   // the variable has no unit
   EXPECT_EQ(given(real("furlong", "2", "furlong"))["furlong"], 2.0);  // the same name, defined nowhere
-  // The transformation is applied after the conversion, or instead of it.
+  // A linear transformation is applied after the conversion of units, or in place of it.
   const auto entry = [](const std::string& attribute) {
     return mapping(R"(<ssm:MappingEntry source="v" target="speed_in")" + attribute +
                    R"(><ssc:LinearTransformation factor="2" offset="1"/></ssm:MappingEntry>)");
@@ -407,7 +407,7 @@ TEST_F(Ssp, ConnectionsMapDiscreteValuesInARun) {
   ssp(system);
   auto result = run({"run", "test.ssp", "--out", "r"});
   ASSERT_EQ(result.code, 0) << result.err;
-  // Also after a round trip through our own writer.
+  // The results are the same after a round trip through our own writer.
   EXPECT_EQ(run({"convert", "test.ssp", "copy.json"}).code, 0);
   EXPECT_EQ(run({"convert", "copy.json", "copy.ssp"}).code, 0);
   EXPECT_EQ(run({"run", "copy.ssp", "--out", "c"}).code, 0);

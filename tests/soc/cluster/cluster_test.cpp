@@ -157,7 +157,7 @@ TEST(ClusterBanks, ATreeServesCoresInTurn) {
   }
 }
 
-/// Also while the other cores sleep.
+/// With the tree, two of eight cores take turns, also while the other cores sleep.
 TEST(ClusterBanks, ATreeServesTwoOfEightCoresInTurn) {
   const auto body = "li t0, 2\nblt s0, t0, 4f\n3: wfi\nj 3b\n4:\n" + hammer(64);
   const auto rotating = cycles_of(body, 8, BoardSystem::without_caches());

@@ -140,7 +140,7 @@ TEST(Atomics, StoreTheResultAndReturnTheOldWord) {
     const char* name;
     std::uint32_t result;
   };
-  // Of 0x80000005 in memory and 12 in the register
+  // Results for the word 0x80000005 in memory and the value 12 in the register.
   const std::vector<Case> cases{{"amoswap.w", 12}, {"amoadd.w", 0x80000011}, {"amoxor.w", 0x80000009},
                                 {"amoand.w", 4},   {"amoor.w", 0x8000000d},  {"amomin.w", 0x80000005},
                                 {"amomax.w", 12},  {"amominu.w", 12},        {"amomaxu.w", 0x80000005}};

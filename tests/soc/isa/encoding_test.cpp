@@ -154,7 +154,7 @@ TEST(Disassembly, AgreesWithBinutilsForRandomWords) {
   std::mt19937 random(1);  // NOLINT: the same words each time
   std::vector<std::uint32_t> words;
   for (const auto& row : encodings()) {
-    // Of raw words, binutils knows no other extensions.
+    // If binutils gets raw words, it disassembles only these extensions.
     const bool is_known =
         row.extension == Extension::standard || row.extension == Extension::a || row.extension == Extension::f;
     if (is_compressed(row.format) || !is_known) continue;

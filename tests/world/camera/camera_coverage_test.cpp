@@ -191,7 +191,7 @@ TEST(CameraCoverage, AFaceCutIntoRandomTrianglesLooksTheSameToTheByte) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> anywhere(-1.0, 1.0);
   for (int round = 0; round < 30; ++round) {
-    // A wall that may extend behind the camera, seen from any place in front of it.
+    // A wall seen from any place in front of it. A part of the wall may be behind the camera.
     Face wall;
     wall.normal_W = -Vector3d::UnitX();
     wall.offset_m = -1.0;

@@ -19,7 +19,8 @@ class GateGeometry : public testing::Test {
     bodies_.set_mass(0.04, inertia_for(scene_.drone, 0.04));
   }
 
-  /// The drone's centre is at (x, y, z) in the gate's frame, and the drone is aligned with it.
+  /// True if the drone touches the gate. The drone's centre is at (x, y, z) in the gate's frame, and the drone is
+  /// aligned with the gate.
   bool touches(double x_m, double y_m, double z_m) {
     RigidState state;
     const auto& gate = scene_.gates[0];

@@ -40,7 +40,7 @@ bool crosses(const scene::Gate& gate, double y_m, double z_m) {
   return event && event->kind == GateEvent::Kind::crossed;
 }
 
-/// A small drone in the gate's plane, aligned with it.
+/// True if a small drone at this place of the gate's plane, aligned with the gate, touches the frame.
 bool frame_is_at(const scene::Gate& gate, double y_m, double z_m) {
   scene::Scene scene = test::shipped_scene("empty");
   scene.gates = {gate};

@@ -19,7 +19,7 @@ static unsigned filled;
 
 static volatile unsigned sent = 1;
 
-// Also ends a sleep that kept the clock for the transmitter.
+// Called when all bytes are sent. Also ends a sleep in which the clock ran only for the transmitter.
 static void on_sent(void) {
   sent = 1;
 }

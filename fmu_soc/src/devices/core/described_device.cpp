@@ -133,7 +133,7 @@ bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   return true;
 }
 
-/// Sends the values of those of these registers that send: all of them, or none if one is invalid.
+/// Sends the values of these registers, except registers that do not send. If one value is invalid, sends none.
 void DescribedDevice::send(std::size_t first, std::size_t last, Picoseconds now) {
   for (auto i = first; i < last; ++i) {
     if (const auto fault = fault_of(i); !fault.empty()) {

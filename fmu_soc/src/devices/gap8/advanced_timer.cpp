@@ -120,7 +120,7 @@ std::uint64_t AdvancedTimer::ticks_at(std::size_t timer, Picoseconds now) const 
   if (!counts(timer)) return counter.ticks;
   const auto passed = static_cast<double>(now - counter.since) * tick_hz(counter) / kPsPerS;
   const auto ticks = counter.ticks + static_cast<std::uint64_t>(counter.fraction + passed);
-  // Both functions round. A tick has elapsed at the time of time_of().
+  // This function and time_of() round. A tick has elapsed only from the time on that time_of() returns for it.
   return ticks > counter.ticks && time_of(counter, ticks) > now ? ticks - 1 : ticks;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 namespace reg = event_unit_reg;
 
-/// In place of a core's number: an access on the peripheral bus.
+/// Used in place of a core's number for an access through the peripheral bus.
 constexpr unsigned kNoCore = kMostClusterCores;
 
 /// Cycles of an event load beyond the first, if its answer is available: 4 in all. Source: CV32E40P user manual.

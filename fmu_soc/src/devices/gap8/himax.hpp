@@ -17,7 +17,7 @@ namespace mebots::soc::gap8_devices {
 class I2cDevice {
  public:
   virtual ~I2cDevice() = default;
-  /// Returns its address of seven bits.
+  /// Returns the device's address on the bus, seven bits.
   virtual std::uint8_t address() const = 0;
   virtual void start() = 0;
   virtual void write(std::uint8_t byte, Picoseconds now) = 0;

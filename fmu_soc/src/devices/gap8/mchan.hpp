@@ -33,7 +33,8 @@ class Mchan {
 
   BusReply access(unsigned who, std::uint32_t offset, const std::uint32_t* stored, std::uint64_t tick);
 
-  /// The events of a completed transfer; none while its counter has open bytes.
+  /// The events that a completed transfer raises. It raises none while other transfers of its counter are not
+  /// completed.
   struct Ended {
     bool raises_event = false;
     bool raises_interrupt = false;

@@ -20,7 +20,7 @@ class TimerClock {
   TimerClock& operator=(const TimerClock&) = delete;
   virtual ~TimerClock() = default;
 
-  /// Returns the largest time, which stands for never.
+  /// Returns the largest time. As the time of an event, it means "never".
   virtual std::int64_t never() const = 0;
   /// Returns the counts between two times of a counter with this configuration.
   virtual std::uint64_t counts(std::uint32_t config, std::int64_t from, std::int64_t to) const = 0;

@@ -77,7 +77,7 @@ class UdmaCamera final : public UdmaPeripheral {
   Himax& sensor_;
   const PictureRoll& roll_;
   std::int32_t requests_ = 0;
-  // Of the running transfer; kNever = no transfer, or not known yet.
+  // Times of the running transfer; kNever = there is no transfer, or the time is not known yet.
   Picoseconds requested_at_ = kNever;
   Picoseconds frame_at_ = kNever;
   Picoseconds light_at_ = kNever;

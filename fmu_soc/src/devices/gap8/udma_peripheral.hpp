@@ -54,7 +54,7 @@ class UdmaPeripheral {
   /// Called after a store into a register that the entry describes.
   virtual void registers_changed(std::uint32_t /*offset*/, Picoseconds /*now*/) {}
 
-  /// Like those of a device: mebots/soc/device.hpp.
+  /// These functions have the same meaning as those of a device: see mebots/soc/device.hpp.
   virtual double* input(std::string_view /*variable*/) { return nullptr; }
   virtual std::string_view* text_input(std::string_view /*variable*/) { return nullptr; }
   virtual std::span<const std::uint8_t>* bytes_input(std::string_view /*variable*/) { return nullptr; }

@@ -18,7 +18,7 @@ from mebots.exploration.replies import Reply, number_of
 from mebots.exploration.study import Objective, Study
 
 Measures = tuple[float | None, ...]
-"""One number per objective; None if the mission has none."""
+"""One number per objective; None if the mission has no value of it."""
 
 
 class Measurer:

@@ -177,7 +177,7 @@ inline constexpr std::size_t kLongestText = std::size_t{64} * 1024;
 /// copies, so an invalid address is an error code and not a signal.
 std::optional<std::string> read_text(const char* address, std::size_t most = kLongestText);
 
-/// Returns false if part of it cannot be read. If the system forbids the check, returns true.
+/// Returns false if some of the bytes cannot be read. If the system forbids the check, returns true.
 bool is_readable(std::span<const std::uint8_t> bytes);
 
 /// Formats like vsnprintf, but tolerates a format that does not fit its arguments. %n writes nothing, a %s with an

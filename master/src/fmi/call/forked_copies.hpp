@@ -38,7 +38,7 @@ namespace detail {
 extern std::atomic<char>* original;
 }  // namespace detail
 
-/// Call it before the first call to an FMU. From any thread.
+/// Call it before the first call to an FMU. May be called from any thread.
 void detect_forked_copies();
 
 /// Returns true in a process that was forked in a call to an FMU.

@@ -178,9 +178,10 @@ constexpr auto kFunctions = std::to_array<ProcessFunction>({
     {"_ZSt5wclog", kStreams, undone},
 });
 
-/// FMUs that import these can still be clean if each instance closes what it opened.
+/// Functions that close files. An FMU that imports them can still be clean, if each instance closes the files that it
+/// opened.
 constexpr auto kClosing = std::to_array<std::string_view>({"close", "close_range", "closefrom", "fclose", "fcloseall"});
-/// With these a library can find functions that it does not import.
+/// Functions by which a library can find other functions that it does not import.
 constexpr auto kFinding = std::to_array<std::string_view>({"dlsym", "dlvsym", "dlopen", "dlmopen"});
 
 constexpr auto kReadable = std::to_array<std::pair<std::string_view, std::string_view>>({

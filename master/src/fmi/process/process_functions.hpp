@@ -26,7 +26,7 @@ std::span<const ProcessFunction> process_functions();
 /// Returns null for a symbol that is not in the list.
 const ProcessFunction* find_process_function(std::string_view symbol);
 
-/// The parts of ProcessState that a library can change, judging by its imports.
+/// The parts of ProcessState that a library can change with the functions that it imports.
 enum class ProcessReach {
   nothing,      ///< it imports no function that changes what ProcessState compares
   descriptors,  ///< it can close descriptors

@@ -79,7 +79,7 @@ Handlers current_handlers() {
   return handlers;
 }
 
-/// False for the default action, and if the handler's code was unloaded.
+/// True if the handler is a function of a loaded library. False for the default action.
 bool is_code(const struct sigaction& action) {
   Dl_info info{};
   return dladdr(reinterpret_cast<const void*>(action.sa_handler), &info) != 0;

@@ -93,7 +93,7 @@ class TimerState {
 
  private:
   static constexpr std::array kInterval = {ITIMER_REAL, ITIMER_VIRTUAL, ITIMER_PROF};
-  /// Signal of each timer, by the kernel's timer number.
+  /// Maps the kernel's number of each timer to the timer's signal.
   using Created = std::map<int, int>;
 
   static Created created();

@@ -53,7 +53,8 @@ int current_nice() {
   return getpriority(PRIO_PROCESS, 0);  // 0: the calling thread
 }
 
-/// All zero if the machine has more processors than a cpu_set_t.
+/// Returns the processors on which the calling thread may run; an empty set if the machine has more than a cpu_set_t
+/// can hold.
 cpu_set_t current_processors() {
   cpu_set_t processors{};
   if (sched_getaffinity(0, sizeof processors, &processors) != 0) CPU_ZERO(&processors);

@@ -218,7 +218,7 @@ void read_extended(LoadedSystem& loaded, const std::string& file, const std::str
   read_made_config(loaded, file, std::move(places));
 }
 
-/// With `yes`, also returns the JSON of the config, which takes longer.
+/// Selects whether the JSON of the config is returned too, which takes longer.
 enum class WithJson : std::uint8_t { yes, no };
 
 void read_config_text(LoadedSystem& loaded, const std::string& file, const GivenTimes& times, WithJson with_json) {

@@ -23,7 +23,7 @@ struct Surroundings {
 
 using ReadKey = void (*)(const Node&, InstanceDescription&, const Surroundings&);
 
-/// `others` contains the names before this one.
+/// `others` contains the names of earlier instances in the file.
 void check_name(const std::string& name, const Node& node, const std::set<std::string, std::less<>>& others) {
   if (name.empty()) node.complain(ErrorCode::invalid_value, "an instance needs a name");
   const auto complain = [&](std::string_view longer, std::string_view shorter) {

@@ -34,15 +34,17 @@ struct LoadedSystem {
 /// Reads a system from a config file, an FMU alone (`.fmu`), an SSP (`.ssp`, `.ssd`, or the folder of one) or an
 /// OspSystemStructure.xml. Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
 LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times = {});
-/// As load_system(), without the JSON, which is faster.
+/// Does the same as load_system(), but does not return the JSON. This is faster.
 SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});
 
-/// As load_system(), for text in memory. Messages name it `file`; paths of FMUs are relative to `file`.
+/// Does the same as load_system() for a text in memory. `file` is its name in messages; paths of FMUs are relative to
+/// `file`.
 namespace config {
 
 /// Reads a config file without opening its FMUs. Throws data::Mistakes with all errors.
 void check(const std::filesystem::path& file);
-/// As check(), for a scenario file, whose instances are unknown.
+/// Reads a scenario file alone, so that the instances of its variables are unknown. Throws data::Mistakes with all
+/// errors.
 void check_scenario(const std::filesystem::path& file);
 
 LoadedSystem load_text(std::string text, const std::filesystem::path& file);
@@ -131,7 +133,7 @@ struct Schema {
 /// Returns the schemas of all kinds of file, sorted by name. Valid as long as the program.
 std::span<const Schema> schemas();
 
-/// Return the keys that the reader of configs accepts: of a config, and of an instance.
+/// Return the keys that a config may have, and those that an instance in it may have.
 std::vector<std::string> config_keys();
 std::vector<std::string> instance_keys();
 

@@ -20,7 +20,7 @@ constexpr std::int64_t kDefaultSteps = 500;
 constexpr const char* kByDefault = "by default";
 constexpr const char* kByFmu = "DefaultExperiment of the FMU";
 
-/// A time and its origin.
+/// A time, and a text that says where it comes from.
 struct Origin {
   ExactTime time;
   std::string text;

@@ -11,7 +11,7 @@ namespace mebots::master::study {
 
 /// Reads and checks a study file, without opening its mission or any FMU. Throws data::Mistakes with all errors.
 nlohmann::ordered_json read(const std::filesystem::path& file);
-/// As read(), for a text; messages name it `file`.
+/// Reads and checks the text of a study. `file` is its name in messages.
 nlohmann::ordered_json read(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace mebots::master::study

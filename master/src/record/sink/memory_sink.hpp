@@ -26,7 +26,7 @@ class MemorySink final : public RowSink {
   void flush() override {}
   /// Can restore at most the number of rows that it has.
   void visit(state::Visitor& v) override;
-  /// Visits the rows, which are not part of the state above.
+  /// Visits the rows, which visit() does not include.
   void visit_rows(state::Visitor& v);
 
  private:

@@ -38,7 +38,7 @@ struct ClockedLink {
 /// (canHandleVariableCommunicationStepSize = false), clocks tick at communication points only.
 class ClockGroup {
  public:
-  /// Both must outlive the group.
+  /// Both arguments must outlive the group.
   ClockGroup(const TimeGrid& grid, MessageSink& messages) : grid_(grid), messages_(&messages) {}
 
   /// Adds a slave, which must outlive the group's last call. Returns its index among the members.
@@ -47,7 +47,7 @@ class ClockGroup {
   void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values);
 
   void setup_experiment(const Experiment& experiment) { start_ns_ = experiment.start_ns; }
-  /// Queries the first ticks of a member's clocks. In initialisation mode.
+  /// Queries the first ticks of a member's clocks. The member must be in initialisation mode.
   void start_clocks(std::size_t member);
   /// Handles the events at the start, after the last member has left initialisation mode.
   void exit_initialization();

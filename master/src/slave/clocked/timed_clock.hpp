@@ -22,7 +22,7 @@ class TimedClock {
   /// Returns the time of the next tick [s]; kNever if none is scheduled.
   double next_s() const { return next_s_; }
 
-  /// Queries the first tick. In initialisation mode.
+  /// Queries the first tick. The instance must be in initialisation mode.
   void start(EventInstance& instance, double start_s);
   /// Marks the scheduled tick as done. Only for periodic clocks is the next one already known.
   void ticked();

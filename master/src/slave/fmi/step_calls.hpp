@@ -27,7 +27,7 @@ struct Fmi1StepTypes {
   static constexpr const char* kCancelStep = "fmiCancelStep";
 };
 
-/// The same of FMI 2.0.
+/// The types and names that FMI 2.0 uses for steps.
 struct Fmi2StepTypes {
   using Functions = fmi2::Functions;
   using Status = fmi2Status;

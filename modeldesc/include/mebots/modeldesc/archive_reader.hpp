@@ -18,7 +18,7 @@ using ZipHandle = std::unique_ptr<zip, DiscardZip>;
 
 /// Opens a zip archive for reading. Throws mebots::Error with libzip's reason.
 ZipHandle open_zip(const std::filesystem::path& archive);
-/// As above, from memory that must outlive the handle. Messages call the archive `name`.
+/// Opens an archive in memory, which must outlive the handle. `name` is the archive's name in messages.
 ZipHandle open_zip(std::string_view bytes, std::string_view name);
 
 /// Returns the name of an entry without parts that are empty or ".", with a slash at its end if it is a folder; null if

@@ -174,7 +174,7 @@ std::optional<Difference> first_difference(const T& first, const T& second) {
   return first_difference(list(first), list(second));
 }
 
-/// As above for two saved states of one object. Afterwards the object has the second state.
+/// Returns the first difference of two saved states of one object. Afterwards the object has the second state.
 template <Visited T>
 std::optional<Difference> first_difference(T& object, std::span<const std::byte> first,
                                            std::span<const std::byte> second) {

@@ -71,7 +71,7 @@ void restore(T& object, Reader& reader) {
   object.visit(restorer);
 }
 
-/// As above, for bytes that contain a single state.
+/// Restores an object from bytes that contain its state and nothing else.
 template <Visited T>
 void restore(T& object, std::span<const std::byte> bytes) {
   Reader reader(bytes);
