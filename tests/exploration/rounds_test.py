@@ -45,7 +45,7 @@ class Rounds(StudyCase):
                    rounds={"size": 20, "stop": {"objective": "integral", "width": 0.6}})
         self.sweep()
         for row in self.rows("designs.csv"):
-            self.assertEqual(row["status"], "integral known to 0.6")
+            self.assertEqual(row["status"], "interval of integral is at most 0.6")
             self.assertLess(float(row["integral: high"]) - float(row["integral: low"]), 0.6)
 
     def test_the_better_of_two_designs_is_found_by_pairs(self):

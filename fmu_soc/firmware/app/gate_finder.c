@@ -20,7 +20,7 @@
 // pixels (9 degrees), plus half its edge (0.3 m at the gate), of the picture's middle row.
 #define BAND 14
 
-// A template moves by a twelfth of its edge, half its border, at a time.
+// A template is tested at distances of a twelfth of its edge, which is half its border.
 #define PLACES_PER_EDGE 12
 
 // From this edge on, templates of three quarters of the width are tested, too: frames seen from the side.

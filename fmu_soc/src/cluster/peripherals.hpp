@@ -73,10 +73,10 @@ class ClusterPeripherals : public TransferListener {
 
   /// Called when the cluster is switched on; `boot` comes from the power manager.
   virtual void reset(std::uint32_t boot) = 0;
-  /// Returns, once, the cores that start, each at boot_address().
+  /// Returns the cores that must start since the last call. Each starts at boot_address().
   virtual std::uint32_t take_started() = 0;
   virtual std::uint32_t boot_address(unsigned core) const = 0;
-  /// Returns, once, the requesters whose event load can be answered now.
+  /// Returns the requesters whose event load can be answered since the last call.
   virtual std::uint32_t take_woken() = 0;
   /// Returns the level of the line to the fabric controller.
   virtual bool interrupt() const { return false; }

@@ -154,9 +154,9 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
   if (settings_.shares_soc_port) soc_port_.start_over(tick, last + ClusterLatencies::kMostAccessTicks);
 }
 
-/// Selects the first core, and the DMA's side, of the next quantum: the next core, and the DMA changes between before
-/// and after the cores. With the tree and an even number of cores, the DMA's side is kept once when the count starts
-/// again. So each first core meets the DMA on both sides.
+/// Selects the first core of the next quantum, and whether the DMA claims banks before or after the cores. Both change
+/// in every quantum. With the tree and an even number of cores, the DMA keeps its side once when the count starts
+/// again. So each first core runs both before and after the DMA.
 void ClusterScheduler::next_in_front() {
   if (++first_core_ == cores()) first_core_ = 0;
   const bool stays = settings_.arbitration_tree && first_core_ == 0 && cores() % 2 == 0;

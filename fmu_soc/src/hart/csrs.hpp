@@ -15,7 +15,7 @@
 
 namespace mebots::soc {
 
-/// Accesses of a program that have another effect on most other cores. They are reported in messages.
+/// CSR accesses of a program whose effect differs from that on most other cores. They are reported in messages.
 struct CsrRemarks {
   std::optional<std::uint32_t> moved_mtvec = {};  // the value written, of which the core cleared low bits
   std::optional<unsigned> read_stopped_counter =

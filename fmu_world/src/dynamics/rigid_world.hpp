@@ -38,8 +38,8 @@ struct Touch {
 /// and a restored state continues with the same bits. Geometries are in the scene's order, not in an ODE space, whose
 /// order depends on history. Pairs of drones that may touch are found by sorting their positions along x. dWorldStep
 /// integrates semi-implicitly: v' = v + a dt, p' = p + v' dt, first order in dt; rotations are finite, gyroscopic
-/// torque is implicit. It solves drones that do not touch each other one by one, so that they have the bits of a world
-/// of their own.
+/// torque is implicit. Drones that do not touch each other are solved one by one. So each of them has the same bits as
+/// in a world without the others.
 class RigidWorld {
  public:
   /// `body_sizes_m`: edges of each drone's box.

@@ -40,7 +40,7 @@ struct Path {
   bool moves() const { return !points.empty(); }
   /// Returns the greatest offset.
   double reach_m() const;
-  /// Returns the displacement at a time since the start of the run; before it, that of the start.
+  /// Returns the displacement at a time of the run. Before the start, it is the displacement at the start.
   Displacement at(std::int64_t time_ns) const;
 };
 

@@ -161,8 +161,8 @@ bool EventUnitPort::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32
 
 EventUnit& event_unit_before(const BoardDevice& entry, const DeviceSource& devices) {
   if (auto* port = devices.find<EventUnitPort>()) return port->unit();
-  throw Error(fmt::format("board: device {} of kind {} needs one of kind {} in front of it", entry.name, entry.kind,
-                          kGap8EventUnitKind));
+  throw Error(fmt::format("board: device {} of kind {} needs a device of kind {} earlier in the file", entry.name,
+                          entry.kind, kGap8EventUnitKind));
 }
 
 }  // namespace mebots::soc::gap8_devices

@@ -54,11 +54,12 @@ class Methods:
 
 
 SEQUENCES = Methods(share_sequence, mean_sequence, percentile_sequence)
-"""Valid at all numbers of missions at once: for a study whose decisions end the missions of designs."""
+"""Intervals that are valid at all numbers of missions at once, for a study whose decisions end the missions of designs."""
 SHOWN = Methods(wilson, student, percentile_interval)
-"""For a number of missions that was chosen beforehand."""
+"""Intervals for a number of missions that was chosen beforehand."""
 DECIDED = Methods(exact_share, student, percentile_interval)
-"""The same for decisions: at the small errors of many comparisons, Wilson's interval is too narrow."""
+"""Intervals for decisions with such a number. A decision makes many comparisons, each with a small permitted error, for
+which Wilson's interval is too narrow."""
 
 
 class Evidence:

@@ -106,7 +106,7 @@ class Rounds:
         for design in flying:
             low, high = self._evidence.known_of(design, objective)
             if stop.width is not None and high - low <= stop.width:
-                self.status[design] = f"{stop.label} known to {stop.width:g}"
+                self.status[design] = f"interval of {stop.label} is at most {stop.width:g}"
             if stop.constraint is not None:
                 side = self._evidence.side(design, stop.constraint)
                 word = "above" if stop.constraint.above else "below"

@@ -178,7 +178,7 @@ fault: j fault
   EXPECT_EQ(controller.instructions_translated() + cluster.instructions_translated(), translated);
 }
 
-/// If a core fell asleep before the clock changed, its tick is in the old clock.
+/// If a core fell asleep before the clock changed, its tick counts periods of the old clock.
 TEST(Gap8Cluster, SleepingCoresHaveATimeAfterAChangeOfClock) {
   Gap8System by_core(core_that_changes(set_cluster_clock(762), {Meanwhile::sleeps, 0b10}), {}, Gap8System::gap8());
   run_to_tohost(by_core);
