@@ -84,10 +84,11 @@ class Cluster final : private ClusterBus, private ClusterEvents {
 
   const Hart& hart(unsigned core) const;
   Hart& hart(unsigned core);
-  /// Returns the start of the core's next instruction, or of its sleep; for a sleep from before the last change of the
-  /// clock, the time of that change. The cluster must be on.
+  /// Returns the start of the core's next instruction, or of its sleep. If the sleep began before the last change of
+  /// the clock, returns the time of that change. The cluster must be on.
   Picoseconds core_time(unsigned core) const;
-  /// Returns the start of an active cycle since which the core has not slept and the clock has not changed.
+  /// Returns the start of an active cycle. Since that cycle, the core must not have slept and the clock must not have
+  /// changed.
   Picoseconds core_time_at(unsigned core, std::uint64_t cycle) const;
   /// Returns the time of the core that is farthest ahead; if the cluster is off, the time at which it went off.
   Picoseconds reached() const;
@@ -97,9 +98,10 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   void observe(unsigned core, Observer* observer);
   /// Returns the sum over the cores since reset of the chip.
   Counters counters() const;
-  /// Returns the active cycles of the core with most of them.
+  /// Returns the largest number of active cycles of a core.
   std::uint64_t longest_cycles() const;
-  /// Returns the time for which it was on, up to `now`. `now` may lie within the instruction that switches it on.
+  /// Returns the time for which the cluster was on, up to `now`. `now` may lie within the instruction that switches it
+  /// on.
   Picoseconds powered_time(Picoseconds now) const { return powered_.up_to(now); }
   /// Returns the time, up to `now`, in which a core was awake or all cores waited for the DMA. If the cluster has not
   /// reached `now`, its present state is assumed to continue.

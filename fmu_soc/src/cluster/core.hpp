@@ -59,12 +59,12 @@ class ClusterCore final : private Bus {
 
   // Its time.
 
-  /// Returns the tick of its next instruction, or of the start of its sleep.
+  /// Returns the tick of the core's next instruction, or of the start of its sleep.
   std::uint64_t tick() const { return tick_of(hart_.counters().cycles); }
-  /// Returns the tick of an active cycle since which it has not slept.
+  /// Returns the tick of an active cycle. The core must not have slept since that cycle.
   std::uint64_t tick_of(std::uint64_t cycle) const { return cycle + offset_; }
   bool sleeps() const { return asleep_; }
-  /// Returns the tick of its next instruction; kNoTick while it sleeps.
+  /// Returns the tick of the core's next instruction; kNoTick while the core sleeps.
   std::uint64_t ready() const { return asleep_ ? kNoTick : tick(); }
 
   /// Resets all registers, and starts at `pc`.
@@ -90,7 +90,8 @@ class ClusterCore final : private Bus {
     resume_at(tick);
     return true;
   }
-  /// Sets all its interrupt lines. An enabled one wakes the core in this tick. Returns true if the core wakes.
+  /// Sets all interrupt lines of the core. An enabled line that is up wakes the core in this tick. Returns true if the
+  /// core wakes.
   bool set_interrupts(std::uint32_t lines, std::uint64_t tick) {
     hart_.set_interrupts(lines);
     return asleep_ && hart_.sleeping() && hart_.wakes() && wake(tick);
@@ -101,7 +102,7 @@ class ClusterCore final : private Bus {
   Stop run(std::uint64_t end) { return hart_.run(end - offset_); }
   /// Must be called with the result of run().
   void stopped(Stop stop) { asleep_ = stop == Stop::sleeping; }
-  /// True if its next run can resume in translated code.
+  /// True if the core's next run can resume in translated code.
   bool can_resume() const { return !waits_for_turn_ && hart_.has_resume_point(); }
   /// Sets whether other cores or the DMA use the banks of L1 at the same time.
   void share_banks(bool several) {
@@ -115,14 +116,14 @@ class ClusterCore final : private Bus {
 
   // Its turn.
 
-  /// True if its next instruction accesses a shared device.
+  /// True if the core's next instruction accesses a shared device.
   bool waits_for_turn() const { return waits_for_turn_; }
   /// Permits this access in the next run, because no other core has an earlier tick.
   void grant_turn() {
     granted_ = waits_for_turn_;
     waits_for_turn_ = false;
   }
-  /// Returns the tick of its last access to a shared device.
+  /// Returns the tick of the core's last access to a shared device.
   std::uint64_t accessed() const { return accessed_; }
 
   void visit(state::Visitor& v) {

@@ -76,7 +76,7 @@ class ClusterDma {
   /// Queues a transfer of a requester, for registers of another kind. If memories or the number of transfers do not
   /// allow it, returns false without effect.
   bool enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick);
-  /// True if its bytes are in L1 and in another memory.
+  /// True if one end of the transfer is in L1 and the other end in another memory.
   bool fits(const Draft& draft) const;
   /// True if another transfer can be queued.
   bool has_room() const;

@@ -37,7 +37,7 @@ class EventUnit {
   /// Raises an event for all requesters whose bits are set.
   void raise(std::uint32_t targets, unsigned event);
 
-  /// Returns, once, the requesters whose event load can be answered now.
+  /// Returns the requesters whose event load can be answered since the last call.
   std::uint32_t take_woken() {
     const auto woken = woken_;
     woken_ = 0;

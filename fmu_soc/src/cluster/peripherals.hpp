@@ -67,7 +67,7 @@ class ClusterPeripherals : public TransferListener {
   virtual bool owns_of_core(std::uint32_t address) const = 0;
   virtual bool owns_of_fabric_controller(std::uint32_t address) const = 0;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// Returns the tick of their next event. Only accesses change it. advance() runs the event.
+  /// Returns the tick of the registers' next event. Only accesses change it. advance() runs the event.
   virtual std::uint64_t next_tick() const { return kNoTick; }
   virtual void advance(std::uint64_t /*tick*/) {}
 
@@ -80,7 +80,7 @@ class ClusterPeripherals : public TransferListener {
   virtual std::uint32_t take_woken() = 0;
   /// Returns the level of the line to the fabric controller.
   virtual bool interrupt() const { return false; }
-  /// Returns, once, the cores whose interrupt lines changed.
+  /// Returns the cores whose interrupt lines changed since the last call.
   virtual std::uint32_t take_line_changes() { return 0; }
   virtual std::uint32_t lines(unsigned /*core*/) const { return 0; }
   virtual void interrupt_taken(unsigned /*core*/, unsigned /*line*/) {}

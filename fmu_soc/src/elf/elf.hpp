@@ -61,7 +61,7 @@ class Elf {
   /// Returns a text such as "camera_handler+0x12 (camera.c:41)", without the line if the program was compiled without
   /// -g; "" if no symbol contains the address.
   std::string where(std::uint32_t address) const;
-  /// Returns the same for a return address, with the line of the call.
+  /// Returns such a text for a return address. The line is that of the call.
   std::string where_called(std::uint32_t return_address) const;
   /// Returns the code of all source lines; empty if the program was compiled without -g.
   std::vector<LineRange> line_ranges() const;

@@ -50,7 +50,7 @@ void emit_sh3add(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Zbb. Those that Xpulp has, too, are in xpulp.cpp.
+// Zbb, without the operations that Xpulp has, too. Those are in xpulp.cpp.
 
 constexpr Word execute_andn(Word a, Word b) {
   return a & ~b;

@@ -47,7 +47,7 @@ class Banks {
     while (at < end && taken_[place_of(at, address)] != 0) ++at;
     return static_cast<std::uint32_t>(at - tick);
   }
-  /// Reserves that cycle. Returns the ticks to wait for it.
+  /// Reserves the cycle that wait() finds. Returns the ticks to wait for it.
   std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
     const auto waited = wait(tick, address);
     if (tick + waited < start_ + kReach) byte_of(tick + waited, address) = 1;

@@ -44,7 +44,8 @@ class ObservedRun final : private BlockWalk {
 
   /// True if the run continues with the instruction at the pc.
   bool continues() { return observer_->before(hart_); }
-  /// Runs a block, or only its first instruction if the block may reach the limit. `alone`: always only that.
+  /// Runs a block, or only its first instruction if the block may reach the limit. If `alone` is set, runs only the
+  /// first instruction.
   void run_block(const Block& block, std::uint32_t stall, bool alone);
   void step();
 

@@ -18,7 +18,7 @@ constexpr unsigned kEpochBits =
 /// Maximum cycles of a run in translated code, whose counts have 32 bits.
 constexpr std::uint64_t kLongestRun = std::uint64_t{1} << 30;
 
-/// Resets the counts that decided about the translation. Must be called after it, because it uses `absences`.
+/// Resets the counts that decided about the translation. Must be called after the translation, which uses `absences`.
 void cool(const Block& block) {
   block.heat = 0;
   block.absences = 0;

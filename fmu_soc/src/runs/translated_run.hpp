@@ -39,8 +39,8 @@ class TranslatedRun {
   void chain(const Block& block, const translate::Entry& entry, std::uint32_t stall) {
     decoded_.translator->chain_last_exit(block, entry, stall != 0);
   }
-  /// The same for the block at the pc, if it is translated. For an exit at the limit: if a block is as long as the time
-  /// between two limits, it would otherwise never be chained.
+  /// Patches the exit of the last run to jump to the block at the pc, if that block is translated. Needed for an exit
+  /// at the limit: if a block is as long as the time between two limits, it would otherwise never be chained.
   void chain_to_here();
   /// Returns the block at the pc after an exit from translated code; 0 = unknown.
   std::uint32_t next_block() const {
