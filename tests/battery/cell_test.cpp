@@ -86,7 +86,7 @@ TEST(CellCalibration, MovesQuantitiesWithinTheirIntervals) {
   EXPECT_DOUBLE_EQ(worst.cut_off_voltage_v, 2.85);
   EXPECT_DOUBLE_EQ(worst.cut_off_delay_s, 0.115);
   EXPECT_TRUE(worst.warnings.empty());
-  // Half-way to the lower end.
+  // The position is half-way between the value and the lower end.
   EXPECT_DOUBLE_EQ(load_cell(path, {.resistance = -0.5}).series_ohm(0.5) / as_stated.series_ohm(0.5), 0.915);
 }
 

@@ -230,7 +230,7 @@ TEST(Charging, AnOpenProtectionBlocksDischargeOnly) {
   EXPECT_EQ(integrator.advance(state, ledger, {1, 1, 0.5, 0.5}, Protection::open, 10).event, Event::none);
   EXPECT_EQ(state.soc, 0.1);
   EXPECT_EQ(ledger.delivered_j, 0);
-  // 0.5 W of the source supply the load, 0.1 W the cell.
+  // Of the source's power, 0.5 W go to the load and 0.1 W to the cell.
   EXPECT_EQ(integrator.advance(state, ledger, {0.5, 0.5, 0.6, 0.6}, Protection::open, 10).event, Event::none);
   EXPECT_NEAR(ledger.delivered_j, 5, 1e-9);
   EXPECT_NEAR(ledger.source_j, 6, 1e-9);

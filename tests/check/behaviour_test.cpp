@@ -192,7 +192,7 @@ bool ends_soon(pid_t process) {
   return !runs(process);
 }
 
-/// Memory that children write for their parents.
+/// Memory in which child processes write results for the parent process.
 struct Left {
   std::atomic<pid_t> child;
   std::atomic<pid_t> child_of_child;

@@ -17,7 +17,7 @@ from mebots.deploy.deploying import check_and_measure, lower
 
 
 class IntegerMaker(Maker):
-    """``shifts``: writes RequantShift in place of Mul, Add, Div, Floor and Clip."""
+    """If ``shifts`` is set, writes the operator RequantShift in place of Mul, Add, Div, Floor and Clip."""
 
     def __init__(self, seed, shape, shifts=False):
         super().__init__(seed, shape, opset=10)
@@ -27,7 +27,7 @@ class IntegerMaker(Maker):
         return self.constant(self.random.integers(low, high + 1, shape).astype(np.float32))
 
     def requantise(self, source, channels, signed=False, factor=None):
-        """Sums below 2^24 / 256 stay exact in float."""
+        """Sums below 2^24 / 256 are exact in float."""
         shape = () if factor else (1, channels, 1, 1)
         multiplier = self.constant(np.float32(factor)) if factor else self.whole(20, 200, *shape)
         addend = self.constant(np.float32(0)) if factor else self.whole(-9000, 9000, *shape)

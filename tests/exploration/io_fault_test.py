@@ -25,7 +25,7 @@ import io_faults
 
 TABLES = ("missions.csv", "designs.csv", "report.html", "study.json", "tables.h5", "missions.parquet", "designs.parquet")
 MOST_CALLS = sys.maxsize if os.environ.get("MEBOTS_FAULTS") == "all" else 6
-"""For each kind and fault."""
+"""The maximum number of calls that fail in turn, for each kind of call and each fault."""
 
 
 def library(folder):

@@ -96,7 +96,7 @@ class Sweeps(LeftoverCase):
 
 
 class InOneProcess(LeftoverCase):
-    """Consecutive missions in one program."""
+    """Tests missions that run one after the other in one program."""
 
     def sum_of(self, mission, gain):
         mission.set("a.gain", gain)

@@ -192,7 +192,7 @@ class RareEventsAgainstTheory(WalkCase):
     """Compares probabilities with closed forms and with counting: many missions."""
 
     def check_one_in_ten_thousand(self, levels, estimates):
-        """20 % relative error, with a tenth of the simulated time of counting."""
+        """Splitting must reach a relative error of 20 % with a tenth of the simulated time that counting needs."""
         exact = chance_to_reach(HEIGHT)
         self.assertLess(abs(math.log10(exact) + 4), 0.15)
         self.rare(levels, 200, estimates)

@@ -34,7 +34,7 @@ inline world::scene::Scene load_scene(const std::string& name) {
   return world::scene::load_scene(std::string(MEBOTS_SOURCE_DIR) + "/fmu_world/params/scenes/" + name + ".json");
 }
 
-/// The pose of the drone: position of its centre, then yaw left, pitch nose down, roll.
+/// The pose of the drone: position of its centre, then yaw (positive to the left), pitch (positive nose down), roll.
 struct BodyPose {
   Eigen::Vector3d p_WB_m = Eigen::Vector3d::Zero();
   double yaw_rad = 0.0;

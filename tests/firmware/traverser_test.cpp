@@ -25,7 +25,7 @@ constexpr int kStepsPerLook = 3;
 constexpr double kHalfDrone_m = 0.046;
 constexpr double kHalfDroneHeight_m = 0.0145;
 
-/// The differences between flights.
+/// The quantities in which flights differ.
 struct Start {
   BodyPose pose;
   double field_of_view_rad = 0.87;
@@ -55,7 +55,7 @@ End judge(const world::scene::Gate& gate, const BodyPose& pose) {
   const double across = std::abs(pose.p_WB_m.y() - gate.p_W_m.y());
   const double up = std::abs(pose.p_WB_m.z() - gate.p_W_m.z());
   const double angle = std::remainder(pose.yaw_rad - gate.yaw_rad, 2.0 * M_PI);
-  // A rotated body is as wide as its diagonal, and one of its sides is between the beams first.
+  // A rotated body is as wide as its diagonal, and one of its sides enters the space between the beams first.
   const double half =
       kHalfDrone_m * (std::cos(angle) + std::abs(std::sin(angle))) + 0.5 * gate.thickness_m * std::abs(std::tan(angle));
   if (across > 0.5 * gate.inner_m || up > 0.5 * gate.inner_m) return End::missed;

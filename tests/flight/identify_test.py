@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots identify` and `mebots new-cell`: what they find in flights that the models themselves generated."""
+"""Tests the results of `mebots identify` and `mebots new-cell` for flights that the models themselves generated."""
 
 import json
 import os

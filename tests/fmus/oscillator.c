@@ -52,7 +52,7 @@ static void compute(Model* m) {
       (r[MASS] * r[VELOCITY] * r[VELOCITY] + r[STIFFNESS] * r[X] * r[X] + r[GRIP] * (r[X] - r[Y]) * (r[X] - r[Y])) / 2;
 }
 
-/// From tau on, by `length`.
+/// Returns the state of the body after `length`, integrated from time tau on.
 static Body integrated(const Model* m, double rest, Body s, double tau, double length) {
   const double h = length / PARTS;
   for (int part = 0; part < PARTS; ++part) {

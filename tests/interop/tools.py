@@ -24,7 +24,7 @@ POINTERS = (".base.lo", ".base.hi", ".size")  # of an OSMP buffer: addresses, wh
 
 
 class Refused(Exception):
-    """The tool does not run the system; the message says why."""
+    """Raised if a tool cannot run the system. The message contains the reason."""
 
 
 @functools.cache

@@ -203,7 +203,7 @@ class Flights(CflibCase):
         self.check_replay()
 
     def check_replay(self):
-        """The recorded run repeats bit by bit without the script; if a packet is missing, it does not."""
+        """Without the script, the recorded run repeats bit by bit. If a packet is missing in the recording, it does not."""
         printed = self.stop()
         bits = self.recording()[-1]["bits"]
         self.assertIn(bits, printed)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One description for an FMU with one copy of a thing, and for an FMU with several.
+// Tests descriptions that serve both an FMU with one copy of a part and an FMU with several copies.
 #include "description.hpp"
 #include "fmi3_variables.hpp"
 #include "generate.hpp"

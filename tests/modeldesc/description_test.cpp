@@ -139,7 +139,7 @@ TEST_F(DescriptionTest, RefusesWhatXmlCannotHold) {
 TEST_F(DescriptionTest, RefusesTheSameNameTwice) {
   const std::string a = R"({"name": "a.b", "causality": "output", "unit": "V", "text": "t"})";
   EXPECT_THAT(error_of(a + "," + a), HasSubstr("the name a.b is already taken"));
-  // Different for FMI, the same field in C++.
+  // The two names differ in FMI, but give the same field in C++.
   EXPECT_THAT(error_of(a + R"(, {"name": "a_b", "causality": "output", "unit": "V", "text": "t"})"),
               HasSubstr("the name a_b_v is already taken"));
 }

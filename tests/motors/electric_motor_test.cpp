@@ -206,7 +206,7 @@ TEST(ElectricMotor, BusResistanceTakesTheSurgeOfTheFirstStepOff) {
   EXPECT_LT(held.least_v, 2.8);
   EXPECT_NEAR(sagging.greatest_w, 17.5, 0.5);
   EXPECT_GT(sagging.least_v, 3.2);
-  // In the steady state both are equal, because the current no longer changes.
+  // In the steady state, both test stands have equal values, because the current no longer changes.
   EXPECT_NEAR(sagging.stand.inputs.bus_voltage_v, held.stand.inputs.bus_voltage_v, 1e-9);
   EXPECT_NEAR(sagging.stand.outputs.power_w, held.stand.outputs.power_w, 1e-8);
 }

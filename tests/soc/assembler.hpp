@@ -12,7 +12,7 @@ namespace mebots::soc::test {
 
 /// Assembles and links assembly text (through the C preprocessor) with Debian's cross compiler; `_start` is the entry.
 Elf assemble(std::string_view text, std::uint32_t address = 0x80000000);
-/// Does the same, and returns the bytes of the ELF file; takes more options for the compiler.
+/// Assembles a program, with more options for the compiler. Returns the bytes of the ELF file.
 std::vector<std::uint8_t> assemble_file(std::string_view text, std::uint32_t address = 0x80000000,
                                         std::string_view options = {});
 /// Returns objdump's output for raw code bytes at address 0, one line each.

@@ -17,7 +17,7 @@ namespace mebots::soc::test {
 inline constexpr std::uint32_t kL2 = 0x1C000000;
 /// A millisecond in nanoseconds.
 inline constexpr std::int64_t kMs = 1'000'000;
-/// Address of the results of test programs: at three quarters of L2.
+/// Address at which test programs store their results: three quarters of L2 lie below it.
 inline constexpr std::uint32_t kResults = 0x1C060000;
 
 /// The AI-deck with a program of assembly text, which may use the names of board.h.

@@ -100,7 +100,7 @@ class ClusterAuthor : RandomText {
     }
   }
 
-  /// A word of one of the rows, with registers that may be written.
+  /// Returns a random instruction word of one of the rows. It writes only registers that may be changed.
   std::string xpulp(const std::vector<const Encoding*>& rows) {
     for (;;) {
       const auto& row = *rows[below(static_cast<unsigned>(rows.size()))];
@@ -153,7 +153,7 @@ class ClusterAuthor : RandomText {
   std::string hardware_loop(int depth) {
     const auto label = labels_++;
     if (marks_ > 1 && below(3) == 0) {
-      // Between any two addresses.
+      // A loop between any two marked addresses.
       return fmt::format(
           "    la t0, .Lmark{}\n    csrw 0x7B{}, t0\n    la t0, .Lmark{}\n    csrw 0x7B{}, t0\n    csrwi "
           "0x7B{}, {}\n",
@@ -218,7 +218,7 @@ class ClusterAuthor : RandomText {
                        body, label);
   }
 
-  /// Code that others change: a word, or two halves.
+  /// Code that other cores change: a word, or two halves of a word.
   std::string slot() {
     if (below(2) == 0)
       return fmt::format("    .option push\n    .option norvc\n.Lword{}: addi a0, a0, 1\n    .option pop\n", words_++);

@@ -350,7 +350,7 @@ TEST(Profile, BySpansOfTimeAddsUpToTheWholeExactly) {
   EXPECT_EQ(sum.cycles, total.cycles);
   EXPECT_EQ(sum.time_ps, total.time_ps);
   EXPECT_EQ(sum.energy_fj, total.energy_fj);
-  // From 300 to 400 us it only slept.
+  // From 300 to 400 us, the core only slept.
   EXPECT_EQ(written["windows"][3]["parts"].size(), 5U);
   EXPECT_EQ(written["windows"][3]["parts"][3], 100'000'000);
 }

@@ -50,7 +50,7 @@ void expect_same(const DroneOutputs& a, const DroneOutputs& b) {
 
 TEST(ManyDrones, DronesThatDoNotTouchHaveTheBitsOfWorldsOfTheirOwn) {
   const auto scene = shipped_scene("gate_easy");
-  // The second one touches the gate's frame.
+  // The second drone touches the gate's frame.
   const std::vector<std::array<double, 3>> offsets{
       {0.0, 0.0, 0.0}, {3.0, 0.355, 0.0}, {0.0, 1.0, 0.0}, {1.0, -1.0, 0.0}};
   Fleet fleet(scene, together(), offsets);
@@ -268,7 +268,7 @@ TEST(ManyDrones, ErrorsNameTheDrone) {
 }
 
 TEST(ManyDrones, ARestoredWorldContinuesWithTheSameBitsDuringContact) {
-  // The second one falls on the first one and rests on it, or beside it.
+  // The second drone falls on the first one and then rests on it, or beside it.
   const auto make = [] {
     return std::make_unique<Fleet>(shipped_scene("empty"), together(),
                                    std::vector<std::array<double, 3>>{{}, {0.01, 0.02, 0.05}, {0.0, 0.5, 0.0}});

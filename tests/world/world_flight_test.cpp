@@ -119,7 +119,7 @@ TEST(Flight, ALightTouchOfTheFrameIsSurvivedAndSeen) {
   rig.run(0.2);
   EXPECT_FALSE(rig.outputs.drone_crashed);
   EXPECT_THAT(rig.events, Contains(HasSubstr("touched gate 1")));
-  // It still flies: moved back and to the centre, it passes through.
+  // The drone still flies: after it has moved back and to the centre, it passes through the gate.
   rig.inputs.setpoint_velocity_x_m_per_s = -0.3;
   rig.run(2.0);
   rig.inputs.setpoint_velocity_x_m_per_s = 0.0;

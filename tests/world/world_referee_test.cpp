@@ -98,7 +98,7 @@ TEST_F(Referee, HangingOnTheFrameIsStuck) {
 }
 
 TEST_F(Referee, LandingInTheOpeningIsStuck) {
-  // Lands as soon as its centre is behind the plane, and so lands on the lower beam.
+  // The drone lands as soon as its centre is behind the plane. Therefore it lands on the lower beam.
   FlightRig rig(shipped_scene("gate_easy"), start(0.15, 0.0));
   rig.take_off_and_fly();
   fly(rig, 0.02, 0.0);
@@ -121,7 +121,7 @@ TEST_F(Referee, IgnoresTheMotionOfAWreck) {
   EXPECT_TRUE(rig.outputs.drone_crashed);
   EXPECT_FALSE(rig.outputs.drone_landed);
 
-  // It tips over at speed shortly before the gate, and its body continues past the plane.
+  // The fast drone tips over shortly before the gate, and its body continues past the plane.
   FlightRig tipping(shipped_scene("gate_easy"), start(4.0, 0.0));
   tipping.take_off_and_fly();
   fly(tipping, 2.5, 0.0);

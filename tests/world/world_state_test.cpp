@@ -35,7 +35,7 @@ test::RigParameters noisy() {
   return p;
 }
 
-/// Take-off, contact with the gate, landing, with pictures: set-points for the time of the next step.
+/// Sets the set-points of the next step, for a flight with pictures: take-off, contact with the gate, landing.
 void script(FlightRig& rig) {
   const double t = rig.time_s();
   rig.inputs.setpoint_mode = t < 5.0 ? FlightMode::take_off : t < 14.0 ? FlightMode::fly : FlightMode::land;

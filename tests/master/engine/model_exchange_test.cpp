@@ -70,7 +70,8 @@ TEST(ModelExchange, HasTheSameBitsInAnyAlgorithmOrderAndThread) {
 }
 
 TEST(ModelExchange, HandlesStateAndTimeEventsAndCountsThem) {
-  // Turns at x = 0.5, at asin(0.5) = pi / 6, and is back at 0 at pi / 3. A kick at 1.5 adds 2.
+  // The mass reverses at x = 0.5, at the time asin(0.5) = pi / 6, and is back at 0 at pi / 3. A kick at 1.55 s adds 2
+  // to the speed.
   const auto config = system_of(mass("a", R"("v": 1, "wall": 0.5, "kick": 2, "kick_time": 1.55)"));
   TestRun run(config);
   const auto x = run.to_end().column("a.x");

@@ -72,7 +72,7 @@ TEST(Scale, AThousandInstancesOfOneFmuRunAsARing) {
       fmt::format(R"({{"step": 1, "stop_time": {}, "record": ["i{}.y"], "instances": {{{}}}, "connections": [{}]}})",
                   kCount + 10, kCount - 1, instances, connections));
   const auto last = run.to_end().column(fmt::format("i{}.y", kCount - 1));
-  // The first input takes one step per instance to reach the last output.
+  // The value of the first input passes one instance per step until it reaches the last output.
   EXPECT_EQ(last[kCount - 1], 0);
   EXPECT_EQ(last[kCount], 1);
 }

@@ -202,7 +202,7 @@ TEST(StepControl, AnInstanceWithAStepOfItsOwnKeepsIt) {
   TestRun run(masses(settings));
   const auto times = run.to_end().column("time");
   for (int i = 0; i <= 125; ++i) EXPECT_THAT(times, Contains(testing::DoubleNear(0.04 * i, 1e-12))) << i;
-  // Between its points, the instance with the longer step has its old outputs.
+  // Between its own communication points, the instance with the longer step keeps its old outputs.
   const auto values = run.column("b.mass_x");
   for (std::size_t i = 1; i < times.size(); ++i) {
     const bool on_grid = std::abs(std::remainder(times[i], 0.04)) < 1e-9;

@@ -10,7 +10,8 @@ namespace {
 using test::TestRun;
 using testing::ElementsAre;
 
-// Multirate, a buffer, a stop condition with a duration and an outcome with `ever`: all have state.
+// The system has everything that needs saved state: two step sizes, a buffer, a stop condition with a duration, an
+// outcome with `ever`.
 constexpr const char* kSystem = R"({"step": 0.01, "stop_time": 3, "instances": {
     "a": {"fmu": "PROBE", "parameters": {"gain": -0.9, "offset": 0.3}},
     "b": {"fmu": "PROBE", "parameters": {"gain": 0.8}, "step": 0.03}},

@@ -163,7 +163,7 @@ TEST(EnvironmentVariables, AreRestoredEvenIfTheWholeTableWasReplaced) {
 }
 
 TEST_F(Containment, EveryInstanceIsWatched) {
-  // With a single FMU: b is the second instance.
+  // Both instances have the same FMU; b is the second one.
   const auto ended = run_program({"run", "two.json", "--set", "b.fault=meddle"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.err,
@@ -216,7 +216,8 @@ TEST_F(Containment, CodeInWhichAThreadRunsStaysInMemory) {
       "instances": {{"a": {{"fmu": "PROBE", "parameters": {{"fault": "{}", "fault_time": 0.5}}}}}}}})",
                        fault);
   };
-  // Relative to the libraries that other tests left in this process: after fmi2Fatal, code stays loaded, too.
+  // Counts only additional libraries, because other tests left some in this process. After fmi2Fatal, a library stays
+  // loaded, too.
   const auto mapped = [] {
     std::istringstream maps(read_file("/proc/self/maps"));
     int count = 0;

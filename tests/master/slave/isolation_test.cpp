@@ -34,7 +34,7 @@ constexpr const char* kIsolatedSystem = R"({"step": 0.01, "stop_time": 1, "insta
                   {"from": "a.string_out", "to": "b.string_in"}, {"from": "a.boolean_out", "to": "b.boolean_in"}],
   "record": {"texts": true}})";
 
-/// By Landlock, since Linux 6.12.
+/// True if Landlock keeps signals inside a sandbox, as it does since Linux 6.12.
 bool kernel_keeps_signals_inside() {
   constexpr long kCreateRuleset = 444;
   constexpr int kAskVersion = 1;

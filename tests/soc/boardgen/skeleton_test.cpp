@@ -51,7 +51,7 @@ TEST(Skeleton, ImplementsOpcodesRegistersAndEnergy) {
   EXPECT_EQ(soc.devices().states()[0].state, "standby");
   const auto* sensor = soc.devices().find("range_finder");
   ASSERT_NE(sensor, nullptr);
-  // 33 ms at 16 mA, the rest at 6 uA, 2.8 V.
+  // At 2.8 V, the sensor takes 16 mA for 33 ms, and 6 uA for the remaining time.
   EXPECT_NEAR(soc.power().energy_j(*sensor), 2.8 * (16e-3 * 0.033 + 6e-6 * 0.067), 1e-12);
   ASSERT_NE(soc.devices().input("range_finder.distance"), nullptr);
   EXPECT_EQ(*soc.devices().output("range_finder.reported"), 0.321);

@@ -61,7 +61,7 @@ core: csrr s0, mhartid
                      settings, board);
 }
 
-/// 256 loads that take a cycle each without conflicts.
+/// 256 loads. Without conflicts, each takes one cycle.
 constexpr std::string_view kHammer = ".rept 128\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n";
 
 std::vector<std::uint32_t> cycles_of(std::string_view body, unsigned cores,
@@ -122,7 +122,7 @@ BoardDescription with_tree(BoardDescription board) {
   return board;
 }
 
-/// A loop of 16 loads of one word, `turns` iterations, without any cycle between the loads.
+/// A loop of `turns` iterations. Each iteration loads one word 16 times, without any cycle between the loads.
 std::string hammer(unsigned turns) {
   return fmt::format(
       "mv a0, s1\n.balign 4\n.option push\n.option norvc\nli a3, {}\n.insn i 0x7b, 4, x0, a3, 32\n"
@@ -684,7 +684,7 @@ TEST(ClusterRuntime, KeepsItsBitsWithAnObserver) {
   EXPECT_GT(watched.soc.cluster()->counters().instructions, 40'000U);
 }
 
-/// From the last inferences on four cores to those on eight.
+/// The observed time is from the last inferences on four cores to the inferences on eight.
 TEST(ClusterRuntime, KeepsItsBitsWithAnObserverDuringAnInference) {
   const auto program = Elf::read(MEBOTS_BINARY_DIR "/firmware/network_bench.elf");
   BoardSystem plain(program);
@@ -711,7 +711,7 @@ TEST(ClusterRuntime, TranslatedCoresKeepTheInterpretersBits) {
   EXPECT_EQ(translated.soc.cluster()->hart(0).code().is_translated(), translate::can_translate());
 }
 
-/// Code that runs for 40,000 cycles of a core, and then executes `end`.
+/// Returns code that loops for 40,000 cycles of a core, and then executes `end`.
 std::string works_and(std::string_view end) {
   return fmt::format("li t0, 10000\n3: addi t0, t0, -1\nbnez t0, 3b\n{}\n", end);
 }

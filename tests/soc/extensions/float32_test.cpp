@@ -174,7 +174,8 @@ TEST(Float32, AgreesWithRoundedExactResults) {
     ASSERT_EQ((context.flags & kInexact) != 0, value(nearest(sum)) != sum);
     const auto product = value(a) * value(b);
     ASSERT_EQ(multiply(a, b, context), nearest(product));
-    // The remainders of a quotient and a square root, exact in double precision, say on which side a result is.
+    // The remainder of a quotient or a square root is exact in double precision. Its sign shows whether a result is too
+    // large or too small.
     Context down{Rounding::down};
     const auto lower = divide(a, b, down);
     const auto below = value(a) - value(lower) * value(b);

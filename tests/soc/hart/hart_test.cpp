@@ -362,7 +362,7 @@ TEST(Code, RunsAsWrittenAfterAStoreIntoTheNextInstruction) {
 }
 
 TEST(Code, LargerThanTheBlockCacheRuns) {
-  // 80000 instructions in a row, twice: more than a segment of the decode cache holds.
+  // Executes 80000 consecutive instructions twice. They do not fit into a segment of the decode cache.
   Machine machine(
       fmt::format("_start: li s0, 2\n2: .option norvc\n.rept 80000\naddi a0, a0, 1\n.endr\naddi s0, s0, -1\n"
                   "beqz s0, 3f\nla t0, 2b\njr t0\n3: {}",
@@ -419,7 +419,7 @@ TEST(Code, IsDecodedAndTranslatedAtMostTwice) {
 }
 
 TEST(Code, StaysDecodedWhenOtherCodeChanges) {
-  // 200 functions run often, and one is changed each time.
+  // Runs 200 functions many times, and changes one of them each time.
   Machine machine(fmt::format(R"(
 _start: .option norvc
     li s0, 500

@@ -11,7 +11,7 @@ namespace {
 constexpr unsigned kTimer = 7;
 constexpr unsigned kExternal = 11;
 
-/// Counts in a0; a handler stores mcause in s2 and mepc in s3, masks all interrupts and returns.
+/// The program increments a0 in a loop. A handler stores mcause in s2 and mepc in s3, masks all interrupts and returns.
 std::string counting(unsigned mode, std::string_view enable) {
   return fmt::format(R"(
 _start: .option norvc

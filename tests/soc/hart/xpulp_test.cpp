@@ -67,7 +67,7 @@ struct Example {
   std::uint32_t result;
 };
 
-/// a in a1, b in a2, rd = a0; all in one program.
+/// Operand a is in a1, b in a2, and rd is a0. One program contains all operations.
 void expect_examples(const std::vector<Example>& examples) {
   std::string body = "la s0, results\n";
   for (const auto& example : examples) {

@@ -122,7 +122,8 @@ class Maker {
     return index == kSp || index == kCounter || index == kNowhere || index == kPointer || index == kOtherPointer;
   }
 
-  /// One iteration: all registers from the table, the random code, and the next iteration.
+  /// Writes one iteration: it loads all registers from the table, executes the random code, and jumps to the next
+  /// iteration.
   void start(std::uint32_t turns) {
     emit(0);  // becomes a jump over the handler
     emit(0);

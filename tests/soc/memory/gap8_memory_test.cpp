@@ -65,12 +65,12 @@ std::uint64_t cycles_of_core(std::uint32_t who, const Factors& factors, unsigned
   return system.soc.hart(1 + core).counters().cycles;
 }
 
-/// An addition, a taken branch, and the load itself, in addition to its wait.
+/// kLoopCycles: the cycles of an addition, a taken branch and the load, without the wait of the load.
 constexpr std::uint64_t kLoads = 256;
 constexpr std::uint64_t kLoopCycles = 5;
 
 TEST(Gap8Cluster, CountsTheLatencyOfL2InTheClocksOfClusterAndSoc) {
-  // Start, end, and the refills of the instruction cache, which wait as long as loads.
+  // The cycles of start and end, and of the refills of the instruction cache. A refill waits as long as a load.
   const auto around = [](double way) { return 20 + 10 * way; };
   const auto expect_way = [&](const Factors& factors, std::uint64_t way) {
     EXPECT_NEAR(static_cast<double>(cycles_of_core(1, factors, 0)), static_cast<double>(kLoads * (kLoopCycles + way)),
@@ -250,7 +250,7 @@ fault: j fault
 
 TEST(Gap8Cluster, WaitsForABankOfL1AlsoAtItsAlias) {
   constexpr std::uint64_t kOneWordACycle = 8U * 256;
-  // Cores reach the end of a quantum at other instructions, so the order at the bank differs.
+  // Each core reaches the end of a quantum at a different instruction, so the order at the bank differs.
   constexpr std::uint64_t kMost = kOneWordACycle * 11 / 10;
   for (const auto* address : {"L1_BASE + 0x1100", "0x1100"}) {
     const auto cycles = cycles_of_one_bank(address);

@@ -45,7 +45,7 @@ TEST(InstructionCache, ALineHasArrivedForAllWhenAllCoresArePastItsArrival) {
   EXPECT_TRUE(arrived(5));
   EXPECT_FALSE(arrived(6));
   EXPECT_TRUE(cache.holds(6));
-  // The only user has waited for the line; a core that joins has not.
+  // The only user of the cache has waited for the line. A second core that starts now has not.
   cache.settle(200);
   cache.set_alone(true);
   cache.fetch(7, 200);
@@ -153,7 +153,7 @@ TEST(Fetch, FenceOfInstructionsEmptiesTheCache) {
 }
 
 TEST(Fetch, MissesInEveryIterationOfALoopThatDoesNotFit) {
-  // 8 KiB of straight code through 4 KiB.
+  // 8 KiB of straight code run with a cache of 4 KiB.
   const auto program = assemble(R"(
     .option norvc
 _start: li s0, 50

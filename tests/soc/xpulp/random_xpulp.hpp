@@ -80,7 +80,7 @@ class Generator {
     }
   }
 
-  /// An instruction without a jump; it may be one that is left out.
+  /// An instruction without a jump. It may be one that `left_out_` excludes.
   std::uint32_t any_plain() {
     if (mostly_dots_ && random_.below(2) == 0) {
       const auto& row = *dots_[random_.below(static_cast<std::uint32_t>(dots_.size()))];
@@ -210,7 +210,7 @@ class Generator {
         }
         [[fallthrough]];
       default:
-        // Three instructions; the end is set last or first.
+        // A loop set up by three instructions. The end is set first or last.
         if (random_.below(2) == 0) {
           lp(0, 0, 6);
           lp(3, 0, turns);
@@ -234,7 +234,7 @@ class Generator {
   std::vector<const Encoding*> dots_;
 };
 
-/// A hart that stops at a store without memory.
+/// A hart whose run ends at a store to an address without memory.
 class Platform : public Bus {
  public:
   explicit Platform(bool translate = true)

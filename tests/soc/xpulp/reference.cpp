@@ -39,7 +39,8 @@ bool XpulpReference::step(std::uint32_t word) {
   if (!execute(word, next_pc)) return false;
   x[0] = 0;
   if (next_pc == pc + 4) {
-    // End of a body: the inner loop is checked first, and only a loop with iterations left counts.
+    // Handles the end of a loop's body. The inner loop is checked first. A loop without remaining iterations is
+    // ignored.
     for (auto& one : loops) {
       if (pc != one.end || one.count < 2) continue;
       one.count -= 1;

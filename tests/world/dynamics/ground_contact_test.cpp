@@ -23,7 +23,7 @@ constexpr double kMass_kg = 0.04;
 
 constexpr double kHeight_m = 0.0145;
 
-/// Touches in every millisecond of [from, to).
+/// Records a touch in every millisecond of [from, to).
 void touch(GroundContact& contact, std::int64_t from_ms, std::int64_t to_ms) {
   for (auto ms = from_ms; ms < to_ms; ++ms) contact.update(true, kHeight_m, ms * kMs);
 }
@@ -69,7 +69,7 @@ TEST(GroundContact, IsNoDescentForADroneThatWasOnTheGround) {
   EXPECT_FALSE(contact.has_landed()) << "it has landed";
 }
 
-/// From here a bounce stays below 10 cm.
+/// After a fall from this height, a bounce is below 10 cm.
 constexpr double kFall_m = 0.3;
 
 /// A low flight in still air without drag, whose rotors carry `share` of the weight from t = 0 on.

@@ -318,7 +318,7 @@ TEST(GateJudge, ASceneWithoutGatesIsNeverPassed) {
 }
 
 TEST(GateJudge, ARestoredOneContinuesUnchanged) {
-  // Saved during a long contact, in the plane, after one reversal.
+  // The state is saved during a long contact, while the drone is in the plane and has reversed once.
   const auto second_half = [](GateJudge& judge) {
     const auto stuck = judge.touch(0, 12 * kSecond_ns);
     const auto turned_back = judge.move(state_at(2.01, 0.05, 1.0), state_at(1.9, 0.05, 1.0));

@@ -109,7 +109,7 @@ TEST(RangeCone, ATiltWithinTheFieldOfViewChangesLittle) {
   // 0.2 rad is within the half angle of 0.2356: the nearest point is below. The distance between the cone's rays adds 1
   // - cos(half of it), 0.3 %.
   EXPECT_NEAR(readings(tilted(1.0, 0.2)).first, 1.0, 0.004);
-  // Beyond it, the nearest ray is at the cone's edge.
+  // At larger angles, the nearest ray is at the edge of the cone.
   EXPECT_NEAR(readings(tilted(1.0, 0.5)).first, 1.0 / std::cos(0.5 - 0.2356), 0.002);
 }
 

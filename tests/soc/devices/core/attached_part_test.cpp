@@ -84,7 +84,8 @@ TEST(BoardPart, CameraIsActiveWhileItStreams) {
   EXPECT_NEAR(part.energy_j(10'000'000'000), expected_j, kSumRounding * expected_j);
 }
 
-/// 4096 bytes from the HyperRAM, 4096 from the flash; then a third transfer that is cancelled after its start.
+/// The program reads 4096 bytes from the HyperRAM and 4096 bytes from the flash. It cancels a third transfer after its
+/// start.
 constexpr auto kMoves = R"(
 _start: li s0, 0x1A102180
     li s1, 0x1C060000

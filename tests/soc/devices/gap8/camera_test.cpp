@@ -337,7 +337,7 @@ void expect_row_is_missed(BoardSystem& system) {
   }
 }
 
-/// During the frame of the transfer, after its request.
+/// The system after the request of a transfer, during the frame of this transfer.
 struct InItsFrame : BoardSystem {
   InItsFrame() : BoardSystem(takes_a_picture(), {}, gap8_board_of_camera()) {
     *soc.devices().input("camera.frame_height") = Himax::kWindowHeight;

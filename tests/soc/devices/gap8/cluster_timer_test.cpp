@@ -157,7 +157,7 @@ TEST(Gap8Cluster, WakesAndInterruptsItsCoresByTheClustersTimer) {
   }
 }
 
-/// The only awake core sets the timer to 100 ticks and spins. Its handler stores the timer's count.
+/// Only one core is awake. It sets the timer to 100 ticks and waits in a loop. Its handler stores the timer's count.
 constexpr std::string_view kTimedAlone = R"(
 2:  wfi
     j 2b

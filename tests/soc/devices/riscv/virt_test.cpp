@@ -122,7 +122,7 @@ std::uint64_t first_cycle_at(std::uint64_t time_ns, std::uint64_t clock_hz) {
 }
 
 TEST(Virt, TimerInterruptEntersItsHandlerInTheCycleOfItsTick) {
-  // Every instruction of the loop takes one cycle, so the core can be interrupted in each.
+  // Every instruction of the loop takes one cycle, so an interrupt can occur in each cycle.
   const std::string sled = "1: .rept 2000\nnop\n.endr\nj 1b";
   for (const double clock_hz : {100e6, 87e6, 33e6, 250e6}) {
     for (const std::uint32_t tick : {30U, 31U, 77U}) {
