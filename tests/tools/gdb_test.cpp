@@ -183,6 +183,7 @@ _start: .option arch, +a
     li t1, 1
     sw t1, 0(t0)
 1:  j 1b
+    .balign 4
 word: .word 7
 {})",
                                                   kTohost));
