@@ -73,7 +73,7 @@ class CoreStack final : public Observer {
   Picoseconds asleep_since_ = -1;  // negative = awake
 };
 
-/// Where the cycles of all harts go.
+/// Divides the cycles of all harts among their causes.
 class CycleStack {
  public:
   explicit CycleStack(const Soc& soc);
