@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the shipped networks as ONNX: navigator.onnx and sight.onnx, each with pictures for the calibration (.npy).
+"""Writes our networks as ONNX, each with pictures for the calibration (.npy): navigator and sight, which are shipped as firmware, and
+the sight network with three quarters and a half of the channels (narrower.py).
 
 Their weights are whole numbers, so the float model has nearly the values of the firmware's own kernels."""
 
 import argparse
 import pathlib
+import typing
 
 import numpy as np
 import onnx
@@ -14,14 +16,31 @@ from onnx import TensorProto, helper, numpy_helper
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EDGE = 168
 STRIDES = (2, 2, 1, 2, 1, 2, 1)
-# Channels of the convolutions, and outputs (fmu_soc/firmware/nn/shape.h).
-NETWORKS = {"navigator": ((4, 4, 4, 16, 16, 32, 32), 1), "sight": ((8, 8, 8, 16, 16, 32, 32), 4)}
+FIRMWARE = "fmu_soc/firmware/nn"  # shape.h has the shapes of its networks
+HERE = "examples/networks"
+
+
+class Known(typing.NamedTuple):
+    """``channels`` of the convolutions. ``pictures``: golden pictures of the training, for the calibration."""
+
+    folder: str
+    channels: tuple
+    outputs: int
+    pictures: str
+
+
+NETWORKS = {
+    "navigator": Known(FIRMWARE, (4, 4, 4, 16, 16, 32, 32), 1, "golden"),
+    "sight": Known(FIRMWARE, (8, 8, 8, 16, 16, 32, 32), 4, "sight_golden"),
+    "sight_three_quarters": Known(HERE, (6, 6, 6, 12, 12, 24, 24), 4, "sight_golden"),
+    "sight_half": Known(HERE, (4, 4, 4, 8, 8, 16, 16), 4, "sight_golden"),
+}
 
 
 def read_layers(name):
-    """Returns weights (out, in, rows, columns), biases and shifts of each layer from the firmware's file."""
-    channels, outputs = NETWORKS[name]
-    content = (ROOT / f"fmu_soc/firmware/nn/{name}.weights").read_bytes()
+    """Returns weights (out, in, rows, columns), biases and shifts of each layer from the file of export.py."""
+    folder, channels, outputs, _ = NETWORKS[name]
+    content = (ROOT / folder / f"{name}.weights").read_bytes()
     at = 0
 
     def take(count, kind):
@@ -77,7 +96,7 @@ def model(name):
             nodes.append(helper.make_node("MaxPool", [source], ["pooled"], name="pool", kernel_shape=[2, 2], strides=[2, 2]))
             source = "pooled"
     picture = helper.make_tensor_value_info("picture", TensorProto.FLOAT, [1, 1, EDGE, EDGE])
-    outputs = helper.make_tensor_value_info("outputs", TensorProto.FLOAT, [1, NETWORKS[name][1]])
+    outputs = helper.make_tensor_value_info("outputs", TensorProto.FLOAT, [1, NETWORKS[name].outputs])
     made = helper.make_model(helper.make_graph(nodes, name, [picture], [outputs], constants), opset_imports=[helper.make_opsetid("", 17)])
     made.ir_version = 8
     return made
@@ -88,9 +107,9 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     folder = parser.parse_args().folder
     folder.mkdir(parents=True, exist_ok=True)
-    for name, golden in (("navigator", "golden"), ("sight", "sight_golden")):
+    for name, known in NETWORKS.items():
         onnx.save(model(name), folder / f"{name}.onnx")
-        pictures = np.fromfile(ROOT / f"examples/paper/training/{golden}.pictures", np.int8).reshape(-1, 1, EDGE, EDGE)
+        pictures = np.fromfile(ROOT / f"examples/paper/training/{known.pictures}.pictures", np.int8).reshape(-1, 1, EDGE, EDGE)
         np.save(folder / f"{name}.npy", pictures.astype(np.float32) / 255)
         print(f"{folder / name}.onnx, {folder / name}.npy: {len(pictures)} pictures")
 
