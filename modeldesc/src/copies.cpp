@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "copies.hpp"
 
+#include "fmi3_keys.hpp"
 #include "generate.hpp"
 #include "mebots/error.hpp"
 
@@ -101,17 +102,8 @@ void make_copies(Description& description, std::size_t count) {
   check_unique(description);
 }
 
-std::vector<std::string> names_in_copy(const Description& description, std::vector<std::string> names,
-                                       std::size_t copy) {
-  if (!description.repeat || description.repeat->count == 1) return names;
-  for (std::string& name : names) {
-    const std::string copied = copied_name(description.repeat->word, name, copy);
-    const bool is_copied = std::ranges::any_of(description.fields, [&](const Field& field) {
-      return std::ranges::find(field.fmi_names, copied) != field.fmi_names.end();
-    });
-    if (is_copied) name = copied;
-  }
-  return names;
+std::string name_in_copy(const Description& description, const std::string& name, std::size_t copy) {
+  return copied_name(description.repeat->word, name, copy);
 }
 
 }  // namespace mebots::modeldesc

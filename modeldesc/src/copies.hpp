@@ -25,8 +25,7 @@ void check_repeat(const data::Node& node, const Description& description);
 /// variables would have the same name.
 void make_copies(Description& description, std::size_t count);
 
-/// Returns the names of variables in a copy, from their names in an FMU of one copy.
-std::vector<std::string> names_in_copy(const Description& description, std::vector<std::string> names,
-                                       std::size_t copy);
+/// Returns the name that a variable has in a copy if it is copied. The description must have a `repeat`.
+std::string name_in_copy(const Description& description, const std::string& name, std::size_t copy);
 
 }  // namespace mebots::modeldesc

@@ -84,9 +84,17 @@ void add_structure(const Description& description, ModelDescription& result) {
     by_name[variable.osmp ? variable.osmp->name : variable.name].push_back(i);
     if (variable.causality == Causality::parameter) parameters.push_back(i);
   }
-  const auto with_indices = [&](std::vector<std::size_t> indices, const std::vector<std::string>& names) {
-    for (const std::string& name : names)
-      indices.insert(indices.end(), by_name.at(name).begin(), by_name.at(name).end());
+  const bool has_copies = description.repeat && description.repeat->count > 1;
+  const auto indices_of = [&](const std::string& name, std::size_t copy) -> const std::vector<std::size_t>& {
+    const auto copied = has_copies ? by_name.find(name_in_copy(description, name, copy)) : by_name.end();
+    return copied == by_name.end() ? by_name.at(name) : copied->second;
+  };
+  const auto with_indices = [&](std::vector<std::size_t> indices, const std::vector<std::string>& names,
+                                std::size_t copy) {
+    for (const std::string& name : names) {
+      const auto& more = indices_of(name, copy);
+      indices.insert(indices.end(), more.begin(), more.end());
+    }
     std::ranges::sort(indices);
     return indices;
   };
@@ -94,12 +102,11 @@ void add_structure(const Description& description, ModelDescription& result) {
     if (field.causality != Causality::output) continue;
     for (std::size_t i = 0; i < field.fmi_names.size(); ++i) {
       const std::size_t copy = i / field.words;
-      const auto dependencies = with_indices({}, names_in_copy(description, field.depends_on, copy));
+      const auto dependencies = with_indices({}, field.depends_on, copy);
       // The whole model, made from all parameters, computes the first outputs. Therefore they may depend on every
       // parameter, and on every input unless the description excludes it.
       std::optional<std::vector<std::size_t>> first;
-      if (field.first_depends_on)
-        first = with_indices(parameters, names_in_copy(description, *field.first_depends_on, copy));
+      if (field.first_depends_on) first = with_indices(parameters, *field.first_depends_on, copy);
       for (const std::size_t index : by_name.at(field.fmi_names[i])) {
         result.outputs.push_back({index, dependencies, {}});
         result.initial_unknowns.push_back({index, first, {}});
