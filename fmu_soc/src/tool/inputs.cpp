@@ -189,7 +189,8 @@ std::filesystem::path board_file(const std::string& asked) {
     if (known.back() == asked) return path;
   }
   std::ranges::sort(known);
-  known.erase(std::ranges::unique(known).begin(), known.end());
+  // Not std::ranges::unique(): clang 14, which builds the fuzzers, does not accept libstdc++'s subrange.
+  known.erase(std::unique(known.begin(), known.end()), known.end());
   throw Error(
       fmt::format("--board {}: there is no such board or file. MEbots has the boards {}; name a board file of "
                   "your own by its path",

@@ -63,7 +63,8 @@ struct Graph {
       nodes.push_back(connection.to);
     }
     std::ranges::sort(nodes, before);
-    nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+    // Not std::ranges::unique(): clang 14, which builds the fuzzers, does not accept libstdc++'s subrange.
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     followers.resize(nodes.size());
     outputs_of_all.resize(system.instances.size());
     for (const auto& connection : system.connections) {

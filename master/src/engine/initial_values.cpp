@@ -125,8 +125,8 @@ bool InitialValues::sweep(int sweeps, bool hold_cuts) {
     if (i > 0 && change.is_settled) return true;
     if (!hold_cuts && driven_apart()) return false;
     std::ranges::sort(change.driven);
-    const auto repeated = std::ranges::unique(change.driven);
-    change.driven.erase(repeated.begin(), repeated.end());
+    // Not std::ranges::unique(): clang 14, which builds the fuzzers, does not accept libstdc++'s subrange.
+    change.driven.erase(std::unique(change.driven.begin(), change.driven.end()), change.driven.end());
     changed = i == 0 ? all : std::move(change.driven);
     for (const auto k : changed) write(k, hold_cuts);
   }
