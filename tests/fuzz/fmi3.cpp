@@ -2,7 +2,7 @@
 //
 // Any text as a modelDescription.xml of FMI 3.0: rejected with an Error, or a description whose references are sound,
 // also after the arrays are replaced by their elements. The target links the reader alone, without checks and archives,
-// so that it reaches ten million inputs in an hour of one core.
+// which would take most of the time.
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/array_elements.hpp"
 #include "mebots/modeldesc/xml.hpp"
