@@ -61,7 +61,8 @@ build() {
   cmake --build "$place/sundials" --target install
   (cd "$place"/zlib-*/ && $target-gcc-posix $plain -c adler32.c compress.c crc32.c deflate.c inf*.c trees.c uncompr.c zutil.c &&
     $target-ar rcs "$sysroot/lib/libz.a" ./*.o && cp zlib.h zconf.h "$sysroot/include/")
-  (cd "$place"/libpng1.6-*/ && ./configure --host=$target CC=$target-gcc-posix "CFLAGS=$plain" "CPPFLAGS=-I$sysroot/include" "LDFLAGS=-L$sysroot/lib" "--prefix=$sysroot" --disable-shared &&
+  (cd "$place"/libpng1.6-*/ && ./configure --host=$target CC=$target-gcc-posix "CFLAGS=$plain" "CPPFLAGS=-I$sysroot/include" \
+    "LDFLAGS=-L$sysroot/lib" "--prefix=$sysroot" --disable-shared &&
     make -j"$(nproc)" libpng16.la && make install-libLTLIBRARIES install-pkgincludeHEADERS install-nodist_pkgincludeHEADERS)
   cp "$sysroot"/include/libpng16/*.h "$sysroot/include/"
   (cd "$place"/ode-*/ && grep -rl '<Windows.h>' ode include | xargs -r sed -i 's/<Windows.h>/<windows.h>/' &&
