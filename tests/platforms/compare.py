@@ -68,6 +68,8 @@ class Fmu:
                       if node.get("causality") == "structuralParameter"}
         for node in root.find("ModelVariables"):
             kind = KINDS.get(node.tag if self.is_fmi3 else node[0].tag)
+            if self.is_fmi3 and node.tag == "Enumeration":
+                kind = "int64"
             count = 1
             for dimension in node.findall("Dimension"):
                 count *= int(dimension.get("start") or structural[dimension.get("valueReference")])
@@ -95,8 +97,8 @@ class Fmu:
         for step in range(STEPS):
             for name, kind, causality, reference, count in self.variables:
                 value = course(name, step)
-                if causality == "input" and kind == "real" and count == 1 and value is not None:
-                    yield f"real {reference} {bits(value)}"
+                if causality == "input" and kind == "real" and value is not None:
+                    yield f"real {reference} {' '.join(bits(value * (1 + 0.01 * element)) for element in range(count))}"
             yield f"step {bits(step * STEP_S)} {bits(STEP_S)}"
             yield from (order for kind, order in outputs if kind != "string" or step % STRING_EVERY == 0)
 

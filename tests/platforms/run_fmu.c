@@ -6,7 +6,7 @@
 //
 // An order is a line of UTF-8 text; numbers are bits in hexadecimal:
 //   library PATH | guid TEXT | resources TEXT | instantiate VERSION | initialise | step TIME LENGTH
-//   real|integer|boolean|string REFERENCE VALUE | read real|integer|boolean|string REFERENCE COUNT
+//   real|integer|boolean|string REFERENCE VALUE... | read real|integer|int64|boolean|string REFERENCE COUNT
 // The resources are a file URI for FMI 2.0, and a folder for FMI 3.0.
 #include <stdarg.h>
 #include <stdint.h>
@@ -136,7 +136,8 @@ static double real_of(const char* bits) {
   return value;
 }
 
-// In FMI 2.0 a boolean is an int, and there are no arrays. In FMI 3.0 a boolean is a byte, and an integer has 32 bits.
+// In FMI 2.0 a boolean is an int, and there are no arrays. In FMI 3.0 a boolean is a byte, an integer has
+// 32 bits, and an enumeration 64.
 enum { kMost = 1024 };
 typedef int (*Access)(Component, const Reference*, size_t, void*);
 typedef int (*AccessArray)(Component, const Reference*, size_t, void*, size_t);
@@ -146,18 +147,29 @@ static int access(const char* way, const char* type, Reference reference, void* 
   const int real = strcmp(type, "real") == 0, integer = strcmp(type, "integer") == 0,
             text = strcmp(type, "string") == 0;
   const char* of2 = real ? "Real" : integer ? "Integer" : text ? "String" : "Boolean";
-  const char* of3 = real ? "Float64" : integer ? "Int32" : text ? "String" : "Boolean";
+  const char* of3 = strcmp(type, "int64") == 0 ? "Int64"
+                    : real                     ? "Float64"
+                    : integer                  ? "Int32"
+                    : text                     ? "String"
+                                               : "Boolean";
   snprintf(name, sizeof name, "%s%s", way, version == 2 ? of2 : of3);
   if (version == 2) return ((Access)function(name))(component, &reference, count, values);
   return ((AccessArray)function(name))(component, &reference, 1, values, count);
 }
 
+// `values` are separated by blanks; strtok() has found the first one.
+static void set_reals(Reference reference, const char* value) {
+  static double reals[kMost];
+  size_t count = 0;
+  for (; value != NULL && count < kMost; value = strtok(NULL, " ")) reals[count++] = real_of(value);
+  check(access("Set", "real", reference, reals, count), "Set");
+}
+
 static void set(const char* type, Reference reference, char* value) {
-  double real = real_of(value);
   int32_t integer = (int32_t)strtol(value, NULL, 16);
   _Bool flag = integer != 0;
   const char* text = value;
-  void* place = strcmp(type, "real") == 0 ? (void*)&real : strcmp(type, "string") == 0 ? (void*)&text : (void*)&integer;
+  void* place = strcmp(type, "string") == 0 ? (void*)&text : (void*)&integer;
   if (strcmp(type, "boolean") == 0 && version == 3) place = &flag;
   check(access("Set", type, reference, place, 1), "Set");
 }
@@ -172,7 +184,7 @@ static void read_values(const char* type, Reference reference, size_t count) {
   if (count > kMost) fail("too many elements");
   check(access("Get", type, reference, &values, count), "Get");
   for (size_t i = 0; i < count; ++i) {
-    if (strcmp(type, "real") == 0) {
+    if (strcmp(type, "real") == 0 || strcmp(type, "int64") == 0) {
       printf(" %016llx", (unsigned long long)values.bits[i]);
     } else if (strcmp(type, "string") == 0) {
       uint64_t hash = 14695981039346656037ULL;  // FNV-1a
@@ -201,12 +213,13 @@ static void perform(const char* order, char* rest) {
   } else {
     char* first = strtok(rest, " ");
     char* second = strtok(NULL, strcmp(order, "string") == 0 ? "" : " ");
-    char* third = strtok(NULL, " ");
     if (strcmp(order, "step") == 0) {
       step(real_of(first), real_of(second));
       putchar('\n');
     } else if (strcmp(order, "read") == 0) {
-      read_values(first, (Reference)strtoul(second, NULL, 10), strtoul(third, NULL, 10));
+      read_values(first, (Reference)strtoul(second, NULL, 10), strtoul(strtok(NULL, " "), NULL, 10));
+    } else if (strcmp(order, "real") == 0) {
+      set_reals((Reference)strtoul(first, NULL, 10), second);
     } else {
       set(order, (Reference)strtoul(first, NULL, 10), second == NULL ? (char*)"" : second);
     }
