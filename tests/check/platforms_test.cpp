@@ -35,7 +35,7 @@ TEST(CheckPlatforms, ABinaryInTheFolderOfAnotherPlatformIsAnError) {
   Workshop workshop;
   const auto fmu = workshop.culprit("none", {{"binaries/win32/culprit.dll", test::windows_dll({}, {})},
                                              {"binaries/aarch64-linux/culprit.so", "not a library"}});
-  const auto found = findings(fmu);
+  const auto found = findings(fmu, true);
   EXPECT_THAT(found, Contains(HasSubstr("error: binaries/win32/culprit.dll is for x86-64 Windows, but win32 means")));
   EXPECT_THAT(found, Contains(HasSubstr("binaries/aarch64-linux/culprit.so is no library of a known platform")));
 }
