@@ -299,7 +299,7 @@ TEST(CheckBehaviour, TracesOfTheLayeredStandardAreReplayed) {
 TEST(CheckBehaviour, MissingLibrariesAndForeignBinariesAreNamed) {
   Workshop workshop;
   EXPECT_THAT(findings(workshop.described(culprit_description("none")), true),
-              Contains(HasSubstr("is not an ELF file")));
+              Contains(HasSubstr("is no library of a known platform")));
 }
 
 TEST(CheckReport, IsValidJson) {
