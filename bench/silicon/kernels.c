@@ -106,8 +106,8 @@ void convolution_vector(const job_t* shared, unsigned core) {
   }
 }
 
-// Two products. The second one waits a cycle for its load, because this gives the published cycles of GreenWaves'
-// kernel.
+// Two products with their loads. The second product directly follows the load of its operand, so it waits one cycle.
+// With this wait, the kernel has the published cycles of GreenWaves' kernel.
 // clang-format off
 #define PRODUCT_PAIR(load, product, step)                                    \
   load("t0", step, "%[p]") load("t1", step, "%[w]") load("t2", step, "%[p]") \

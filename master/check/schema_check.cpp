@@ -17,7 +17,7 @@ namespace {
 
 class SchemaCheck {
  public:
-  /// Without a grammar, uses that of the version stated in the file.
+  /// If `grammar` is empty, run() uses the grammar of the FMI version that the file states.
   SchemaCheck(std::string_view text, Findings findings, std::optional<Grammar> grammar)
       : text_(text), findings_(findings), grammar_(grammar) {}
 

@@ -105,7 +105,7 @@ class Answers(StudyCase):
         self.assertRegex(found.headlines[0], r"^Lowest out among 3 designs with success in 20 of 20: gain 2, .* 1 design cannot be separated from it\. Their success is above 83 %\.$")
         self.assertEqual([(row.rank, row.design, row.note) for row in found.rows],
                          [(1, 2, "best so far"), (2, 1, "not separated from the best"), (3, 0, "worse")])
-        self.assertRegex("\n".join(found.remarks), r"Missions that would separate gain 2: about \d+ more of each from gain 1\.")
+        self.assertRegex("\n".join(found.remarks), r"Further missions of each design needed to separate gain 2: about \d+ from gain 1\.")
 
     def test_a_design_that_fails_more_often_is_not_the_best_by_its_energy(self):
         found, _ = self.judge([[10.0 + one / 100 for one in range(20)], [1.0 + one / 100 for one in range(3)] + [None] * 17])

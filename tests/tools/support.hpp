@@ -12,7 +12,7 @@ namespace mebots::soc::test {
 using mebots::test::read_file;
 using mebots::test::write_file;
 
-/// A temporary folder, whose paths are texts for the tests' commands.
+/// A temporary folder. Its operator/ returns a string, which tests insert into their commands.
 class Folder : public mebots::test::Folder {
  public:
   Folder() : mebots::test::Folder("mebots-tools") {}

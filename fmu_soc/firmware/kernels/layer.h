@@ -99,8 +99,8 @@ typedef struct {
   int32_t step_x, step_y;
   int32_t group_bytes;
   // Convolution: if gather_runs > 0, a core first copies the patches of two places to its part of l1_gathered. A patch
-  // has gather_rows rows of gather_runs runs of gather_bytes bytes; steps are bytes from the start of a run to the next
-  // one.
+  // has gather_rows rows. A row has gather_runs runs of gather_bytes bytes. gather_step is the distance in bytes from
+  // one run to the next, gather_row_step the distance from one row to the next.
   int32_t gather_rows, gather_runs, gather_bytes;
   int32_t gather_step, gather_row_step;
   int32_t gathered_bytes;   // of a patch, whole words

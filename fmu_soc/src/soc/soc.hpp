@@ -54,7 +54,7 @@ class Soc final {
   /// Advances to `time_ns`, which must not be in the past.
   void advance(std::int64_t time_ns);
   /// Runs until any core has executed `cycle_limit` active cycles, until a time, until the end, or until a sleep that
-  /// nothing can end. For programs that run alone.
+  /// nothing can end. `mebots-soc run` uses it, without FMI.
   void run_cycles(std::uint64_t cycle_limit, Picoseconds until = kWithoutEnd);
   /// Switches the supply off: afterwards nothing runs, and nothing consumes energy.
   void power_off();

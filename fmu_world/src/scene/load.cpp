@@ -126,7 +126,8 @@ void check_path(const Node& node, const Path& path) {
   if (last.offset_W_m != first.offset_W_m ||
       std::abs(std::remainder(turns_rad, 2.0 * std::numbers::pi)) > kSameTurn_rad) {
     points.back().complain(ErrorCode::invalid_value,
-                           "a path that repeats must end where it begins: the same offset, whole turns");
+                           "a path that repeats must end where it begins: with the same offset, and a turn that "
+                           "differs by a multiple of 2 pi");
   }
 }
 

@@ -76,7 +76,7 @@ struct OsmpTriple {
 /// Returns all binary variables of an FMU.
 std::vector<OsmpTriple> osmp_triples(const modeldesc::ModelDescription& description);
 
-/// Returns the indices of the three in a list of references, or nullopt if one is absent.
+/// Returns the indices of the triple's three references in `references`, or nullopt if one of them is absent.
 std::optional<std::array<std::size_t, 3>> places_of(const OsmpTriple& triple,
                                                     std::span<const ValueReference> references);
 

@@ -13,7 +13,7 @@
 
 namespace mebots::soc::gap8_devices {
 
-/// A chip on an I2C bus, for the bus master.
+/// Interface of a device on an I2C bus. The model of the bus master calls it.
 class I2cDevice {
  public:
   virtual ~I2cDevice() = default;

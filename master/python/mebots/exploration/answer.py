@@ -273,10 +273,10 @@ class Judge:
             sign = self._sign(self._main)
             near = sorted(near, key=lambda one: -sign * (self._evidence.shown(one, self._main).mean or 0.0))
             needed = [(one, missions_to_separate(self._evidence, best, one, self._main)) for one in near]
-            told = [f"about {count} more of each from {self._names[one]}" for one, count in needed if count is not None]
+            told = [f"about {count} from {self._names[one]}" for one, count in needed if count is not None]
             never = [self._names[one] for one, count in needed if count is None]
             if told:
-                lines.append(f"Missions that would separate {self._names[best]}: {'; '.join(told[:_MOST_NAMED])}.")
+                lines.append(f"Further missions of each design needed to separate {self._names[best]}: {'; '.join(told[:_MOST_NAMED])}.")
             if never:
                 more = f" and {len(never) - _MOST_NAMED} more" if len(never) > _MOST_NAMED else ""
                 lines.append(f"More missions would not prove a difference for: {'; '.join(never[:_MOST_NAMED])}{more}.")

@@ -17,8 +17,8 @@ _MOST_IN_MEMORY = 4
 MOST_BYTES = 4 << 30
 """Maximum size on disk. The least recently used states are deleted first."""
 _LOOK_EVERY_BYTES = MOST_BYTES // 64
-"""The bytes that a process writes before it checks the size of the folder, which requires the size of every state in
-it."""
+"""A process checks the size of the folder each time it has written this many bytes. The check reads the size of every
+state."""
 _ASK_EVERY_S = 0.02
 _SAY_EVERY_S = 1.0
 

@@ -32,7 +32,8 @@ void Fmi3Slave::exit_initialization() {
   }
 }
 
-/// In event mode. Returns true if the FMU ends the simulation; otherwise leaves it in step mode.
+/// Updates discrete states until the event has ended. The FMU must be in event mode. Returns true if the FMU ends the
+/// simulation; otherwise enters step mode and returns false.
 bool Fmi3Slave::handle_event() {
   for (int updates = 0; updates < kMostUpdates; ++updates) {
     const auto update = update_event();
