@@ -138,13 +138,24 @@ void check_platforms(const ModelDescription& model, const fs::path& folder, Find
 }
 
 void check_machine(const fs::path& library, const modeldesc::Platform& expected, Findings findings) {
-  const auto* const found = modeldesc::find_platform(library);
-  if (found == &expected) return;
+  if (modeldesc::is_built_for(expected, library)) return;
   const auto folder = library.parent_path().filename().string();
-  findings.error(fmt::format("binaries/{}/{} is {}, but {} means {}", folder, library.filename().string(),
-                             found == nullptr ? "no library of a known platform" : fmt::format("for {}", found->text),
-                             folder, expected.text),
-                 "put it into the folder of its platform");
+  const auto found = modeldesc::find_platforms(library);
+  const auto text =
+      fmt::format("binaries/{}/{} is {}, but {} means {}", folder, library.filename().string(),
+                  found.empty() ? "no library of a known platform" : fmt::format("for {}", found.front()->text), folder,
+                  expected.text);
+  // FMI 2.0 has one folder for macOS, of the time before its ARM processors; some tools use it for both.
+  const bool is_only_mac = !found.empty() && found.front()->format == modeldesc::BinaryFormat::mach_o &&
+                           expected.format == modeldesc::BinaryFormat::mach_o;
+  if (is_only_mac)
+    findings.warning(text, "add a library for the platform of the folder, or make it universal with lipo");
+  else
+    findings.error(text, "put it into the folder of its platform");
+}
+
+bool is_own_binary(const fs::path& library) {
+  return is_there(library) && modeldesc::is_built_for(modeldesc::this_platform(), library);
 }
 
 void check_own_binary(const fs::path& library, Findings findings) {

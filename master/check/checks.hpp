@@ -48,6 +48,8 @@ bool is_structured_name(std::string_view name);
 void check_platforms(const modeldesc::ModelDescription& model, const std::filesystem::path& folder, Findings findings);
 /// Checks that the header of a library is that of the platform which its folder names.
 void check_machine(const std::filesystem::path& library, const modeldesc::Platform& expected, Findings findings);
+/// Returns whether the library exists and is built for this machine. Throws Error if it cannot be read.
+bool is_own_binary(const std::filesystem::path& library);
 /// Warns if the library for this machine does not exist.
 void check_own_binary(const std::filesystem::path& library, Findings findings);
 /// Checks that the library exports the functions that the standard requires, and no others.

@@ -70,11 +70,14 @@ class FolderReader {
 
  private:
   void read_library(const fs::path& file) {
-    const auto* const platform = modeldesc::find_platform(file);
-    if (platform == nullptr) return;
-    if (needs_.machine.empty()) needs_.machine = platform->text;
-    if (platform->format == BinaryFormat::elf) read_elf(file);
-    if (platform->format == BinaryFormat::pe) read_pe(file);
+    const auto platforms = modeldesc::find_platforms(file);
+    if (platforms.empty()) return;
+    if (needs_.machine.empty()) {
+      for (const auto* const platform : platforms)
+        needs_.machine += fmt::format("{}{}", needs_.machine.empty() ? "" : " and ", platform->text);
+    }
+    if (platforms.front()->format == BinaryFormat::elf) read_elf(file);
+    if (platforms.front()->format == BinaryFormat::pe) read_pe(file);
   }
 
   void read_elf(const fs::path& file) {

@@ -83,6 +83,8 @@ class ElfImage {
 
   /// Returns the versions of symbols in other libraries. Each needed library has an entry with a list of version names.
   std::vector<std::string> needed_versions() const {
+    std::size_t most = 0;  // a row of the table has 16 bytes
+    for (const auto& segment : segments_) most += segment.bytes.size() / sizeof(Elf64_Vernaux);
     std::vector<std::string> versions;
     auto place = pointer(DT_VERNEED);
     for (std::uint64_t i = 0; i < value(DT_VERNEEDNUM); ++i) {
@@ -90,6 +92,7 @@ class ElfImage {
       auto place_of_name = place + library.vn_aux;
       for (std::uint32_t k = 0; k < library.vn_cnt; ++k) {
         const auto version = at<Elf64_Vernaux>(place_of_name);
+        if (versions.size() == most) fail("its table of needed versions is damaged: its rows overlap");
         versions.push_back(string(version.vna_name));
         if (version.vna_next == 0) break;
         place_of_name += version.vna_next;

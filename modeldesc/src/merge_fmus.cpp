@@ -9,11 +9,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace mebots::modeldesc {
 namespace {
@@ -62,6 +65,7 @@ class Merge {
       throw Error(ErrorCode::duplicate_name, fmt::format("both {} and {} have binaries for {}; leave one of them out",
                                                          known->second.string(), build.archive().string(), platform));
     }
+    refuse_other_entries(build);
     for (const auto& [entry, file] : build.files()) {
       const auto [known, is_new] = files_.emplace(entry_of(entry, build), Source{file, build.archive()});
       if (is_new || entry.starts_with("documentation/") || text_of(known->second.file) == text_of(file)) continue;
@@ -85,12 +89,40 @@ class Merge {
     fs::path archive;
   };
 
+  /// The entries of the first build that all others must have, too.
+  struct Shared {
+    std::set<std::string> entries;
+    fs::path archive;
+  };
+
+  /// Throws Error if a file that all builds share is missing in this or in the first one.
+  void refuse_other_entries(const Build& build) {
+    std::set<std::string> entries;
+    for (const auto& [entry, file] : build.files()) {
+      if (!entry.starts_with("binaries/") && !entry.starts_with("documentation/")) entries.insert(entry);
+    }
+    if (is_first_) {
+      shared_ = {std::move(entries), build.archive()};
+      return;
+    }
+    std::vector<std::string> different;
+    std::ranges::set_symmetric_difference(entries, shared_.entries, std::back_inserter(different));
+    if (different.empty()) return;
+    const auto& [with, without] = entries.contains(different.front()) ? std::pair{build.archive(), shared_.archive}
+                                                                      : std::pair{shared_.archive, build.archive()};
+    throw Error(ErrorCode::fmu_inconsistent,
+                fmt::format("{} is in {}, but not in {}: they are not builds of the same FMU; build both from the same "
+                            "sources",
+                            different.front(), with.string(), without.string()));
+  }
+
   std::string entry_of(const std::string& entry, const Build& build) const {
     if (is_first_ || entry != kBill) return entry;
     return fmt::format("documentation/sbom.{}.spdx.json", fmt::join(build.platforms(), "."));
   }
 
   bool is_first_ = true;
+  Shared shared_;
   std::map<std::string, fs::path> platforms_;
   std::map<std::string, Source> files_;
 };

@@ -117,7 +117,12 @@ class PeFile {
     const auto count = get<std::uint32_t>(table + 24);
     if (count == 0) return;
     const auto list = offset_of(get<std::uint32_t>(table + 32));
-    for (std::uint64_t i = 0; i < count; ++i) names.push_back(text_at(get<std::uint32_t>(list + 4 * i)));
+    std::size_t characters = 0;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      names.push_back(text_at(get<std::uint32_t>(list + 4 * i)));
+      characters += names.back().size();
+      if (characters > bytes_.size()) fail("its table of exports is damaged: its names overlap");
+    }
   }
 
   std::string_view bytes_;

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <string>
+#include <vector>
 
 namespace mebots::modeldesc {
 namespace {
@@ -23,8 +24,10 @@ using enum BinaryFormat;
 constexpr std::uint32_t kPeI386 = 0x14c;
 constexpr std::uint32_t kPeAmd64 = 0x8664;
 constexpr std::uint32_t kPeArm64 = 0xaa64;
-constexpr std::uint32_t kMachX86_64 = 0x0100'0007;
-constexpr std::uint32_t kMachArm64 = 0x0100'000c;
+constexpr std::uint32_t kMach64Bit = 0x0100'0000;
+constexpr std::uint32_t kMachX86 = 7;
+constexpr std::uint32_t kMachX86_64 = kMach64Bit | kMachX86;
+constexpr std::uint32_t kMachArm64 = kMach64Bit | 12;
 
 // FMI 2.0 names six platforms and allows others: those have the names of FMI 3.0.
 constexpr Platform kPlatforms[] = {
@@ -38,7 +41,7 @@ constexpr Platform kPlatforms[] = {
     {pe, 32, kPeI386, "win32", "x86-windows", ".dll", "32-bit x86 Windows"},
     {pe, 64, kPeArm64, "aarch64-windows", "aarch64-windows", ".dll", "64-bit ARM Windows"},
     {mach_o, 64, kMachX86_64, "darwin64", "x86_64-darwin", ".dylib", "x86-64 macOS"},
-    {mach_o, 32, EM_386, "darwin32", "x86-darwin", ".dylib", "32-bit x86 macOS"},
+    {mach_o, 32, kMachX86, "darwin32", "x86-darwin", ".dylib", "32-bit x86 macOS"},
     {mach_o, 64, kMachArm64, "aarch64-darwin", "aarch64-darwin", ".dylib", "64-bit ARM macOS"},
 };
 
@@ -56,7 +59,30 @@ const Platform* find(BinaryFormat format, int bits, std::uint32_t machine) {
   return found == std::end(kPlatforms) ? nullptr : found;
 }
 
-/// `start` holds the first bytes of the file.
+const Platform* find_mach_o(std::uint32_t machine) {
+  return find(mach_o, (machine & kMach64Bit) != 0 ? 64 : 32, machine);
+}
+
+std::uint32_t big_endian(std::string_view bytes, std::size_t offset) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8U | at<std::uint8_t>(bytes, offset + i);
+  return value;
+}
+
+/// Returns the platforms of a universal library of macOS. Its table has one row for each (<mach-o/fat.h>).
+std::vector<const Platform*> platforms_of_universal(std::string_view start) {
+  constexpr std::size_t kHeader = 8;
+  constexpr std::size_t kRow = 20;
+  std::vector<const Platform*> found;
+  const auto rows = big_endian(start, 4);
+  for (std::size_t i = 0; i < rows && kHeader + (i + 1) * kRow <= start.size(); ++i) {
+    if (const auto* const platform = find_mach_o(big_endian(start, kHeader + i * kRow))) found.push_back(platform);
+  }
+  return found;
+}
+
+/// Returns the platform of a library for one; null if it is none of the known ones. `start` holds the first bytes of
+/// the file.
 const Platform* platform_in(std::string_view start) {
   using namespace std::string_view_literals;
   if (start.starts_with("\x7f"
@@ -71,9 +97,10 @@ const Platform* platform_in(std::string_view start) {
     const auto machine = at<std::uint16_t>(start, header + 4);
     return find(pe, machine == kPeI386 ? 32 : 64, machine);
   }
-  constexpr std::uint32_t kMachMagic = 0xfeed'facf;
-  if (at<std::uint32_t>(start, 0) == kMachMagic) return find(mach_o, 64, at<std::uint32_t>(start, 4));
-  return nullptr;
+  constexpr std::uint32_t kMach32 = 0xfeed'face;
+  constexpr std::uint32_t kMach64 = 0xfeed'facf;
+  const auto magic = at<std::uint32_t>(start, 0);
+  return magic == kMach32 || magic == kMach64 ? find_mach_o(at<std::uint32_t>(start, 4)) : nullptr;
 }
 
 }  // namespace
@@ -93,16 +120,25 @@ const Platform& this_platform() {
   return *find(elf, 64, kMachine);
 }
 
-const Platform* find_platform(const fs::path& library) {
+std::vector<const Platform*> find_platforms(const fs::path& library) {
+  constexpr std::uint32_t kUniversal = 0xcafe'babe;
   std::array<char, 4096> start;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled by read()
   std::ifstream stream(library, std::ios::binary);
   if (!stream) throw Error(ErrorCode::file_unreadable, fmt::format("{}: cannot be opened", library.string()));
   stream.read(start.data(), std::ssize(start));
-  return platform_in({start.data(), static_cast<std::size_t>(stream.gcount())});
+  const std::string_view read(start.data(), static_cast<std::size_t>(stream.gcount()));
+  if (big_endian(read, 0) == kUniversal) return platforms_of_universal(read);
+  const auto* const platform = platform_in(read);
+  return platform == nullptr ? std::vector<const Platform*>{} : std::vector{platform};
+}
+
+bool is_built_for(const Platform& platform, const fs::path& library) {
+  const auto found = find_platforms(library);
+  return std::ranges::find(found, &platform) != found.end();
 }
 
 const Platform& platform_of(const fs::path& library) {
-  if (const auto* const platform = find_platform(library)) return *platform;
+  if (const auto found = find_platforms(library); !found.empty()) return *found.front();
   throw Error(ErrorCode::fmu_inconsistent,
               fmt::format("{}: is not a shared library of a platform that FMI names; it must be one of Linux (ELF), "
                           "Windows (DLL) or macOS",
@@ -114,7 +150,7 @@ fs::path binaries_folder(const fs::path& fmu, bool is_fmi3, std::string_view fil
   auto folder = fmu / "binaries" / own.folder(is_fmi3);
   if (is_fmi3 || is_there(folder)) return folder;
   const auto usual = fmu / "binaries" / "linux64";
-  if (is_file(usual / file) && find_platform(usual / file) == &own) return usual;
+  if (is_file(usual / file) && is_built_for(own, usual / file)) return usual;
   return folder;
 }
 

@@ -21,8 +21,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::SizeIs;
 
 class PlatformTest : public testing::Test {
  protected:
@@ -79,7 +81,7 @@ TEST_F(PlatformTest, NamesTheFoldersOfFmi2AndFmi3ByTheHeader) {
   const auto& windows = platform_of(file("x86.dll", test::windows_dll({}, {})));
   EXPECT_EQ(windows.folder(false), "win64");
   EXPECT_EQ(windows.folder(true), "x86_64-windows");
-  EXPECT_EQ(find_platform(file("text.so", "text")), nullptr);
+  EXPECT_TRUE(find_platforms(file("text.so", "text")).empty());
   EXPECT_THAT(error_of([&] { platform_of(folder_.path() / "text.so"); }), HasSubstr("is not a shared library"));
 }
 
@@ -92,6 +94,19 @@ TEST_F(PlatformTest, PacksEachBinaryIntoTheFolderOfItsPlatform) {
   const auto needy = file("needy.dll", test::windows_dll({"libgcc_s_seh-1.dll"}, {}));
   EXPECT_THAT(error_of([&] { packed("needy.fmu", needy); }),
               HasSubstr("needs libgcc_s_seh-1.dll, which is not packed into the FMU"));
+}
+
+TEST_F(PlatformTest, ReadsLibrariesOfMacOs) {
+  const std::string thin_32("\xce\xfa\xed\xfe\x07\0\0\0", 8);
+  EXPECT_THAT(find_platforms(file("x86.dylib", thin_32)),
+              ElementsAre(testing::Field(&Platform::fmi2_folder, "darwin32")));
+  // A universal library: the count of its platforms, then 20 bytes for each; only the processor's type is read.
+  const auto row = [](char processor) { return std::string("\1\0\0", 3) + processor + std::string(16, '\0'); };
+  const auto universal = std::string("\xca\xfe\xba\xbe\0\0\0\2", 8) + row('\7') + row('\14');
+  EXPECT_THAT(find_platforms(file("both.dylib", universal)),
+              ElementsAre(testing::Field(&Platform::fmi3_folder, "x86_64-darwin"),
+                          testing::Field(&Platform::fmi3_folder, "aarch64-darwin")));
+  EXPECT_THAT(find_platforms(file("cut.dylib", universal.substr(0, 40))), SizeIs(1));
 }
 
 TEST_F(PlatformTest, FindsALibraryForThisMachineInFolderLinux64Too) {
@@ -143,6 +158,14 @@ TEST_F(PlatformTest, RefusesBuildsThatDoNotFitTogether) {
                 merge_fmus({first, other}, out);
               }),
               AllOf(HasSubstr("modelDescription.xml differs in"), HasSubstr("other.fmu")));
+  const auto longer = folder_.path() / "longer.fmu";
+  pack(longer, {{"modelDescription.xml", MEBOTS_BINARY_DIR "/generated/lag/modelDescription.xml"},
+                {"resources/cell.json", file("cell.json", "{}")},
+                {"binaries/win64/lag.dll", file("longer.dll", test::windows_dll({}, {}))}});
+  EXPECT_THAT(error_of([&] {
+                merge_fmus({first, longer}, out);
+              }),
+              ContainsRegex("resources/cell.json is in .*longer.fmu, but not in .*lag.fmu"));
   const auto empty = folder_.path() / "empty.fmu";
   pack(empty, {{"modelDescription.xml", file("empty.xml", "<fmiModelDescription/>")}});
   EXPECT_THAT(error_of([&] { merge_fmus({first, empty}, out); }), HasSubstr("empty.fmu: it has no binaries"));

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace mebots::modeldesc {
 
@@ -31,11 +32,14 @@ std::span<const Platform> platforms();
 /// Returns the platform that this program was built for.
 const Platform& this_platform();
 
-/// Returns the platform of a shared library by the file's header; null if the file is not a library of a known
-/// platform. Throws mebots::Error if the file cannot be read.
-const Platform* find_platform(const std::filesystem::path& library);
+/// Returns the platforms of a shared library by the file's header. A universal library of macOS can have several; a
+/// file that is not a library of a known platform has none. Throws mebots::Error if the file cannot be read.
+std::vector<const Platform*> find_platforms(const std::filesystem::path& library);
 
-/// As find_platform(), but throws mebots::Error instead of returning null.
+/// Returns whether find_platforms() contains `platform`.
+bool is_built_for(const Platform& platform, const std::filesystem::path& library);
+
+/// Returns the first platform of a shared library. Throws mebots::Error if it has none.
 const Platform& platform_of(const std::filesystem::path& library);
 
 /// Returns the folder of an unpacked FMU with the libraries for this machine: `binaries/` and the platform's name. If
