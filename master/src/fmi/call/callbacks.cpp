@@ -60,7 +60,7 @@ CallbackTarget* find_only(const std::unordered_set<CallbackTarget*>& targets, Pr
 
 bool is_kept(const Registry& all, const void* environment) {
   for (const auto* kept = all.kept; kept != nullptr; kept = kept->next_kept) {
-    if (kept == environment) return true;
+    if (environment != nullptr && (kept == environment || kept->component == environment)) return true;
   }
   return false;
 }
@@ -247,6 +247,7 @@ CallbackTarget::~CallbackTarget() {
   const std::lock_guard lock(all.mutex);
   all.targets.erase(this);
   if (!is_environment_kept_) return;
+  environment_->component = component_;
   environment_->next_kept = all.kept;
   all.kept = environment_.release();
 }

@@ -45,6 +45,7 @@ struct Fmi3Callbacks {
 /// Memory that an FMU gets for its callbacks. Its address is the environment, which identifies the instance.
 struct CallbackEnvironment {
   fmi2CallbackFunctions functions{};
+  const void* component = nullptr;  // of a kept one: FMI 1.0 passes it in place of the environment
   CallbackEnvironment* next_kept = nullptr;
 };
 
