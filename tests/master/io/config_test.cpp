@@ -120,6 +120,11 @@ TEST(Config, ARepeatKeepsAllDigitsOfLargeNumbers) {
                                   R"("p[{n-1}]": {"repeat": {"i": "rows.csv"}, "fmu": "PROBE"})");
               }),
               HasSubstr("the sum exceeds 64 bits"));
+  EXPECT_THAT(test::input_error([] {
+                repeated_for_rows("n\n18446744073709551615\n",
+                                  R"("p[{n+1}]": {"repeat": {"i": "rows.csv"}, "fmu": "PROBE"})");
+              }),
+              HasSubstr("the sum exceeds 64 bits"));
 }
 
 TEST(Config, MistakesInRepeatedEntriesNameThePlaceAndTheCopy) {

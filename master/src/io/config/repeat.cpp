@@ -243,9 +243,9 @@ class Filler {
     const bool is_large = number.is_number_unsigned() && number.get<std::uint64_t>() > kLargest;
     const auto index = number.get<std::int64_t>();
     std::int64_t sum = 0;
-    const bool overflows = is_large || expression[sign] == '-' ? __builtin_sub_overflow(index, *offset, &sum)
-                                                               : __builtin_add_overflow(index, *offset, &sum);
-    if (overflows) {
+    const bool overflows = expression[sign] == '-' ? __builtin_sub_overflow(index, *offset, &sum)
+                                                   : __builtin_add_overflow(index, *offset, &sum);
+    if (is_large || overflows) {
       throw InputError(ErrorCode::value_out_of_range, fmt::format("{{{}}}: the sum exceeds 64 bits", expression));
     }
     return Filling(Json(sum));
