@@ -339,7 +339,7 @@ def _find_files(batch: Batch) -> list[str]:
         if _is(place[0], digest):
             continue
         cached = cache_folder() / digest / place[1]
-        if digest in contents:
+        if digest in contents and not _is(str(cached), digest):
             write_content(cached, contents[digest])
         if _is(str(cached), digest):
             place[0] = str(cached)

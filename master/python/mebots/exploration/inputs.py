@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
@@ -55,8 +56,13 @@ def write_content(path: pathlib.Path, content: Content) -> None:
         (beside / name).write_bytes(part)
     try:
         beside.rename(path)
-    except OSError:  # there already
-        shutil.rmtree(beside)
+    except OSError:  # there already, damaged or just written by another process
+        old = beside.with_name(f"{beside.name}.old")
+        with contextlib.suppress(OSError):
+            path.rename(old)
+            beside.rename(path)
+        shutil.rmtree(old, ignore_errors=True)
+        shutil.rmtree(beside, ignore_errors=True)
 
 
 def stamp_of(path: str | os.PathLike[str]) -> tuple[tuple[str, int, int], ...]:

@@ -115,10 +115,11 @@ def _advance_to(session: Session, time_ms: int) -> None:
 
 
 def _stop_requests():
-    """Returns a function that returns whether SIGINT, SIGTERM or SIGHUP has arrived since."""
+    """Returns a function that returns whether SIGINT, SIGTERM or SIGHUP has arrived since. Ignored ones stay so (nohup)."""
     requests = []
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: requests.append(True))
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, lambda *_: requests.append(True))
     return lambda: bool(requests)
 
 
