@@ -6,11 +6,15 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <sys/wait.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace mebots::soc::test {
 namespace {
@@ -214,6 +218,46 @@ name: .asciz "note.txt"
   EXPECT_THAT(run.out, StartsWith("hello\n"));
   EXPECT_EQ(read_file(folder / "shared/note.txt"), "hello\n");
   EXPECT_EQ(run.exit_code, (6 - ENOSYS) & 0xff) << "bytes written, and no such call";
+}
+
+TEST(Semihosting, UsesTheConsoleOfATestThatControlsTheRun) {
+  const Folder folder;
+  const auto program = folder.program(fmt::format(R"({}
+_start: host 4, text
+    host 7, text
+    sw a0, nothing, t0
+    li s0, 10000
+1:  addi s0, s0, -1
+    bnez s0, 1b
+    host 7, text
+    sw a0, letter, t0
+    host 3, letter
+    host 0x20, reason
+    .data
+    .balign 4
+reason: .word 0x20026, 7
+letter: .word 0
+    .globl nothing
+nothing: .word 0
+text: .asciz "hello\n"
+    .text
+)",
+                                                  kSemihosting));
+  write_file(folder / "commands", R"({"run": 0.00001}
+{"read": "nothing", "size": 4}
+{"send": "xyz"}
+{"run": 0.01}
+)");
+  const auto run = run_tool(fmt::format("run {} --control < {}", program, folder / "commands"));
+  EXPECT_EQ(run.exit_code, 7) << run.err;
+  std::istringstream lines(run.out);
+  std::vector<nlohmann::json> answers;
+  for (std::string line; std::getline(lines, line);) answers.push_back(nlohmann::json::parse(line));
+  ASSERT_EQ(answers.size(), 4U);
+  EXPECT_EQ(answers[0]["console"], "hello\n");
+  EXPECT_EQ(answers[1]["bytes"], "ffffffff") << "nothing to read yet";
+  EXPECT_EQ(answers[3]["console"], "x");
+  EXPECT_EQ(answers[3]["exit_code"], 7);
 }
 
 TEST(HostFiles, MustBeAFolder) {

@@ -9,9 +9,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -37,6 +39,14 @@ int ControlledConsole::read_byte() {
   const auto byte = static_cast<std::uint8_t>(input_.front());
   input_.pop_front();
   return byte;
+}
+
+long ControlledConsole::read(std::span<char> into) {
+  if (input_.empty() && !into.empty()) return -EAGAIN;
+  const auto count = static_cast<std::ptrdiff_t>(std::min(into.size(), input_.size()));
+  std::copy_n(input_.begin(), count, into.begin());
+  input_.erase(input_.begin(), input_.begin() + count);
+  return count;
 }
 
 void Control::serve() {

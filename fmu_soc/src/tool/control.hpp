@@ -3,12 +3,14 @@
 
 #include "observe/session.hpp"
 #include "soc/soc.hpp"
+#include "tool/console.hpp"
 
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -16,12 +18,14 @@ namespace mebots::soc::tool {
 
 /// The console of a program that a test controls: collects what it prints, and holds what it may read. Input arrives in
 /// simulated time, so a run does not depend on the host's time.
-class ControlledConsole {
+class ControlledConsole final : public Console {
  public:
-  void write(std::string_view bytes) { printed_ += bytes; }
+  void write(std::span<const char> bytes) override { printed_.append(bytes.data(), bytes.size()); }
   void send(std::string_view bytes) { input_.insert(input_.end(), bytes.begin(), bytes.end()); }
   /// Takes a byte as ConsolePort::read_console() does.
   int read_byte();
+  /// Returns -EAGAIN if nothing has been sent: the program cannot wait, because a call takes no simulated time.
+  long read(std::span<char> into) override;
   const std::string& printed() const { return printed_; }
 
  private:

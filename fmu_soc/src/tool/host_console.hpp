@@ -2,6 +2,7 @@
 #pragma once
 
 #include "mebots/soc/time.hpp"
+#include "tool/console.hpp"
 
 #include <array>
 #include <chrono>
@@ -13,7 +14,7 @@
 namespace mebots::soc::tool {
 
 /// The console of a program: standard output with or without standard input, or a pseudo terminal.
-class HostConsole {
+class HostConsole final : public Console {
  public:
   enum class Kind : std::uint8_t {
     output,  // no input
@@ -26,18 +27,18 @@ class HostConsole {
   explicit HostConsole(Kind kind);
   HostConsole(const HostConsole&) = delete;
   HostConsole& operator=(const HostConsole&) = delete;
-  ~HostConsole();
+  ~HostConsole() override;
 
   bool has_input() const { return input_ >= 0; }
   /// Writes to standard output, or to the terminal. While no program has the pseudo terminal open, the bytes are lost.
-  void write(std::span<const char> bytes);
+  void write(std::span<const char> bytes) override;
   /// Ends an unfinished line on standard output, before other text.
   void end_line();
   /// Takes a byte as ConsolePort::read_console() does. A file on standard input always has its next byte. Otherwise, if
   /// `waits`, waits for a byte until the wall clock has advanced as far as `now`.
   int read_byte(Picoseconds now, bool waits);
   /// Waits for input. Returns the number of bytes; 0 at its end.
-  long read(std::span<char> into);
+  long read(std::span<char> into) override;
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -25,7 +25,7 @@ constexpr std::size_t kMostFiles = 256;
 
 }  // namespace
 
-HostFiles::HostFiles(const std::optional<std::string>& folder, HostConsole& console) : console_(console) {
+HostFiles::HostFiles(const std::optional<std::string>& folder, Console& console) : console_(console) {
   if (!folder) return;
   std::error_code error;
   folder_ = std::filesystem::canonical(*folder, error);

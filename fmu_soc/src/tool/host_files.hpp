@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tool/host_console.hpp"
+#include "tool/console.hpp"
 
 #include <cstdint>
 #include <cstdio>
@@ -19,7 +19,7 @@ namespace mebots::soc::tool {
 class HostFiles {
  public:
   /// If there is no folder, a program can use the console only. The console must outlive this object.
-  HostFiles(const std::optional<std::string>& folder, HostConsole& console);
+  HostFiles(const std::optional<std::string>& folder, Console& console);
 
   /// Opens a file with flags of POSIX's open(). ":tt" is the console.
   int open(const std::string& name, int flags);
@@ -46,7 +46,7 @@ class HostFiles {
   std::FILE* file_of(int file) const;
   int keep(std::FILE* file);
 
-  HostConsole& console_;
+  Console& console_;
   std::optional<std::filesystem::path> folder_;
   std::vector<File> files_;  // from kFirstFile on
 };

@@ -364,7 +364,7 @@ int run(const Options& options) {
   Soc soc(board, chip, settings, program,
           options.control ? listeners_of(controlled) : listeners_of(console, page, options));
   if (const auto tohost = program.symbol("tohost")) soc.program_host().watch(*tohost);
-  HostFiles files(options.host_files, console);
+  HostFiles files(options.host_files, options.control ? static_cast<Console&>(controlled) : console);
   HostServices services(soc, files, options.program);
   soc.program_host().serve(&services, options.user);
   if (options.user) services.begin_program(options.program, options.arguments);
