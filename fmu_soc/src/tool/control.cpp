@@ -68,7 +68,9 @@ std::string Control::answer(const std::string& line) {
 
 Control::Json Control::obey(const Json& command) {
   if (!command.is_object() || command.empty()) throw Error("a command is an object such as {\"run\": 0.001}");
-  const auto& [name, value] = *command.items().begin();
+  const auto first = command.begin();
+  const auto& name = first.key();
+  const auto& value = first.value();
   if (name == "run") return run(command);
   if (name == "read") return read(command);
   if (name == "get") return get(value.get<std::string>());
