@@ -49,7 +49,7 @@ void CycleAccount::restart() {
   last_ = now();
   trap_cycles_ = 0;
   hidden_ = 0;
-  before_ = {};
+  before_ = execution_.pipeline.before;  // a state has it
 }
 
 void CycleAccount::begin(std::uint64_t start, std::uint32_t decoded) {
@@ -77,7 +77,7 @@ void CycleAccount::retire(Retired& instruction, std::uint32_t hidden) {
   is_device_ = counters.device_accesses != last_.device_accesses;
   share_decoded(shares, instruction.decoded);
   share_extra(shares, instruction, extra);
-  before_ = instruction.decoded;
+  before_ = executed(instruction.decoded, false);
   trap_cycles_ = 0;
   last_ = now();
 }
@@ -97,7 +97,7 @@ void CycleAccount::share_decoded(CycleShares& shares, const Decoded& instruction
 /// A jump takes two cycles, or one if it is hidden behind a slow instruction. It may wait for its register, and like
 /// all instructions for a load that writes the same register.
 void CycleAccount::share_jump(CycleShares& shares, const Decoded& jump) {
-  const bool is_after_load = is_load(before_.op) && before_.rd != 0;
+  const bool is_after_load = is_load(before_.op) && before_.writes();
   waited_for_load_ = decoded_ > 2 && is_after_load && (jump.rd == before_.rd || jump.rs1 == before_.rd);
   const auto own = decoded_ < 2 ? decoded_ : 2;
   const auto load = waited_for_load_ ? 1 : 0;

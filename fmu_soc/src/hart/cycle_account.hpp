@@ -60,7 +60,7 @@ class CycleAccount {
   bool is_far_ = false;      // the access of the last instruction
   bool is_device_ = false;
   bool waited_for_load_ = false;  // the last instruction
-  Decoded before_;
+  Previous before_;               // the instruction before
 };
 
 }  // namespace mebots::soc

@@ -4,6 +4,7 @@
 // counters") and the instructions of each program.
 #include "hart/observer.hpp"
 #include "machine.hpp"
+#include "mebots/state/save.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -116,6 +117,27 @@ TEST(EventCounters, AreTheSameInterpretedTranslatedAndObserved) {
   Silent observer;
   machine.hart().observe(&observer);
   EXPECT_EQ(counts_of(machine), translated);
+}
+
+TEST(EventCounters, AreTheSameRestoredBetweenALoadAndTheJumpThatNeedsIt) {
+  const auto program = assemble(program_of(R"(
+    la t0, 1f
+    sw t0, 0(a0)
+    lw t1, 0(a0)
+    jalr zero, 0(t1)
+1:  nop
+)"));
+  Machine straight(program, CoreKind::ri5cy);
+  const auto counts = counts_of(straight);
+  EXPECT_EQ(counts[2], 1U) << "the jump waits for its load";
+  Machine broken(program, CoreKind::ri5cy);
+  auto stop = Stop::limit;
+  for (std::uint64_t limit = 1; stop == Stop::limit; ++limit) {
+    stop = broken.run(limit);
+    state::restore(broken.hart(), state::save(broken.hart()));
+  }
+  EXPECT_EQ(stop, Stop::watch);
+  for (std::uint32_t i = 0; i < counts.size(); ++i) EXPECT_EQ(broken.word("results", i), counts[i]) << "event " << i;
 }
 
 TEST(EventCounters, DoNotChangeTheCycles) {
