@@ -198,6 +198,29 @@ TEST(Run, AfterAFaultSaysPcFunctionInstructionCauseAndCallers) {
   }
 }
 
+TEST(Run, ControlRefusesAddressesAndSizesBeyond32Bits) {
+  const Folder folder;
+  const auto program = folder.program(fmt::format("_start: j _start\n{}", kTohost));
+  write_file(folder / "commands", R"({"read": 6442450944, "size": 4}
+{"read": 2147483648, "size": 4294967300}
+{"read": 2147483648, "size": -1}
+{"read": -4, "size": 4}
+{"read": 2147483648, "size": 2}
+)");
+  const auto run = run_tool(fmt::format("run {} --control < {}", program, folder / "commands"));
+  EXPECT_THAT(run.out, HasSubstr("read: 6442450944 is not an address"));
+  EXPECT_THAT(run.out, HasSubstr("read: 4294967300 is not a size"));
+  EXPECT_THAT(run.out, HasSubstr("read: -1 is not a size"));
+  EXPECT_THAT(run.out, HasSubstr("read: -4 is not an address"));
+  EXPECT_THAT(run.out, ContainsRegex(R"(\{"bytes":"[0-9a-f]{4}"\})"));
+}
+
+TEST(Run, ControlRefusesASignature) {
+  const auto run = run_program("_start: j _start", "--control --signature signature.txt");
+  EXPECT_EQ(run.exit_code, 102);
+  EXPECT_THAT(run.err, HasSubstr("leave --console, --gdb, --page, --signature"));
+}
+
 TEST(Run, SaysThatMemoryIsProtected) {
   // Without a PMP entry that matches, U mode may access nothing (RISC-V privileged specification 3.7.1).
   const auto run =

@@ -32,6 +32,15 @@ std::string hex(const std::vector<std::uint8_t>& bytes) {
   return text;
 }
 
+/// Throws Error unless the value is a whole number of 32 bits. `what`: such as "an address".
+std::uint32_t whole_number(std::string_view what, const nlohmann::ordered_json& value) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() > kMost) {
+    throw Error(fmt::format("read: {} is not {}: that is a whole number from 0 to 0x{:x}", value.dump(), what, kMost));
+  }
+  return value.get<std::uint32_t>();
+}
+
 }  // namespace
 
 int ControlledConsole::read_byte() {
@@ -122,7 +131,7 @@ Control::Json Control::state() const {
 }
 
 std::uint32_t Control::address_of(const Json& place) const {
-  if (place.is_number_unsigned()) return place.get<std::uint32_t>();
+  if (place.is_number()) return whole_number("an address", place);
   const auto name = place.get<std::string>();
   const auto address = soc_.program().symbol(name);
   if (!address) throw Error(fmt::format("{} has no symbol {}", soc_.program().origin(), name));
@@ -136,7 +145,7 @@ Control::Json Control::read(const Json& command) const {
   const auto symbol = std::ranges::find_if(
       symbols, [address](const auto& known) { return known.address == address && known.size != 0; });
   const auto known = symbol == symbols.end() ? 4 : symbol->size;
-  const auto size = command.value("size", known);
+  const auto size = command.contains("size") ? whole_number("a size", command.at("size")) : known;
   if (size > kLongestRead) throw Error(fmt::format("read of {} bytes: at most {} at once", size, kLongestRead));
   std::vector<std::uint8_t> bytes(size);
   if (!soc_.memory().read(address, bytes)) {

@@ -202,10 +202,10 @@ void check(const Options& options) {
                     *options.profile));
   }
   if (options.control && (options.console || options.gdb_port || options.max_instructions || options.max_time ||
-                          options.timeout || options.page)) {
+                          options.timeout || options.page || options.signature)) {
     throw Error(
-        "--control takes the console and decides how far the run goes: leave --console, --gdb, --page, --max-time, "
-        "--max-instructions and --timeout out");
+        "--control takes the console and decides how far the run goes: leave --console, --gdb, --page, --signature, "
+        "--max-time, --max-instructions and --timeout out");
   }
   if (options.pipeline_hart != 0 && !options.pipeline) {
     throw Error("--pipeline-hart needs --pipeline FILE: it chooses the hart of that file");
