@@ -215,6 +215,16 @@ TEST(Run, ControlRefusesAddressesAndSizesBeyond32Bits) {
   EXPECT_THAT(run.out, ContainsRegex(R"(\{"bytes":"[0-9a-f]{4}"\})"));
 }
 
+TEST(Run, ControlTellsTheExitCodeOfAProgramThatEndsByTohost) {
+  const Folder folder;
+  const auto program =
+      folder.program(fmt::format("_start: la t0, tohost\nli t1, 7\nsw t1, 0(t0)\n1: j 1b\n{}", kTohost));
+  write_file(folder / "commands", "{\"run\": 0.001}\n");
+  const auto run = run_tool(fmt::format("run {} --control < {}", program, folder / "commands"));
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("\"exit_code\":3"));
+}
+
 TEST(Run, ControlRefusesASignature) {
   const auto run = run_program("_start: j _start", "--control --signature signature.txt");
   EXPECT_EQ(run.exit_code, 102);

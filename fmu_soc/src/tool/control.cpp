@@ -126,6 +126,7 @@ Control::Json Control::run(const Json& command) {
 Control::Json Control::state() const {
   Json reply = {{"time_s", static_cast<double>(soc_.now()) * 1e-12}, {"running", soc_.running()}};
   if (soc_.end() == End::exited) reply["exit_code"] = soc_.exit_code();
+  if (soc_.end() == End::host) reply["exit_code"] = host_code_();
   if (const auto fault = soc_.fault_text(); !fault.empty()) reply["fault"] = fault;
   return reply;
 }

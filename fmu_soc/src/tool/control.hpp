@@ -37,9 +37,11 @@ class ControlledConsole final : public Console {
 /// output. docs/chip/testing.md lists the commands. Python's mebots.testing is the other side.
 class Control {
  public:
-  /// `report` returns the report of the run up to now, as JSON. All must outlive it.
-  Control(Soc& soc, observe::Session& session, ControlledConsole& console, std::function<std::string()> report)
-      : soc_(soc), session_(session), console_(console), report_(std::move(report)) {}
+  /// `report` returns the report of the run up to now, as JSON; `host_code` the exit code of a program that has ended
+  /// by tohost. All must outlive it.
+  Control(Soc& soc, observe::Session& session, ControlledConsole& console, std::function<std::string()> report,
+          std::function<int()> host_code)
+      : soc_(soc), session_(session), console_(console), report_(std::move(report)), host_code_(std::move(host_code)) {}
 
   /// Serves commands until the end of the input.
   void serve();
@@ -60,6 +62,7 @@ class Control {
   observe::Session& session_;
   ControlledConsole& console_;
   std::function<std::string()> report_;
+  std::function<int()> host_code_;
   std::size_t told_ = 0;  // bytes of the console in earlier answers
 };
 

@@ -383,7 +383,10 @@ int run(const Options& options) {
     return report_of(soc, host_s, tohost_of(soc));
   };
   if (options.control) {
-    Control(soc, session, controlled, [&] { return json_text(report_now()); }).serve();
+    const auto host_code = [&soc] { return exit_code(soc, tohost_of(soc)); };
+    Control(
+        soc, session, controlled, [&] { return json_text(report_now()); }, host_code)
+        .serve();
     const auto code = has_reported_end(soc) ? exit_code(soc, tohost_of(soc)) : 0;
     session.finish(code);
     write_reports(report_now(), json, long_report, session);
