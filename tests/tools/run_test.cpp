@@ -13,6 +13,7 @@ namespace {
 
 using testing::ContainsRegex;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 /// Runs a program, with its text placed before the definition of tohost. Checks that the report's first line has this
@@ -238,6 +239,17 @@ TEST(Run, SaysThatMemoryIsProtected) {
                   "--core rv32imcu");
   EXPECT_EQ(run.exit_code, 101);
   EXPECT_THAT(run.err, HasSubstr("physical memory protection (pmpcfg, pmpaddr) forbids this access"));
+}
+
+TEST(Run, SaysThatAnAccessReachesBeyondItsMemory) {
+  const std::string_view program = "_start: li t0, 0x803ffffe\nlw t1, 0(t0)\n1: j 1b";  // RAM of 4 MiB
+  for (const std::string_view core : {"", "--core rv32imcu"}) {
+    const auto run = run_program(program, fmt::format("--ram 0x80000000:4M {}", core));
+    EXPECT_EQ(run.exit_code, 101);
+    EXPECT_THAT(run.err, HasSubstr("the 4 bytes from 0x803ffffe on do not all lie in memory ")) << core;
+    EXPECT_THAT(run.err, HasSubstr("which ends at 0x803fffff")) << core;
+    EXPECT_THAT(run.err, Not(HasSubstr("physical memory protection"))) << core;
+  }
 }
 
 TEST(Run, NamesTheCallerOfAJumpToUnmappedMemory) {

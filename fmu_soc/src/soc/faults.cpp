@@ -47,8 +47,26 @@ bool is_access_fault(std::uint32_t cause) {
   return cause == cause::kFetchAccess || cause == cause::kLoadAccess || cause == cause::kStoreAccess;
 }
 
-/// Returns what the board has, or lacks, at an address.
-std::string address_text(const Soc& soc, std::uint32_t address) {
+/// Returns the number of bytes of the access or fetch that failed.
+std::uint32_t access_size(const Exception& what, const BlockCache& blocks) {
+  if (what.cause == cause::kFetchAccess) return 2;
+  return std::max<std::uint32_t>(traits_of(blocks.decode_word(what.instruction).op).size, 1);
+}
+
+/// Returns why a core could not access an address inside a memory.
+std::string memory_text(const Region& region, std::uint32_t address, std::uint32_t size, const Timing& timing) {
+  if (!region.holds(address, size)) {
+    return fmt::format("the {} bytes from 0x{:08x} on do not all lie in memory {}, which ends at 0x{:08x}", size,
+                       address, region.name, region.base + (region.size - 1));
+  }
+  const auto place = fmt::format("0x{:08x} lies in memory {}", address, region.name);
+  if (timing.pmp_entries == 0) return fmt::format("{}, to which this core has no access", place);
+  return fmt::format("{}: physical memory protection (pmpcfg, pmpaddr) forbids this access", place);
+}
+
+/// Returns what the board has, or lacks, at the address of an access fault.
+std::string address_text(const Exception& what, const Soc& soc, const BlockCache& blocks) {
+  const auto address = what.value;
   const auto& board = soc.board();
   const auto absence = std::ranges::find_if(
       board.absent, [address](const BoardAbsence& range) { return address - range.base < range.size; });
@@ -60,9 +78,8 @@ std::string address_text(const Soc& soc, std::uint32_t address) {
     return fmt::format("device {} has no register for this access at its offset 0x{:x}", slot->name,
                        address - slot->base);
   }
-  if (const auto* region = soc.memory().find(address & ~3U, 4); region != nullptr) {
-    return fmt::format("0x{:08x} lies in memory {}: physical memory protection (pmpcfg, pmpaddr) forbids this access",
-                       address, region->name);
+  if (const auto* region = soc.memory().find(address, 1); region != nullptr) {
+    return memory_text(*region, address, access_size(what, blocks), blocks.timing());
   }
   std::string memories;
   for (const auto& region : soc.memory().regions()) {
@@ -79,7 +96,7 @@ std::string text_of(const Exception& what, const Soc& soc, const Hart& hart) {
                   place_text(program, what.pc),
                   what.instruction == 0 ? "no instruction there"
                                         : disassemble(what.instruction, what.pc, hart.code().blocks.extensions()));
-  if (is_access_fault(what.cause)) return fmt::format("{}; {}", text, address_text(soc, what.value));
+  if (is_access_fault(what.cause)) return fmt::format("{}; {}", text, address_text(what, soc, hart.code().blocks));
   if (what.cause != cause::kIllegalInstruction) return text;
   const auto advice = advice_for_illegal(what.instruction, hart.code().blocks.extensions(), program.architecture());
   return advice.empty() ? text : fmt::format("{}; {}", text, advice);
