@@ -128,6 +128,35 @@ TEST(Coverage, CountsLinesFunctionsAndBranches) {
   EXPECT_THAT(text, HasSubstr("LF:6\nLH:5\nend_of_record\n"));
 }
 
+TEST(Coverage, OfALineThatEndsBeyondAllCodeEndsWithTheProgram) {
+  // DWARF 5, 6.2, in the form of version 2: line 1 from _start to the last address.
+  constexpr std::string_view kDamaged = R"(
+_start: la t0, tohost
+    li t1, 1
+    beqz t1, 1f
+    sw t1, 0(t0)
+1:  j 1b
+    .section .debug_line, "", @progbits
+    .4byte 9f - 8f
+8:  .2byte 2
+    .4byte 7f - 6f
+6:  .byte 1, 1, -5, 14, 10, 0, 1, 1, 1, 1, 0, 0, 0, 1, 0
+    .asciz "main.c"
+    .byte 0, 0, 0, 0
+7:  .byte 0, 5, 2
+    .4byte _start
+    .byte 1, 2
+    .uleb128 0x7fffffff
+    .byte 0, 1, 1
+9:
+)";
+  const Folder folder;
+  const auto program = folder.program(fmt::format("{}{}", kDamaged, kTohost));
+  const auto run = run_tool(fmt::format("run {} --coverage {}", program, folder / "lcov.info"));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(read_file(folder / "lcov.info"), HasSubstr("BRDA:1,0,0,0\nBRDA:1,0,1,1\n"));
+}
+
 TEST(Coverage, WithoutLineNumbersIsRefused) {
   const Folder folder;
   const auto program = folder.program(fmt::format("_start: j _start\n{}", kTohost));

@@ -54,16 +54,18 @@ void Coverage::count(const Hart& hart, const Retired& instruction) {
 
 void Coverage::finish() {
   std::map<std::string, File> files;
-  const auto is_loaded = [this](std::uint32_t address) {
-    return std::ranges::any_of(program_.segments(),
-                               [&](const auto& segment) { return address - segment.run_address < segment.size; });
-  };
+  const auto& segments = program_.segments();
   for (const auto& range : program_.line_ranges()) {
-    if (range.line == 0 || !is_loaded(range.begin)) continue;
+    const auto segment = std::ranges::find_if(
+        segments, [&](const auto& loaded) { return range.begin - loaded.run_address < loaded.size; });
+    if (range.line == 0 || segment == segments.end()) continue;
     auto& file = files[range.file];
     auto& line = file.lines[range.line];
     line = std::max(line, of(range.begin).executed);
-    for (auto pc = range.begin; pc < range.end; pc += 2) {
+    // A damaged table may name an end beyond all code, up to the last address.
+    const auto size = std::min(range.end - range.begin, segment->size - (range.begin - segment->run_address));
+    for (std::uint64_t offset = 0; offset < size; offset += 2) {
+      const auto pc = range.begin + static_cast<std::uint32_t>(offset);
       if (const auto count = of(pc); count.branch) file.branches[pc] = {range.line, count};
     }
     const auto* symbol = program_.covering(range.begin);
