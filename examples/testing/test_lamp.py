@@ -6,6 +6,8 @@ import subprocess
 
 import pytest
 
+from mebots.testing import Board
+
 HERE = pathlib.Path(__file__).resolve().parent
 COMPILER = "riscv64-unknown-elf-gcc"
 OPTIONS = ["-march=rv32imc_zicsr", "-mabi=ilp32", "-mcmodel=medany", "-Os", "-g", "-ffreestanding", "-nostdlib", "-Wl,-n,-Ttext=0x80000000"]
@@ -54,6 +56,20 @@ def test_says_what_was_printed_instead(lamp):
         lamp.wait_for("length 2", within=0.001)
     with pytest.raises(AssertionError, match=r"lines = 1, not in \[2, 3\]"):
         lamp.expect(lines=(2, 3))
+
+
+def test_refuses_offsets_outside_a_variable(lamp):
+    with pytest.raises(RuntimeError, match="presses has no bytes to read from offset 4"):
+        lamp.read("presses", offset=4)
+    with pytest.raises(RuntimeError, match="presses: offset -4 is before its start"):
+        lamp.read("presses", offset=-4)
+
+
+def test_says_at_the_end_that_a_file_cannot_be_written(program):
+    board = Board(program, board=HERE / "board.json", options=["--report", "/dev/full"])
+    with pytest.raises(RuntimeError, match="/dev/full"):
+        board.close()
+    board.close()
 
 
 def test_names_what_the_board_or_program_lacks(chip, lamp, program):

@@ -28,6 +28,8 @@ from mebots.errors import Error, InputError
 
 Bounds = tuple[float, float]
 
+_BAD_INPUT = 102  # exit code of mebots-soc
+
 
 def _program() -> str:
     """Path of mebots-soc: $MEBOTS_SOC, that of the package, or that of the PATH."""
@@ -70,10 +72,18 @@ class Board:
         self.close()
 
     def close(self) -> None:
-        """Ends the run; its files, such as that of ``--report``, are complete."""
-        if self._process.poll() is None:
+        """Ends the run; its files, such as that of ``--report``, are complete. Raises InputError if one cannot be written."""
+        if self._errors.closed:
+            return
+        told = self._process.poll() is not None  # by the call after which it ended
+        if not told:
             self._process.communicate()
+        program_ended_so = self.exit_code is not None and self.exit_code & 0xFF == _BAD_INPUT
+        failed = not told and self._process.returncode == _BAD_INPUT and not program_ended_so
+        refusal = self._refusal() if failed else None
         self._errors.close()
+        if refusal is not None:
+            raise refusal
 
     def run(self, seconds: float) -> str:
         """Runs for a time. Returns what the program printed meanwhile."""
@@ -119,9 +129,14 @@ class Board:
     def read(self, symbol: str | int, *, signed: bool = False, offset: int = 0, size: int | None = None) -> int:
         """Returns a variable of the program by its symbol, or the word at an address.
 
-        `size` in bytes is that of the symbol, at most 8; `offset` is in bytes from its start.
+        `size` in bytes is that of the symbol, at most 8; `offset` is in bytes from its start. Raises InputError if there
+        is no byte at the offset.
         """
+        if offset < 0:
+            raise InputError(f"{symbol}: offset {offset} is before its start")
         bytes_ = self.read_bytes(symbol)[offset:] if size is None else self.read_bytes(symbol, offset + size)[offset:]
+        if not bytes_:
+            raise InputError(f"{symbol} has no bytes to read from offset {offset}: give an offset before its end, and a size above 0")
         if len(bytes_) > 8:
             raise InputError(f"{symbol} has {len(bytes_)} bytes from offset {offset}: give the size of one of its numbers, or use read_bytes()")
         return int.from_bytes(bytes_, "little", signed=signed)
