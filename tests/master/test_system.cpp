@@ -14,19 +14,6 @@
 
 namespace mebots::test {
 
-void write_file(const std::filesystem::path& file, std::string_view text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  if (!stream) throw Error("a test file cannot be written: " + file.string());
-}
-
-std::string read_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 std::string with_probe(std::string text) {
   for (const auto& [word, path] :
        {std::pair<std::string, std::string>{"PROBE", PROBE_FMU}, {"COUPLING", COUPLING_FMU}}) {
