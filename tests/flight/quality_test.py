@@ -37,7 +37,7 @@ class Rules(unittest.TestCase):
         self.assertEqual(len(cleaned["battery.voltage"]), len(TIMES))
 
     def test_a_voltage_in_another_unit_is_refused_with_its_median(self):
-        with self.assertRaisesRegex(mebots.InputError, r"battery\.voltage: 1000 of 1000 values cannot be battery\.voltage, which is from 0\.5 to 4\.4 V; their median is 38"):
+        with self.assertRaisesRegex(mebots.InputError, r"battery\.voltage: 1000 of 1000 values are impossible for battery\.voltage, whose range is 0\.5 to 4\.4 V; their median is 38"):
             clean(log(**{"battery.voltage": 1000 * log()["battery.voltage"].values}), cells=1)
 
     def test_a_voltage_that_stays_on_one_value_is_excluded(self):

@@ -241,7 +241,7 @@ TEST(Xml, IsReadInWhateverEncodingItIsWritten) {
   }
   EXPECT_TRUE(read_xml_text(little, "f.xml") == expected);
   EXPECT_TRUE(read_xml_text(big, "f.xml") == expected);
-  expect_error(latin, "no UTF-8 text");
+  expect_error(latin, "bytes that are not UTF-8 text");
   expect_error("<?xml version=\"1.0\" encoding=\"klingon\"?><a/>", "the encoding \"klingon\" is unknown");
 }
 

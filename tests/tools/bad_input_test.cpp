@@ -144,7 +144,7 @@ TEST_F(BadInput, IsRefusedWithTheReasonForAnotherMachine) {
 TEST_F(BadInput, IsRefusedIfTohostIsOutsideTheMemory) {
   const Folder folder;
   expect_refused("run " + folder.program("_start: nop\n1: j 1b\n.globl tohost\n.set tohost, 0x10000000"),
-                 "tohost is at 0x10000000, where there is no memory");
+                 "tohost is at 0x10000000, where the board has no memory");
 }
 
 TEST_F(BadInput, IsRefusedIfTheProgramDoesNotFitTheBoard) {

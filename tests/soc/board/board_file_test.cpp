@@ -168,7 +168,7 @@ TEST(BoardFile, RefusesUnknownAndRepeatedKeysAndNames) {
   EXPECT_THAT(complaint(kRam, device("\"irq\": 7,")), HasSubstr("/devices/0/irq"));
   EXPECT_THAT(complaint(R"({"name": "ram", "name": "ram", "base": "0x1000", "size": 4096})", ""),
               HasSubstr("/memories/0/name: the key 'name' occurs twice"));
-  EXPECT_THAT(complaint(kRam, device("") + "," + device("", "d", "0x9000")), HasSubstr("is taken by another one"));
+  EXPECT_THAT(complaint(kRam, device("") + "," + device("", "d", "0x9000")), HasSubstr("is already used"));
   EXPECT_THAT(complaint(kRam, device("", "2nd")), HasSubstr("a letter first"));
   EXPECT_THAT(complaint(kRam, "", R"("core": "z80",)"), HasSubstr("/core: no core is named \"z80\""));
   EXPECT_THAT(complaint(kRam, "", R"("cluster_cores": 9,)"), HasSubstr("/cluster_cores: 9"));
@@ -250,7 +250,7 @@ TEST(BoardFile, AllowsSocCyclesOnlyForTheClustersCache) {
   EXPECT_THAT(complaint(kFar, "", caches("fabric_controller")), HasSubstr("add them to refill_cycles"));
   const std::string ways = R"("instruction_caches": [{"place": "fabric_controller", "size": 4096, "line": 16, "ways": 4,
                               "refill_cycles": 4, "invalid_ways_first": true}],)";
-  EXPECT_THAT(complaint(kFar, "", ways), HasSubstr("only the cluster's cache can be so"));
+  EXPECT_THAT(complaint(kFar, "", ways), HasSubstr("only the cluster's cache has this property"));
   EXPECT_THAT(complaint(kRam, "", caches("cluster")), HasSubstr("needs a memory with a 'way'"));
 }
 

@@ -194,7 +194,7 @@ TEST_F(SceneFile, RefusesNegativeMassOfTheDrone) {
 
 TEST_F(SceneFile, RefusesAnInertiaThatNoBodyHas) {
   drone["inertia"]["values"] = {1e-5, 1e-5, 3e-5};
-  EXPECT_THAT(message(), HasSubstr("/inertia: [1e-05, 1e-05, 3e-05] is not any body's"));
+  EXPECT_THAT(message(), HasSubstr("/inertia: [1e-05, 1e-05, 3e-05] is impossible for a rigid body"));
 }
 
 TEST_F(SceneFile, RefusesAnotherUnit) {

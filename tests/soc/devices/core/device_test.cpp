@@ -360,7 +360,7 @@ TEST(Board, IsRefusedIfAKindIsUnknown) {
 TEST(Board, IsRefusedIfALibraryIsMissing) {
   auto board = with_two_timers();
   board.libraries = {"wheels.so"};
-  EXPECT_THAT(refusal(board), HasSubstr("its library wheels.so is not there"));
+  EXPECT_THAT(refusal(board), HasSubstr("its library wheels.so was not found"));
 }
 
 TEST(Program, OutsideTheMemoriesIsRefused) {

@@ -333,7 +333,7 @@ void expect_row_is_missed(BoardSystem& system) {
     system.soc.advance(70 * kMs);
     FAIL() << "stored";
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("now at least 324 of them"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("at present at least 324 rows"));
   }
 }
 

@@ -235,8 +235,8 @@ _start: li s1, 0x1C060000
   EXPECT_EQ(system.result(2), 0xffffff81U);
   EXPECT_EQ(system.result(3), 0x10U);
   EXPECT_EQ(system.result(4), 0U);
-  EXPECT_THAT(system.faults, ElementsAre(HasSubstr("efuse: a fuse is stored into while the command is not program"),
-                                         HasSubstr("efuse: a fuse is read while the command is not read")));
+  EXPECT_THAT(system.faults, ElementsAre(HasSubstr("efuse: a fuse was written without the command program"),
+                                         HasSubstr("efuse: a fuse was read without the command read")));
 }
 
 TEST(Gap8, CodeChangedThroughAnAliasRunsAsChanged) {
