@@ -68,7 +68,6 @@ class Server:
         self._sockets: list[socket.socket | None] = []
         self._clients: list[tuple | None] = [None] * len(session.drones)
         self._left = [_MOST_IN_PERIOD] * len(session.drones)  # packets that a drone still takes in this period
-        self._lost = 0
         self._own_ports = range(port, port + len(session.drones))
         self._heard_s = time.monotonic()
         for index in range(len(session.drones)):
@@ -87,7 +86,7 @@ class Server:
             if self._recorder is not None and self._recorder.is_full:
                 _notice(f"the recording has reached its largest size at {self._session.time_ms / 1000.0:g} s; the run ends")
                 return
-            self._left = [_MOST_IN_PERIOD] * len(self._left)
+            self._begin_period()
             self._receive(pace.next_deadline_s())
             for index, packet in self._session.advance():
                 self._send(index, packet)
@@ -97,9 +96,6 @@ class Server:
             pace.note_period()
 
     def close(self) -> None:
-        if self._lost:
-            _notice(f"{self._lost} packets were lost: a drone takes {_MOST_IN_PERIOD} in {PERIOD_MS} ms")
-            self._lost = 0
         for index in range(len(self._sockets)):
             self._close(index)
         self._selector.close()
@@ -115,6 +111,12 @@ class Server:
         opened.setblocking(False)
         self._selector.register(opened, selectors.EVENT_READ, index)
 
+    def _begin_period(self) -> None:
+        for index, opened in enumerate(self._sockets):
+            if opened is not None and self._left[index] == 0:
+                self._selector.register(opened, selectors.EVENT_READ, index)
+            self._left[index] = _MOST_IN_PERIOD
+
     def _receive(self, deadline_s: float) -> None:
         """Answers datagrams until the deadline. A flood of them does not hold simulated time."""
         while True:
@@ -127,18 +129,17 @@ class Server:
     def _read(self, index: int) -> None:
         opened = self._sockets[index]
         assert opened is not None
-        for _ in range(_MOST_IN_PERIOD):
+        while self._left[index] > 0:
             try:
                 datagram, client = opened.recvfrom(_DATAGRAM_BYTES)
             except OSError:  # no more
                 return
+            self._left[index] -= 1
+            if self._left[index] == 0:  # more packets wait in the socket for the next period
+                self._selector.unregister(opened)
             packet = Packet.parse(datagram)
             if packet is None or self._is_own(client):
                 continue
-            if self._left[index] == 0:
-                self._lost += 1
-                continue
-            self._left[index] -= 1
             self._heard_s = time.monotonic()
             self._clients[index] = client
             if self._recorder is not None:
