@@ -149,7 +149,7 @@ fs::path binaries_folder(const fs::path& fmu, bool is_fmi3, std::string_view fil
   const auto& own = this_platform();
   auto folder = fmu / "binaries" / own.folder(is_fmi3);
   if (is_fmi3 || is_there(folder)) return folder;
-  const auto usual = fmu / "binaries" / "linux64";
+  auto usual = fmu / "binaries" / "linux64";
   if (is_file(usual / file) && is_built_for(own, usual / file)) return usual;
   return folder;
 }

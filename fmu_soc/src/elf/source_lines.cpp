@@ -175,7 +175,7 @@ struct FileTable {
       const auto& name = folders[folder].path;
       // With -ffile-prefix-map, folder 0 and the others may be relative to one place.
       const bool is_inside = folder == 0 && !first.empty() && path.starts_with(first);
-      if (!name.empty() && !is_inside) path = std::string(name) + '/' + path;
+      if (!name.empty() && !is_inside) path.insert(0, "/").insert(0, name);
       if (folder == 0) break;
     }
     return path;

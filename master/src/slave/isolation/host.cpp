@@ -152,7 +152,7 @@ class Host {
   }
 
   std::string in_instance(Call call, const char* what) const {
-    const std::string_view version = slave_ == nullptr ? "" : slave_->description().fmi_version;
+    const auto version = slave_ == nullptr ? std::string() : slave_->description().fmi_version;
     return fmt::format("instance '{}': {} failed in its process: {}", name_, name_of(call, version), what);
   }
 
