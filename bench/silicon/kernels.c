@@ -107,7 +107,7 @@ void convolution_vector(const job_t* shared, unsigned core) {
 }
 
 // Two products with their loads. The second product directly follows the load of its operand, so it waits one cycle.
-// With this wait, the kernel has the published cycles of GreenWaves' kernel.
+// With this wait, the kernel takes as many cycles as GreenWaves published for its kernel.
 // clang-format off
 #define PRODUCT_PAIR(load, product, step)                                    \
   load("t0", step, "%[p]") load("t1", step, "%[w]") load("t2", step, "%[p]") \
@@ -124,7 +124,7 @@ void linear_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// One implementation of the layer for both forms, which differ in the bytes per load.
+// Implements the layer for both forms, which differ in the bytes per load.
 // clang-format off
 #define LINEAR(name, load, product, bytes)                                                                     \
   void name(const job_t* shared, unsigned core) {                                                              \
@@ -191,7 +191,7 @@ void pool_vector(const job_t* shared, unsigned core) {
   }
 }
 
-// One implementation of the layer for both forms: a pixel takes 8 and 7 cycles, like the published values.
+// Implements the layer for both forms. A pixel takes 8 and 7 cycles, like the published values.
 // clang-format off
 #define AVERAGE(name, instructions, body)                                                                    \
   void name(const job_t* shared, unsigned core) {                                                            \

@@ -15,7 +15,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 CONFIGS = HERE.parents[1] / "configs"
 NETWORKS = ("sight", "sight_three_quarters", "sight_half")
-# Of each mission: what the sight firmware needs there, and the ranges of the starts, as in examples/paper/sight.
+# The parameters that the sight firmware needs in each mission, and the ranges of the starts, as in examples/paper/sight.
 MISSIONS = {
     "gate_easy": (
         {"soc.firmware": ["sight"], "soc.mission.policy": ["adaptive"], "soc.mission.yaw_rate_scale": [0.8], "soc.mission.frame_period": [0.033]},

@@ -7,7 +7,7 @@
 
 namespace mebots::check {
 
-/// What the libraries in one folder of `binaries/` run on, and what they need.
+/// The machine for which the libraries in one folder of `binaries/` are built, and the libraries that they need.
 struct PlatformNeeds {
   std::string folder;   ///< its name, such as win64
   std::string machine;  ///< such as "x86-64 Windows"; empty if no library in it is of a known platform

@@ -9,7 +9,7 @@
 
 namespace mebots::soc {
 
-/// Returns the program of a folder by `mebots deploy`: a firmware with the folder's network in place of its own.
+/// Returns the program in a folder that `mebots deploy` wrote. It is a firmware that contains the folder's network.
 /// `firmware` is the name of the firmware that the mission flies. Throws Error if the folder has no program, or if that
 /// program replaces another firmware or is for another board. Throws data::Mistakes for a broken network.json.
 std::filesystem::path program_with_network(const std::filesystem::path& folder, std::string_view firmware,

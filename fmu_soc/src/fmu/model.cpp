@@ -66,7 +66,7 @@ std::vector<std::string> programs_in(const std::filesystem::path& resources) {
   return names;
 }
 
-/// Returns the firmware with a network of `mebots deploy` in place of its own.
+/// Returns the firmware that contains the network of parameter `network`.
 Elf firmware_with_network(const Parameters& parameters, const BoardDescription& board) {
   const auto inside = std::filesystem::path(firmware_inside()).stem().string();
   try {

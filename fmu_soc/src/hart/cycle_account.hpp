@@ -29,8 +29,8 @@ class CycleAccount {
   void begin(std::uint64_t start, std::uint32_t decoded);
   /// The same for an instruction that runs alone, whose lines have not been fetched yet.
   void begin_alone(std::uint32_t decoded);
-  /// Called after it has retired, with the counters after it. `hidden`: cycles of the jump behind it that it has
-  /// subtracted already. Sets the instruction's cycles.
+  /// Called after the instruction has retired and was counted. `hidden`: cycles of the following jump that are
+  /// subtracted from this instruction. Sets the instruction's cycles.
   void retire(Retired& instruction, std::uint32_t hidden);
   /// Adds the events of the instruction that retired last. `external`: the core counts accesses outside its first
   /// memory.

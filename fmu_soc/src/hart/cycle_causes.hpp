@@ -8,7 +8,7 @@
 
 namespace mebots::soc {
 
-/// What the core did in a cycle. Each active cycle of a core has one cause.
+/// The cause of a cycle. Each active cycle of a core has one.
 enum class CycleCause : std::uint8_t {
   base,             // one cycle per retired instruction
   load_use,         // a load has not delivered its register yet

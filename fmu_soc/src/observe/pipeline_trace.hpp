@@ -40,7 +40,7 @@ class PipelineTrace final : public Observer {
   std::uint64_t next_id_ = 0;
   bool began_ = false;
   std::int64_t written_cycle_ = 0;
-  // Of the instruction before: the cycles in which its stages began, and in which the next one may begin.
+  // The cycles in which the stages of the last instruction began, and in which the next one may begin.
   std::int64_t fetch_ = 0;
   std::int64_t decode_ = 0;
   std::int64_t execute_ = 0;

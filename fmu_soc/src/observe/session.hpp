@@ -117,7 +117,7 @@ class Session {
   void stepped();
   /// Completes the files at the end of the run, and reports the end to the debugger.
   void finish(int exit_code);
-  /// Null if it was not requested. Complete after finish().
+  /// Returns the cycles by cause; null if they were not requested. They are complete after finish().
   const CycleStack* cycle_stack() const { return cycle_stack_ ? &*cycle_stack_ : nullptr; }
 
  private:
