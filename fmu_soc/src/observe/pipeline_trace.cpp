@@ -36,7 +36,8 @@ void PipelineTrace::retired(const Hart& hart, const Retired& instruction) {
   std::int64_t all = 0;
   for (const auto share : shares.cycles) all += share;
   if (!began_) end_ = kStagesBeforeExecute + static_cast<std::int64_t>(hart.counters().cycles) - all;
-  // Cycles in F that belong to the branch or jump before: the fetch of its unaligned target is counted in this instruction.
+  // Cycles in F that belong to the branch or jump before: the fetch of its unaligned target is counted in this
+  // instruction.
   const auto before = is_jump(op) ? shares[CycleCause::branch] : is_branch(op) ? shares[CycleCause::jump] : 0;
   const auto fetch = shares[CycleCause::cache] + (op == Op::mret ? 0 : shares[CycleCause::trap]) + before;
   const auto stall = shares[CycleCause::load_use] + shares[CycleCause::jump_register];
