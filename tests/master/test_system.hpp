@@ -10,6 +10,7 @@
 #include "record/sink/csv_sink.hpp"
 #include "resolve/resolve.hpp"
 #include "run/simulation.hpp"
+#include "support/files.hpp"
 
 #include <atomic>
 #include <filesystem>
@@ -22,9 +23,6 @@
 
 /// Shared by the master's tests: configs that use the probe FMU (tests/fmus/probe.c).
 namespace mebots::test {
-
-void write_file(const std::filesystem::path& file, std::string_view text);
-std::string read_file(const std::filesystem::path& file);
 
 /// Returns `text` with every "PROBE" replaced by the path of the FMU made from tests/fmus/probe.c, and "COUPLING" by
 /// that of coupling.c.

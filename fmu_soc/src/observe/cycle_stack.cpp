@@ -55,8 +55,12 @@ void CoreStack::slept(const Hart& hart) {
 }
 
 void CoreStack::woke(const Hart& /*hart*/) {
+  end_sleep(now());
+}
+
+void CoreStack::end_sleep(Picoseconds time) {
   if (asleep_since_ < 0 || current_ == nullptr) return;
-  current_->asleep += now() - asleep_since_;
+  current_->asleep += time - asleep_since_;
   asleep_since_ = -1;
 }
 
@@ -81,9 +85,7 @@ void CoreStack::finish() {
     cause(last_.jump ? CycleCause::jump : CycleCause::branch) += all - fetched - last_.trap_cycles;
     last_.counters = counters;
   }
-  if (asleep_since_ < 0 || current_ == nullptr) return;
-  current_->asleep += soc_.now() - asleep_since_;
-  asleep_since_ = -1;
+  end_sleep(soc_.now());
 }
 
 StackCost CoreStack::total() const {

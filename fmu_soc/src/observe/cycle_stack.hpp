@@ -60,6 +60,7 @@ class CoreStack final : public Observer {
 
   Picoseconds now() const { return soc_.core_time(soc_.is_on(number_) ? number_ : kFabricControllerHart); }
   void count_bank(const Hart& hart, const Retired& instruction);
+  void end_sleep(Picoseconds time);
   StackCost& at(std::uint32_t pc);
 
   const Soc& soc_;
