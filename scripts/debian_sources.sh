@@ -2,7 +2,7 @@
 # For scripts that build Debian's libraries for other platforms.
 
 # debian_sources FOLDER PACKAGE...
-# Fetches the packages' sources with Debian's patches into FOLDER, with a configuration of apt of its own.
+# Fetches the packages' sources with Debian's patches into FOLDER, with a separate configuration of apt.
 debian_sources() {
   local place=$1 mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
   shift

@@ -81,8 +81,8 @@ std::vector<const Platform*> platforms_of_universal(std::string_view start) {
   return found;
 }
 
-/// Returns the platform of a library for one; null if it is none of the known ones. `start` holds the first bytes of
-/// the file.
+/// Returns the platform of a library that is built for one platform; null if the platform is not known. `start` holds
+/// the first bytes of the file.
 const Platform* platform_in(std::string_view start) {
   using namespace std::string_view_literals;
   if (start.starts_with("\x7f"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where cycles go: --report, --coverage, --pipeline.
+// Tests --report, --coverage, --pipeline.
 #include "support.hpp"
 
 #include <fmt/format.h>

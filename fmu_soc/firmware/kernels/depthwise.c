@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Convolutions of each channel by itself, four channels at a time. The places of the kernel are processed in groups of
+// Computes depthwise convolutions, four channels at a time. The places of the kernel are processed in groups of
 // four: a word is loaded from each, and transposed so that a word contains the four values of a channel.
 #include "kernels/requantise.h"
 #include "kernels/work.h"

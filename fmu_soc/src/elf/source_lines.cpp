@@ -173,7 +173,7 @@ struct FileTable {
     const auto first = folders.empty() ? std::string_view() : folders.front().path;
     for (auto folder = file.folder; !path.starts_with('/') && folder < folders.size(); folder = 0) {
       const auto& name = folders[folder].path;
-      // With -ffile-prefix-map, folder 0 and the others may be relative to one place.
+      // -ffile-prefix-map can make folder 0 and the others relative to one place.
       const bool is_inside = folder == 0 && !first.empty() && path.starts_with(first);
       if (!name.empty() && !is_inside) path.insert(0, "/").insert(0, name);
       if (folder == 0) break;

@@ -94,7 +94,7 @@ void CycleAccount::share_decoded(CycleShares& shares, const Decoded& instruction
   waited_for_load_ = decoded_ > own;
 }
 
-/// A jump takes two cycles, or one if it is hidden behind a slow instruction. It may also wait for its address
+/// A jump takes two cycles, or one if a slow instruction hides its first cycle. It may also wait for its address
 /// register, and for a load directly before it that writes one of its registers.
 void CycleAccount::share_jump(CycleShares& shares, const Decoded& jump) {
   const bool is_after_load = is_load(before_.op) && before_.writes();

@@ -35,7 +35,7 @@ inline constexpr std::array<std::string_view, kCycleCauses> kCycleCauseNames{
     "misaligned", "cache",    "memory",        "bank_conflict", "far_memory", "device",          "trap",   "other"};
 
 /// The cycles of an instruction by cause. Their sum is the change of the core's cycle count since the instruction
-/// before, except that a jump hidden behind a misaligned load subtracts its cycles from that load.
+/// before, except that a misaligned load hides cycles of a following jump, which are subtracted from the load.
 struct CycleShares {
   std::array<std::int32_t, kCycleCauses> cycles{};
 

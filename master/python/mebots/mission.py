@@ -184,7 +184,7 @@ class Mission:
         self._run.run_until(time_s)
 
     def run_through(self, time_s: float) -> None:
-        """As ``run_until``, but SIGINT and SIGTERM take effect after it: the mission has the same bits with them."""
+        """Steps like ``run_until``. SIGINT and SIGTERM take effect when it returns, so they do not change the mission's bits."""
         self._run.run_through(time_s)
 
     def close(self) -> None:

@@ -62,7 +62,7 @@ class Board:
         self.running = True
         """False after the program has ended."""
         self.exit_code: int | None = None
-        """What the program ended with; None while it runs, or if it did not end itself."""
+        """The program's exit code; None while it runs, or if something else ended it."""
         self._ask({"run": 0})
 
     def __enter__(self) -> Board:

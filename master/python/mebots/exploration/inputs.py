@@ -13,7 +13,7 @@ import shutil
 import threading
 
 Content = bytes | dict[str, bytes]
-"""Of a file, or of the files of a folder by their paths in it."""
+"""The content of a file, or of the files of a folder by their relative paths."""
 
 
 def is_input(name: str, path: str | os.PathLike[str]) -> bool:

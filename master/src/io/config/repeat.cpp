@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMostCopies = 100'000;
 
-/// What replaces a name in braces: a value, or a part of a text.
+/// The replacement of a name in braces: a value, or a part of a text.
 struct Filling {
   // NOLINTNEXTLINE(google-explicit-constructor): a value is written as it is
   Filling(Json v) : value(std::move(v)), text(value.is_string() ? value.get<std::string>() : value.dump()) {}

@@ -29,8 +29,8 @@ long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value,
   return syscall(SYS_futex, &word, operation, value, timeout, nullptr, 0);
 }
 
-/// What a call of the protocol calls in each version of FMI, for messages. In FMI 3.0, a value's type chooses the
-/// function.
+/// The function that a call of the protocol stands for in each version of FMI, for messages. In FMI 3.0, the type of a
+/// value chooses the function.
 struct Names {
   Call call;
   const char* fmi1;

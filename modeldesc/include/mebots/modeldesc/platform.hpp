@@ -43,8 +43,8 @@ bool is_built_for(const Platform& platform, const std::filesystem::path& library
 const Platform& platform_of(const std::filesystem::path& library);
 
 /// Returns the folder of an unpacked FMU with the libraries for this machine: `binaries/` and the platform's name. If
-/// there is none, a folder `linux64` counts whose library `file` is for this machine: FMI 2.0 has no name for Linux on
-/// processors other than x86, and tools use this one.
+/// it does not exist, returns `binaries/linux64`, provided that its library `file` is for this machine. FMI 2.0 has no
+/// name for Linux on processors other than x86, and some tools use this folder for all of them.
 std::filesystem::path binaries_folder(const std::filesystem::path& fmu, bool is_fmi3, std::string_view file);
 
 }  // namespace mebots::modeldesc

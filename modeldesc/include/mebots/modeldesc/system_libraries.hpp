@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-/// What a library expects of the system that loads it.
+/// Libraries and versions that a shared library needs from the operating system.
 namespace mebots::modeldesc {
 
 /// True for libraries that every desktop or server Linux with glibc has, and for those of sanitizers.
