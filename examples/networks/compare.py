@@ -31,7 +31,7 @@ OBJECTIVES = {
     "chip energy": {"summary": "energy.soc", "unit": "J", "minimize": True, "where": "success"},
     "energy": {"summary": "energy.delivered", "unit": "J", "where": "success"},
 }
-COLUMNS = ("network", "mission", "flights", "passed", "inference", "picture to set-point", "chip", "all")
+COLUMNS = ("network", "mission", "flights", "passed", "of them touched", "inference", "picture to set-point", "chip", "all")
 
 
 def study(mission, folder, flights):
@@ -62,7 +62,8 @@ def rows_of(mission, results):
 
         name = pathlib.Path(network).name if network else "sight, kernels by hand"
         costs = mean("inference", 1e3, "ms"), mean("latency", 1e3, "ms"), mean("chip energy", 1, "J"), mean("energy", 1, "J")
-        yield name, mission, str(len(flown)), str(len(passed)), *costs
+        touched = sum(one["outcome"] == "touched_passed" for one in passed)
+        yield name, mission, str(len(flown)), str(len(passed)), str(touched), *costs
 
 
 def main():
