@@ -16,7 +16,7 @@ set(share ${CMAKE_INSTALL_DATADIR}/mebots)
 
 # Programs are exported separately from libraries, because building firmware needs no dependencies of the libraries.
 set(programs mebots mebots-fmu-host mebots-modeldesc)
-set(libraries mebots_master mebots_modeldesc mebots_shell mebots_data mebots_interface mebots_math)
+set(libraries mebots_master mebots_modeldesc mebots_shell mebots_data mebots_fmt mebots_interface mebots_math)
 if(MEBOTS_CHIP)
   list(APPEND programs mebots-soc mebots-boardgen)
   list(APPEND libraries soc_platform soc_files)
