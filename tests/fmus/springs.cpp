@@ -197,6 +197,19 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 
   return fmi3OK;
 }
 
+/// Knowns and unknowns are whole arrays.
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                        std::size_t unknown_count, const fmi3ValueReference knowns[],
+                                        std::size_t known_count, const fmi3Float64 seeds[], std::size_t,
+                                        fmi3Float64 changes[], std::size_t) {
+  Springs change = of(instance);
+  for (auto* values : {&change.force, &change.x, &change.v}) std::ranges::fill(*values, 0.0);
+  change.wall = 0;
+  for (std::size_t i = 0; i < known_count; ++i) seeds += change.set(knowns[i], {seeds, change.x.size()});
+  for (std::size_t i = 0; i < unknown_count; ++i) changes = std::ranges::copy(change.get(unknowns[i]), changes).out;
+  return fmi3OK;
+}
+
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance, fmi3Float64 nominals[], std::size_t count) {
   std::fill_n(nominals, count, 1.0);
   return fmi3OK;

@@ -3,13 +3,14 @@
 
 #include "engine/discrete_links.hpp"
 #include "slave/fmi/make_slave.hpp"
+#include "slave/isolation/isolated_interfaces.hpp"
 
 #include <utility>
 
 namespace mebots::master {
 
-ClockGroups::ClockGroups(const ResolvedSystem& system, MessageSink& messages)
-    : system_(system), messages_(messages), places_(system.instances.size()) {
+ClockGroups::ClockGroups(const ResolvedSystem& system, MessageSink& messages, const std::atomic<bool>* interrupted)
+    : system_(system), messages_(messages), interrupted_(interrupted), places_(system.instances.size()) {
   for (std::size_t g = 0; g < system.clock_groups.size(); ++g) {
     const auto& members = system.clock_groups[g].members;
     for (std::size_t m = 0; m < members.size(); ++m) places_[members[m]] = {g, m};
@@ -19,13 +20,20 @@ ClockGroups::ClockGroups(const ResolvedSystem& system, MessageSink& messages)
 
 std::unique_ptr<Slave> ClockGroups::make_slave(std::size_t instance) {
   const auto& resolved = system_.instances[instance];
+  const auto& group = groups_[places_[instance].group];
+  if (resolved.isolation.alone()) {
+    auto isolated =
+        std::make_unique<isolation::IsolatedEventSlave>(resolved, messages_, interrupted_, system_.description->grid());
+    auto& remote = *isolated;
+    return std::make_unique<ClockedSlave>(std::move(isolated), remote, group);
+  }
   auto [slave, events] = make_event_slave_here({.name = resolved.description->name,
                                                 .fmu = resolved.fmu,
                                                 .structural = resolved.structural,
                                                 .log_categories = resolved.log_categories,
                                                 .grid = system_.description->grid()},
                                                messages_);
-  return std::make_unique<ClockedSlave>(std::move(slave), *events, groups_[places_[instance].group]);
+  return std::make_unique<ClockedSlave>(std::move(slave), *events, group);
 }
 
 void ClockGroups::connect() {

@@ -5,6 +5,7 @@
 #include "model/resolved_system.hpp"
 #include "slave/clocked/clock_group.hpp"
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -14,8 +15,9 @@ namespace mebots::master {
 /// Creates the slaves whose clocks tick, and the groups that advance them, from a resolved system.
 class ClockGroups {
  public:
-  /// Both arguments must outlive the slaves.
-  ClockGroups(const ResolvedSystem& system, MessageSink& messages);
+  /// All arguments must outlive the slaves. Once `*interrupted` is true, a call to another process that does not return
+  /// is ended; null disables this.
+  ClockGroups(const ResolvedSystem& system, MessageSink& messages, const std::atomic<bool>* interrupted);
 
   /// Instantiates an instance whose clocks tick. Must be called in the order of the config.
   std::unique_ptr<Slave> make_slave(std::size_t instance);
@@ -31,6 +33,7 @@ class ClockGroups {
 
   const ResolvedSystem& system_;
   MessageSink& messages_;
+  const std::atomic<bool>* interrupted_;
   std::vector<Place> places_;  // by instance
   std::vector<std::shared_ptr<ClockGroup>> groups_;
 };

@@ -4,6 +4,7 @@
 #include "base/time.hpp"
 #include "engine/discrete_links.hpp"
 #include "slave/fmi/make_slave.hpp"
+#include "slave/isolation/isolated_interfaces.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -48,6 +49,7 @@ std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::Mode
 ContinuousGroups::ContinuousGroups(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options)
     : system_(system),
       messages_(messages),
+      interrupted_(options.interrupted),
       places_(system.instances.size()),
       wires_(system.continuous_systems.size()),
       links_(system.continuous_systems.size()) {
@@ -71,13 +73,20 @@ ContinuousGroups::ContinuousGroups(const ResolvedSystem& system, MessageSink& me
 
 std::unique_ptr<Slave> ContinuousGroups::make_slave(std::size_t instance) {
   const auto& resolved = system_.instances[instance];
+  const auto& group = groups_[places_[instance].system];
+  if (resolved.isolation.alone()) {
+    auto isolated = std::make_unique<isolation::IsolatedModelExchange>(resolved, messages_, interrupted_,
+                                                                       system_.description->grid());
+    auto& remote = *isolated;
+    return std::make_unique<ContinuousSlave>(std::move(isolated), remote, group);
+  }
   auto [slave, continuous] = make_continuous_here({.name = resolved.description->name,
                                                    .fmu = resolved.fmu,
                                                    .structural = resolved.structural,
                                                    .log_categories = resolved.log_categories,
                                                    .grid = system_.description->grid()},
                                                   messages_);
-  return std::make_unique<ContinuousSlave>(std::move(slave), *continuous, groups_[places_[instance].system]);
+  return std::make_unique<ContinuousSlave>(std::move(slave), *continuous, group);
 }
 
 void ContinuousGroups::connect() {

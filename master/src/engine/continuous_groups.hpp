@@ -6,6 +6,7 @@
 #include "slave/continuous/continuous_group.hpp"
 #include "slave/slave_options.hpp"
 
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -35,6 +36,7 @@ class ContinuousGroups {
 
   const ResolvedSystem& system_;
   MessageSink& messages_;
+  const std::atomic<bool>* interrupted_;
   std::vector<Place> places_;  // by instance
   std::vector<std::shared_ptr<ContinuousGroup>> groups_;
   std::vector<std::vector<Wire>> wires_;          // by system

@@ -28,7 +28,7 @@ std::vector<std::unique_ptr<Slave>> make_slaves(const ResolvedSystem& system, Me
   if (options.losses != nullptr) options.losses->resize(system.instances.size());
   const auto grid = system.description->grid();
   ContinuousGroups continuous(system, messages, options);
-  ClockGroups clocks(system, messages);
+  ClockGroups clocks(system, messages, options.interrupted);
   std::vector<std::unique_ptr<Slave>> slaves;
   for (std::size_t i = 0; i < system.instances.size(); ++i) {
     const auto& instance = system.instances[i];

@@ -81,8 +81,9 @@ bool has_loaded_from(const std::filesystem::path& folder) {
 
 }  // namespace
 
-Fmu::Fmu(std::filesystem::path archive, std::filesystem::path folder)
+Fmu::Fmu(std::filesystem::path archive, std::filesystem::path folder, std::optional<FmuKind> wish)
     : archive_(std::move(archive)),
+      wish_(wish),
       folder_(std::move(folder)),
       description_(modeldesc::read_xml(folder_ / "modelDescription.xml")) {}
 

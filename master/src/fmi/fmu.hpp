@@ -32,7 +32,7 @@ class Fmu {
   /// else model exchange. Throws InputError if the file is not an FMU of version 1.0, 2.0 or 3.0.
   explicit Fmu(std::filesystem::path archive, std::optional<FmuKind> wish = {});
   /// For an FMU that another process has unpacked into `folder` and will delete.
-  Fmu(std::filesystem::path archive, std::filesystem::path folder);
+  Fmu(std::filesystem::path archive, std::filesystem::path folder, std::optional<FmuKind> wish = {});
   ~Fmu();
   Fmu(const Fmu&) = delete;
   Fmu& operator=(const Fmu&) = delete;

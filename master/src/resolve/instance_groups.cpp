@@ -50,11 +50,6 @@ void check_members(const ResolvedSystem& system, const std::vector<std::size_t>&
       refuse_key(system, member, "on_discard",
                  fmt::format("'{}' {}; its steps cannot be divided", description.name, words.member));
     }
-    if (instance.isolation.alone()) {
-      refuse_key(system, member, "process",
-                 fmt::format("'{}' {}, which runs in the master's process only. Set \"process\": \"shared\"",
-                             description.name, words.member));
-    }
     if (description.steps != first.steps) {
       refuse_key(
           system, member, "step",

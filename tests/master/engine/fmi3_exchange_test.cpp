@@ -5,9 +5,14 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "fmi/fmu.hpp"
+#include "slave/fmi/make_slave.hpp"
+
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <string>
+#include <vector>
 
 namespace mebots::master {
 namespace {
@@ -15,8 +20,8 @@ namespace {
 using test::TestRun;
 using testing::HasSubstr;
 
-std::string springs(const std::string& name, const std::string& parameters) {
-  return fmt::format(R"("{}": {{"fmu": "{}", "parameters": {{{}}}}})", name, SPRINGS_FMU, parameters);
+std::string springs(const std::string& name, const std::string& parameters, const std::string& more = "") {
+  return fmt::format(R"("{}": {{"fmu": "{}", "parameters": {{{}}}{}}})", name, SPRINGS_FMU, parameters, more);
 }
 
 std::string springs_system(const std::string& instances, const std::string& connections = "") {
@@ -45,6 +50,37 @@ TEST(Fmi3ModelExchange, EvaluatesConnectionsOfArraysAtEveryStepOfTheSolver) {
   run.to_end();
   EXPECT_NEAR(run.column("b.x[1]").back(), std::sin(2.0), 1e-6);
   EXPECT_NEAR(run.column("b.x[2]").back(), -2 * std::sin(2.0), 1e-6);
+}
+
+TEST(Fmi3ModelExchange, HasTheSameBitsInAProcessOfItsOwn) {
+  const auto x = [](const std::string& more) {
+    const auto a = springs("a", R"("count": 2, "x[1]": 1, "x[2]": -2, "wall": 0.9)", more);
+    const auto b = springs("b", R"("count": 2, "x[1]": 0, "x[2]": 0)", more);
+    TestRun run(springs_system(a + ", " + b, R"({"from": "a.x", "to": "b.force", "convert_units": false})"));
+    return run.to_end().column("b.x[2]");
+  };
+  EXPECT_EQ(x(R"(, "process": "own")"), x(""));
+}
+
+TEST(Fmi3ModelExchange, TakesDirectionalDerivativesOfArrays) {
+  test::Messages messages;
+  const auto fmu = std::make_shared<Fmu>(SPRINGS_FMU);
+  auto [slave, instance] = make_continuous_here({"a", fmu, {{0, 2}}, {}, {}}, messages);  // two masses
+  slave->setup_experiment({});
+  slave->enter_initialization();
+  slave->exit_initialization();
+  ASSERT_TRUE(instance->has_directional_derivatives());
+  const auto reference = [&](const char* name) { return slave->description().find(name)->value_reference; };
+  const auto change = [&](const char* known) {
+    std::vector<double> changes(4);
+    instance->directional_derivatives(instance->derivative_references(), std::vector{reference(known)},
+                                      std::vector{2.0}, changes);
+    return changes;
+  };
+  // x' = v, v' = -x + force, in the order x[1], x[2], v[1], v[2].
+  EXPECT_THAT(change("x[2]"), testing::ElementsAre(0, 0, 0, -2));
+  EXPECT_THAT(change("v[1]"), testing::ElementsAre(2, 0, 0, 0));
+  EXPECT_THAT(change("force[1]"), testing::ElementsAre(0, 0, 2, 0));
 }
 
 TEST(Fmi3ModelExchange, FindsStateEvents) {

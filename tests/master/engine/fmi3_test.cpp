@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <string>
 
 namespace mebots::master {
@@ -54,6 +55,40 @@ TEST(Fmi3CoSimulation, HasTheSameBitsInAProcessOfItsOwn) {
   TestRun here(banks(kThree, connection));
   TestRun there(banks(kThree, connection, R"(, "process": "own")"));
   EXPECT_EQ(there.to_end().column("b.line.y[1]"), here.to_end().column("b.line.y[1]"));
+}
+
+/// A follower of tests/fmus/follower.cpp, whose inputs are slopes of 2 and -4 from a file.
+std::string follower(const std::string& folder, const std::string& more = "") {
+  test::write_file(std::filesystem::path(folder) / "u.csv", "time,f.u[1],f.u[2]\n0,0,1\n2,4,-7\n");
+  return fmt::format(R"({{"step": 0.5, "stop_time": 2, "instances": {{"f": {{"fmu": "{}"{}}}}},
+    "inputs": {{"file": "{}/u.csv"}}}})",
+                     FOLLOWER_FMU, more, folder);
+}
+
+TEST(Fmi3CoSimulation, GivesInputsWithinAStepToAnFmuThatCallsBack) {
+  modeldesc::TemporaryFolder folder{"mebots-test"};
+  TestRun run(follower(folder.path()));
+  const auto x = run.to_end().column("f.x[1]");
+  ASSERT_EQ(x.size(), 5U);
+  for (int k = 0; k < 5; ++k) {
+    const double t = 0.5 * k;
+    EXPECT_NEAR(x[static_cast<std::size_t>(k)], t * t, 1e-12) << "the integral of 2 t";
+    EXPECT_NEAR(run.column("f.x[2]")[static_cast<std::size_t>(k)], t - 2 * t * t, 1e-12);
+  }
+  EXPECT_EQ(run.column("f.updates").back(), 40);
+  TestRun own(follower(folder.path(), R"(, "process": "own")"));
+  EXPECT_EQ(own.to_end().column("f.x[2]"), run.column("f.x[2]"));
+}
+
+TEST(Fmi3CoSimulation, ReportsAnInputThatIsRefusedWithinAStep) {
+  modeldesc::TemporaryFolder folder{"mebots-test"};
+  TestRun run(follower(folder.path(), R"(, "parameters": {"limit": 2.5})"));
+  try {
+    run.to_end();
+    FAIL() << "u[1] exceeds the limit at 1.25 s";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("fmi3SetFloat64 within a step"));
+  }
 }
 
 TEST(Fmi3CoSimulation, RefusesArraysOfOtherSizes) {

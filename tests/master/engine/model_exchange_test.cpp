@@ -39,6 +39,7 @@ std::string exchange_refused(const std::string& config) {
 /// Two masses connected by a spring of stiffness 3, both with a spring of stiffness 1: a receives the force of b, b the
 /// position of a.
 const std::string kPair = mass("a", R"("x": 1)") + ", " + mass("b", R"("grip": 3)");
+const std::string kOwnProcess = R"(, "process": "own")";
 const std::string kPairConnections = R"({"from": "b.pull", "to": "a.force"}, {"from": "a.x", "to": "b.other_x"})";
 
 TEST(ModelExchange, IntegratesOneInstanceExactly) {
@@ -132,14 +133,29 @@ TEST(ModelExchange, EndsTheRunWhereAnInstanceRequestsIt) {
 }
 
 TEST(ModelExchange, NamesInstanceAndStateOfADerivativeThatIsNoNumber) {
-  TestRun run(system_of(mass("a", R"("x": 1, "nan_time": 0.73)")));
-  try {
-    run.to_end();
-    FAIL() << "no step leads over the time of the NaN";
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("instance 'a'"), HasSubstr("derivative of the state 'v'")));
-    EXPECT_EQ(error.code(), ErrorCode::not_finite);
+  for (const auto& process : {std::string(), kOwnProcess}) {
+    TestRun run(system_of(mass("a", R"("x": 1, "nan_time": 0.73)", process)));
+    try {
+      run.to_end();
+      FAIL() << "no step leads over the time of the NaN";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr("instance 'a'"), HasSubstr("derivative of the state 'v'")));
+      EXPECT_EQ(error.code(), ErrorCode::not_finite);
+    }
   }
+}
+
+TEST(ModelExchange, HasTheSameBitsInAProcessOfItsOwn) {
+  const auto x = [](const std::string& of_a, const std::string& of_b) {
+    const auto instances = mass("a", R"("x": 1, "wall": 0.9, "v": 0.5, "kick": 2, "kick_time": 1.55)", of_a) + ", " +
+                           mass("b", R"("grip": 3)", of_b);
+    const auto brake = R"({"from": "a.stopped", "to": "b.brake"}, )";
+    const auto scenario = R"(, "scenario": [{"variable": "a.brake", "set": true, "from": 1.8}])";
+    return TestRun(system_of(instances, brake + kPairConnections, scenario)).to_end().column("b.x");
+  };
+  const auto here = x("", "");
+  EXPECT_EQ(x(kOwnProcess, ""), here);
+  EXPECT_EQ(x(kOwnProcess, kOwnProcess), here);
 }
 
 TEST(ModelExchange, RefusesDifferentStepsInOneSystem) {
@@ -150,7 +166,6 @@ TEST(ModelExchange, RefusesDifferentStepsInOneSystem) {
 }
 
 TEST(ModelExchange, RefusesWhatNoMemberCanHave) {
-  EXPECT_THAT(exchange_refused(system_of(mass("a", "", R"(, "process": "own")"))), HasSubstr("/instances/a/process"));
   EXPECT_THAT(exchange_refused(system_of(mass("a", "", R"(, "on_discard": "divide")"))),
               HasSubstr("/instances/a/on_discard"));
   EXPECT_THAT(exchange_refused(
@@ -205,6 +220,10 @@ TEST(ModelExchange, ContinuesWithTheSameBitsFromASavedState) {
   EXPECT_EQ(csv_with_stops(config, {1}), straight);
   EXPECT_EQ(csv_with_stops(config, {3, 4, 11}), straight);
   EXPECT_EQ(csv_with_stops(config, {7, 19}), straight);
+  const auto own = system_of(
+      mass("a", R"("x": 1, "wall": 0.9, "v": 0.5)", kOwnProcess) + ", " + mass("b", R"("grip": 3)", kOwnProcess),
+      kPairConnections, R"(, "solver": {"max_step": 0.3})");
+  EXPECT_EQ(csv_with_stops(own, {7}), straight);
 }
 
 TEST(ModelExchange, ReportsThatStepsCannotBeRepeated) {

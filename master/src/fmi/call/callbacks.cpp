@@ -183,6 +183,15 @@ void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3Str
   }
 }
 
+/// Never requests an early return. A call from a thread of the FMU is ignored: the FMU then keeps its inputs.
+void intermediate_update(fmi3InstanceEnvironment /*environment*/, fmi3Float64 time_s, fmi3Boolean set_requested,
+                         fmi3Boolean /*get_allowed*/, fmi3Boolean /*step_finished*/, fmi3Boolean /*can_return_early*/,
+                         fmi3Boolean* early_return, fmi3Float64* early_return_s) {
+  if (early_return != nullptr) *early_return = false;
+  if (early_return_s != nullptr) *early_return_s = time_s;
+  if (set_requested && current != nullptr) current->target().listener().intermediate_update(time_s);
+}
+
 /// Returns the loaded library that contains the code; null if there is none.
 const void* library_of(const void* code) {
   Dl_info info{};
@@ -273,7 +282,7 @@ fmiCallbackFunctions CallbackTarget::fmi1_functions(bool asynchronous) {
 }
 
 Fmi3Callbacks CallbackTarget::fmi3_callbacks() {
-  return {environment_.get(), &log_message};
+  return {environment_.get(), &log_message, &intermediate_update};
 }
 
 CurrentCall current_call() noexcept {

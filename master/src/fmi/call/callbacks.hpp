@@ -34,12 +34,15 @@ class CallbackListener {
   virtual ~CallbackListener() = default;
   virtual void logged(LoggerCall call) = 0;
   virtual void step_finished(int status) = 0;
+  /// The FMU (FMI 3.0) requests its inputs at a time within the present step. Called inside the call that steps.
+  virtual void intermediate_update(double /*time_s*/) noexcept {}
 };
 
 /// The callbacks for fmi3Instantiate...
 struct Fmi3Callbacks {
   fmi3InstanceEnvironment environment = nullptr;
   fmi3LogMessageCallback log_message = nullptr;
+  fmi3IntermediateUpdateCallback intermediate_update = nullptr;
 };
 
 /// Memory that an FMU gets for its callbacks. Its address is the environment, which identifies the instance.

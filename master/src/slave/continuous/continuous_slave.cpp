@@ -3,6 +3,7 @@
 
 #include "mebots/state/save.hpp"
 #include "slave/continuous/continuous_group.hpp"
+#include "slave/extrapolation.hpp"
 #include "slave/member_state.hpp"
 
 #include <algorithm>
@@ -124,12 +125,8 @@ Evaluation ContinuousSlave::set_courses(double since_s) {
   std::vector<ValueReference> references;
   std::vector<double> values;
   for (const auto& course : courses_) {
-    double sum = 0;
-    for (auto order = course.derivatives.size(); order > 0; --order) {
-      sum = (sum + course.derivatives[order - 1]) * since_s / static_cast<double>(order);
-    }
     references.push_back(course.reference);
-    values.push_back(course.value + sum);
+    values.push_back(extrapolated(course.value, course.derivatives, since_s));
   }
   return instance_->set_inputs(references, values);
 }

@@ -2,6 +2,7 @@
 #include "slave/fmi/fmi3_instance.hpp"
 
 #include "fmi/call/callbacks.hpp"
+#include "slave/fmi/intermediate_inputs.hpp"
 
 #include <utility>
 
@@ -59,8 +60,11 @@ void* Fmi3Instance::instantiate(FmuKind kind, const char* resources) {
                                                   callbacks.log_message);
   }
   const bool uses_events = model_->co_simulation->has_event_mode;
+  const auto inputs = intermediate_inputs(*model_);
   return functions_->instantiate_co_simulation(name().c_str(), token, resources, false, true, uses_events, uses_events,
-                                               nullptr, 0, callbacks.environment, callbacks.log_message, nullptr);
+                                               inputs.empty() ? nullptr : inputs.data(), inputs.size(),
+                                               callbacks.environment, callbacks.log_message,
+                                               inputs.empty() ? nullptr : callbacks.intermediate_update);
 }
 
 Fmi3Instance::~Fmi3Instance() {

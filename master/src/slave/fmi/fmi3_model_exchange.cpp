@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -108,19 +107,24 @@ CompletedStep Fmi3ModelExchange::completed_step() {
   return result;
 }
 
-/// fmi3GetDirectionalDerivative takes whole arrays. If the model has arrays, the solver uses differences instead.
 bool Fmi3ModelExchange::has_directional_derivatives() const {
-  const auto& model = description();
-  return model.model_exchange->provides_directional_derivative && functions().get_directional_derivative != nullptr &&
-         std::ranges::none_of(model.variables, [](const auto& variable) { return variable.fmi3->element.has_value(); });
+  return description().model_exchange->provides_directional_derivative &&
+         functions().get_directional_derivative != nullptr;
 }
 
+/// fmi3GetDirectionalDerivative takes whole arrays; elements that are not among the knowns do not change.
 void Fmi3ModelExchange::directional_derivatives(std::span<const ValueReference> unknowns,
                                                 std::span<const ValueReference> knowns, std::span<const double> seed,
                                                 std::span<double> change) {
-  calls().require("fmi3GetDirectionalDerivative", functions().get_directional_derivative, unknowns.data(),
-                  unknowns.size(), knowns.data(), knowns.size(), seed.data(), seed.size(), change.data(),
-                  change.size());
+  const auto to = values().whole(unknowns);
+  const auto from = values().whole(knowns);
+  std::vector<double> seeds(from.value_count, 0.0);
+  for (std::size_t i = 0; i < knowns.size(); ++i) seeds[from.places[i]] = seed[i];
+  std::vector<double> changes(to.value_count, 0.0);
+  calls().require("fmi3GetDirectionalDerivative", functions().get_directional_derivative, to.references.data(),
+                  to.references.size(), from.references.data(), from.references.size(), seeds.data(), seeds.size(),
+                  changes.data(), changes.size());
+  for (std::size_t i = 0; i < unknowns.size(); ++i) change[i] = changes[to.places[i]];
 }
 
 }  // namespace mebots::master

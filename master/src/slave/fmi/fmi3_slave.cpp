@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -22,7 +23,10 @@ Fmi3Slave::Fmi3Slave(std::string name, std::shared_ptr<Fmu> fmu,
                      MessageSink& messages, const TimeGrid& grid, EventHandler handler)
     : Fmi3Instance(FmuKind::co_simulation, std::move(name), std::move(fmu), std::move(model), structural,
                    std::move(log_categories), messages, grid),
-      handler_(handler) {}
+      handler_(handler),
+      intermediate_inputs_(description()) {
+  if (takes_input_derivatives()) calls().on_intermediate_update([this](double t_s) { set_intermediate_inputs(t_s); });
+}
 
 /// If the FMU has an event mode, initialisation ends in it.
 void Fmi3Slave::exit_initialization() {
@@ -51,12 +55,15 @@ std::optional<StepEnd> Fmi3Slave::do_step(double start_s, double end_s, bool nev
   StepEnd end;
   bool early = false;
   end.time_s = end_s;
+  intermediate_inputs_.start_step(start_s);
+  intermediate_status_ = InstanceCalls::kOk;
   const int status = calls().watched_step("fmi3DoStep", [&]() -> int {
     return calls().call("fmi3DoStep", functions().do_step, start_s, end_s - start_s, never_back, &end.event,
                         &end.terminate, &early, &end.time_s);
   });
   if (status == fmi3Discard) return std::nullopt;
   calls().check(status, "fmi3DoStep");
+  calls().check(intermediate_status_, "fmi3SetFloat64 within a step");
   if (!early && !end.terminate) end.time_s = end_s;
   if (!(end.time_s >= start_s && end.time_s <= end_s)) {
     calls().fail("fmi3DoStep",
@@ -150,6 +157,29 @@ StepResult Fmi3Slave::step(std::int64_t start_ns, std::int64_t duration_ns) {
   }
   calls().set_time_ns(end_ns);
   return {};
+}
+
+void Fmi3Slave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {
+  if (!intermediate_inputs_.empty()) intermediate_inputs_.set(references, values);
+  Fmi3Instance::set_reals(references, values);
+}
+
+void Fmi3Slave::set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                                      std::span<const double> values) {
+  intermediate_inputs_.set_derivatives(references, orders, values);
+}
+
+/// Called by the FMU within a step. An error is reported after the step.
+void Fmi3Slave::set_intermediate_inputs(double time_s) noexcept {
+  try {
+    const auto [references, values] = intermediate_inputs_.values_at(time_s);
+    if (references.empty()) return;
+    const int status = calls().call_inside(functions().set_float64, references.data(), references.size(), values.data(),
+                                           values.size());
+    intermediate_status_ = std::max(intermediate_status_, status);
+  } catch (...) {
+    intermediate_status_ = InstanceCalls::kError;
+  }
 }
 
 std::uint32_t Fmi3Slave::output_derivative_order() const {

@@ -3,6 +3,7 @@
 
 #include "slave/clocked/event_instance.hpp"
 #include "slave/fmi/fmi3_instance.hpp"
+#include "slave/fmi/intermediate_inputs.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -30,6 +31,12 @@ class Fmi3Slave final : public Fmi3Instance, public EventInstance {
   void exit_initialization() override;
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
 
+  /// Only if the FMU calls back for inputs within a step. FMI 3.0 has no function for derivatives of inputs.
+  bool takes_input_derivatives() const override { return !intermediate_inputs_.empty(); }
+  void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
+                             std::span<const double> values) override;
+  void set_reals(std::span<const ValueReference> references, std::span<const double> values) override;
+
   std::uint32_t output_derivative_order() const override;
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                               std::span<double> values) override;
@@ -49,7 +56,11 @@ class Fmi3Slave final : public Fmi3Instance, public EventInstance {
   bool handle_event();
   StepResult terminated(double time_s) const;
 
+  void set_intermediate_inputs(double time_s) noexcept;
+
   EventHandler handler_;
+  IntermediateInputs intermediate_inputs_;
+  int intermediate_status_ = InstanceCalls::kOk;  // the worst of the calls within a step
 };
 
 }  // namespace mebots::master

@@ -94,6 +94,22 @@ Fmi3Values::Plan Fmi3Values::make_plan(std::span<const ValueReference> reference
   return plan;
 }
 
+Fmi3Values::Whole Fmi3Values::whole(std::span<const ValueReference> references) const {
+  Whole result;
+  std::map<std::uint32_t, std::size_t> firsts;  // place of a variable's first value
+  for (const auto reference : references) {
+    const auto place = places_.find(reference);
+    MEBOTS_ASSERT(place != places_.end(), "references come from the model");
+    const auto [first, is_new] = firsts.emplace(place->second.reference, result.value_count);
+    if (is_new) {
+      result.references.push_back(place->second.reference);
+      result.value_count += place->second.count;
+    }
+    result.places.push_back(first->second + place->second.index);
+  }
+  return result;
+}
+
 template <typename T>
 T* Fmi3Values::buffer(std::size_t count) {
   buffer_.resize(std::max<std::size_t>(count * sizeof(T), 1));

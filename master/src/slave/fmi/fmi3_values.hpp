@@ -35,6 +35,14 @@ class Fmi3Values {
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::int64_t> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values);
 
+  /// The FMU's variables to which some of the master's belong, and the place of each of these among their values.
+  struct Whole {
+    std::vector<std::uint32_t> references = {};
+    std::size_t value_count = 0;
+    std::vector<std::size_t> places = {};
+  };
+  Whole whole(std::span<const ValueReference> references) const;
+
  private:
   /// The place of one of the master's variables in the FMU.
   struct Place {

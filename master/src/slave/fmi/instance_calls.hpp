@@ -75,6 +75,8 @@ class InstanceCalls final : public CallbackListener {
   std::optional<std::string> free_instance(const char* function, const std::function<void()>& free);
   /// Sets the handler of fmi2StepFinished, which a thread of the FMU may call. Call it before instantiate().
   void on_step_finished(std::function<void(int)> handler) { step_finished_ = std::move(handler); }
+  /// Sets the handler of intermediate updates of FMI 3.0. It must not throw, and may use call_inside().
+  void on_intermediate_update(std::function<void(double)> handler) { intermediate_update_ = std::move(handler); }
   /// Returns the categories to enable by SetDebugLogging; empty if the FMU must log everything.
   std::vector<const char*> chosen_categories() const;
 
@@ -83,6 +85,11 @@ class InstanceCalls final : public CallbackListener {
   template <typename Function, typename... Arguments>
   [[gnu::always_inline]] auto call(const char* name, Function* function, Arguments... arguments) {
     return in_scope(name, [&] { return function(instance_, arguments...); });
+  }
+  /// Calls a function of the FMU from one of its callbacks, inside call(). Exceptions of the FMU pass.
+  template <typename Function, typename... Arguments>
+  int call_inside(Function* function, Arguments... arguments) {
+    return function(instance_, arguments...);
   }
   /// Like call(), but throws SlaveError unless the status is OK or Warning.
   template <typename Function, typename... Arguments>
@@ -127,6 +134,7 @@ class InstanceCalls final : public CallbackListener {
 
   void logged(LoggerCall call) override;
   void step_finished(int status) override { step_finished_(status); }
+  void intermediate_update(double time_s) noexcept override { intermediate_update_(time_s); }
 
  private:
   struct Held {
@@ -161,6 +169,7 @@ class InstanceCalls final : public CallbackListener {
   std::int64_t steps_ = 0;   // number of steps so far
   std::int64_t watched_step_ = 0;  // the next watched step; 0: none
   std::function<void(int)> step_finished_ = [](int) {};
+  std::function<void(double)> intermediate_update_ = [](double) {};
 
   // FMUs may log from their own threads. Errors are held until the call returns: if it fails, its exception contains
   // them. Messages of the FMU's threads are held too; the stepping thread delivers them.

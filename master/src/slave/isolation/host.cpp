@@ -8,6 +8,7 @@
 
 #include "child_process.hpp"
 #include "guard.hpp"
+#include "host_interfaces.hpp"
 #include "model/sandbox_mechanisms.hpp"
 #include "protocol.hpp"
 #include "sandbox.hpp"
@@ -163,12 +164,15 @@ class Host {
   }
 
   bool dispatch(Call call, SharedReader& commands) {
+    if (continuous_ != nullptr && isolation::dispatch(*continuous_, call, commands, answers_)) return true;
+    if (events_ != nullptr && isolation::dispatch(*events_, call, commands, answers_)) return true;
     switch (call) {
       case Call::open:
         open(commands);
         put_done();
         answers_.put(slave_->output_derivative_order());
         answers_.put(slave_->takes_input_derivatives());
+        answers_.put(continuous_ != nullptr && continuous_->has_directional_derivatives());
         put_notices();
         return true;
       case Call::setup_experiment:
@@ -258,9 +262,8 @@ class Host {
       case Call::close:
         put_text(close());
         return true;
-      case Call::unload:
-      case Call::none:
-        throw Error(ErrorCode::wrong_call_order, "the master sent no call");
+      default:
+        throw Error(ErrorCode::wrong_call_order, "the master sent no call of this instance");
     }
     put_done();
     return true;
@@ -295,14 +298,30 @@ class Host {
       structural[reference] = commands.get<std::uint64_t>();
     }
     const auto grid = commands.get<TimeGrid>();
+    const auto kind = commands.get<FmuKind>();
+    const bool clocks_tick = commands.get<std::uint8_t>() != 0;
     check_sandbox();
     copies_.emplace();
-    fmu_ = std::make_shared<Fmu>(archive, folder);
+    fmu_ = std::make_shared<Fmu>(archive, folder, kind);
     if (keeps_library_) fmu_->keep_loaded();
     if (!python.empty()) load_python(python);
     triples_ = osmp_triples(fmu_->description());
     taken_.resize(triples_.size());
-    slave_ = make_slave_here({name_, fmu_, std::move(structural), std::move(categories), grid}, log_);
+    make_slave({name_, fmu_, std::move(structural), std::move(categories), grid}, kind, clocks_tick);
+  }
+
+  void make_slave(InstanceRequest request, FmuKind kind, bool clocks_tick) {
+    if (kind == FmuKind::model_exchange) {
+      auto parts = make_continuous_here(std::move(request), log_);
+      slave_ = std::move(parts.slave);
+      continuous_ = parts.instance;
+    } else if (clocks_tick) {
+      auto parts = make_event_slave_here(std::move(request), log_);
+      slave_ = std::move(parts.slave);
+      events_ = parts.instance;
+    } else {
+      slave_ = make_slave_here(std::move(request), log_);
+    }
   }
 
   /// Throws Error if the sandbox lacks a mechanism that the config requires.
@@ -441,6 +460,8 @@ class Host {
   std::optional<ForkedCopies> copies_;  // created after the keeper is forked off
   std::shared_ptr<Fmu> fmu_;
   std::unique_ptr<Slave> slave_;
+  ContinuousInstance* continuous_ = nullptr;  // the second interface of an instance of model exchange
+  EventInstance* events_ = nullptr;           // the second interface of an instance with clocks
   std::map<std::uint64_t, std::unique_ptr<SlaveState>> states_;
   bool closed_ = false;
   bool keeps_library_ = false;

@@ -164,10 +164,13 @@ void IsolatedSlave::open(const TimeGrid& grid) {
     commands_.put(value);
   }
   commands_.put(grid);
+  commands_.put(instance_->kind);
+  commands_.put(instance_->clocks_tick);
   hand_over(1, [this](SharedReader& answers) {
     check(answers);
     output_derivative_order_ = answers.get<std::uint32_t>();
     takes_input_derivatives_ = answers.get<std::uint8_t>() != 0;
+    provides_directional_derivatives_ = answers.get<std::uint8_t>() != 0;
     while (answers.get<std::uint8_t>() != 0) notices_.push_back(valid_utf8(answers.get_text()));
   });
 }

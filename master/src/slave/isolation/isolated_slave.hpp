@@ -22,7 +22,7 @@ namespace mebots::master::isolation {
 /// A slave in a separate process (mebots-fmu-host). Set values wait for the next call that computes. A step also sends
 /// the reads that followed the last step, and their answers are kept, so that a communication step takes one hand-over.
 /// If the process ends, or a call exceeds its deadline, every call throws SlaveError.
-class IsolatedSlave final : public Slave {
+class IsolatedSlave : public Slave {
  public:
   /// Descriptors that the master needs per instance.
   static constexpr std::size_t kDescriptors = 2;
@@ -69,6 +69,31 @@ class IsolatedSlave final : public Slave {
   void restore_state(const SlaveState& state) override;
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
+
+ protected:
+  /// True if the FMU provides directional derivatives to a solver.
+  bool provides_directional_derivatives() const { return provides_directional_derivatives_; }
+  /// Sets the time of messages about this instance.
+  void set_time_ns(std::int64_t time_ns) { time_ns_ = time_ns; }
+  /// Appends a call without an answer to the next batch.
+  template <typename... Arguments>
+  void defer(Call call, const Arguments&... arguments) {
+    forget_reads();
+    put(call);
+    (commands_.put(arguments), ...);
+    ++pending_;
+  }
+  /// Sends a call and waits. `take` reads the answer.
+  template <typename... Arguments>
+  void exchange(Call call, const std::function<void(SharedReader&)>& take, const Arguments&... arguments) {
+    forget_reads();
+    put(call);
+    (commands_.put(arguments), ...);
+    hand_over(1, [&](SharedReader& answers) {
+      check(answers);
+      take(answers);
+    });
+  }
 
  private:
   friend class IsolatedState;
@@ -134,6 +159,7 @@ class IsolatedSlave final : public Slave {
   // The FMU's capabilities; its process detects them when it loads the library.
   std::uint32_t output_derivative_order_ = 0;
   bool takes_input_derivatives_ = false;
+  bool provides_directional_derivatives_ = false;
   std::vector<std::string> notices_;
 
   std::int64_t time_ns_ = 0;

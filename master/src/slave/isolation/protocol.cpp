@@ -42,6 +42,11 @@ constexpr Names common(Call call, const char* name) {
   return {call, name, name, name};
 }
 
+/// Of an interface that FMUs of FMI 1.0 do not have here.
+constexpr Names newer(Call call, const char* fmi2, const char* fmi3) {
+  return {call, "an unknown call", fmi2, fmi3};
+}
+
 constexpr std::array kNames = {
     common(Call::none, "the start of its process"),
     common(Call::open, "loading or instantiation"),
@@ -74,6 +79,25 @@ constexpr std::array kNames = {
     Names{Call::serialize, "a call for states", "fmi2SerializeFMUstate", "fmi3SerializeFMUState"},
     Names{Call::deserialize, "a call for states", "fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"},
     Names{Call::close, "fmiFreeSlaveInstance", "fmi2FreeInstance", "fmi3FreeInstance"},
+    newer(Call::set_time, "fmi2SetTime", "fmi3SetTime"),
+    newer(Call::get_states, "fmi2GetContinuousStates", "fmi3GetContinuousStates"),
+    newer(Call::set_states, "fmi2SetContinuousStates", "fmi3SetContinuousStates"),
+    newer(Call::get_derivatives, "fmi2GetDerivatives", "fmi3GetContinuousStateDerivatives"),
+    newer(Call::get_indicators, "fmi2GetEventIndicators", "fmi3GetEventIndicators"),
+    newer(Call::get_nominals, "fmi2GetNominalsOfContinuousStates", "fmi3GetNominalsOfContinuousStates"),
+    newer(Call::get_outputs, "fmi2GetReal", "fmi3GetFloat64"),
+    newer(Call::set_inputs, "fmi2SetReal", "fmi3SetFloat64"),
+    newer(Call::enter_event_mode, "fmi2EnterEventMode", "fmi3EnterEventMode"),
+    newer(Call::update_discrete_states, "fmi2NewDiscreteStates", "fmi3UpdateDiscreteStates"),
+    newer(Call::enter_continuous_time_mode, "fmi2EnterContinuousTimeMode", "fmi3EnterContinuousTimeMode"),
+    newer(Call::completed_step, "fmi2CompletedIntegratorStep", "fmi3CompletedIntegratorStep"),
+    newer(Call::directional_derivatives, "fmi2GetDirectionalDerivative", "fmi3GetDirectionalDerivative"),
+    common(Call::step_until, "fmi3DoStep"),
+    common(Call::enter_step_mode, "fmi3EnterStepMode"),
+    common(Call::ticks, "fmi3GetClock"),
+    common(Call::tick, "fmi3SetClock"),
+    common(Call::new_interval, "fmi3GetIntervalDecimal"),
+    common(Call::shift, "fmi3GetShiftDecimal"),
 };
 
 }  // namespace

@@ -41,6 +41,29 @@ enum class Call : std::uint32_t {
   deserialize,
   close,
   unload,  // part of close: unload the library
+
+  // of a ContinuousInstance
+  set_time,
+  get_states,
+  set_states,
+  get_derivatives,
+  get_indicators,
+  get_nominals,
+  get_outputs,
+  set_inputs,
+  enter_event_mode,  // also of an EventInstance
+  update_discrete_states,
+  enter_continuous_time_mode,
+  completed_step,
+  directional_derivatives,
+
+  // of an EventInstance
+  step_until,
+  enter_step_mode,
+  ticks,
+  tick,
+  new_interval,
+  shift,
 };
 
 /// Returns the name of the call in a version of FMI: "1.0", "2.0" or "3.0".
