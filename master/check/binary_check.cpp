@@ -23,15 +23,22 @@ namespace {
 namespace fs = std::filesystem;
 using modeldesc::ModelDescription;
 
-bool is_wanted(fmi2::Need need, const modeldesc::CoSimulation& flags) {
+using master::FmuKind;
+
+/// True for functions of the other kind, which may have another library.
+bool is_of_other_kind(fmi2::Need need, FmuKind kind) {
+  if (kind == FmuKind::co_simulation) return need == fmi2::Need::to_integrate;
+  return need == fmi2::Need::to_step || need == fmi2::Need::co_simulation;
+}
+
+bool is_wanted(fmi2::Need need, const modeldesc::Implementation& flags) {
   switch (need) {
     case fmi2::Need::to_run:
     case fmi2::Need::always:
     case fmi2::Need::to_step:
     case fmi2::Need::co_simulation:
-      return true;
     case fmi2::Need::to_integrate:
-      return false;  // the library for model exchange may be a different one
+      return true;
     case fmi2::Need::fmu_state:
       return flags.can_get_and_set_fmu_state;
     case fmi2::Need::serialization:
@@ -40,6 +47,11 @@ bool is_wanted(fmi2::Need need, const modeldesc::CoSimulation& flags) {
       return flags.provides_directional_derivative;
   }
   return false;
+}
+
+std::set<std::string> exported_names(const fs::path& library) {
+  const auto exports = modeldesc::read_elf_library(library).exports();
+  return {exports.begin(), exports.end()};
 }
 
 /// True for symbols that the linker defines.
@@ -110,13 +122,13 @@ class NeededLibraries {
 
 }  // namespace
 
-fs::path library_path(const ModelDescription& model, const fs::path& folder) {
-  const auto name = model.co_simulation->model_identifier + ".so";
+fs::path library_path(const std::string& identifier, const fs::path& folder) {
+  const auto name = identifier + ".so";
   return modeldesc::binaries_folder(folder, false, name) / name;
 }
 
-void check_platforms(const ModelDescription& model, const fs::path& folder, Findings findings) {
-  const auto& identifier = model.co_simulation->model_identifier;
+void check_platforms(const ModelDescription& model, const std::string& identifier, const fs::path& folder,
+                     Findings findings) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder / "binaries", ignored)) {
     const auto name = entry.path().filename().string();
@@ -134,7 +146,7 @@ void check_platforms(const ModelDescription& model, const fs::path& folder, Find
     else
       findings.error(fmt::format("binaries/{} contains no {}", name, file), "name the library after modelIdentifier");
   }
-  check_own_binary(library_path(model, folder), findings);
+  check_own_binary(library_path(identifier, folder), findings);
 }
 
 void check_machine(const fs::path& library, const modeldesc::Platform& expected, Findings findings) {
@@ -165,16 +177,14 @@ void check_own_binary(const fs::path& library, Findings findings) {
                    "build one: its behaviour cannot be checked here");
 }
 
-void check_symbols(const ModelDescription& model, const fs::path& library, Findings findings) {
-  const auto exports = modeldesc::read_elf_library(library).exports();
-  const std::set<std::string> names(exports.begin(), exports.end());
+void check_symbols(const ModelDescription& model, FmuKind kind, const fs::path& library, Findings findings) {
+  const auto names = exported_names(library);
+  const auto& flags = *master::implementation_of(model, kind);
   std::vector<std::string> missing;
   std::vector<std::string> spared;
-  std::set<std::string> known;
   fmi2::for_each_function([&](const char* name, auto, fmi2::Need need) {
-    known.insert(name);
-    if (need != fmi2::Need::to_integrate && !names.contains(name))
-      (is_wanted(need, *model.co_simulation) ? missing : spared).emplace_back(name);
+    if (!is_of_other_kind(need, kind) && !names.contains(name))
+      (is_wanted(need, flags) ? missing : spared).emplace_back(name);
   });
   if (!missing.empty())
     findings.error(
@@ -186,6 +196,12 @@ void check_symbols(const ModelDescription& model, const fs::path& library, Findi
                      "{} lacks {}; its description does not offer them, but some tools refuse a library without them",
                      library.filename().string(), fmt::join(spared, ", ")),
                  "export them too, and return fmi2Error");
+}
+
+void check_other_symbols(const fs::path& library, Findings findings) {
+  std::set<std::string> known;
+  fmi2::for_each_function([&](const char* name, auto, fmi2::Need) { known.insert(name); });
+  const auto names = exported_names(library);
   std::vector<std::string> extra;
   for (const auto& name : names) {
     const bool is_expected = known.contains(name) || name.starts_with("fmi2") || name == master::kKeepsNoState;
@@ -201,14 +217,14 @@ void check_symbols(const ModelDescription& model, const fs::path& library, Findi
                "hide them: -fvisibility=hidden, or a linker version script that keeps fmi2*");
 }
 
-bool can_be_run(const ModelDescription& model, const fs::path& library) {
-  const auto exports = modeldesc::read_elf_library(library).exports();
-  const std::set<std::string> names(exports.begin(), exports.end());
-  bool all = names.contains("fmi2Reset");
+bool can_be_run(const ModelDescription& model, FmuKind kind, const fs::path& library) {
+  const auto names = exported_names(library);
+  const auto& flags = *master::implementation_of(model, kind);
+  bool all = kind == FmuKind::model_exchange || names.contains("fmi2Reset");
   fmi2::for_each_function([&](const char* name, auto, fmi2::Need need) {
-    const bool called =
-        need != fmi2::Need::always && need != fmi2::Need::co_simulation && need != fmi2::Need::directional_derivative;
-    if (called && is_wanted(need, *model.co_simulation) && !names.contains(name)) all = false;
+    const bool called = need != fmi2::Need::always && need != fmi2::Need::co_simulation &&
+                        need != fmi2::Need::directional_derivative && !is_of_other_kind(need, kind);
+    if (called && is_wanted(need, flags) && !names.contains(name)) all = false;
   });
   return all;
 }

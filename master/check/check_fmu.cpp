@@ -3,6 +3,7 @@
 
 #include "behaviour_check.hpp"
 #include "checks.hpp"
+#include "exchange_probes.hpp"
 #include "fmi1_check.hpp"
 #include "fmi3_probes.hpp"
 
@@ -48,8 +49,8 @@ class FmuCheck {
         run_fmi1();
       else if (version.starts_with("3."))
         run_fmi3();
-      else if (description() && options_.run && binaries())
-        behaviour();
+      else if (description() && options_.run)
+        run_fmi2();
     }
     for (auto& check : report_.checks) {
       report_.hidden_findings +=
@@ -102,8 +103,8 @@ class FmuCheck {
       platforms.skipped = "the FMU is for model exchange only";
       return;
     }
-    check_platforms(model_, folder_.path(), platforms);
-    const auto library = library_path(model_, folder_.path());
+    check_platforms(model_, flags->model_identifier, folder_.path(), platforms);
+    const auto library = library_path(flags->model_identifier, folder_.path());
     if (!options_.run || !is_own_binary(library)) return;
     Check& symbols = add(Group::binaries, "the functions of FMI 1.0 are exported", Level::interoperable);
     check_fmi1_symbols(model_, library, symbols);
@@ -154,7 +155,9 @@ class FmuCheck {
     check_fmi3_text(*description);
     if (!options_.run || has_error(schema)) return;
     const Fmi3Target target{&*description, folder_.path(), fmi3_library_path(*description, folder_.path())};
-    if (fmi3_binaries(target)) fmi3_behaviour(target);
+    if (!fmi3_binaries(target)) return;
+    run_probes(fmi3_probes(target));
+    if (description->root().child("ModelExchange")) exchange_behaviour();
   }
 
   void check_fmi3_text(const Fmi3Description& description) {
@@ -183,9 +186,21 @@ class FmuCheck {
     return !has_error(symbols) && !has_error(needed);
   }
 
-  void fmi3_behaviour(const Fmi3Target& target) {
+  void exchange_behaviour() {
+    modeldesc::ModelDescription model;
+    try {
+      model = modeldesc::read_xml(folder_.path() / "modelDescription.xml");
+    } catch (const Error& error) {
+      Findings(add(Group::behaviour, "the master reads the description"))
+          .error(error.what(), "correct what the message names");
+      return;
+    }
+    run_probes(exchange_probes(fmu_, folder_.path(), model));
+  }
+
+  void run_probes(const std::vector<ChildProbe>& probes) {
     bool runs = true;
-    for (auto& probe : fmi3_probes(target)) {
+    for (const auto& probe : probes) {
       Check& check = add(Group::behaviour, probe.name);
       check.skipped = !probe.skipped.empty() ? probe.skipped : runs || probe.is_plain ? "" : "a plain run fails";
       if (!check.skipped.empty()) continue;
@@ -226,13 +241,24 @@ class FmuCheck {
     return true;
   }
 
-  bool binaries() {
-    Check& platforms = add(Group::binaries, "every platform has its library", Level::interoperable);
-    if (!model_.co_simulation) {
-      platforms.skipped = "the FMU is for model exchange only";
-      return false;
+  void run_fmi2() {
+    using enum master::FmuKind;
+    const auto& exchange = model_.model_exchange;
+    if (model_.co_simulation) {
+      const auto& identifier = model_.co_simulation->model_identifier;
+      if (library_binaries(identifier) && exports_all(co_simulation, identifier)) behaviour();
     }
-    const auto library = library_path(model_, folder_.path());
+    if (!exchange) return;
+    const bool same = model_.co_simulation && model_.co_simulation->model_identifier == exchange->model_identifier;
+    const bool usable = same ? is_own_binary(library_path(exchange->model_identifier, folder_.path()))
+                             : library_binaries(exchange->model_identifier);
+    if (usable && exports_all(model_exchange, exchange->model_identifier)) exchange_behaviour();
+  }
+
+  /// Checks the libraries of this name. Returns true if that of this machine can be loaded.
+  bool library_binaries(const std::string& identifier) {
+    Check& platforms = add(Group::binaries, "every platform has its library", Level::interoperable);
+    const auto library = library_path(identifier, folder_.path());
     const auto look = [](Check& check, auto check_it) {
       try {
         check_it(check);
@@ -241,13 +267,25 @@ class FmuCheck {
       }
       return !has_error(check);
     };
-    look(platforms, [&](Check& check) { check_platforms(model_, folder_.path(), check); });
+    look(platforms, [&](Check& check) { check_platforms(model_, identifier, folder_.path(), check); });
     if (!is_own_binary(library)) return false;
-    look(add(Group::binaries, "the functions of FMI 2.0 are exported, and nothing else", Level::interoperable),
-         [&](Check& check) { check_symbols(model_, library, check); });
-    const bool found = look(add(Group::binaries, "all libraries it needs can be found", Level::interoperable),
-                            [&](Check& check) { check_needed_libraries(library, check); });
-    return found && can_be_run(model_, library);
+    look(add(Group::binaries, "nothing but functions of FMI 2.0 is exported", Level::interoperable),
+         [&](Check& check) { check_other_symbols(library, check); });
+    return look(add(Group::binaries, "all libraries it needs can be found", Level::interoperable),
+                [&](Check& check) { check_needed_libraries(library, check); });
+  }
+
+  bool exports_all(master::FmuKind kind, const std::string& identifier) {
+    const auto library = library_path(identifier, folder_.path());
+    Check& check = add(Group::binaries, fmt::format("the functions of <{}> are exported", master::element_of(kind)),
+                       Level::interoperable);
+    try {
+      check_symbols(model_, kind, library, check);
+      return can_be_run(model_, kind, library);
+    } catch (const Error& error) {
+      Findings(check).error(error.what(), "build the library again");
+      return false;
+    }
   }
 
   void behaviour() {
@@ -256,7 +294,8 @@ class FmuCheck {
     const double length =
         experiment.stop_time_s ? *experiment.stop_time_s - experiment.start_time_s.value_or(0) : HUGE_VAL;
     const int steps = static_cast<int>(std::clamp(std::floor(length / h + 1e-6), 2.0, static_cast<double>(kMostSteps)));
-    Target target{&model_, folder_.path(), library_path(model_, folder_.path()), h, steps};
+    Target target{&model_, folder_.path(), library_path(model_.co_simulation->model_identifier, folder_.path()), h,
+                  steps};
     target.experiment.tolerance = experiment.usable_tolerance();
     auto probes = life_probes(target, options_.half_step_tolerance);
     for (auto& probe : illegal_call_probes(target)) probes.push_back(std::move(probe));

@@ -4,6 +4,7 @@
 #include "finding.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 #include "mebots/modeldesc/platform.hpp"
+#include "model/fmu_kind.hpp"
 
 #include <filesystem>
 #include <string_view>
@@ -44,22 +45,26 @@ void check_osmp(const ModelDescription& model, Findings findings);
 /// True for a name of the structured naming convention: identifiers, `der(...)`, array indices, quoted names.
 bool is_structured_name(std::string_view name);
 
-/// Checks platforms and files under binaries/ of the unpacked FMU in `folder`.
-void check_platforms(const modeldesc::ModelDescription& model, const std::filesystem::path& folder, Findings findings);
+/// Checks platforms and files under binaries/ of the unpacked FMU in `folder`. `identifier` is that of its libraries.
+void check_platforms(const modeldesc::ModelDescription& model, const std::string& identifier,
+                     const std::filesystem::path& folder, Findings findings);
 /// Checks that the header of a library is that of the platform which its folder names.
 void check_machine(const std::filesystem::path& library, const modeldesc::Platform& expected, Findings findings);
 /// Returns whether the library exists and is built for this machine. Throws Error if it cannot be read.
 bool is_own_binary(const std::filesystem::path& library);
 /// Warns if the library for this machine does not exist.
 void check_own_binary(const std::filesystem::path& library, Findings findings);
-/// Checks that the library exports the functions that the standard requires, and no others.
-void check_symbols(const modeldesc::ModelDescription& model, const std::filesystem::path& library, Findings findings);
-/// True if the library exports all functions that the experiments call.
-bool can_be_run(const modeldesc::ModelDescription& model, const std::filesystem::path& library);
+/// Checks that the library exports the functions that FMI 2.0 requires for this kind.
+void check_symbols(const modeldesc::ModelDescription& model, master::FmuKind kind, const std::filesystem::path& library,
+                   Findings findings);
+/// Checks that the library exports nothing but functions of FMI 2.0.
+void check_other_symbols(const std::filesystem::path& library, Findings findings);
+/// True if the library exports all functions that the experiments of this kind call.
+bool can_be_run(const modeldesc::ModelDescription& model, master::FmuKind kind, const std::filesystem::path& library);
 /// Checks that the loader finds every needed library, directly or through libraries in the same folder.
 void check_needed_libraries(const std::filesystem::path& library, Findings findings);
 
 /// Returns the required path of the shared library for this machine.
-std::filesystem::path library_path(const modeldesc::ModelDescription& model, const std::filesystem::path& folder);
+std::filesystem::path library_path(const std::string& identifier, const std::filesystem::path& folder);
 
 }  // namespace mebots::check

@@ -36,6 +36,14 @@ struct CrashRule {
   const std::atomic<bool>* given_up = nullptr;  ///< true ends the child; null = never
 };
 
+/// An experiment, run in a separate child process.
+struct ChildProbe {
+  std::string name;     ///< a statement that holds if the probe finds no error
+  std::string skipped;  ///< why it does not apply to this FMU; empty if it applies
+  std::function<void(Witness&)> run;
+  bool is_plain = false;  ///< a plain run: if it fails, the following probes are skipped
+};
+
 /// Runs foreign code safely: in a forked child with a deadline and without standard output. The child's findings so far
 /// always arrive; a crash, an exit or a hang becomes a finding too. Afterwards the child and all its descendants have
 /// ended; they also end with this process. After a crash in a callback of ours, a second run uses callbacks that do

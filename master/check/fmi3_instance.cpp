@@ -29,21 +29,14 @@ void* Fmi3Library::address(const char* name) const {
   return found;
 }
 
-Fmi3Instance::Fmi3Instance(const Fmi3Library& library, Kind kind, const char* name) : library_(library) {
+Fmi3Instance::Fmi3Instance(const Fmi3Library& library, const char* name) : library_(library) {
   const auto& target = library.target();
   const std::string resources = (target.folder / "resources" / "").string();
   const char* const token = target.description->root().attribute("instantiationToken").value();
-  if (kind == Kind::co_simulation) {
-    constexpr const char* kFunction = "fmi3InstantiateCoSimulation";
-    library.witness().doing(kFunction);
-    handle_ = library.find<decltype(fmi3InstantiateCoSimulation)>(kFunction)(
-        name, token, resources.c_str(), false, false, false, false, nullptr, 0, this, &Fmi3Instance::log, nullptr);
-  } else {
-    constexpr const char* kFunction = "fmi3InstantiateModelExchange";
-    library.witness().doing(kFunction);
-    handle_ = library.find<decltype(fmi3InstantiateModelExchange)>(kFunction)(name, token, resources.c_str(), false,
-                                                                              false, this, &Fmi3Instance::log);
-  }
+  constexpr const char* kFunction = "fmi3InstantiateCoSimulation";
+  library.witness().doing(kFunction);
+  handle_ = library.find<decltype(fmi3InstantiateCoSimulation)>(kFunction)(
+      name, token, resources.c_str(), false, false, false, false, nullptr, 0, this, &Fmi3Instance::log, nullptr);
   if (handle_ == nullptr) throw Fmi3Refused(fmt::format("no instance was created: {}", last_message_));
 }
 

@@ -59,10 +59,8 @@ using Fmi3Values = std::vector<Fmi3Value>;
 /// An instance, freed by the destructor. Each call is reported to the witness first.
 class Fmi3Instance {
  public:
-  enum class Kind { co_simulation, model_exchange };
-
-  /// Throws Fmi3Refused if instantiation fails.
-  Fmi3Instance(const Fmi3Library& library, Kind kind, const char* name);
+  /// Instantiates for co-simulation. Throws Fmi3Refused if that fails.
+  Fmi3Instance(const Fmi3Library& library, const char* name);
   ~Fmi3Instance();
   Fmi3Instance(const Fmi3Instance&) = delete;
   Fmi3Instance& operator=(const Fmi3Instance&) = delete;

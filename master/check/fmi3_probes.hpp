@@ -18,15 +18,7 @@ struct Fmi3Target {
   std::filesystem::path library;  ///< its shared library
 };
 
-/// An experiment, run in a separate child process.
-struct Fmi3Probe {
-  std::string name;     ///< a statement that holds if the probe finds no error
-  std::string skipped;  ///< why it does not apply to this FMU; empty if it applies
-  std::function<void(Witness&)> run;
-  bool is_plain = false;  ///< a plain run: if it fails, the following probes are skipped
-};
-
-/// Returns the probes of co-simulation, then those of model exchange.
-std::vector<Fmi3Probe> fmi3_probes(const Fmi3Target& target);
+/// Returns the probes of co-simulation.
+std::vector<ChildProbe> fmi3_probes(const Fmi3Target& target);
 
 }  // namespace mebots::check

@@ -276,8 +276,9 @@ fmi3Status fmi3GetEventIndicators(fmi3Instance, fmi3Float64[], std::size_t) {
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance, fmi3Float64[], std::size_t) {
   return fmi3Error;
 }
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance, std::size_t*) {
-  return fmi3Error;
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance, std::size_t* count) {
+  *count = 0;
+  return fmi3OK;
 }
 fmi3Status fmi3EnterStepMode(fmi3Instance) {
   return fmi3Error;

@@ -6,7 +6,9 @@
 //
 // A state event turns the velocity at `wall`, and counts `hits`; the `last_hit` ends the simulation. A time event adds
 // `kick` to the velocity at `kick_time`. The discrete input `brake` stops the mass. After `nan_time` the derivative of
-// v is not a number. `calls` counts evaluations, but only if `impure` is true does a derivative depend on them.
+// v is not a number. With the GUID "{mass:nan}", "{mass:endless}" or "{mass:forgets}", the derivative is not a number,
+// events do not end, or a restored state lacks the speed. `calls` counts evaluations, but only if `impure` is true does
+// a derivative depend on them.
 #include "fmi2.h"
 
 #include "frame.h"
@@ -25,6 +27,8 @@ typedef struct {
   int integers[INTEGERS];
   int booleans[BOOLEANS];
   int kicked;
+  int endless;
+  int forgets;
 } Model;
 
 static void compute(Model* m) {
@@ -41,12 +45,15 @@ FMI2_VERSIONS
 FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                                           const fmi2CallbackFunctions* callbacks, fmi2Boolean visible,
                                           fmi2Boolean logging) {
-  (void)name, (void)guid, (void)resources, (void)callbacks, (void)visible, (void)logging;
+  (void)name, (void)resources, (void)callbacks, (void)visible, (void)logging;
   if (type != fmi2ModelExchange) return NULL;
   Model* m = calloc(1, sizeof(Model));
   m->reals[STIFFNESS] = 1;
   m->reals[WALL] = m->reals[KICK_TIME] = m->reals[NAN_TIME] = 1e9;
   m->integers[LAST_HIT] = -1;
+  if (strcmp(guid, "{mass:nan}") == 0) m->reals[NAN_TIME] = -1;
+  m->endless = strcmp(guid, "{mass:endless}") == 0;
+  m->forgets = strcmp(guid, "{mass:forgets}") == 0;
   return m;
 }
 FMI2_EXPORT void fmi2FreeInstance(fmi2Component c) {
@@ -142,6 +149,7 @@ FMI2_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo* inf
     m->kicked = 1;
     info->valuesOfContinuousStatesChanged = 1;
   }
+  info->newDiscreteStatesNeeded = m->endless;
   info->terminateSimulation = m->integers[HITS] == m->integers[LAST_HIT];
   info->nextEventTimeDefined = !m->kicked;
   info->nextEventTime = r[KICK_TIME];
@@ -168,6 +176,7 @@ FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate* state) {
 }
 FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
   memcpy(c, state, sizeof(Model));
+  if (((Model*)c)->forgets) ((Model*)c)->reals[V] = 7;
   return fmi2OK;
 }
 FMI2_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate* state) {

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Model exchange of FMI 2.0: tests/fmus/mass.c, with a fault in its GUID.
+#include "support.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <iterator>
+
+namespace mebots::check {
+namespace {
+
+using testing::Contains;
+using testing::Each;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string whole_file(const char* path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+/// Returns the findings about the mass with this fault.
+std::vector<std::string> mass_findings(const std::string& fault) {
+  auto description = whole_file(MASS_DESCRIPTION);
+  const std::string guid = "{mass}";
+  description.replace(description.find(guid), guid.size(), fmt::format("{{mass:{}}}", fault));
+  Workshop workshop;
+  return findings(
+      workshop.archive({{"modelDescription.xml", description}, {"binaries/linux64/mass.so", whole_file(MASS_LIBRARY)}}),
+      true, 30, Level::standard);
+}
+
+TEST(CheckModelExchange, EachFaultIsNamed) {
+  EXPECT_THAT(mass_findings("none"), Each(Not(HasSubstr("error"))));
+  EXPECT_THAT(mass_findings("nan"), Contains(HasSubstr("the derivative of the state v is nan at step 0")));
+  EXPECT_THAT(mass_findings("endless"),
+              Contains(HasSubstr("fmi2NewDiscreteStates requests another update after 1000 updates")));
+  EXPECT_THAT(mass_findings("forgets"),
+              Contains(HasSubstr("after a restored state, the continuous states have other bits")));
+}
+
+}  // namespace
+}  // namespace mebots::check
