@@ -24,6 +24,9 @@ if(MEBOTS_CHIP)
   set_target_properties(soc_files PROPERTIES OUTPUT_NAME mebots_soc_files)
 endif()
 install(TARGETS ${programs} EXPORT mebotsPrograms RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(TARGET mebots_windows_host)
+  install(PROGRAMS ${PROJECT_BINARY_DIR}/bin/mebots-fmu-host.exe DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
 install(TARGETS ${libraries} EXPORT mebotsLibraries
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   OBJECTS DESTINATION ${CMAKE_INSTALL_LIBDIR}/mebots)

@@ -23,7 +23,7 @@ LagFmu::LagFmu() : folder_("lag f\xC3\xBCr tests") {
   if (handle == nullptr) throw std::runtime_error(dlerror());
   library_ = fmi2::find_functions(handle);
   fmi2::for_each_function([&](const char* name, auto member, fmi2::Need need) {
-    if (need != fmi2::Need::to_integrate && library_.*member == nullptr)
+    if (need != fmi2::Need::to_integrate && library_.*member() == nullptr)
       throw std::runtime_error(fmt::format("{} is not exported", name));
   });
 }

@@ -4,6 +4,8 @@
 #include "base/own_threads.hpp"
 #include "fmi/call/library_call.hpp"
 #include "fmi/process/process_state.hpp"
+#include "fmi/windows/wine.hpp"
+#include "fmi/windows_library.hpp"
 #include "mebots/file_kind.hpp"
 #include "mebots/input_error.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
@@ -13,6 +15,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -43,14 +46,15 @@ std::string way_out(std::string_view why, const std::filesystem::path& folder) {
   return fmt::format("Install the missing library, or put it into binaries/{} of the FMU", folder.filename().string());
 }
 
-/// Suggests what to do about an FMU with binaries for Windows only.
-std::string_view windows_way_out(const std::filesystem::path& folder) {
-  if (is_folder(folder / "sources"))
-    return ". mebots runs no binary for Windows. The FMU contains its sources: compile them (FMPy: `fmpy compile`), or "
-           "run it by a tool for Windows under wine (`apt-get install wine64`)";
-  return ". mebots runs no binary for Windows. Request one for Linux from the FMU's author or tool, or run it by a "
-         "tool "
-         "for Windows under wine (`apt-get install wine64`)";
+/// Suggests what to do about an FMU with binaries for Windows only. `library` is the one for 64-bit Windows.
+std::string windows_way_out(const std::filesystem::path& folder, const std::filesystem::path& library) {
+  const auto* const other = is_folder(folder / "sources")
+                                ? "The FMU contains its sources: compile them (FMPy: `fmpy compile`)"
+                                : "Request a binary for Linux from the FMU's author or tool";
+  if (!is_there(library))
+    return fmt::format(". mebots runs binaries for 64-bit Windows ({}) only, under wine. {}",
+                       library.lexically_relative(folder).string(), other);
+  return fmt::format(". {}, or: {}", windows::find_wine().missing, other);
 }
 
 /// True if a library from the folder is still loaded, as it may be after dlclose(). The loader would use it for the
@@ -63,7 +67,7 @@ bool has_loaded_from(const std::filesystem::path& folder) {
 
 /// `file` is the missing library of the FMU that is unpacked in `folder`.
 [[noreturn]] void fail_without_binary(const std::filesystem::path& archive, const std::filesystem::path& folder,
-                                      const std::filesystem::path& file) {
+                                      const std::filesystem::path& file, const std::filesystem::path& for_windows) {
   auto found = binaries(folder);
   const bool has_windows = std::ranges::any_of(found, [](const std::string& name) { return name.ends_with(".dll"); });
   constexpr std::size_t kShown = 10;
@@ -76,7 +80,7 @@ bool has_loaded_from(const std::filesystem::path& folder) {
       ErrorCode::fmu_unsupported,
       fmt::format("{}: this FMU has no binary for {} ({}, named after its modelIdentifier); in binaries/ there {}{}",
                   archive.string(), modeldesc::this_platform().text, file.lexically_relative(folder).string(), listed,
-                  has_windows ? windows_way_out(folder) : ""));
+                  has_windows ? windows_way_out(folder, for_windows) : ""));
 }
 
 }  // namespace
@@ -95,6 +99,12 @@ Fmu::~Fmu() {
 }
 
 void Fmu::unload() {
+  if (windows_library_) {
+    if (corrupted_) static_cast<void>(windows_library_.release());  // its process ends with this one
+    windows_library_.reset();
+    functions_ = {};
+    return;
+  }
   auto* const library = std::exchange(library_, nullptr);
   // After fmi2Fatal no code of the FMU may be called; unloading would run its destructors.
   if (library == nullptr || corrupted_ || kept_loaded_ || threads_left() != 0) return;
@@ -130,7 +140,7 @@ std::shared_ptr<const modeldesc::ModelDescription> Fmu::model(const modeldesc::S
 }
 
 void Fmu::require_library() {
-  if (library_ != nullptr) return;
+  if (is_loaded()) return;
   // If the process has had threads, the C++ library records in its own memory that it is initialised. This makes it do
   // so when it is loaded, not in the middle of a later run.
   static const bool has_had_threads = [] {
@@ -202,7 +212,8 @@ void Fmu::set_difference_elsewhere(std::string text) {
 
 void Fmu::load() {
   const auto file = library_file();
-  if (!is_there(file)) fail_without_binary(archive_, folder_, file);
+  if (runs_under_wine()) return load_under_wine();
+  if (!is_there(file)) fail_without_binary(archive_, folder_, file, windows_library_file());
   files_of_others_ = open_files();
   threads_of_others_ = foreign_threads();
   const ProcessState before(files_of_others_);
@@ -226,6 +237,28 @@ void Fmu::load() {
 std::filesystem::path Fmu::library_file() const {
   const auto name = implementation_of(description_, kind())->model_identifier + ".so";
   return modeldesc::binaries_folder(folder_, description_.is_fmi3(), name) / name;
+}
+
+std::filesystem::path Fmu::windows_library_file() const {
+  const auto windows = std::ranges::find_if(modeldesc::platforms(), [](const modeldesc::Platform& platform) {
+    return platform.fmi3_folder == "x86_64-windows";
+  });
+  const auto& name = implementation_of(description_, kind())->model_identifier;
+  return folder_ / "binaries" / windows->folder(description_.is_fmi3()) / (name + std::string(windows->suffix));
+}
+
+bool Fmu::runs_under_wine() const {
+  return !is_there(library_file()) && is_there(windows_library_file()) && windows::find_wine();
+}
+
+void Fmu::load_under_wine() {
+  const auto settings = folder_.parent_path() / fmt::format("wine-{}", getpid());
+  const LibraryOwner owner{archive_, description_, kind()};
+  windows_library_ = std::make_unique<windows::WindowsLibrary>(owner, windows_library_file(), settings);
+  functions_ = windows_library_->functions();
+  check_functions(functions_, owner);
+  files_of_others_ = open_files();
+  threads_of_others_ = foreign_threads();
 }
 
 std::string Fmu::resource_path() const {

@@ -23,6 +23,10 @@
 
 namespace mebots::master {
 
+namespace windows {
+class WindowsLibrary;
+}
+
 /// An FMU archive, unpacked into a temporary folder. The constructor reads the description; the shared library is
 /// loaded on its first use. The destructor deletes the folder and unloads the library, unless a thread may still run in
 /// it.
@@ -60,7 +64,10 @@ class Fmu {
   FmuKind kind() const;
   /// Returns the path of the shared library for this platform, even if it does not exist.
   std::filesystem::path library_file() const;
-  bool is_loaded() const { return library_ != nullptr; }
+  /// True if the FMU has a library for 64-bit Windows, none for this platform, and wine can run it. Then it is loaded
+  /// in a process of its own.
+  bool runs_under_wine() const;
+  bool is_loaded() const { return library_ != nullptr || windows_library_ != nullptr; }
   /// Returns the loaded shared library, a `link_map`; null if it is not loaded.
   const void* library() const { return library_; }
   /// Unloads the shared library for good; otherwise the destructor does. No instance may exist. Throws InputError if
@@ -117,6 +124,8 @@ class Fmu {
   static constexpr int kMostWatched = 32;
 
   void load();
+  void load_under_wine();
+  std::filesystem::path windows_library_file() const;
   std::size_t threads_left() const;
 
   std::filesystem::path archive_;
@@ -142,6 +151,7 @@ class Fmu {
   FmuFunctions functions_;  // empty if not loaded
   std::mutex models_mutex_;
   std::map<modeldesc::StructuralValues, std::weak_ptr<const modeldesc::ModelDescription>> models_;
+  std::unique_ptr<windows::WindowsLibrary> windows_library_;  // instead of library_
 };
 
 /// Opens each archive once, for all instances and for consecutive runs.

@@ -2,6 +2,7 @@
 // Unpacks FMUs. The host process of an FMU gets it unpacked, so it does not contain this code and its libraries.
 #include "io/fmu_archive.hpp"
 #include "fmi/fmu.hpp"
+#include "fmi/windows_library.hpp"
 
 namespace mebots::master {
 

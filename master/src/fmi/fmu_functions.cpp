@@ -51,7 +51,7 @@ template <typename Functions, typename ForEach, typename IsNeeded>
 void require_functions(const LibraryOwner& owner, const Functions& functions, ForEach for_each, IsNeeded is_needed) {
   std::vector<std::string> missing;
   for_each([&](const char* name, auto member, auto need) {
-    if (is_needed(need) && functions.*member == nullptr) missing.emplace_back(name);
+    if (is_needed(need) && functions.*member() == nullptr) missing.emplace_back(name);
   });
   if (missing.empty()) return;
   throw InputError(ErrorCode::fmu_inconsistent,
@@ -59,33 +59,28 @@ void require_functions(const LibraryOwner& owner, const Functions& functions, Fo
                                owner.archive.string(), owner.description.fmi_version, fmt::join(missing, ", ")));
 }
 
-Fmi1Functions load_fmi1(void* library, const LibraryOwner& owner) {
-  const auto functions = fmi1::find_functions(library, owner.description.co_simulation->model_identifier);
+void check(const Fmi1Functions& functions, const LibraryOwner& owner) {
   require_functions(
       owner, functions, [](auto action) { fmi1::for_each_function(action); },
       [](fmi1::Need need) { return need == fmi1::Need::to_run; });
   require_text(owner, {"fmiGetVersion", kVersionCall, "1.0"}, functions.get_version);
   require_text(owner, {"fmiGetTypesPlatform", kPlatformCall, "standard32", kOtherSizes}, functions.get_types_platform);
-  return functions;
 }
 
-Fmi2Functions load_fmi2(void* library, const LibraryOwner& owner) {
+void check(const Fmi2Functions& functions, const LibraryOwner& owner) {
   using fmi2::Need;
-  const auto functions = fmi2::find_functions(library);
   const auto to_run_kind = owner.kind == FmuKind::co_simulation ? Need::to_step : Need::to_integrate;
   require_functions(
       owner, functions, [](auto action) { fmi2::for_each_function(action); },
       [&](Need need) { return need == Need::to_run || need == to_run_kind; });
   require_text(owner, {"fmi2GetVersion", kVersionCall, "2.0"}, functions.get_version);
   require_text(owner, {"fmi2GetTypesPlatform", kPlatformCall, "default", kOtherSizes}, functions.get_types_platform);
-  return functions;
 }
 
-Fmi3Functions load_fmi3(void* library, const LibraryOwner& owner) {
+void check(const Fmi3Functions& functions, const LibraryOwner& owner) {
   using fmi3::Need;
   const bool integrates = owner.kind == FmuKind::model_exchange;
   const bool has_event_mode = !integrates && owner.description.co_simulation->has_event_mode;
-  const auto functions = fmi3::find_functions(library);
   require_functions(
       owner, functions, [](auto action) { fmi3::for_each_function(action); },
       [&](Need need) {
@@ -93,15 +88,26 @@ Fmi3Functions load_fmi3(void* library, const LibraryOwner& owner) {
                (need == Need::events && (integrates || has_event_mode)) || (need == Need::event_mode && has_event_mode);
       });
   require_text(owner, {"fmi3GetVersion", kVersionCall, "3.0", "", true}, functions.get_version);
-  return functions;
+}
+
+void check(const std::monostate& /*none*/, const LibraryOwner& /*owner*/) {}
+
+FmuFunctions find_functions(void* library, const modeldesc::ModelDescription& description) {
+  if (description.is_fmi1()) return fmi1::find_functions(library, description.co_simulation->model_identifier);
+  if (description.is_fmi3()) return fmi3::find_functions(library);
+  return fmi2::find_functions(library);
 }
 
 }  // namespace
 
+void check_functions(const FmuFunctions& functions, const LibraryOwner& owner) {
+  std::visit([&](const auto& table) { check(table, owner); }, functions);
+}
+
 FmuFunctions load_functions(void* library, const LibraryOwner& owner) {
-  if (owner.description.is_fmi1()) return load_fmi1(library, owner);
-  if (owner.description.is_fmi3()) return load_fmi3(library, owner);
-  return load_fmi2(library, owner);
+  auto functions = find_functions(library, owner.description);
+  check_functions(functions, owner);
+  return functions;
 }
 
 }  // namespace mebots::master

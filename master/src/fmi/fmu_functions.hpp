@@ -26,9 +26,11 @@ struct LibraryOwner {
   FmuKind kind;  ///< of its instances
 };
 
-/// Looks up the functions in a library from dlopen(). Throws InputError if functions are missing without which no
-/// simulation of this kind works, and lists them (`mebots check` requires all). Also throws if the library is of
-/// another version or has numbers of other sizes.
+/// Throws InputError if functions are missing without which no simulation of this kind works, and lists them (`mebots
+/// check` requires all). Also throws if the library is of another version or has numbers of other sizes.
+void check_functions(const FmuFunctions& functions, const LibraryOwner& owner);
+
+/// Looks up the functions in a library from dlopen(). Throws as check_functions() does.
 FmuFunctions load_functions(void* library, const LibraryOwner& owner);
 
 }  // namespace mebots::master

@@ -279,6 +279,7 @@ Admission load_into_this_process(const std::shared_ptr<Fmu>& fmu, Risk risk) {
   const std::lock_guard lock(residents.mutex);
   Admission loaded{true, false, {}};
   if (fmu->is_loaded()) return loaded;
+  if (fmu->runs_under_wine()) return *certain("it has a binary for Windows, which runs under wine, and none for Linux");
   residents.forget_unloaded();
   LibraryNeeds needs;
   const auto present = modeldesc::loaded_libraries(modeldesc::UniqueSymbols::skip);

@@ -9,6 +9,7 @@
 #include "fmi/library_state.hpp"
 #include "mebots/input_error.hpp"
 #include "model/resolved_system.hpp"
+#include "model/value_kind.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -105,6 +106,23 @@ void part_single_instances(ResolvedSystem& system) {
   }
 }
 
+/// Refuses what an FMU for Windows cannot do under wine.
+void check_windows_fmus(const ResolvedSystem& system) {
+  for (const auto& instance : system.instances) {
+    if (!instance.isolation.alone() || !instance.fmu->runs_under_wine()) continue;
+    const auto refuse = [&](std::string_view reason) {
+      throw InputError(ErrorCode::fmu_unsupported,
+                       fmt::format("{}: {} has a binary for Windows alone, which runs under wine, and {}",
+                                   instance.description->place, instance.fmu->archive().string(), reason));
+    };
+    if (instance.isolation.sandboxed())
+      refuse(
+          "wine does not run in a sandbox. Set \"process\" to \"own\", which contains faults but not access to files");
+    if (!osmp_triples(*instance.model).empty())
+      refuse("its binary variables (OSMP) are addresses in its own process. Export it for FMI 3.0, or for Linux");
+  }
+}
+
 void find_interpreters(ResolvedSystem& system) {
   std::map<const Fmu*, Interpreter> known;
   for (auto& instance : system.instances) {
@@ -123,6 +141,7 @@ void choose_processes(ResolvedSystem& system, const std::atomic<bool>& interrupt
     load(system, group);
   }
   part_single_instances(system);
+  check_windows_fmus(system);
   find_interpreters(system);
 }
 

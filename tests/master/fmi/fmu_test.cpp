@@ -68,7 +68,10 @@ TEST(Fmu, AnArchiveWithoutDescriptionIsRefused) {
 
 TEST(Fmu, ABinaryForAnotherPlatformOnlyIsNamed) {
   const ChangedProbe probe([](std::string&) {}, {});
-  EXPECT_THAT(load_error(probe.path()), AllOf(HasSubstr("no binary for x86-64 Linux"), HasSubstr("win64")));
+  setenv("MEBOTS_WINE", "/nowhere", 1);
+  EXPECT_THAT(load_error(probe.path()),
+              AllOf(HasSubstr("no binary for x86-64 Linux"), HasSubstr("win64"), HasSubstr("apt-get install wine64")));
+  unsetenv("MEBOTS_WINE");
 }
 
 TEST(Fmu, NamesAFileThatIsNotALibrary) {

@@ -71,9 +71,14 @@ void install_fault_handlers(Control& control) {
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL}) sigaction(signal, &action, nullptr);
 }
 
-void limit_memory(std::uint64_t memory_bytes) {
-  // Limits the address space, because the kernel offers no other limit. Counts from what the process already uses.
+void limit_memory(std::uint64_t memory_bytes, LimitedMemory limited) {
   if (memory_bytes == std::numeric_limits<std::uint64_t>::max()) return;  // no limit
+  if (limited == LimitedMemory::data) {
+    const rlimit data{memory_bytes, memory_bytes};
+    setrlimit(RLIMIT_DATA, &data);
+    return;
+  }
+  // Counts from what the process already uses.
   mallopt(M_ARENA_MAX, 2);  // otherwise every thread reserves 64 MiB of address space
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -137,9 +142,9 @@ void forbid_harm(Signals signals) {
   seccomp_release(filter);
 }
 
-void guard(std::uint64_t memory_bytes, Control& control) {
+void guard(std::uint64_t memory_bytes, LimitedMemory limited, Control& control) {
   install_fault_handlers(control);
-  limit_memory(memory_bytes);
+  limit_memory(memory_bytes, limited);
 }
 
 void protect_other_processes() {

@@ -7,9 +7,14 @@
 
 namespace mebots::master::isolation {
 
-/// Prepares a host process for foreign code: limits its memory to `memory_bytes` above its present use, and writes a
-/// fault to `control` before the fault ends the process. One thread only.
-void guard(std::uint64_t memory_bytes, Control& control);
+enum class LimitedMemory : std::uint8_t {
+  address_space,  ///< above the present use
+  data,           ///< private memory that the process may write: wine reserves far more addresses than it uses
+};
+
+/// Prepares a host process for foreign code: limits its memory to `memory_bytes`, and writes a fault to `control`
+/// before the fault ends the process. One thread only.
+void guard(std::uint64_t memory_bytes, LimitedMemory limited, Control& control);
 
 /// Prevents this process from ending, changing or watching processes that are not its children. One thread only.
 void protect_other_processes();

@@ -500,6 +500,7 @@ struct Arguments {
   Sandbox sandbox;
   std::vector<std::string> may_lack;
   bool is_inside = false;
+  LimitedMemory limited = LimitedMemory::address_space;
 
  private:
   const char* next(const char* what) {
@@ -510,6 +511,8 @@ struct Arguments {
     const std::string option = next("an option");
     if (option == "--inside") {
       is_inside = true;
+    } else if (option == "--limit-data") {
+      limited = LimitedMemory::data;
     } else if (option == "--sandbox") {
       sandbox.folder = next("a folder");
     } else if (option == "--reads") {
@@ -531,13 +534,13 @@ std::string own_path() {
 /// Prepares this process for foreign code.
 void confine(const Arguments& arguments, Host& host, std::vector<Refusal> refusals) {
   if (!arguments.is_sandboxed()) {
-    guard(arguments.memory_bytes, host.control());
+    guard(arguments.memory_bytes, arguments.limited, host.control());
     protect_other_processes();
     return;
   }
   auto more = restrict_process(arguments.sandbox, arguments.is_inside);
   refusals.insert(refusals.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-  guard(arguments.memory_bytes, host.control());
+  guard(arguments.memory_bytes, arguments.limited, host.control());
   if (auto problem = allow_simulation_calls(arguments.is_inside)) refusals.push_back({kSeccomp, *std::move(problem)});
   host.set_refusals(std::move(refusals), arguments.may_lack);
 }

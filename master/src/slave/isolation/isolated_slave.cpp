@@ -81,6 +81,7 @@ const char* IsolatedSlave::call_name() const {
 
 std::vector<std::string> IsolatedSlave::host_arguments() const {
   std::vector<std::string> words{fmt::format("{}", getpid()), fmt::format("{}", memory_bytes())};
+  if (instance_->fmu->runs_under_wine()) words.emplace_back("--limit-data");
   if (!instance_->isolation.sandboxed()) return words;
   const auto add = [&](const char* option, const std::string& value) { words.insert(words.end(), {option, value}); };
   add("--sandbox", instance_->fmu->folder().string());

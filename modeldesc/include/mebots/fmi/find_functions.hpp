@@ -1,22 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#if defined(_WIN32)
+#include <windows.h>
+#else
 #include <dlfcn.h>
+#endif
 
 #include <string>
 #include <type_traits>
 
 namespace mebots::fmi {
 
-/// Looks up the functions of an FMU in a library from dlopen(); those that it lacks are null. `Functions` is the table
+/// A pointer to a member as a type, so that templates can depend on it: `member<&Functions::do_step>()` returns the
+/// pointer.
+template <auto pointer>
+inline constexpr std::integral_constant<decltype(pointer), pointer> member{};
+
+/// Returns the address of a symbol in a loaded library; null if it has none of this name.
+inline void* find_symbol(void* library, const std::string& name) {
+#if defined(_WIN32)
+  return reinterpret_cast<void*>(GetProcAddress(static_cast<HMODULE>(library), name.c_str()));
+#else
+  return dlsym(library, name.c_str());
+#endif
+}
+
+/// Looks up the functions of an FMU in a loaded library; those that it lacks are null. `Functions` is the table
 /// of a version of FMI. `for_each_function` calls its argument with the name and the member of each function. `prefix`
 /// precedes each name in the library.
 template <typename Functions, typename ForEach>
 Functions find_functions(void* library, ForEach for_each_function, const std::string& prefix = {}) {
   Functions functions;
   for_each_function([&](const char* name, auto member, auto /*need*/) {
-    auto& function = functions.*member;
-    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(dlsym(library, (prefix + name).c_str()));
+    auto& function = functions.*member();
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(find_symbol(library, prefix + name));
   });
   return functions;
 }

@@ -47,32 +47,32 @@ struct Functions {
   fmiStatus (*get_real_status)(fmiComponent, fmiStatusKind kind, fmiReal* value) = nullptr;
 };
 
-/// Calls action(name, pointer to the member of Functions, Need) for every function.
+/// Calls action(name, fmi::member of Functions, Need) for every function.
 template <typename Action>
 void for_each_function(Action action) {
   using F = Functions;
-  action("fmiGetTypesPlatform", &F::get_types_platform, Need::to_run);
-  action("fmiGetVersion", &F::get_version, Need::to_run);
-  action("fmiInstantiateSlave", &F::instantiate_slave, Need::to_run);
-  action("fmiInitializeSlave", &F::initialize_slave, Need::to_run);
-  action("fmiTerminateSlave", &F::terminate_slave, Need::to_run);
-  action("fmiResetSlave", &F::reset_slave, Need::always);
-  action("fmiFreeSlaveInstance", &F::free_slave_instance, Need::to_run);
-  action("fmiSetDebugLogging", &F::set_debug_logging, Need::always);
-  action("fmiGetReal", &F::get_real, Need::to_run);
-  action("fmiGetInteger", &F::get_integer, Need::to_run);
-  action("fmiGetBoolean", &F::get_boolean, Need::to_run);
-  action("fmiGetString", &F::get_string, Need::to_run);
-  action("fmiSetReal", &F::set_real, Need::to_run);
-  action("fmiSetInteger", &F::set_integer, Need::to_run);
-  action("fmiSetBoolean", &F::set_boolean, Need::to_run);
-  action("fmiSetString", &F::set_string, Need::to_run);
-  action("fmiSetRealInputDerivatives", &F::set_real_input_derivatives, Need::always);
-  action("fmiGetRealOutputDerivatives", &F::get_real_output_derivatives, Need::always);
-  action("fmiDoStep", &F::do_step, Need::to_run);
-  action("fmiCancelStep", &F::cancel_step, Need::always);
-  action("fmiGetStatus", &F::get_status, Need::always);
-  action("fmiGetRealStatus", &F::get_real_status, Need::always);
+  action("fmiGetTypesPlatform", fmi::member<&F::get_types_platform>, Need::to_run);
+  action("fmiGetVersion", fmi::member<&F::get_version>, Need::to_run);
+  action("fmiInstantiateSlave", fmi::member<&F::instantiate_slave>, Need::to_run);
+  action("fmiInitializeSlave", fmi::member<&F::initialize_slave>, Need::to_run);
+  action("fmiTerminateSlave", fmi::member<&F::terminate_slave>, Need::to_run);
+  action("fmiResetSlave", fmi::member<&F::reset_slave>, Need::always);
+  action("fmiFreeSlaveInstance", fmi::member<&F::free_slave_instance>, Need::to_run);
+  action("fmiSetDebugLogging", fmi::member<&F::set_debug_logging>, Need::always);
+  action("fmiGetReal", fmi::member<&F::get_real>, Need::to_run);
+  action("fmiGetInteger", fmi::member<&F::get_integer>, Need::to_run);
+  action("fmiGetBoolean", fmi::member<&F::get_boolean>, Need::to_run);
+  action("fmiGetString", fmi::member<&F::get_string>, Need::to_run);
+  action("fmiSetReal", fmi::member<&F::set_real>, Need::to_run);
+  action("fmiSetInteger", fmi::member<&F::set_integer>, Need::to_run);
+  action("fmiSetBoolean", fmi::member<&F::set_boolean>, Need::to_run);
+  action("fmiSetString", fmi::member<&F::set_string>, Need::to_run);
+  action("fmiSetRealInputDerivatives", fmi::member<&F::set_real_input_derivatives>, Need::always);
+  action("fmiGetRealOutputDerivatives", fmi::member<&F::get_real_output_derivatives>, Need::always);
+  action("fmiDoStep", fmi::member<&F::do_step>, Need::to_run);
+  action("fmiCancelStep", fmi::member<&F::cancel_step>, Need::always);
+  action("fmiGetStatus", fmi::member<&F::get_status>, Need::always);
+  action("fmiGetRealStatus", fmi::member<&F::get_real_status>, Need::always);
 }
 
 /// Looks up all functions in a library from dlopen(); those that it lacks are null.

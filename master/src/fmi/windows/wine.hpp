@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace mebots::master::windows {
+
+/// The programs that run an FMU for Windows. Empty if they are missing.
+struct Wine {
+  std::filesystem::path program;    ///< wine's loader for 64-bit programs
+  std::filesystem::path libraries;  ///< folder with wine's own DLLs
+  std::filesystem::path host;       ///< mebots-fmu-host.exe
+  std::string missing;              ///< what to install if a part is missing: "Install wine (...)"
+
+  explicit operator bool() const { return missing.empty(); }
+};
+
+/// Finds wine: $MEBOTS_WINE, else on PATH or where distributions install it. Looks once.
+const Wine& find_wine();
+
+/// Creates a folder of settings for wine with links to its DLLs. wine itself would take 15 s and 700 MB to create one.
+/// Each FMU has its own: wineserver serves all programs of one folder, and it ends with the process that started it.
+void create_wine_settings(const Wine& wine, const std::filesystem::path& folder);
+
+}  // namespace mebots::master::windows

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+/// The messages between mebots-fmu-host and mebots-fmu-host.exe, which runs an FMU's library for Windows under wine.
+/// The arguments of a function of FMI follow from its type alone. Both sides compile this header.
+namespace mebots::master::windows {
+
+/// The function in a request, instead of a number of for_each_function().
+inline constexpr std::uint32_t kLoad = 0xffff'0000;
+inline constexpr std::uint32_t kUnload = 0xffff'0001;
+
+enum class Reply : std::uint32_t {
+  result,     ///< ends the request
+  log,        ///< environment, instance, status, category, text
+  not_found,  ///< ends kLoad: error code of Windows
+  exception,  ///< a structured exception: code, address; the process ends
+};
+
+struct FrameHeader {
+  std::uint32_t kind = 0;  ///< a function or a Reply
+  std::uint32_t size = 0;  ///< bytes after the header
+};
+
+class Writer {
+ public:
+  template <typename T>
+  requires std::is_trivially_copyable_v<T>
+  void put(const T& value) { append(&value, sizeof value); }
+  void put(std::string_view bytes) {
+    put(static_cast<std::uint64_t>(bytes.size()));
+    append(bytes.data(), bytes.size());
+  }
+  void put_text(const char* text) {
+    put(text != nullptr);
+    if (text != nullptr) put(std::string_view(text));
+  }
+
+  /// Returns the frame with all that was put since the last frame.
+  const std::string& frame(std::uint32_t kind) {
+    const FrameHeader header{kind, static_cast<std::uint32_t>(bytes_.size() - sizeof(FrameHeader))};
+    std::memcpy(bytes_.data(), &header, sizeof header);
+    return bytes_;
+  }
+  void clear() { bytes_.resize(sizeof(FrameHeader)); }
+
+ private:
+  void append(const void* data, std::size_t size) { bytes_.append(static_cast<const char*>(data), size); }
+
+  std::string bytes_ = std::string(sizeof(FrameHeader), '\0');
+};
+
+/// Throws std::runtime_error if the bytes end too early.
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+
+  template <typename T>
+  requires std::is_trivially_copyable_v<T> T get() {
+    T value;
+    std::memcpy(&value, take(sizeof value).data(), sizeof value);
+    return value;
+  }
+  std::string_view get_bytes() { return take(get<std::uint64_t>()); }
+  std::optional<std::string> get_text() {
+    if (!get<bool>()) return std::nullopt;
+    return std::string(get_bytes());
+  }
+
+ private:
+  std::string_view take(std::size_t size) {
+    if (size > bytes_.size()) throw std::runtime_error("a message of the process for Windows is too short");
+    const auto taken = bytes_.substr(0, size);
+    bytes_.remove_prefix(size);
+    return taken;
+  }
+
+  std::string_view bytes_;
+};
+
+/// How the arguments of a C function of FMI travel. A pointer is an array whose length is another argument, or a single
+/// value. Arrays of constants travel to the FMU; others travel in both directions.
+template <typename... Arguments>
+struct Signature {
+  static constexpr std::size_t kCount = sizeof...(Arguments);
+  static constexpr int kSingle = -1;
+
+  template <std::size_t i>
+  using Argument = std::tuple_element_t<i, std::tuple<Arguments...>>;
+
+  /// Returns which argument has the number of elements of pointer `i`; kSingle if it points to one value. It is the
+  /// next argument or the nearest one before. An array of sizes is followed by the arrays that have these sizes.
+  static consteval int length_of(std::size_t i) {
+    constexpr std::array<bool, kCount> lengths{std::is_same_v<Arguments, std::size_t>...};
+    constexpr std::array<bool, kCount> pointers{std::is_pointer_v<Arguments>...};
+    constexpr std::array<bool, kCount> states{std::is_same_v<Arguments, void**>...};
+    constexpr std::array<bool, kCount> sizes{
+        std::is_same_v<std::remove_const_t<std::remove_pointer_t<Arguments>>, std::size_t>...};
+    if (states[i]) return kSingle;
+    if (i + 1 < kCount && lengths[i + 1]) return static_cast<int>(i + 1);
+    if (sizes[i] && i + 1 < kCount && pointers[i + 1]) return length_of(i + 1);
+    if (is_directional_derivative() && i == 6) return 2;
+    for (auto before = i; before-- > 0;) {
+      if (lengths[before]) return static_cast<int>(before);
+    }
+    return kSingle;
+  }
+
+ private:
+  /// In fmi2GetDirectionalDerivative, the last array is as long as the first.
+  static consteval bool is_directional_derivative() {
+    using Numbers = const unsigned*;
+    return std::is_same_v<std::tuple<Arguments...>,
+                          std::tuple<void*, Numbers, std::size_t, Numbers, std::size_t, const double*, double*>>;
+  }
+};
+
+template <typename T>
+using Element = std::remove_const_t<std::remove_pointer_t<T>>;
+
+template <typename T>
+concept Function = std::is_pointer_v<T> && std::is_function_v<std::remove_pointer_t<T>>;
+template <typename T>
+concept Value = (std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, void*>);
+/// A text, and not an array of bytes, which a length precedes or follows.
+template <typename T, int length>
+concept Text = std::is_same_v<T, const char*> && length < 0;
+template <typename T>
+concept Array = std::is_pointer_v<T> && !Function<T> && !std::is_same_v<T, void*>;
+template <typename T>
+concept InputArray = Array<T> && std::is_const_v<std::remove_pointer_t<T>>;
+template <typename T>
+concept ArrayOfTexts = Array<T> && std::is_same_v < Element<T>,
+const char* > ;
+template <typename T>
+concept ArrayOfBytes = Array<T> && std::is_same_v < Element<T>,
+const std::uint8_t* > ;
+
+/// A received argument.
+struct Slot {
+  std::uint64_t count = 0;
+  bool is_null = false;
+  std::vector<std::byte> elements;  ///< as C has them: for texts and arrays of bytes, the pointers
+  std::vector<std::string> texts;
+
+  template <typename T>
+  T* as_array() {
+    return is_null ? nullptr : reinterpret_cast<T*>(elements.data());
+  }
+  void keep_bytes(std::string_view bytes) {
+    const auto* const start = reinterpret_cast<const std::byte*>(bytes.data());
+    elements.assign(start, start + bytes.size());
+  }
+  /// Keeps the texts, and the pointers to them as elements.
+  template <typename Pointer>
+  void keep_texts(std::vector<std::string> kept) {
+    texts = std::move(kept);
+    elements.resize(texts.size() * sizeof(Pointer));
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      const auto pointer = reinterpret_cast<Pointer>(texts[i].c_str());
+      std::memcpy(elements.data() + i * sizeof pointer, &pointer, sizeof pointer);
+    }
+  }
+};
+
+}  // namespace mebots::master::windows
