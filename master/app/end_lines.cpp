@@ -53,6 +53,36 @@ void append_values(const Json& values, const Json& units, const Json& intervals,
   }
 }
 
+/// True for the values of a group: its statistics and, under `each`, its members.
+bool is_group(const Json& value) {
+  return value.is_object() && member_of(value, "each").is_object() &&
+         (value.contains("least") || value.contains("count") || value.contains("counts"));
+}
+
+std::string short_text(const Json& value) {
+  return value.is_number_float() ? fmt::format("{:.4g}", value.get<double>()) : value_text(value);
+}
+
+/// "least 0.21 (7), mean 0.5, most 0.93 (2)", "14 of 16 (not 3, 9)", "14 landed, 2 flying".
+std::string group_text(const Json& group, const Json& units) {
+  if (group.contains("least")) {
+    return fmt::format("{} ({}) to {} ({}), mean {}{}", short_text(group["least"]), value_text(group["least_of"]),
+                       short_text(group["most"]), value_text(group["most_of"]), short_text(group["mean"]),
+                       unit_text(member_of(units, "mean")));
+  }
+  std::vector<std::string> parts;
+  if (group.contains("counts")) {
+    for (const auto& [item, count] : group["counts"].items()) parts.push_back(fmt::format("{} {}", count.dump(), item));
+    return fmt::format("{}", fmt::join(parts, ", "));
+  }
+  for (const auto& [name, value] : group["each"].items()) {
+    if (value == false) parts.push_back(name);
+  }
+  const bool is_split = !parts.empty() && parts.size() < group["each"].size();
+  return fmt::format("{} of {}{}", group["count"].dump(), group["of"].dump(),
+                     is_split ? fmt::format(" (not {})", fmt::join(parts, ", ")) : "");
+}
+
 constexpr std::size_t kMostLines = 10;
 constexpr std::size_t kWidest = 110;
 constexpr auto kCut = ", ...";
@@ -63,10 +93,12 @@ class ValueLine {
   explicit ValueLine(std::string head) : text_(std::move(head)) {}
 
   void add(const std::string& label, const Json& value, const Json& unit, const Json& interval) {
-    if (cut_) return;
-    const auto shown = value.is_number_float() ? fmt::format("{:.4g}", value.get<double>()) : value_text(value);
     const auto range = interval.is_array() ? fmt::format(" ({})", interval_text(interval)) : "";
-    const auto piece = fmt::format("{}{} {}{}{}", empty_ ? "" : ", ", label, shown, unit_text(unit), range);
+    add(fmt::format("{} {}{}{}", label, short_text(value), unit_text(unit), range));
+  }
+  void add(const std::string& text) {
+    if (cut_) return;
+    const auto piece = fmt::format("{}{}", empty_ ? "" : ", ", text);
     if (!empty_ && text_.size() + piece.size() > kWidest) {
       cut_ = true;
       text_ += kCut;
@@ -80,7 +112,9 @@ class ValueLine {
     for (const auto& [label, value] : values.items()) {
       const auto unit = member_of(units, label);
       const auto interval = member_of(intervals, label);
-      if (value.is_object()) {
+      if (is_group(value)) {
+        add(fmt::format("{}{} {}", prefix, label, group_text(value, unit)));
+      } else if (value.is_object()) {
         add_all(value, unit, interval, prefix + label + ".");
       } else {
         add(prefix + label, value, unit, interval);
@@ -110,7 +144,12 @@ void append_shared(const Json& values, const Json& units, const Json& intervals,
   if (!alone.is_empty()) own.push_back(alone);
   for (const auto& [label, value] : values.items()) {
     if (!value.is_object()) continue;
-    own.emplace_back(fmt::format("  {}: ", label)).add_all(value, member_of(units, label), member_of(intervals, label));
+    auto& line = own.emplace_back(fmt::format("  {}: ", label));
+    if (is_group(value)) {
+      line.add(group_text(value, member_of(units, label)));
+    } else {
+      line.add_all(value, member_of(units, label), member_of(intervals, label));
+    }
   }
   const auto most = kMostLines - std::min(kMostLines, lines.size() + 1);
   for (const auto& line : own) is_cut |= line.is_full();

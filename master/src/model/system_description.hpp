@@ -138,9 +138,18 @@ const AlgorithmKind& find_algorithm(const AlgorithmDescription& description);
 
 enum class Comparison { equals, above, below };
 
-/// A comparison of `variable` with `value`.
+enum class Quantifier {
+  none,   ///< a comparison of one variable
+  all,    ///< all of the conditions hold
+  any,    ///< at least one of them holds
+  count,  ///< a comparison of the number of those that hold
+};
+
+/// A comparison of `variable` with `value`, or a statement about several conditions.
 struct ConditionDescription {
   VariableName variable;
+  Quantifier quantifier = Quantifier::none;
+  std::vector<ConditionDescription> members;  ///< those of a quantifier
   Comparison comparison = Comparison::equals;
   WrittenValue value;
   std::int64_t for_ns = 0;  ///< duration for which it must hold without interruption
@@ -201,12 +210,20 @@ struct OverrideDescription {
   std::string place;
 };
 
+/// A final value of one of several like things, such as drones.
+struct GroupMember {
+  std::string name;
+  VariableName variable;
+  std::string place;
+};
+
 /// A final value for summary.json, under `path` (labels, outermost first).
 struct SummaryEntry {
   std::vector<std::string> path;
   VariableName variable;
   std::vector<ConditionDescription> when;  ///< if one of them does not hold at the end, the value is left out
   std::string place;
+  std::vector<GroupMember> group = {};  ///< if not empty, the values, with statistics; `variable` is not used
 };
 
 /// `*` matches any characters, `?` one.

@@ -40,7 +40,19 @@ std::string shown(const modeldesc::ModelDescription& model, const modeldesc::Var
 }  // namespace
 
 Condition::Condition(const ResolvedSystem& system, Ensemble& ensemble, const ConditionDescription& description)
-    : ensemble_(&ensemble), comparison_(description.comparison) {
+    : ensemble_(&ensemble),
+      quantifier_(description.quantifier),
+      ever_(description.ever),
+      comparison_(description.comparison) {
+  if (quantifier_ == Quantifier::none) {
+    compare_variable(system, ensemble, description);
+  } else {
+    count_members(system, ensemble, description);
+  }
+}
+
+void Condition::compare_variable(const ResolvedSystem& system, Ensemble& ensemble,
+                                 const ConditionDescription& description) {
   const auto resolved = system.find(description.variable, description.place + "/variable");
   const auto& variable = *resolved.variable;
   const auto& model = *system.instances[resolved.instance].model;
@@ -66,15 +78,31 @@ Condition::Condition(const ResolvedSystem& system, Ensemble& ensemble, const Con
   text_ = fmt::format("{} {} {}", description.variable.text(), sign(comparison_), value);
 }
 
-bool Condition::holds() const {
-  if (signal_.kind == ValueKind::string) return ensemble_->string(signal_) == string_;
-  double value = 0;
-  if (signal_.kind == ValueKind::real) {
-    value = ensemble_->real(signal_);
-  } else {
-    value = ensemble_->integer(signal_);
-    if (signal_.kind == ValueKind::boolean) value = value == 0 ? 0 : 1;
+void Condition::count_members(const ResolvedSystem& system, Ensemble& ensemble,
+                              const ConditionDescription& description) {
+  for (const auto& member : description.members) members_.emplace_back(system, ensemble, member);
+  const auto of =
+      fmt::format("of {} ({}{})", members_.size(), members_.front().text(), members_.size() > 1 ? ", ..." : "");
+  if (quantifier_ != Quantifier::count) {
+    text_ = fmt::format("{} {}", quantifier_ == Quantifier::all ? "all" : "any", of);
+    return;
   }
+  number_ = static_cast<double>(std::get<std::int64_t>(description.value));
+  text_ = fmt::format("count {} {} {}", of, sign(comparison_), number_);
+}
+
+bool Condition::holds_now() const {
+  if (quantifier_ == Quantifier::all) return std::ranges::all_of(members_, &Condition::holds);
+  if (quantifier_ == Quantifier::any) return std::ranges::any_of(members_, &Condition::holds);
+  if (quantifier_ == Quantifier::count)
+    return compares(static_cast<double>(std::ranges::count_if(members_, &Condition::holds)));
+  if (signal_.kind == ValueKind::string) return ensemble_->string(signal_) == string_;
+  if (signal_.kind == ValueKind::real) return compares(ensemble_->real(signal_));
+  const double value = ensemble_->integer(signal_);
+  return compares(signal_.kind == ValueKind::boolean ? (value == 0 ? 0 : 1) : value);
+}
+
+bool Condition::compares(double value) const {
   switch (comparison_) {
     case Comparison::equals:
       return value == number_;
@@ -84,6 +112,16 @@ bool Condition::holds() const {
       break;
   }
   return value < number_;
+}
+
+void Condition::note_point() {
+  for (auto& member : members_) member.note_point();
+  if (ever_ && !held_) held_ = holds_now();
+}
+
+void Condition::visit(state::Visitor& v) {
+  v("held", held_);
+  v("members", std::span(members_));
 }
 
 StopConditions::StopConditions(const ResolvedSystem& system, Ensemble& ensemble) : grid_(system.description->grid()) {
@@ -114,27 +152,21 @@ void StopConditions::visit(state::Visitor& v) {
 Outcomes::Outcomes(const ResolvedSystem& system, Ensemble& ensemble) {
   for (const auto& description : system.description->outcomes) {
     Rule rule{description.outcome, {}};
-    for (const auto& condition : description.when) {
-      rule.watches.push_back({Condition(system, ensemble, condition), condition.ever});
-    }
+    for (const auto& condition : description.when) rule.when.emplace_back(system, ensemble, condition);
     rules_.push_back(std::move(rule));
   }
 }
 
 std::optional<std::string> Outcomes::reached(const Point& /*point*/) {
   for (auto& rule : rules_) {
-    for (auto& watch : rule.watches) {
-      if (watch.ever && !watch.held) watch.held = watch.condition.holds();
-    }
+    for (auto& condition : rule.when) condition.note_point();
   }
   return std::nullopt;
 }
 
 std::string Outcomes::outcome() const {
   for (const auto& rule : rules_) {
-    const bool all = std::all_of(rule.watches.begin(), rule.watches.end(),
-                                 [](const Watch& watch) { return watch.ever ? watch.held : watch.condition.holds(); });
-    if (all) return rule.outcome;
+    if (std::ranges::all_of(rule.when, &Condition::holds)) return rule.outcome;
   }
   return "completed";
 }

@@ -11,18 +11,31 @@
 
 namespace mebots::master {
 
-/// A comparison of a variable with a value.
+/// A comparison of a variable with a value, or of the number of conditions that hold.
 class Condition {
  public:
   /// Throws InputError if the variable is unknown or the value does not fit its type.
   Condition(const ResolvedSystem& system, Ensemble& ensemble, const ConditionDescription& description);
 
-  bool holds() const;
+  /// If the condition has `ever`, returns true if it held in any call of note_point().
+  bool holds() const { return ever_ ? held_ : holds_now(); }
+  /// For `ever`: evaluates the condition at this communication point.
+  void note_point();
   /// Returns text such as "world.drone.landed = true".
   const std::string& text() const { return text_; }
+  void visit(state::Visitor& v);
 
  private:
+  void compare_variable(const ResolvedSystem& system, Ensemble& ensemble, const ConditionDescription& description);
+  void count_members(const ResolvedSystem& system, Ensemble& ensemble, const ConditionDescription& description);
+  bool holds_now() const;
+  bool compares(double value) const;
+
   const Ensemble* ensemble_;
+  Quantifier quantifier_;
+  std::vector<Condition> members_;  // of a quantifier
+  bool ever_;
+  bool held_ = false;
   SignalId signal_;
   Comparison comparison_;
   double number_ = 0;  // also for Integers, Booleans (0 and 1) and enumerations
@@ -65,18 +78,11 @@ class Outcomes final : public Observer {
   std::string outcome() const;
 
  private:
-  struct Watch {
-    Condition condition;
-    bool ever;
-    bool held = false;  // at any point so far; used for `ever` only
-
-    void visit(state::Visitor& v) { v("held", held); }
-  };
   struct Rule {
     std::string outcome;
-    std::vector<Watch> watches;
+    std::vector<Condition> when;
 
-    void visit(state::Visitor& v) { v("watches", std::span(watches)); }
+    void visit(state::Visitor& v) { v("when", std::span(when)); }
   };
 
   std::vector<Rule> rules_;

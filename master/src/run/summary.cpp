@@ -25,6 +25,12 @@ constexpr std::string_view kOwnLabels[] = {
     "notices",    "statistics",  "scenario",         "lost_instances", "parameters",     "coupling",  "start_time",
     "error_code", "uncertainty", "solvers"};
 
+constexpr std::string_view kEach = "each";
+
+std::string text_of(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
 /// Values under nested labels, in the order of insertion. A label is looked up in logarithmic time; an ordered JSON
 /// object would compare it with each of its members.
 class LabelTree {
@@ -70,16 +76,40 @@ std::string fmu_text(const SystemDescription& system, const InstanceDescription&
 
 SummaryValues::SummaryValues(const ResolvedSystem& system, Ensemble& ensemble) : ensemble_(&ensemble) {
   for (const auto& entry : system.description->summary) {
-    const auto resolved = system.find(entry.variable, entry.place);
-    const auto& model = *system.instances[resolved.instance].model;
     if (std::find(std::begin(kOwnLabels), std::end(kOwnLabels), entry.path.front()) != std::end(kOwnLabels)) {
       throw InputError(ErrorCode::duplicate_name,
                        fmt::format("{}: the label '{}' is used by summary.json itself; choose another one", entry.place,
                                    entry.path.front()));
     }
-    auto& added = entries_.emplace_back(
-        Entry{entry.path, &model, resolved.variable, ensemble.watch(resolved), {}, true, 0, 0, {}});
-    for (const auto& condition : entry.when) added.when.emplace_back(system, ensemble, condition);
+    if (entry.group.empty()) {
+      add_entry(system, ensemble, entry);
+    } else {
+      add_group(system, ensemble, entry);
+    }
+  }
+}
+
+void SummaryValues::add_entry(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry) {
+  const auto resolved = system.find(entry.variable, entry.place);
+  const auto& model = *system.instances[resolved.instance].model;
+  auto& added =
+      entries_.emplace_back(Entry{entry.path, &model, resolved.variable, ensemble.watch(resolved), {}, true, 0, 0, {}});
+  for (const auto& condition : entry.when) added.when.emplace_back(system, ensemble, condition);
+}
+
+void SummaryValues::add_group(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry) {
+  groups_.push_back({entry.path, entries_.size(), entry.group.size()});
+  for (const auto& member : entry.group) {
+    auto path = entry.path;
+    path.insert(path.end(), {std::string(kEach), member.name});
+    add_entry(system, ensemble, {std::move(path), member.variable, {}, member.place});
+    const auto& first = *entries_[groups_.back().first].variable;
+    const auto& own = *entries_.back().variable;
+    if (own.type == first.type && own.unit == first.unit) continue;
+    throw InputError(ErrorCode::wrong_type,
+                     fmt::format("{}: '{}' is of type {} [{}], the first member of the group of type {} [{}]",
+                                 member.place, member.variable.text(), modeldesc::to_string(own.type), own.unit,
+                                 modeldesc::to_string(first.type), first.unit));
   }
 }
 
@@ -130,17 +160,66 @@ Json SummaryValues::value_of(const Entry& entry) const {
   return entry.whole;
 }
 
+Json SummaryValues::statistics_of(const Group& group) const {
+  const auto members = std::span(entries_).subspan(group.first, group.count);
+  const auto& first = members.front();
+  const bool is_item = first.model->type_definition(first.variable->declared_type) != nullptr &&
+                       !first.model->type_definition(first.variable->declared_type)->items.empty();
+  if (first.signal.kind == ValueKind::boolean)
+    return {{"count", std::ranges::count_if(members, [](const Entry& one) { return one.whole != 0; })},
+            {"of", members.size()}};
+  if (is_item || (first.signal.kind != ValueKind::real && first.signal.kind != ValueKind::integer)) {
+    Json counts = Json::object();
+    for (const auto& one : members) {
+      const auto text = text_of(value_of(one));
+      counts[text] = counts.value(text, 0) + 1;
+    }
+    return {{"counts", counts}};
+  }
+  const auto number_of = [](const Entry& one) {
+    return one.signal.kind == ValueKind::real ? one.number : static_cast<double>(one.whole);
+  };
+  const auto least = std::ranges::min_element(members, {}, number_of);
+  const auto most = std::ranges::max_element(members, {}, number_of);
+  double sum = 0;
+  for (const auto& one : members) sum += number_of(one);
+  return {{"least", value_of(*least)},
+          {"mean", sum / static_cast<double>(members.size())},
+          {"most", value_of(*most)},
+          {"least_of", least->path.back()},
+          {"most_of", most->path.back()}};
+}
+
 Json SummaryValues::values() const {
   LabelTree tree;
   if (!any_point_) return tree.json();
-  for (const auto& entry : entries_) {
-    if (entry.shown) tree.put(entry.path, value_of(entry));
+  auto group = groups_.begin();
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (group != groups_.end() && group->first == i) {
+      auto path = group->path;
+      path.emplace_back();
+      const auto statistics = statistics_of(*group++);
+      for (const auto& [label, value] : statistics.items()) {
+        path.back() = label;
+        tree.put(path, value);
+      }
+    }
+    if (entries_[i].shown) tree.put(entries_[i].path, value_of(entries_[i]));
   }
   return tree.json();
 }
 
 Json SummaryValues::units() const {
   LabelTree tree;
+  for (const auto& group : groups_) {
+    const auto& unit = entries_[group.first].variable->unit;
+    auto path = group.path;
+    path.emplace_back();
+    for (const auto* label : {"least", "mean", "most"}) {
+      path.back() = label;
+      if (!unit.empty()) tree.put(path, unit);
+    }
+  }
   for (const auto& entry : entries_) {
     if (entry.shown && !entry.variable->unit.empty()) tree.put(entry.path, entry.variable->unit);
   }

@@ -27,7 +27,11 @@ class SummaryValues final : public Observer {
   std::optional<std::string> reached(const Point& point) override;
 
   /// Returns labels with values (numbers, Booleans, texts, item names of enumerations); empty before t = 0. Leaves out
-  /// entries whose conditions did not hold.
+  /// entries whose conditions did not hold. A group has its statistics, and its values under `each`:
+  ///
+  /// - numbers: `least`, `mean`, `most`, and the names of the extremes under `least_of` and `most_of`;
+  /// - Booleans: `count` of those that are true, and `of`, the number of all;
+  /// - texts and items: `counts` of each.
   nlohmann::ordered_json values() const;
   /// Returns the same labels with units; leaves out values without a unit.
   nlohmann::ordered_json units() const;
@@ -45,10 +49,22 @@ class SummaryValues final : public Observer {
     std::string text;
   };
 
+  /// Entries [first, first + count) are the values of like things, and have statistics under `path`.
+  struct Group {
+    std::vector<std::string> path;
+    std::size_t first;
+    std::size_t count;
+  };
+
+  void add_entry(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry);
+  void add_group(const ResolvedSystem& system, Ensemble& ensemble, const SummaryEntry& entry);
   nlohmann::ordered_json value_of(const Entry& entry) const;
+  /// Returns the statistics, by label.
+  nlohmann::ordered_json statistics_of(const Group& group) const;
 
   const Ensemble* ensemble_;
   std::vector<Entry> entries_;
+  std::vector<Group> groups_;  // by `first`
   bool any_point_ = false;
 };
 

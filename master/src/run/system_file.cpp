@@ -10,6 +10,7 @@
 #include "run/json_value.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <span>
@@ -105,10 +106,23 @@ Json pictures_json(const SystemDescription& description) {
   return pictures;
 }
 
+/// Returns the groups of the summary: the variables of like things, by name.
+Json groups_json(const SystemDescription& description) {
+  auto groups = Json::array();
+  for (const auto& entry : description.summary) {
+    if (entry.group.empty()) continue;
+    Json members = Json::object();
+    for (const auto& member : entry.group) add_member(members, member.name) = member.variable.text();
+    groups.push_back({{"label", fmt::format("{}", fmt::join(entry.path, " "))}, {"members", std::move(members)}});
+  }
+  return groups;
+}
+
 Json view_json(const ResolvedSystem& system) {
   const auto& view = system.description->view;
   Json json = {{"panels", Json::array()}, {"marks", view.marks}};
   if (view.scene) json["scene"] = {{"file", kSceneFile}, {"instance", view.scene->instance}};
+  if (auto groups = groups_json(*system.description); !groups.empty()) json["groups"] = std::move(groups);
   for (const auto& panel : view.panels) json["panels"].push_back(panel_json(system, panel));
   return json;
 }

@@ -150,6 +150,77 @@ TEST(Config, MistakesInRepeatedEntriesNameThePlaceAndTheCopy) {
               AllOf(HasSubstr("/connections/0, i = 1"), HasSubstr("b[1]")));
 }
 
+TEST(Config, AGroupNamesWhatSeveralEntriesRepeat) {
+  const auto system = read(R"({"step": 0.1, "stop_time": 2,
+    "groups": {"pair": {"i": [1, 2]}, "wheels": ["pair", {"k": {"side": ["left", "right"]}}]},
+    "instances": {"p[{i}]": {"repeat": "pair", "fmu": "PROBE"}, "w[{i}]{side}": {"repeat": "wheels", "fmu": "PROBE"},
+      "hub": {"fmu": "PROBE", "parameters": [{"gain": 2}, {"repeat": "pair", "pad[{i}]": "{i}"}]}},
+    "connections": [{"repeat": "pair", "from": "p[{i}].real_out", "to": "w[{i}]left.real_in"}],
+    "view": {"marks": ["w*left", "hub"],
+             "panels": [{"title": "out", "curves": [{"repeat": "wheels", "variable": "w[{i}]{side}.real_out"}]}]}})");
+  ASSERT_EQ(system.instances.size(), 7u);
+  EXPECT_EQ(system.instances[5].name, "w[2]right");
+  const auto& parameters = system.instances[6].parameters;
+  ASSERT_EQ(parameters.size(), 3u);
+  EXPECT_EQ(parameters[2].variable, "pad[2]");
+  EXPECT_EQ(std::get<std::int64_t>(parameters[2].value), 2);
+  EXPECT_THAT(parameters[2].place, HasSubstr("i = 2"));
+  ASSERT_EQ(system.view.panels[0].curves.size(), 4u);
+  EXPECT_EQ(system.view.panels[0].curves[3].variable.text(), "w[2]right.real_out");
+  EXPECT_EQ(system.view.marks, (std::vector<std::string>{"w[1]left", "w[2]left", "hub"}));
+}
+
+TEST(Config, ConditionsAndTheSummaryReadGroups) {
+  const auto system = read(R"({"step": 0.1, "stop_time": 2, "groups": {"pair": {"i": [3, 4]}},
+    "instances": {"p[{i}]": {"repeat": "pair", "fmu": "PROBE"}},
+    "stop_when": [{"all": [{"repeat": "pair", "any": [
+        {"variable": "p[{i}].real_out", "above": 1}, {"variable": "p[{i}].bool_out", "equals": true}]}], "for": 0.5}],
+    "outcomes": [{"outcome": "ok", "when": [
+        {"count": [{"repeat": "pair", "variable": "p[{i}].real_out", "above": 1, "ever": true}], "below": 2}]}],
+    "summary": {"out": [{"repeat": "pair", "variable": "p[{i}].real_out"}],
+                "mixed": [{"name": "first", "variable": "p[3].real_out"}, {"variable": "p[4].real_out"}]}})");
+  const auto& all = system.stop_when.at(0);
+  EXPECT_EQ(all.quantifier, Quantifier::all);
+  EXPECT_EQ(all.for_ns, 500'000'000);
+  ASSERT_EQ(all.members.size(), 2u);
+  EXPECT_EQ(all.members[1].quantifier, Quantifier::any);
+  EXPECT_EQ(all.members[1].members.at(0).variable.text(), "p[4].real_out");
+  const auto& count = system.outcomes.at(0).when.at(0);
+  EXPECT_EQ(count.quantifier, Quantifier::count);
+  EXPECT_EQ(count.comparison, Comparison::below);
+  EXPECT_TRUE(count.members.at(1).ever);
+  ASSERT_EQ(system.summary.size(), 2u);
+  EXPECT_EQ(system.summary[0].group.at(1).name, "4");
+  EXPECT_EQ(system.summary[1].group.at(0).name, "first");
+  EXPECT_EQ(system.summary[1].group.at(1).name, "2");
+}
+
+TEST(Config, MistakesInGroupsNameTheirPlace) {
+  const auto error = [](const std::string& rest, const std::string& groups = R"({"pair": {"i": [1, 2]}})") {
+    return reading_error(fmt::format(
+        R"({{"step": 0.1, "stop_time": 2, "groups": {}, "instances": {{"p[{{i}}]": {{"repeat": "pair", "fmu": "PROBE"}}}}, {}}})",
+        groups, rest));
+  };
+  const std::string compared = R"("variable": "p[1].real_out", "above": 1)";
+  EXPECT_THAT(error(R"("stop_when": [{"all": [{"repeat": "pear", "variable": "p[{i}].real_out", "above": 1}]}])"),
+              AllOf(HasSubstr("/stop_when/0/all/0/repeat"), HasSubstr("pair")));
+  EXPECT_THAT(error(R"("stop_when": [])", R"({"pair": {"i": [2, 1]}})"), HasSubstr("/groups/pair/i/1"));
+  EXPECT_THAT(error(fmt::format(R"("stop_when": [{{"count": [{{{}}}]}}])", compared)), HasSubstr("exactly one of"));
+  EXPECT_THAT(error(fmt::format(R"("stop_when": [{{"count": [{{{}}}], "above": 0.5}}])", compared)),
+              HasSubstr("whole number"));
+  EXPECT_THAT(error(fmt::format(R"("stop_when": [{{"all": [{{{}}}], "equals": true}}])", compared)),
+              HasSubstr("equals"));
+  EXPECT_THAT(error(R"("stop_when": [{"any": []}])"), HasSubstr("'any' has no condition"));
+  EXPECT_THAT(error(R"("summary": {"x": []})"), HasSubstr("at least one member"));
+  EXPECT_THAT(
+      error(
+          R"("summary": {"x": [{"name": "a", "variable": "p[1].real_out"}, {"name": "a", "variable": "p[2].real_out"}]})"),
+      HasSubstr("two members are named 'a'"));
+  EXPECT_THAT(
+      error(R"("summary": {"x": [{"repeat": "pair", "variable": "p[{i}].real_out"}, {"variable": "q.real_out"}]})"),
+      HasSubstr("q"));
+}
+
 /// Reads a variant of the smallest config, base.json.
 SystemDescription read_variant(const std::string& text, const GivenTimes& times = {}) {
   const modeldesc::TemporaryFolder folder("mebots-test");

@@ -2,12 +2,17 @@
 // Reads the sections `stop_when` and `outcomes`.
 #include "sections.hpp"
 
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <variant>
+
 namespace mebots::master::config {
 
-ConditionDescription read_condition(Object& object, const SystemDescription& system) {
-  ConditionDescription condition;
-  condition.place = object.node().place();
-  object.read("variable", condition.variable, variable_of(system));
+namespace {
+
+/// Reads `equals`, `above` or `below`.
+void read_comparison(Object& object, ConditionDescription& condition) {
   int comparisons = 0;
   const auto compare = [&](const char* key, Comparison comparison) {
     if (object.has(key)) {
@@ -25,12 +30,53 @@ ConditionDescription read_condition(Object& object, const SystemDescription& sys
   if (comparisons != 1) {
     object.node().complain(ErrorCode::invalid_value, "a condition needs exactly one of 'equals', 'above' and 'below'");
   }
+}
+
+struct QuantifierKey {
+  const char* key;
+  Quantifier quantifier;
+};
+constexpr QuantifierKey kQuantifiers[] = {
+    {"all", Quantifier::all}, {"any", Quantifier::any}, {"count", Quantifier::count}};
+
+void read_members(Object& object, const char* key, ConditionDescription& condition, const SystemDescription& system,
+                  ReadMore read_more) {
+  object.read(key, condition.members, data::list_of([&](const Node& element) {
+                Object inner(element);
+                auto member = read_condition(inner, system, read_more);
+                inner.finish();
+                return member;
+              }));
+  if (condition.members.empty() && object.sound())
+    object.node().complain(ErrorCode::invalid_value, fmt::format("'{}' has no condition", key));
+  if (condition.quantifier != Quantifier::count) return;
+  read_comparison(object, condition);
+  if (object.sound() && !std::holds_alternative<std::int64_t>(condition.value))
+    object.node().complain(ErrorCode::wrong_type, "a count is compared with a whole number");
+}
+
+}  // namespace
+
+ConditionDescription read_condition(Object& object, const SystemDescription& system, ReadMore read_more) {
+  ConditionDescription condition;
+  condition.place = object.node().place();
+  for (const auto& [key, quantifier] : kQuantifiers) {
+    if (!object.has(key)) continue;
+    condition.quantifier = quantifier;
+    read_members(object, key, condition, system, read_more);
+    break;
+  }
+  if (condition.quantifier == Quantifier::none) {
+    object.read("variable", condition.variable, variable_of(system));
+    read_comparison(object, condition);
+  }
+  read_more(object, condition);
   return condition;
 }
 
 ConditionDescription read_lasting_condition(const Node& node, const SystemDescription& system) {
   Object object(node);
-  auto condition = read_condition(object, system);
+  auto condition = read_condition(object, system, [](Object&, ConditionDescription&) {});
   object.read_if("for", condition.for_ns, &duration_ns);
   object.finish();
   return condition;
@@ -40,8 +86,8 @@ namespace {
 
 ConditionDescription read_outcome_condition(const Node& node, const SystemDescription& system) {
   Object object(node);
-  auto condition = read_condition(object, system);
-  object.read_if("ever", condition.ever, &Node::flag);
+  auto condition = read_condition(
+      object, system, [](Object& inner, ConditionDescription& one) { inner.read_if("ever", one.ever, &Node::flag); });
   object.finish();
   return condition;
 }

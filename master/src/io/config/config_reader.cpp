@@ -37,6 +37,7 @@ constexpr Section kSections[] = {
     {"$schema", false, &config::read_text},
     {"text", false, &config::read_text},
     {"step", true, &config::read_step},
+    {config::kGroups, false, &config::read_groups},
     {"instances", true, &config::read_instances},
     {"start_time", false, &config::read_start_time},
     {"stop_time", true, &config::read_stop_time},

@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the sections `record`, `pictures` and `log`; the section `view`: what a run's page shows first; and the section
-// `summary`: labels, possibly nested, for variables or for variables with conditions.
+// `summary`: labels, possibly nested, for variables, variables with conditions, and groups of variables.
 #include "sections.hpp"
+
+#include "model/resolved_system.hpp"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <string>
 
 namespace mebots::master::config {
 namespace {
@@ -110,6 +117,21 @@ PanelDescription read_panel(const Node& node, const SystemDescription& system) {
 
 }  // namespace
 
+namespace {
+
+/// Adds the instance of this name, or all instances that fit a pattern.
+void add_mark(const Node& node, const SystemDescription& system, std::vector<std::string>& marks) {
+  const auto name = node.readable_text();
+  const bool is_pattern = name.find_first_of("*?") != std::string::npos && system.find_instance(name) == nullptr;
+  const auto before = marks.size();
+  for (const auto& instance : system.instances) {
+    if (is_pattern && fits(instance.name, name)) marks.push_back(instance.name);
+  }
+  if (marks.size() == before) marks.push_back(instance_name(name, node, system));
+}
+
+}  // namespace
+
 void read_view(const Node& node, SystemDescription& system) {
   Object object(node);
   auto& view = system.view;
@@ -119,9 +141,11 @@ void read_view(const Node& node, SystemDescription& system) {
   });
   object.read_if("panels", view.panels,
                  data::list_of([&](const Node& element) { return read_panel(element, system); }));
-  object.read_if("marks", view.marks, data::list_of([&](const Node& element) {
-                   return instance_name(element.readable_text(), element, system);
-                 }));
+  object.visit_if("marks", [&](const Node& marks) {
+    for (const auto& element : marks.elements()) {
+      element.attempt([&] { add_mark(element, system, view.marks); });
+    }
+  });
   object.finish();
 }
 
@@ -129,7 +153,7 @@ namespace {
 
 ConditionDescription read_final_condition(const Node& node, const SystemDescription& system) {
   Object object(node);
-  auto condition = read_condition(object, system);
+  auto condition = read_condition(object, system, [](Object&, ConditionDescription&) {});
   object.finish();
   return condition;
 }
@@ -145,6 +169,26 @@ SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& 
   return entry;
 }
 
+/// Reads a list of variables of like things. Those without a name are named by their position from 1.
+std::vector<GroupMember> read_group(const Node& node, const SystemDescription& system) {
+  std::vector<GroupMember> group;
+  std::set<std::string> names;
+  for (const auto& element : node.elements()) {
+    element.attempt([&] {
+      Object object(element);
+      GroupMember member{std::to_string(group.size() + 1), {}, element.place()};
+      object.read("variable", member.variable, variable_of(system));
+      object.read_if("name", member.name, &Node::readable_text);
+      object.finish();
+      if (!names.insert(member.name).second)
+        element.complain(ErrorCode::duplicate_name, fmt::format("two members are named '{}'", member.name));
+      group.push_back(std::move(member));
+    });
+  }
+  if (group.empty()) node.complain(ErrorCode::invalid_value, "a group needs at least one member");
+  return group;
+}
+
 bool is_conditional(const Node& node) {
   const auto when = node.find("when");
   return node.has("variable") && when && when->is(data::Kind::list);
@@ -156,7 +200,9 @@ void read_labels(const Node& node, const std::vector<std::string>& path, SystemD
     value.attempt([&, &label = label, &value = value] {
       auto inner = path;
       inner.push_back(label);
-      if (!value.is(data::Kind::object)) {
+      if (value.is(data::Kind::list)) {
+        system.summary.push_back({std::move(inner), {}, {}, value.place(), read_group(value, system)});
+      } else if (!value.is(data::Kind::object)) {
         auto name = variable_name(value, system);
         system.summary.push_back({std::move(inner), std::move(name), {}, value.place()});
       } else if (is_conditional(value)) {

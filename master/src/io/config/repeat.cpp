@@ -31,14 +31,22 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::int64_t kMostCopies = 100'000;
+constexpr const char* kParameters = "parameters";
 
 /// The replacement of a name in braces: a value, or a part of a text.
 struct Filling {
   // NOLINTNEXTLINE(google-explicit-constructor): a value is written as it is
   Filling(Json v) : value(std::move(v)), text(value.is_string() ? value.get<std::string>() : value.dump()) {}
   Filling(Json v, std::string t) : value(std::move(v)), text(std::move(t)) {}
+  static Filling of_index(Json v) {
+    Filling filling(std::move(v));
+    filling.is_index = true;
+    return filling;
+  }
+
   Json value;
   std::string text;
+  bool is_index = false;  // not a column or a list
 };
 
 /// The names in braces, for one copy.
@@ -93,7 +101,7 @@ std::vector<Values> numbers(const Node& node, const std::string& index) {
   const auto first = ends[0].whole_number(-kMostCopies, kMostCopies);
   const auto last = ends[1].whole_number(first, first + kMostCopies - 1);
   std::vector<Values> rows;
-  for (auto number = first; number <= last; ++number) rows.push_back({{index, Json(number)}});
+  for (auto number = first; number <= last; ++number) rows.push_back({{index, Filling::of_index(number)}});
   return rows;
 }
 
@@ -105,7 +113,7 @@ std::vector<Values> lists(const Node& node, const std::string& index) {
     check_name(list, name);
     const auto elements = list.elements();
     if (is_first) {
-      for (std::size_t row = 0; row < elements.size(); ++row) rows.push_back({{index, Json(row + 1)}});
+      for (std::size_t row = 0; row < elements.size(); ++row) rows.push_back({{index, Filling::of_index(row + 1)}});
     } else if (elements.size() != rows.size()) {
       list.fail(ErrorCode::invalid_value,
                 fmt::format("this list has {} values, and the first list {}", elements.size(), rows.size()));
@@ -132,7 +140,7 @@ std::vector<Values> table(const Node& node, const std::string& index, Repeats& r
   for (const auto& name : csv.header()) check_name(node, name);
   std::vector<Values> rows;
   while (csv.next()) {
-    Values row = {{index, Json(rows.size() + 1)}};
+    Values row = {{index, Filling::of_index(rows.size() + 1)}};
     for (std::size_t i = 0; i < csv.header().size(); ++i) {
       const auto cell = data::trimmed(csv.cell(i));
       row.emplace_back(csv.header()[i], Filling(json_of(cell), std::string(cell)));
@@ -143,34 +151,73 @@ std::vector<Values> table(const Node& node, const std::string& index, Repeats& r
   return rows;
 }
 
-/// Returns the values of every copy: all combinations of the indexes, the last one fastest.
-std::vector<Values> read_copies(const Node& node, Repeats& repeats) {
-  std::vector<Values> copies = {{}};
-  std::set<std::string> names;
-  for (const auto& [index, range] : node.members()) {
-    check_name(range, index);
-    const auto rows = range.is(data::Kind::list)     ? numbers(range, index)
-                      : range.is(data::Kind::object) ? lists(range, index)
-                                                     : table(range, index, repeats);
-    for (const auto& [name, value] : rows.front()) {
-      if (!names.insert(name).second)
-        range.fail(ErrorCode::invalid_value, fmt::format("there are two values {}", name));
-    }
-    if (copies.size() * rows.size() > static_cast<std::size_t>(kMostCopies)) {
-      range.fail(ErrorCode::value_out_of_range, fmt::format("there are more than {} copies", kMostCopies));
-    }
-    std::vector<Values> product;
-    for (const auto& copy : copies) {
-      for (const auto& row : rows) {
-        product.push_back(copy);
-        product.back().insert(product.back().end(), row.begin(), row.end());
-      }
-    }
-    copies = std::move(product);
+/// Returns all combinations, those of `second` fastest. Their names must differ.
+std::vector<Values> product(const Node& node, const std::vector<Values>& first, const std::vector<Values>& second) {
+  if (first.empty() || second.empty()) return {};
+  for (const auto& [name, value] : second.front()) {
+    if (std::ranges::find(first.front(), name, &Values::value_type::first) != first.front().end())
+      node.fail(ErrorCode::invalid_value, fmt::format("there are two values {}", name));
   }
-  if (copies.front().empty()) node.fail(ErrorCode::invalid_value, "name an index, such as {\"i\": [1, 16]}");
-  return copies;
+  if (first.size() * second.size() > static_cast<std::size_t>(kMostCopies)) {
+    node.fail(ErrorCode::value_out_of_range, fmt::format("there are more than {} copies", kMostCopies));
+  }
+  std::vector<Values> all;
+  for (const auto& copy : first) {
+    for (const auto& row : second) {
+      all.push_back(copy);
+      all.back().insert(all.back().end(), row.begin(), row.end());
+    }
+  }
+  return all;
 }
+
+/// The values of the copies of each group in `groups`.
+class Groups {
+ public:
+  explicit Groups(Repeats& repeats) : repeats_(repeats) {}
+
+  /// A group may use those before it.
+  void read(const Node& node) {
+    for (const auto& [name, range] : node.members()) {
+      check_name(range, name);
+      auto& copies = groups_[name];
+      range.attempt([&, &range = range] { copies = copies_of(range); });
+    }
+  }
+
+  /// Returns the values of every copy: all combinations of the indexes, the last one fastest. Empty if a group has a
+  /// mistake, which is reported.
+  std::vector<Values> copies_of(const Node& node) const {
+    if (node.is(data::Kind::text)) return group(node);
+    std::vector<Values> copies = {{}};
+    if (node.is(data::Kind::list)) {
+      for (const auto& part : node.elements()) copies = product(part, copies, copies_of(part));
+    } else {
+      for (const auto& [index, range] : node.members()) copies = product(range, copies, rows_of(range, index));
+    }
+    if (!copies.empty() && copies.front().empty())
+      node.fail(ErrorCode::invalid_value, "name an index, such as {\"i\": [1, 16]}");
+    return copies;
+  }
+
+ private:
+  std::vector<Values> group(const Node& node) const {
+    const auto found = groups_.find(node.text());
+    if (found != groups_.end()) return found->second;
+    std::vector<std::string> known;
+    for (const auto& [name, copies] : groups_) known.push_back(name);
+    node.fail_unknown("group", node.text(), known);
+  }
+
+  std::vector<Values> rows_of(const Node& range, const std::string& index) const {
+    check_name(range, index);
+    if (range.is(data::Kind::list)) return numbers(range, index);
+    return range.is(data::Kind::object) ? lists(range, index) : table(range, index, repeats_);
+  }
+
+  Repeats& repeats_;
+  std::map<std::string, std::vector<Values>> groups_;
+};
 
 /// Replaces names in braces. Throws InputError for an unknown one.
 class Filler {
@@ -268,94 +315,164 @@ std::string shown(const Values& values) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// The members of an object or the elements of a list, with their copies.
+/// Returns true if a list in this value has an element with `repeat`.
+bool repeats_inside(const Json& value) {
+  return value.is_structured() && std::ranges::any_of(value, [&](const Json& one) {
+           return (value.is_array() && one.is_object() && one.contains(kRepeat)) || repeats_inside(one);
+         });
+}
+
+/// Replaces elements of lists, and instances, by their copies.
 class Expansion {
  public:
-  Expansion(const Node& section, Repeats& repeats, std::string file)
-      : section_(section), repeats_(repeats), file_(std::move(file)) {}
+  Expansion(const Groups& groups, Repeats& repeats, std::string file)
+      : groups_(groups), repeats_(repeats), file_(std::move(file)) {}
 
-  Json of(const Json& content) {
-    is_list_ = content.is_array();
-    result_ = is_list_ ? Json::array() : Json::object();
-    if (is_list_) {
-      std::size_t i = 0;
-      for (const auto& element : section_.elements()) add(element, "", content[i++]);
-    } else {
-      std::map<std::string_view, const Json*> members;  // an ordered object searches linearly
-      for (auto one = content.begin(); one != content.end(); ++one) members.emplace(one.key(), &one.value());
-      for (const auto& [key, member] : section_.members()) add(member, key, *members.at(key));
+  /// Returns the value at `pointer` with its copies and with its braces filled.
+  Json of(const Node& node, const Json& content, const Values& values, const std::string& pointer) {
+    if (!repeats_inside(content)) return values.empty() ? content : Filler(values).filled(content);
+    return content.is_array() ? list(node, content, values, pointer) : object(node, content, values, pointer);
+  }
+
+  Json instances(const Node& section, const Json& content, const std::string& pointer) {
+    auto result = Json::object();
+    auto& members = static_cast<Json::object_t::Container&>(result.get_ref<Json::object_t&>());
+    std::set<std::string> names;
+    std::map<std::string_view, const Json*> entries;  // an ordered object searches linearly
+    for (auto one = content.begin(); one != content.end(); ++one) entries.emplace(one.key(), &one.value());
+    for (const auto& [key, node] : section.members()) {
+      each_copy(node, *entries.at(key), {}, [&, &key = key, &node = node](Json entry, const Values& values) {
+        auto name = values.empty() ? key : Filler(values).filled_text(key);
+        if (!names.insert(name).second) {
+          node.fail(
+              ErrorCode::duplicate_name,
+              fmt::format("two entries are named '{}'; put the index into the name, such as {}[{{i}}]", name, name));
+        }
+        const auto place = pointer + data::pointer_step(name);
+        note_place(place, node, values);
+        auto filled = of(node, entry, values, place);
+        merge_parameters(node, filled, place + data::pointer_step(kParameters));
+        members.emplace_back(std::move(name), std::move(filled));
+      });
     }
-    return std::move(result_);
+    return result;
   }
 
  private:
-  void add(const Node& node, const std::string& key, const Json& entry) {
-    const auto place = place_in_file(node, file_);
+  Json list(const Node& node, const Json& content, const Values& values, const std::string& pointer) {
+    auto result = Json::array();
+    std::size_t i = 0;
+    for (const auto& element : node.elements()) {
+      each_copy(element, content[i++], values, [&](Json entry, const Values& all) {
+        name_member(entry, all, pointer);
+        const auto place = pointer + data::pointer_step(std::to_string(result.size()));
+        note_place(place, element, all);
+        result.push_back(of(element, entry, all, place));
+      });
+    }
+    return result;
+  }
+
+  Json object(const Node& node, const Json& content, const Values& values, const std::string& pointer) {
+    auto result = Json::object();
+    for (const auto& [key, member] : node.members()) {
+      if (!content.contains(key)) continue;  // the key `repeat` of an entry that is a copy
+      const auto name = values.empty() ? key : Filler(values).filled_text(key);
+      result[name] = of(member, content.at(key), values, pointer + data::pointer_step(name));
+    }
+    return result;
+  }
+
+  /// Calls `put` with the entry without `repeat`, and with `outer` and the values of each copy.
+  template <typename Put>
+  void each_copy(const Node& node, const Json& entry, const Values& outer, const Put& put) {
     const auto repeat = node.find(kRepeat);
-    if (!repeat) {
-      put(node, key, entry, place);
+    if (!repeat || !entry.is_object()) {
+      node.attempt([&] { put(entry, outer); });
       return;
     }
     repeat->attempt([&] {
-      auto one = entry;
-      one.erase(kRepeat);
-      for (const auto& values : read_copies(*repeat, repeats_)) {
-        const bool is_filled = node.attempt([&] {
-          const Filler filler(values);
-          put(node, filler.filled_text(key), filler.filled(one), fmt::format("{}, {}", place, shown(values)));
-        });
-        if (!is_filled) break;  // the other copies have the same mistake
+      for (const auto& own : product(*repeat, {outer}, groups_.copies_of(*repeat))) {
+        auto one = entry;
+        one.erase(kRepeat);
+        if (!put_once(node, std::move(one), own, put)) break;  // the other copies have the same mistake
       }
     });
   }
 
-  void put(const Node& node, const std::string& key, Json entry, const std::string& place) {
-    const auto step = is_list_ ? std::to_string(result_.size()) : key;
-    if (!is_list_ && !names_.insert(key).second) {
-      node.fail(ErrorCode::duplicate_name,
-                fmt::format("two entries are named '{}'; put the index into the name, such as {}[{{i}}]", key, key));
+  /// Parameters may be a list of objects, of which some are repeated: they become one object.
+  void merge_parameters(const Node& node, Json& instance, const std::string& pointer) {
+    if (!instance.is_object() || !instance.contains(kParameters) || !instance.at(kParameters).is_array()) return;
+    auto merged = Json::object();
+    std::size_t i = 0;
+    for (const auto& part : instance.at(kParameters)) {
+      const auto place = repeats_.places.find(pointer + data::pointer_step(std::to_string(i++)));
+      if (!part.is_object()) node.fail(ErrorCode::wrong_type, "a list of parameters has objects only");
+      for (const auto& [name, value] : part.items()) {
+        if (merged.contains(name)) node.fail(ErrorCode::duplicate_name, fmt::format("'{}' is set twice", name));
+        merged[name] = value;
+        if (place != repeats_.places.end()) repeats_.places[pointer + data::pointer_step(name)] = place->second;
+      }
     }
-    repeats_.places[section_.pointer() + data::pointer_step(step)] = place;
-    if (is_list_) {
-      result_.push_back(std::move(entry));
-    } else {
-      auto& members = static_cast<Json::object_t::Container&>(result_.get_ref<Json::object_t&>());
-      members.emplace_back(key, std::move(entry));
-    }
+    instance[kParameters] = std::move(merged);
   }
 
-  const Node& section_;
+  /// The values of a group in the summary are named by their indexes, unless the entry has a name.
+  static void name_member(Json& entry, const Values& values, std::string_view pointer) {
+    if (!pointer.starts_with("/summary/") || !entry.is_object() || entry.contains("name")) return;
+    std::vector<std::string> indexes;
+    for (const auto& [name, value] : values) {
+      if (value.is_index) indexes.push_back(value.text);
+    }
+    if (!indexes.empty()) entry["name"] = fmt::format("{}", fmt::join(indexes, ","));
+  }
+
+  template <typename Put>
+  static bool put_once(const Node& node, Json entry, const Values& values, const Put& put) {
+    return node.attempt([&] { put(std::move(entry), values); });
+  }
+
+  void note_place(const std::string& pointer, const Node& node, const Values& values) {
+    const auto place = place_in_file(node, file_);
+    repeats_.places[pointer] = values.empty() ? place : fmt::format("{}, {}", place, shown(values));
+  }
+
+  const Groups& groups_;
   Repeats& repeats_;
   std::string file_;
-  Json result_;
-  std::set<std::string> names_;
-  bool is_list_ = false;
 };
 
-template <typename Visit>
-void each_section(const Node& root, const Visit& visit) {
-  if (!root.is(data::Kind::object)) return;
-  for (const auto* key : {"instances", "connections", "stop_when", "outcomes"}) {
-    const auto section = root.find(key);
-    const bool fits =
-        section && section->is(key == std::string_view("instances") ? data::Kind::object : data::Kind::list);
-    if (fits) visit(key, *section);
+/// Without `inside`, looks at the elements of a list alone, of which there may be many.
+bool is_repeated(const Node& node, bool inside = true) {
+  if (node.is(data::Kind::list)) {
+    return std::ranges::any_of(node.elements(),
+                               [&](const Node& one) { return one.has(kRepeat) || (inside && is_repeated(one)); });
   }
+  if (!node.is(data::Kind::object)) return false;
+  return std::ranges::any_of(node.members(), [](const data::Member& one) { return is_repeated(one.value); });
 }
 
-bool has_repeats_in(const Node& section) {
-  if (section.is(data::Kind::list)) {
-    return std::ranges::any_of(section.elements(), [](const Node& one) { return one.has(kRepeat); });
-  }
-  return std::ranges::any_of(section.members(), [](const data::Member& one) { return one.value.has(kRepeat); });
+/// The entries of `instances` are members of an object; all others are elements of lists. Parameters in a list are
+/// merged.
+bool has_repeated_instances(const Node& root) {
+  const auto instances = root.find(kInstances);
+  return instances && instances->is(data::Kind::object) &&
+         std::ranges::any_of(instances->members(), [](const data::Member& one) {
+           const auto parameters = one.value.find(kParameters);
+           return one.value.has(kRepeat) || (parameters && parameters->is(data::Kind::list));
+         });
 }
 
 }  // namespace
 
+void read_groups(const Node& /*node*/, SystemDescription& /*system*/) {}
+
 bool has_repeats(const Node& root) {
-  bool found = false;
-  each_section(root, [&](const char*, const Node& section) { found = found || has_repeats_in(section); });
-  return found;
+  if (!root.is(data::Kind::object)) return false;
+  if (root.has(kGroups) || has_repeated_instances(root)) return true;
+  return std::ranges::any_of(root.members(), [](const data::Member& one) {
+    return one.key != kInstances && is_repeated(one.value, one.key != "connections");
+  });
 }
 
 void expand_repeats(const Node& root, Json& config, const std::string& file, Repeats& repeats) {
@@ -364,9 +481,19 @@ void expand_repeats(const Node& root, Json& config, const std::string& file, Rep
       repeats.places[data::pointer_step(key)] = place_in_file(member, file);
     }
   }
-  each_section(root, [&](const char* key, const Node& section) {
-    if (has_repeats_in(section)) config[key] = Expansion(section, repeats, file).of(config.at(key));
-  });
+  Groups groups(repeats);
+  if (const auto node = root.find(kGroups)) groups.read(*node);
+  config.erase(kGroups);
+  Expansion expansion(groups, repeats, file);
+  for (const auto& [key, section] : root.members()) {
+    const auto pointer = data::pointer_step(key);
+    if (key == kGroups || !config.contains(key)) continue;
+    if (key != kInstances) {
+      config[key] = expansion.of(section, config.at(key), {}, pointer);
+    } else if (has_repeated_instances(root)) {
+      config[key] = expansion.instances(section, config.at(key), pointer);
+    }
+  }
 }
 
 }  // namespace mebots::master::config

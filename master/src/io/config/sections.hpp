@@ -18,6 +18,8 @@ namespace mebots::master::config {
 
 void read_text(const data::Node& node, SystemDescription& system);
 void read_step(const data::Node& node, SystemDescription& system);
+/// Does nothing: expand_repeats() reads the groups.
+void read_groups(const data::Node& node, SystemDescription& system);
 void read_instances(const data::Node& node, SystemDescription& system);
 void read_start_time(const data::Node& node, SystemDescription& system);
 void read_stop_time(const data::Node& node, SystemDescription& system);
@@ -80,8 +82,11 @@ std::int64_t steps_in(const Node& node, const SystemDescription& system);
 /// Reads the settings of the solver of continuous systems.
 SolverDescription solver_description(const Node& node);
 
-/// Reads the variable and the comparison of a condition.
-ConditionDescription read_condition(Object& object, const SystemDescription& system);
+/// Reads a key that a condition may have in addition.
+using ReadMore = void (*)(Object& object, ConditionDescription& condition);
+
+/// Reads a comparison of a variable, or a quantifier with conditions. `read_more` is called for all of these, too.
+ConditionDescription read_condition(Object& object, const SystemDescription& system, ReadMore read_more);
 
 /// Reads a condition with an optional duration, `for`.
 ConditionDescription read_lasting_condition(const Node& node, const SystemDescription& system);
@@ -89,10 +94,12 @@ ConditionDescription read_lasting_condition(const Node& node, const SystemDescri
 }  // namespace mebots::master::config
 
 /// Entries that a config describes once for many copies: {"motors[{i}]": {"repeat": {"i": [1, 16]}, "fmu": ...}}. They
-/// are replaced by their copies before the sections are read.
+/// are replaced by their copies before the sections are read. `groups` names what several entries repeat.
 namespace mebots::master::config {
 
 inline constexpr const char* kRepeat = "repeat";
+inline constexpr const char* kGroups = "groups";
+inline constexpr const char* kInstances = "instances";
 
 /// Inputs and results of an expansion.
 struct Repeats {
@@ -101,11 +108,11 @@ struct Repeats {
   std::string source;                         ///< texts of the tables that were read
 };
 
-/// Returns whether instances, connections, stop_when or outcomes have an entry with `repeat`.
+/// Returns true if the config has groups, or an instance or an element of a list with `repeat`.
 bool has_repeats(const data::Node& root);
 
-/// Replaces such entries of `config`, the JSON of `root`, by their copies. `file` begins the places of its nodes.
-/// Reports mistakes to the node's document.
+/// Replaces such entries of `config`, the JSON of `root`, by their copies, and removes the groups. `file` begins the
+/// places of its nodes. Reports mistakes to the node's document.
 void expand_repeats(const data::Node& root, nlohmann::ordered_json& config, const std::string& file, Repeats& repeats);
 
 }  // namespace mebots::master::config
