@@ -11,6 +11,7 @@ import { LOOKS, type PathColour, Stage } from "./scene/stage";
 import { isDark, setTheme } from "./theme";
 import { makeChip } from "./view/chip";
 import { makeComparison } from "./view/compare";
+import { makeDrones } from "./view/drones";
 import { makeFlames } from "./view/flame";
 import { makeGraph } from "./view/graph";
 import { makeHandle } from "./view/handle";
@@ -18,7 +19,7 @@ import { makeMessages } from "./view/messages";
 import { makePanel } from "./view/panel";
 import { makePicture } from "./view/picture";
 import { makeSignals } from "./view/signals";
-import { finalValues, makeStatistics } from "./view/statistics";
+import { mainValues, makeStatistics } from "./view/statistics";
 import { makeStory, openingTime } from "./view/story";
 import { makeTabs, type Tab } from "./view/tabs";
 import { makeThinNote } from "./view/thin";
@@ -60,6 +61,7 @@ async function main(): Promise<void> {
     ...(runs.length > 1 ? [{ name: "Runs", content: () => makeComparison(runs) }] : []),
     ...(isChip ? [{ name: "Chip", content: () => makeChip(run) }, makeProfileTab(run, span)] : []),
     ...(stage || isChip ? [] : [{ name: "System", content: () => makeGraph(run, clock) }]),
+    ...(stage && runs.length === 1 && stage.bodies.length > 1 ? [{ name: "Drones", content: () => makeDrones(run, clock, stage) }] : []),
     { name: "Messages", content: () => makeMessages(run, clock) },
     { name: "Variables", content: () => makeSignals(run, clock, plot) },
     ...(stage ? [{ name: "System", content: () => makeGraph(run, clock) }] : []),
@@ -150,7 +152,7 @@ function makeHeading(runs: Run[]): HTMLElement {
     facts.replaceChildren();
     if (runs.length > 1) return;
     fact("simulated", shown(summary.simulated_time ?? run.end, "s"));
-    for (const { label, value, unit } of finalValues(summary)) {
+    for (const { label, value, unit } of mainValues(summary)) {
       if (typeof value === "number" && ["J", "m"].includes(unit) && /delivered|path/.test(label)) fact(label, shown(value, unit));
     }
   };

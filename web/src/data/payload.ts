@@ -34,7 +34,9 @@ export interface SystemInfo {
   instances: Record<string, { model: string; text?: string; step: number }>;
   connections: { from: string; to: string; type: string; unit?: string }[];
   variables: Record<string, VariableInfo>;
-  view: { panels: PanelInfo[]; marks: string[]; scene?: { file: string; instance: string } };
+  view: { panels: PanelInfo[]; marks: string[]; scene?: { file: string; instance: string };
+    /** Variables of like things in the summary, by the names of these. */
+    groups?: { label: string; members: Record<string, string> }[] };
 }
 
 // eslint-disable-next-line @typescript-eslint/no-explicit-any

@@ -49,6 +49,11 @@ export class Body {
     this.group.updateMatrixWorld();
   }
 
+  /** Of several bodies, the chosen one alone shows what its camera sees. */
+  setChosen(chosen: boolean): void {
+    this.frustum.visible = chosen;
+  }
+
   showPicture(texture: THREE.Texture | null): void {
     if (!this.screen) return;
     this.screen.visible = texture !== null;

@@ -32,6 +32,7 @@ export interface PathColour {
 
 interface Flight {
   run: Run;
+  name: string;
   body: Body;
   path: Path;
 }
@@ -57,6 +58,8 @@ export class Stage {
   private readonly followed = new THREE.Vector3(); // where the body was when the camera followed it last
   private asked = false;
   private chosenColour = 0;
+  private chosen = 0; // of the bodies of one run; with several runs the first
+  private readonly choiceListeners: (() => void)[] = [];
   private readonly firstDrawn: Promise<void>;
   private tellDrawn = () => {};
 
@@ -103,8 +106,8 @@ export class Stage {
   setLook(look: Look): void {
     this.look = look;
     for (const [name, button] of this.buttons) button.setAttribute("aria-pressed", String(name === look));
-    const place = this.flights[0].body.position(this.clock.time);
-    const bounds = new THREE.Box3().setFromArray(Array.from(this.flights[0].body.path()));
+    const place = this.flight.body.position(this.clock.time);
+    const bounds = new THREE.Box3().setFromArray(Array.from(this.flight.body.path()));
     for (const label of this.labels) bounds.expandByPoint(label.place);
     const middle = bounds.getCenter(new THREE.Vector3());
     const span = Math.max(2, bounds.getSize(new THREE.Vector3()).length());
@@ -129,18 +132,46 @@ export class Stage {
 
   private addFlight(run: Run, index: number, count: number): void {
     const instance = run.system?.view.scene?.instance ?? "";
-    const info = run.scene?.bodies?.[0];
-    if (!info) return;
-    const tone = colour(index);
-    const body = new Body(run, instance, info, tone, index > 0);
-    if (!body.recorded) return;
-    const path = new Path(body.path(), count > 1 ? tone : null);
-    this.flights.push({ run, body, path });
-    this.scene.add(body.group, path.group);
-    run.onData(() => {
-      path.setPoints(body.path());
-      if (index === 0) this.setColour(this.chosenColour);
-    });
+    // Runs that are compared show their first body; one run shows all.
+    const infos: Json[] = (run.scene?.bodies ?? []).slice(0, count > 1 ? 1 : undefined);
+    for (const [i, info] of infos.entries()) {
+      const tone = colour(index + i);
+      const body = new Body(run, instance, info, tone, index > 0);
+      if (!body.recorded) continue;
+      const path = new Path(body.path(), count > 1 || infos.length > 1 ? tone : null);
+      body.setChosen(i === 0);
+      this.flights.push({ run, name: count > 1 ? run.name : info.name, body, path });
+      this.scene.add(body.group, path.group);
+      run.onData(() => {
+        path.setPoints(body.path());
+        if (index + i === 0) this.setColour(this.chosenColour);
+      });
+    }
+  }
+
+  private get flight(): Flight {
+    return this.flights[this.chosen];
+  }
+
+  /** The bodies that are drawn, with their places. */
+  get bodies(): { name: string; position: (time: number) => THREE.Vector3 }[] {
+    return this.flights.map(({ name, body }) => ({ name, position: (time) => body.position(time) }));
+  }
+
+  get chosenBody(): number {
+    return this.chosen;
+  }
+
+  /** Lets the cameras follow this body. */
+  choose(index: number): void {
+    this.chosen = index;
+    this.flights.forEach(({ body }, i) => body.setChosen(i === index));
+    this.setLook(this.look);
+    for (const listener of this.choiceListeners) listener();
+  }
+
+  onChoice(listener: () => void): void {
+    this.choiceListeners.push(listener);
   }
 
   get drawable(): boolean {
@@ -162,10 +193,12 @@ export class Stage {
     this.chosenColour = index;
     this.legend.replaceChildren();
     if (!chosen || this.flights.length !== 1) {
-      this.legend.append(...this.flights.map(({ run }, i) => {
+      const isOneRun = this.flights.every(({ run }) => run === this.flights[0]?.run);
+      this.legend.append(...this.flights.map(({ name }, i) => {
         const swatch = element("i", { class: "swatch" });
         swatch.style.background = colour(i);
-        return element("span", { class: "value" }, swatch, run.name);
+        return isOneRun ? element("button", { class: "value", title: `Follow ${name}`, onclick: () => this.choose(i) }, swatch, name)
+          : element("span", { class: "value" }, swatch, name);
       }));
       return;
     }
@@ -193,7 +226,7 @@ export class Stage {
       path.show(rowAt(run.times, time) + 1);
     }
     this.surfaces.move(time);
-    const { run, body } = this.flights[0];
+    const { run, body } = this.flight;
     const place = body.group.position;
     if (this.look === "follow") {
       this.camera.position.add(place).sub(this.followed);
@@ -237,7 +270,7 @@ export class Stage {
 
   private draw(): void {
     if (this.root.clientWidth === 0) return;
-    const body = this.flights[0].body;
+    const body = this.flight.body;
     const onboard = this.look === "onboard";
     if (!onboard) this.controls.update();
     const target = this.controls.target;

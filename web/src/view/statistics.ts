@@ -30,6 +30,11 @@ export function finalValues(summary: Json): FinalValue[] {
   return found;
 }
 
+/** The same without the members of groups, whose statistics remain. */
+export function mainValues(summary: Json): FinalValue[] {
+  return finalValues(summary).filter(({ label }) => !label.includes(" \u00b7 each \u00b7 "));
+}
+
 export function shownValue(value: Json, unit: string): string {
   if (typeof value === "number") return Number.isInteger(value) && shownUnit(unit) === "" ? String(value) : shown(value, unit);
   if (typeof value === "boolean") return value ? "yes" : "no";

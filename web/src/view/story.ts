@@ -5,7 +5,7 @@ import { type Run, rowAt } from "../data/run";
 import { shown, shownTime } from "../data/units";
 import { element } from "../dom";
 import { cyclesPerInstruction } from "./chip";
-import { finalValues } from "./statistics";
+import { mainValues } from "./statistics";
 
 /** The first time at which a recorded variable is not 0 whose name has this ending. */
 function firstTrue(run: Run, ending: string): number | null {
@@ -54,7 +54,7 @@ export function storyOf(run: Run): string {
   const end = `${crossing(run) ? "ended after" : "ran"} ${shown(summary.simulated_time ?? run.end, "s")}: ${String(summary.outcome).replaceAll("_", " ")}`;
   const facts = [crossing(run), end, energy(summary), charge(summary), chip(run)].filter((fact) => fact !== "");
   if (facts.length === 1) {
-    const values = finalValues(summary).filter(({ value, unit }) => typeof value === "number" && unit !== "-").slice(0, 3);
+    const values = mainValues(summary).filter(({ value, unit }) => typeof value === "number" && unit !== "-").slice(0, 3);
     facts.push(...values.map(({ label, value, unit }) => `${label} ${shown(value, unit)}`));
   }
   const text = facts.join("; ");
