@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "fmu_radio/variables.hpp"
+#include "mebots/state/visitor.hpp"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace mebots::radio {
+
+using Log = std::function<void(std::string_view)>;
+
+/// The time of a step: [begin_ns, end_ns).
+struct Span {
+  std::int64_t begin_ns;
+  std::int64_t end_ns;
+};
+
+/// Returns the length of the part of [begin, end) that is in the span.
+std::int64_t overlap_ns(const Span& span, std::int64_t begin_ns, std::int64_t end_ns);
+
+double distance_m(const NodeVariables& a, const NodeVariables& b);
+
+/// Packets between nodes on one frequency.
+///
+/// A node that wants to send waits until the channel is free, so packets follow each other and do not collide: by the
+/// time of their request, and among requests of one time in turn. A radio keeps at most three packets to send and three
+/// received ones, as an nRF24L01+ does. One received packet per step reaches the outputs.
+class Channel {
+ public:
+  static constexpr std::size_t kQueue = 3;
+
+  Channel(const Parameters& parameters, std::span<NodeVariables> nodes, Log log);
+
+  /// Sends, receives, and sets the outputs of all nodes. Throws mebots::Error for a packet that cannot be sent.
+  void step(const Span& span);
+
+  /// Returns the energy of a node's radio in the step.
+  double energy_j(std::size_t node, const Span& span) const;
+
+  void visit(state::Visitor& v);
+
+ private:
+  struct Packet {
+    std::int64_t requested_ns = 0;
+    std::int64_t begin_ns = 0;  // of settling
+    std::int64_t end_ns = 0;    // of the last bit
+    std::int32_t from = 0;      // numbers count from 1
+    std::int32_t to = 0;
+    std::int32_t size = 0;
+    std::int64_t number = 0;  // of the sender's packets
+    double power_w = 0;       // where it was received
+    double delay_s = 0;
+    std::array<std::int32_t, 8> data{};
+
+    void visit(state::Visitor& v);
+  };
+  struct Node {
+    std::int32_t count = 0;  // the last tx.count
+    std::int64_t packets = 0;
+    std::vector<Packet> to_send;
+    std::vector<Packet> received;
+
+    void visit(state::Visitor& v);
+  };
+
+  void take_requests(std::int64_t time_ns);
+  void transmit(std::int64_t end_ns);
+  Node* next_sender();
+  void deliver(std::int64_t end_ns);
+  void receive(const Packet& packet, std::size_t node);
+  void write_outputs();
+
+  const Parameters& parameters_;
+  std::span<NodeVariables> variables_;
+  Log log_;
+  std::vector<Node> nodes_;
+  std::vector<Packet> on_air_;  // also those that are on their way to the receiving program
+  std::vector<Packet> ended_;   // delivered in the last step, for its energy
+  std::int64_t free_ns_ = 0;    // from here on, the channel is free
+  std::int32_t last_sender_ = 0;
+};
+
+}  // namespace mebots::radio

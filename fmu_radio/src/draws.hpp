@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+/// Random numbers without a state: each is a function of the seed and of what it is for. So a restored state, other
+/// nodes and the order of events do not change it.
+namespace mebots::radio {
+
+enum class Purpose : std::uint64_t { packet = 1, ranging_loss, ranging_noise, fix_loss, fix_noise };
+
+/// `event` counts the events of the pair (from, to), or of a node alone.
+struct DrawKey {
+  Purpose purpose;
+  std::uint64_t from;
+  std::uint64_t to;
+  std::uint64_t event;
+};
+
+/// Returns a number in (0, 1), uniformly distributed.
+double uniform(std::int32_t seed, const DrawKey& key);
+
+/// Returns a normally distributed number with mean 0 and standard deviation 1 (Box and Muller 1958).
+double gaussian(std::int32_t seed, const DrawKey& key);
+
+}  // namespace mebots::radio

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "fmu_radio/variables.hpp"
+
+#include <cstdint>
+
+/// From distance to received power, from received power to lost packets, from bytes to time on the air.
+///
+///     P_r = P_t (c / (4 pi f 1 m))^2 (d / 1 m)^-n            Friis 1946, and log-distance path loss (Rappaport)
+///     BER = exp(-s / 2) / 2                                  binary FSK, not coherent (Proakis)
+///     PER = 1 - (1 - BER)^bits
+///
+/// s is the ratio of signal to noise. The noise follows from the data sheet: BER = 1e-3 at the sensitivity.
+namespace mebots::radio {
+
+/// Nearer than this, the far field's formula does not apply; received power stays.
+inline constexpr double kLeastDistance_m = 0.1;
+
+double received_power_w(const Parameters& parameters, double distance_m);
+
+/// Returns the probability that at least one of `bits` is wrong, or that the packet is lost otherwise.
+double loss_probability(const Parameters& parameters, double power_w, std::int32_t bits);
+
+/// Returns the number of bits of a packet with `size` bytes.
+std::int32_t bits_of(const Parameters& parameters, std::int32_t size);
+
+/// Returns bits / rate, rounded to nanoseconds.
+std::int64_t airtime_ns(const Parameters& parameters, std::int32_t size);
+
+/// Rounds a time to nanoseconds.
+std::int64_t nanoseconds(double time_s);
+
+}  // namespace mebots::radio
