@@ -124,8 +124,8 @@ if(MEBOTS_PAGES)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/web/ DESTINATION ${share}/web FILES_MATCHING REGEX "(page|report)\\.(html|js|css)$|LICENSES\\.txt$"
     PATTERN CMakeFiles EXCLUDE)
 endif()
-foreach(fmu fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_radio fmu_radio_fmi3 fmu_world fmu_world_fmi3 fmu_soc fmu_soc_fmi3 fmu_gap8
-        fmu_gap8_drone ${world_fmus})
+foreach(fmu fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_world fmu_world_fmi3 fmu_soc fmu_soc_fmi3 fmu_gap8
+        fmu_gap8_drone fmu_flight_controller ${world_fmus})
   if(TARGET ${fmu})
     install(FILES ${MEBOTS_FMU_DIR}/${fmu}.fmu DESTINATION ${share}/fmus)
   endif()
@@ -134,7 +134,7 @@ endforeach()
 if(MEBOTS_CHIP)
   install(DIRECTORY fmu_soc/include/mebots/soc DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/mebots)
   install(DIRECTORY fmu_soc/firmware/runtime fmu_soc/firmware/drivers fmu_soc/firmware/gap8
-    fmu_soc/firmware/kernels fmu_soc/firmware/app DESTINATION ${share}/fmu_soc/firmware)
+    fmu_soc/firmware/kernels fmu_soc/firmware/app fmu_soc/firmware/flight DESTINATION ${share}/fmu_soc/firmware)
   install(FILES ${PROJECT_BINARY_DIR}/boards/gap8_drone.json DESTINATION ${share}/configs/boards)
   # For mebots_soc_fmu(), which compiles its model with the variables of each board. These headers are not public.
   install(FILES fmu_soc/description.json fmu_soc/model.png DESTINATION ${share}/fmu_soc)

@@ -63,7 +63,7 @@ endfunction()
 # picolibc-riscv64-unknown-elf): printf(), malloc(), <math.h> on the fabric controller (fmu_soc/firmware/runtime/c_library.c). On a board with GAP8's
 # own event unit, files of fmu_soc/firmware/gap8 replace those of the same names. OPTIONS follow the standard ones, so that -Os or -O3 overrides -O2.
 # LINKER_SCRIPT replaces that of the runtime (firmware/runtime/link.ld.in), and must define the same symbols; the C preprocessor inserts the board's
-# memory map.
+# memory map. If the board's `isa` begins with rv32imafc, the program uses the core's floats (-mabi=ilp32f).
 function(mebots_add_firmware name)
   cmake_parse_arguments(ARG "NO_CLUSTER;C_LIBRARY" "BOARD;LINKER_SCRIPT" "SOURCES;DRIVERS;DATA;OPTIONS" ${ARGN})
   mebots_find_riscv_gcc()
@@ -85,7 +85,17 @@ function(mebots_add_firmware name)
   if(board_text MATCHES "\"kind\"[ \t\r\n]*:[ \t\r\n]*\"gap8_event_unit\"")
     set(overlay ${firmware_dir}/gap8)
   endif()
-  set(options -march=rv32imc_zicsr -mabi=ilp32 -mcmodel=medany -O2 -g -ffreestanding -ffunction-sections
+  # On a board whose core has floats, programs use them and pass them in its registers.
+  set(isa rv32imc)
+  set(abi ilp32)
+  set(libgcc ${MEBOTS_RISCV_LIBGCC})
+  if(board_text MATCHES "\"isa\"[ \t\r\n]*:[ \t\r\n]*\"rv32imafc")
+    set(isa rv32imafc)
+    set(abi ilp32f)
+    execute_process(COMMAND ${MEBOTS_RISCV_GCC} -march=${isa} -mabi=${abi} -print-libgcc-file-name
+      OUTPUT_VARIABLE libgcc OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  endif()
+  set(options -march=${isa}_zicsr -mabi=${abi} -mcmodel=medany -O2 -g -ffreestanding -ffunction-sections
       -fdata-sections -Wall -Wextra -Wpedantic -Wshadow
       -ffile-prefix-map=${root}=. -ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${PROJECT_BINARY_DIR}=.)  # the last one that fits counts
   foreach(folder ${overlay} ${firmware_dir} ${board_dir})
@@ -96,7 +106,7 @@ function(mebots_add_firmware name)
   endif()
   set(of_layout)
   set(link_with -nostdlib)
-  set(libraries ${MEBOTS_RISCV_LIBGCC})
+  set(libraries ${libgcc})
   if(ARG_C_LIBRARY)
     mebots_require_picolibc()
     list(APPEND options --specs=picolibc.specs -DWITH_C_LIBRARY)
@@ -190,13 +200,31 @@ function(mebots_add_firmware name)
     OUTPUT ${elf} ${script}
     COMMAND ${MEBOTS_RISCV_GCC} -E -P -x assembler-with-cpp ${of_layout} -include ${board_dir}/board.h
             ${script_source} -o ${script}
-    COMMAND ${MEBOTS_RISCV_GCC} -march=rv32imc -mabi=ilp32 ${link_with} -Wl,--gc-sections -Wl,--fatal-warnings
+    COMMAND ${MEBOTS_RISCV_GCC} -march=${isa} -mabi=${abi} ${link_with} -Wl,--gc-sections -Wl,--fatal-warnings
             -T ${script} -Wl,-Map=${out_dir}/${name}.map ${objects} ${libraries} -o ${elf}
     DEPENDS ${objects} ${script_source} ${ARG_BOARD}_headers ${board_file}
     COMMENT "Linking ${name}.elf"
     VERBATIM)
   add_custom_target(${name}_firmware ALL DEPENDS ${elf})
   set_target_properties(${name}_firmware PROPERTIES MEBOTS_ELF ${elf} MEBOTS_BOARD_FILE ${board_file})
+endfunction()
+
+# mebots_add_flight_controller(<name> SOURCES <file>... [BOARD <name of mebots_soc_board>] [OPTIONS <compiler option>...])
+# Builds a flight controller as firmware <name>: SOURCES define the controller (fmu_soc/firmware/flight/controller.h); sensors, estimator, set-points
+# and loop are those of fmu_soc/firmware/flight. The default BOARD is configs/boards/flight_controller.json.
+function(mebots_add_flight_controller name)
+  cmake_parse_arguments(ARG "" "BOARD" "SOURCES;OPTIONS" ${ARGN})
+  get_property(root GLOBAL PROPERTY MEBOTS_ROOT)
+  if(NOT ARG_BOARD)
+    set(ARG_BOARD flight_controller)
+    if(NOT TARGET flight_controller_headers)
+      mebots_soc_board(flight_controller ${root}/configs/boards/flight_controller.json)
+    endif()
+  endif()
+  set(flight estimator.c goal.c main.c)
+  list(TRANSFORM flight PREPEND ${root}/fmu_soc/firmware/flight/)
+  mebots_add_firmware(${name} BOARD ${ARG_BOARD} NO_CLUSTER C_LIBRARY SOURCES ${flight} ${ARG_SOURCES} DRIVERS imu
+    OPTIONS -fno-math-errno -ffp-contract=off ${ARG_OPTIONS})
 endfunction()
 
 # mebots_device_library(<name> SOURCES <file>...)

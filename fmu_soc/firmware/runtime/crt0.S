@@ -26,6 +26,10 @@ _start:
     j       1b
 
 2:  START_CHIP
+#ifdef __riscv_flen
+    li      t0, 0x2000             # mstatus.FS: a core with floats starts with its unit off
+    csrs    mstatus, t0
+#endif
 #ifdef WITH_CONSTRUCTORS
     la      s0, __init_array_start
     la      s1, __init_array_end

@@ -9,6 +9,13 @@
 
 #define INTERRUPT_COUNT 32
 
+// CV32E40P, our core with floats, clears the low eight bits of mtvec.
+#ifdef __riscv_flen
+#define ENTRY_ALIGNMENT 256
+#else
+#define ENTRY_ALIGNMENT 4
+#endif
+
 static interrupt_handler_t handlers[INTERRUPT_COUNT];
 
 void interrupt_attach(unsigned number, interrupt_handler_t handler) {
@@ -25,7 +32,7 @@ static void end_on_exception(uint32_t cause) {
   firmware_exit(EXIT_EXCEPTION);
 }
 
-void __attribute__((interrupt("machine"), aligned(4), used)) trap_entry(void) {
+void __attribute__((interrupt("machine"), aligned(ENTRY_ALIGNMENT), used)) trap_entry(void) {
   uint32_t cause;
   __asm__ volatile("csrr %0, mcause" : "=r"(cause));
   if ((cause >> 31) == 0) {

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// IMU with FIFO and interrupt.
+#pragma once
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "flight/controller.h"
+
+typedef struct {
+  uint32_t time_us;              // since reset
+  flight_vector_t acceleration;  // specific force [m/s2]
+  flight_vector_t rate;          // [rad/s]
+} imu_sample_t;
+
+// Starts to measure each `period_us`. Call once, with interrupts off.
+void imu_init(uint32_t period_us);
+// Sleeps until there is a sample, and takes the oldest. Returns how many samples wait behind it.
+unsigned imu_wait(imu_sample_t* sample);

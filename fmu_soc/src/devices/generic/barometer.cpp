@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "devices/core/kinds.hpp"
+#include "mebots/soc/device.hpp"
+#include "mebots/soc/fixed_point.hpp"
+
+#include <cmath>
+#include <cstdint>
+
+namespace mebots::soc {
+namespace {
+
+/// Returns the pressure of the standard atmosphere below 11 km [Pa]: 101325 (1 - 0.0065 h / 288.15)^5.25588 (ISO 2533).
+/// The binomial series needs no function of the host's mathematical library, so that the bits are the same everywhere.
+double standard_pressure_pa(double altitude_m) {
+  constexpr double kExponent = 5.25588;
+  const double x = -0.0065 * altitude_m / 288.15;
+  double term = 1.0;
+  double sum = 1.0;
+  for (int n = 1; n <= 24; ++n) {
+    term *= x * (kExponent - (n - 1)) / n;
+    sum += term;
+  }
+  return 101325.0 * sum;
+}
+
+/// Returns a number with mean 0 and variance 1: the sum of twelve uniform numbers less 6, from a counter (splitmix64,
+/// Steele, Lea and Flood 2014).
+double normal(std::uint64_t seed, std::uint64_t index) {
+  std::uint64_t state = seed * 0xd1342543de82ef95U + index * 12 * 0x9e3779b97f4a7c15U;
+  double sum = -6.0;
+  for (int i = 0; i < 12; ++i) {
+    state += 0x9e3779b97f4a7c15U;
+    std::uint64_t z = state;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    sum += static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+  }
+  return sum;
+}
+
+/// Barometer that measures without pause while it is on; a measurement takes the delay of state `active`.
+class Barometer final : public Device {
+ public:
+  Barometer(const BoardDevice& entry, ChipHost& /*host*/)
+      : entry_(entry),
+        idle_w_(entry.state("idle").current_a * entry.supply_voltage_v),
+        active_w_(entry.state("active").current_a * entry.supply_voltage_v),
+        delay_(std::llround(entry.state("active").delay_s * kPsPerS)) {
+    for (const auto& variable : entry.variables) {
+      if (auto* number = input(variable.name)) *number = variable.start;
+    }
+  }
+
+  bool load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) override {
+    const std::uint32_t values[] = {active_ ? 1U : 0U, status_, pressure_};
+    if (offset > kPressure) return false;
+    value = values[offset / 4];
+    return true;
+  }
+  bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override {
+    if (offset == kStatus) {
+      status_ &= ~value;
+      return true;
+    }
+    if (offset != kControl) return false;
+    const bool on = (value & 1) != 0;
+    if (on == active_) return true;
+    if (active_) active_for_ += now - since_;
+    active_ = on;
+    since_ = now;
+    next_ = on ? now + delay_ : kNever;
+    return true;
+  }
+  void advance(Picoseconds now) override {
+    while (now >= next_) {
+      const double noise_pa =
+          noise_pa_ * normal(static_cast<std::uint32_t>(static_cast<std::int32_t>(seed_)), count_++);
+      pressure_ = to_register(standard_pressure_pa(ground_m_ + altitude_m_) + noise_pa, kPerPascal);
+      status_ |= 1;
+      next_ += delay_;
+    }
+  }
+  Picoseconds next_event() const override { return next_; }
+  double* input(std::string_view variable) override {
+    if (variable == entry_.name + ".altitude") return &altitude_m_;
+    if (variable == entry_.name + ".ground_altitude") return &ground_m_;
+    if (variable == entry_.name + ".noise") return &noise_pa_;
+    if (variable == entry_.name + ".seed") return &seed_;
+    return nullptr;
+  }
+  double energy_j(Picoseconds now) const override {
+    const auto active = active_for_ + (active_ ? now - since_ : 0);
+    return (static_cast<double>(active) * active_w_ + static_cast<double>(now - active) * idle_w_) / kPsPerS;
+  }
+  std::string_view state_name() const override { return active_ ? "active" : "idle"; }
+  void visit(state::Visitor& v) override {
+    v("altitude_m", altitude_m_);
+    v("ground_m", ground_m_);
+    v("noise_pa", noise_pa_);
+    v("seed", seed_);
+    v("active", active_);
+    v("status", status_);
+    v("pressure", pressure_);
+    v("count", count_);
+    v("next", next_);
+    v("since", since_);
+    v("active_for", active_for_);
+  }
+
+ private:
+  static constexpr std::uint32_t kControl = 0x0;
+  static constexpr std::uint32_t kStatus = 0x4;
+  static constexpr std::uint32_t kPressure = 0x8;
+  static constexpr double kPerPascal = 100;
+
+  const BoardDevice& entry_;
+  double idle_w_;
+  double active_w_;
+  Picoseconds delay_;
+  double altitude_m_ = 0;
+  double ground_m_ = 0;
+  double noise_pa_ = 0;
+  double seed_ = 0;
+  bool active_ = false;
+  std::uint32_t status_ = 0;
+  std::uint32_t pressure_ = 0;
+  std::uint64_t count_ = 0;  // measurements since reset
+  Picoseconds next_ = kNever;
+  Picoseconds since_ = 0;
+  Picoseconds active_for_ = 0;
+};
+
+}  // namespace
+}  // namespace mebots::soc
+
+MEBOTS_CHIP_KIND(barometer, {}, make_of_entry<Barometer>)
