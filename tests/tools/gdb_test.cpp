@@ -324,5 +324,127 @@ TEST_F(Gdb, ShowsWhichCoreOfTheClusterFaulted) {
   EXPECT_EQ(run.exit_code, 101);
 }
 
+/// Without a change by gdb, the same instruction is reached again with the same state.
+TEST_F(Gdb, ReverseStepGoesBackByOneInstruction) {
+  const Debugged run(
+      "stepi 5\nprint/x $pc\nprint/x $sp\nstepi\nprint/x $sp\nreverse-stepi\nprint/x $pc\n"
+      "print/x $sp\nmonitor cycles\nreverse-stepi 3\nmonitor cycles\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x80000016")) << "add_up";
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 0x80010000"));
+  EXPECT_THAT(run.gdb, HasSubstr("$3 = 0x8000fff0"));
+  EXPECT_THAT(run.gdb, HasSubstr("$4 = 0x80000016"));
+  EXPECT_THAT(run.gdb, HasSubstr("$5 = 0x80010000"));
+  EXPECT_THAT(run.gdb, HasSubstr(", 5 instructions"));
+  EXPECT_THAT(run.gdb, HasSubstr(", 2 instructions"));
+  EXPECT_THAT(run.gdb, HasSubstr("exited with code 02"));
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+}
+
+TEST_F(Gdb, ReverseContinueStopsAtTheLastBreakpointThenAtTheBegin) {
+  const Debugged run(
+      "break add_up\nbreak *finish\ncontinue\ncontinue\ncontinue\ncontinue\n"
+      "reverse-continue\nprint $a0\nreverse-continue\nprint $a0\nreverse-continue\nprint "
+      "$a0\nreverse-continue\nprint/x "
+      "$pc\nmonitor cycles\ndelete\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("in finish ()"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 1"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 2"));
+  EXPECT_THAT(run.gdb, HasSubstr("$3 = 3"));
+  EXPECT_THAT(run.gdb, HasSubstr("No more reverse-execution history"));
+  EXPECT_THAT(run.gdb, HasSubstr("$4 = 0x80000000"));
+  EXPECT_THAT(run.gdb, HasSubstr("0 cycles, 0 instructions"));
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+}
+
+TEST_F(Gdb, ReverseContinueUndoesTheLastStoreToAWatchedWord) {
+  const Debugged run(
+      "break *finish\ncontinue\nprint *(int*)&counter\nwatch *(int*)&counter\nreverse-continue\nprint *(int*)&counter\n"
+      "print/x $t1\ndelete\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 16"));
+  EXPECT_THAT(run.gdb, HasSubstr("Old value = 16"));
+  EXPECT_THAT(run.gdb, HasSubstr("New value = 15"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 15"));
+  EXPECT_THAT(run.gdb, HasSubstr("$3 = 0x10")) << "the sum is there, and not stored";
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+}
+
+/// Two million instructions are more than one saved state.
+TEST_F(Gdb, ReverseContinueReachesAPlaceFarBack) {
+  const Debugged run(
+      "break *early\nbreak *late\ncontinue\ncontinue\nmonitor cycles\nreverse-continue\nmonitor cycles\n"
+      "print $s0\ndelete\ncontinue\n",
+      R"(
+    .globl _start, early, late
+_start: li s0, 7
+early: li s0, 1000000
+1:  addi s0, s0, -1
+    bnez s0, 1b
+late: la t0, tohost
+    li t1, 7
+    sw t1, 0(t0)
+2:  j 2b
+)");
+  EXPECT_THAT(run.gdb, HasSubstr(", 2000003 instructions")) << "li s0, 1000000 is two";
+  EXPECT_THAT(run.gdb, HasSubstr(", 1 instructions"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = (void *) 0x7"));
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+}
+
+TEST_F(Gdb, ReverseStepLeavesAFault) {
+  const Debugged run("continue\nprint/x $pc\nmonitor cycles\nreverse-stepi\nmonitor cycles\nprint $a0\nkill\n", R"(
+    .globl _start
+_start: li a0, 5
+    li a0, 6
+    lw a1, 0(zero)
+    j .
+)");
+  EXPECT_THAT(run.gdb, HasSubstr(", 2 instructions"));
+  EXPECT_THAT(run.gdb, HasSubstr(", 1 instructions"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 5"));
+}
+
+TEST_F(Gdb, MonitorGoesToSavedPlacesAndToTheStart) {
+  const Debugged run(
+      "break finish\nbreak add_up\ncontinue\nmonitor save first\ncontinue\nprint $a0\nmonitor restore first\n"
+      "maintenance flush register-cache\nprint $a0\nprint *(int*)&counter\nmonitor restore second\nmonitor reset\n"
+      "maintenance flush register-cache\nprint/x $pc\nmonitor restore first\ndelete\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("saved as first"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 2"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 3"));
+  EXPECT_THAT(run.gdb, HasSubstr("$3 = 10"));
+  EXPECT_THAT(run.gdb, HasSubstr("there is no saved place 'second'"));
+  EXPECT_THAT(run.gdb, HasSubstr("$4 = 0x80000000"));
+  EXPECT_THAT(run.gdb, HasSubstr("there is no saved place 'first'")) << "a reset forgets them";
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+}
+
+/// The console keeps what was printed, once. A change by gdb ends the history.
+TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
+  const Folder folder;
+  const auto elf = folder.program(fmt::format("{}{}", R"(
+    .globl _start, finish
+_start: li s0, 0x10000000
+    li a0, 'A'
+    sb a0, 0(s0)
+    li a0, 'B'
+    sb a0, 0(s0)
+finish: la t0, tohost
+    li t1, 3
+    sw t1, 0(t0)
+1:  j 1b
+)",
+                                              kTohost));
+  const Debugged run(
+      "break *finish\ncontinue\nreverse-stepi 3\nprint/c $a0\ncontinue\nreverse-stepi\nset var $a0 = "
+      "67\nreverse-stepi\n"
+      "print/c $a0\ndelete\ncontinue\n",
+      elf, "--board virt");
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 65 'A'"));
+  EXPECT_THAT(run.gdb, HasSubstr("No more reverse-execution history"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 67 'C'"));
+  EXPECT_THAT(run.out, HasSubstr("ABC")) << "C is the changed byte";
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+}
+
 }  // namespace
 }  // namespace mebots::soc::test

@@ -23,8 +23,8 @@ std::string_view fault_signal(std::uint32_t cause) {
 
 }  // namespace
 
-GdbServer::GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce)
-    : soc_(soc), kill_(kill), connection_(port), announce_(std::move(announce)), threads_(soc) {
+GdbServer::GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce, History* history)
+    : soc_(soc), kill_(kill), connection_(port), announce_(std::move(announce)), threads_(soc), history_(history) {
   for (unsigned number = 0; number < soc.harts(); ++number) harts_.emplace_back(*this, number);
   announce_(fmt::format("waiting for gdb: target remote 127.0.0.1:{}", connection_.port()));
 }
@@ -41,7 +41,11 @@ bool GdbServer::accept_debugger() {
 
 /// Answers packets until gdb resumes the program.
 GdbServer::Resume GdbServer::serve() {
-  if (!held_) connection_.send(stop_reply_);
+  if (!answer_.empty()) {
+    connection_.send(std::exchange(answer_, {}));
+  } else if (!held_) {
+    connection_.send(stop_reply_);
+  }
   held_ = true;
   stepping_.reset();
   step_range_ = {};
@@ -52,6 +56,7 @@ GdbServer::Resume GdbServer::serve() {
     const auto resume = obey(*packet);
     if (resume == Resume::no) continue;
     held_ = false;
+    if (resume == Resume::rewind) leave();
     if (resume == Resume::step) stepping_ = threads_.chosen();
     return resume;
   }
@@ -77,6 +82,9 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
       return Resume::run;
     case 'S':
       return Resume::step;
+    case 'b':
+      if (history_ != nullptr && (packet == "bs" || packet == "bc")) return reverse(packet == "bs");
+      break;
     case 'D':
       connection_.send("OK");
       connection_.disconnect();
@@ -92,6 +100,11 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
     connection_.send("OK");
     connection_.disconnect();
     return kill_ == Kill::ends_run ? Resume::end : Resume::run;
+  }
+  constexpr std::string_view kCommand = "qRcmd,";
+  if (history_ != nullptr && packet.starts_with(kCommand)) {
+    const auto command = from_hex(std::string_view(packet).substr(kCommand.size())).value_or("");
+    if (const auto resume = travel(command)) return *resume;
   }
   connection_.send(answer(packet));
   if (packet == "QStartNoAckMode") connection_.stop_acknowledging();
@@ -176,7 +189,8 @@ std::string GdbServer::query(std::string_view text) {
   constexpr std::string_view kCommand = "qRcmd,";
   constexpr std::string_view kThreadText = "qThreadExtraInfo,";
   if (text.starts_with("qSupported")) {
-    return "PacketSize=4000;qXfer:features:read+;QStartNoAckMode+;vContSupported+;swbreak+;hwbreak+";
+    return fmt::format("PacketSize=4000;qXfer:features:read+;QStartNoAckMode+;vContSupported+;swbreak+;hwbreak+{}",
+                       history_ == nullptr ? "" : ";ReverseStep+;ReverseContinue+");
   }
   if (text.starts_with(kDescription)) {
     const auto part = text.substr(kDescription.size());
@@ -228,7 +242,8 @@ std::string GdbServer::monitor(std::string_view command) const {
     return fmt::format("{}{}{}\n", here.empty() ? fmt::format("0x{:08x}", hart.pc()) : here,
                        callers.empty() ? "" : " < ", callers);
   }
-  return "monitor commands: callers, cycles, energy, time\n";
+  return history_ == nullptr ? "monitor commands: callers, cycles, energy, time\n"
+                             : "monitor commands: callers, cycles, energy, time, reset, save NAME, restore NAME\n";
 }
 
 std::string GdbServer::read_registers() const {
@@ -248,6 +263,7 @@ std::string GdbServer::read_register(unsigned number) const {
 
 bool GdbServer::write_register(unsigned number, std::uint32_t value) {
   auto& hart = threads_.hart();
+  if (history_ != nullptr) history_->cut();
   if (number < kPcNumber) {
     hart.set_reg(number, value);
   } else if (number == kPcNumber) {
@@ -277,6 +293,7 @@ std::string GdbServer::write_memory(std::string_view text, bool binary) {
   const auto content = text.substr(colon + 1);
   const auto bytes = binary ? std::optional<std::string>(content) : from_hex(content);
   if (!range || !bytes || bytes->size() != range->size) return std::string(kError);
+  if (history_ != nullptr) history_->cut();
   return soc_.poke(range->address, {reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()})
              ? "OK"
              : std::string(kError);
@@ -302,15 +319,18 @@ std::string GdbServer::change_point(std::string_view text, bool insert) {
   return "OK";
 }
 
-void GdbServer::finish(int exit_code) {
+/// Reports a fault to gdb, and answers packets.
+void GdbServer::hold_at_fault() {
   if (std::exchange(ended_, true) || !connection_.connected()) return;
-  if (soc_.end() == End::faulted) {
-    const auto number =
-        soc_.cluster() == nullptr ? kFabricControllerHart : hart_of_core(soc_.cluster()->faulted_core());
-    stop(number, fault_signal(std::as_const(soc_).hart(number).fault().last.cause));
-    announce_(soc_.fault_text());
-    serve();
-  }
+  const auto number = soc_.cluster() == nullptr ? kFabricControllerHart : hart_of_core(soc_.cluster()->faulted_core());
+  stop(number, fault_signal(std::as_const(soc_).hart(number).fault().last.cause));
+  announce_(soc_.fault_text());
+  if (history_ != nullptr) here_ = history_->position();
+  killed_ = serve() == Resume::end;
+}
+
+void GdbServer::finish(int exit_code) {
+  if (soc_.end() == End::faulted) hold_at_fault();
   if (connection_.connected()) connection_.send(fmt::format("W{:02x}", exit_code & 0xff));
 }
 

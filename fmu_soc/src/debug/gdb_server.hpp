@@ -2,6 +2,7 @@
 #pragma once
 
 #include "debug/connection.hpp"
+#include "debug/history.hpp"
 #include "debug/target.hpp"
 #include "hart/observer.hpp"
 #include "soc/soc.hpp"
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -26,11 +28,19 @@ class GdbServer {
   enum class Kill : std::uint8_t { ends_run, detaches };
 
   /// Listens on 127.0.0.1 and passes the address to `announce`. The first instruction waits for a debugger. Throws
-  /// Error if the port cannot be opened.
-  GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce);
+  /// Error if the port cannot be opened. With a history, gdb can go back in time; then the caller must cut the run into
+  /// pieces, call checkpoint() before each, and continue the run if rewind() returns true after its end.
+  GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce, History* history = nullptr);
 
   /// Returns the observer of a hart, by the chip's number.
   Observer& hart(unsigned number) { return harts_[number]; }
+
+  /// Saves a state for steps into the past.
+  void checkpoint() {
+    if (history_ != nullptr) history_->record(soc_);
+  }
+  /// Restores an earlier state if gdb wants to go back; at a fault, waits for gdb first.
+  bool rewind();
 
   /// Reports the end of the program to gdb. After a fault, gdb can inspect the chip first.
   void finish(int exit_code);
@@ -42,7 +52,26 @@ class GdbServer {
     char kind = '2';  // '2' stores, '3' loads, '4' both
     friend bool operator==(const Watch&, const Watch&) = default;
   };
-  enum class Resume : std::uint8_t { no, run, step, end };
+  enum class Resume : std::uint8_t { no, run, step, end, rewind };
+  static constexpr std::string_view kTrap = "T05";
+  static constexpr std::string_view kAtBreakpoint = "swbreak:;";
+
+  /// A way into the past; reverse.cpp describes it.
+  struct Replay {
+    enum class Phase : std::uint8_t { searching, seeking, restarting };
+    struct Place {
+      std::uint64_t position = 0;  // 0 = none
+      std::string why = {};        // for the stop reply
+    };
+
+    Phase phase = Phase::searching;
+    bool begun = false;
+    std::size_t from = 0;     // state that it begins with
+    std::uint64_t limit = 0;  // a search ends here
+    bool by_step = false;     // a search for the last instruction of `hart`, not for a breakpoint
+    unsigned hart = 0;
+    Place place = {};  // where gdb is to stop
+  };
 
   class HartObserver final : public Observer {
    public:
@@ -51,10 +80,12 @@ class GdbServer {
     void retired(const Hart& hart, const Retired& instruction) override;
     void trapped(const Hart& /*hart*/, const Trapped& /*trap*/) override { was_held_ = false; }
     void switched(const Hart& hart, bool on) override;
+    /// Called after an earlier state was restored.
+    void forget() { was_held_ = false; }
 
    private:
     bool reports_to_gdb() const { return !server_.only_hart_ || server_.only_hart_ == number_; }
-    void hold(const Hart& hart);
+    void hold(const Hart& hart, std::uint64_t position);
 
     GdbServer& server_;
     unsigned number_;
@@ -66,6 +97,14 @@ class GdbServer {
   };
 
   bool accept_debugger();
+  void hold_at_fault();
+  std::optional<std::size_t> state_before(std::uint64_t position) const;
+  Resume reverse(bool by_step);
+  std::optional<Resume> travel(std::string_view command);
+  void next_replay();
+  std::optional<bool> replay_before(unsigned number, std::uint32_t pc, std::uint64_t position);
+  void replay_retired(const Retired& instruction);
+  void leave();
   void stop(unsigned number, std::string_view signal, std::string_view why = {});
   Resume serve();
   Resume obey(const std::string& packet);
@@ -99,6 +138,12 @@ class GdbServer {
   bool killed_ = false;
   bool ended_ = false;
   std::uint32_t ticks_ = 0;
+  History* history_ = nullptr;
+  std::optional<Replay> replay_;
+  bool leaves_ = false;                         // the run ends, so that rewind() can restore a state
+  std::uint64_t here_ = 0;                      // position at which gdb holds the program
+  std::map<std::string, std::uint64_t> names_;  // places of `monitor save`
+  std::string answer_;                          // to a monitor command that moves in time, sent on arrival
 };
 
 }  // namespace mebots::soc::debug

@@ -12,9 +12,7 @@ namespace {
 
 /// Number of instructions between two checks for Ctrl-C or a new debugger.
 constexpr std::uint32_t kPollInterval = 1U << 12;
-constexpr std::string_view kTrap = "T05";
 constexpr std::string_view kInterrupted = "T02";
-constexpr std::string_view kAtBreakpoint = "swbreak:;";
 
 }  // namespace
 
@@ -27,7 +25,13 @@ void GdbServer::stop(unsigned number, std::string_view signal, std::string_view 
 bool GdbServer::HartObserver::before(const Hart& hart) {
   auto& server = server_;
   auto& connection = server.connection_;
-  if (server.killed_) return false;
+  if (server.killed_ || server.leaves_) return false;
+  const auto position = server.history_ == nullptr ? 0 : server.history_->advance();
+  if (server.replay_) {
+    if (const auto runs = server.replay_before(number_, hart.pc(), position)) return *runs;
+    hold(hart, position);
+    return !server.killed_ && !server.leaves_;
+  }
   const bool look = (++server.ticks_ & (kPollInterval - 1)) == 0;
   if (look && connection.connected()) connection.refuse_others();
   // NOLINTBEGIN(bugprone-branch-clone): the order of the conditions matters
@@ -47,14 +51,15 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
     return true;
   }
   // NOLINTEND(bugprone-branch-clone)
-  hold(hart);
-  return !server.killed_;
+  hold(hart, position);
+  return !server.killed_ && !server.leaves_;
 }
 
 /// Ends a step and reports a watchpoint before any other hart continues, because gdb expects a step to run one thread.
 /// gdb also steps over breakpoints with only one thread.
 void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instruction) {
-  if (!server_.connection_.connected() || !reports_to_gdb()) return;
+  if (server_.replay_) return server_.replay_retired(instruction);
+  if (server_.leaves_ || !server_.connection_.connected() || !reports_to_gdb()) return;
   const auto touched = server_.watch_touched(instruction.access);
   if (!touched.empty() || server_.ends_step(number_, hart.pc())) {
     server_.stop(number_, kTrap, touched);
@@ -64,7 +69,7 @@ void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instructi
   } else {
     return;
   }
-  hold(hart);
+  hold(hart, server_.history_ == nullptr ? 0 : server_.history_->position() + 1);
 }
 
 /// Ends the step of a core that is switched off.
@@ -74,7 +79,9 @@ void GdbServer::HartObserver::switched(const Hart& /*hart*/, bool /*on*/) {
   if (server_.only_hart_ == number_) server_.only_hart_.reset();
 }
 
-void GdbServer::HartObserver::hold(const Hart& hart) {
+/// `position` is that of the instruction that the hart begins next.
+void GdbServer::HartObserver::hold(const Hart& hart, std::uint64_t position) {
+  server_.here_ = position;
   server_.killed_ = server_.serve() == Resume::end;
   was_held_ = true;
   held_pc_ = hart.pc();

@@ -25,7 +25,7 @@ Session::Session(const Requests& requests, Soc& soc) : soc_(soc), observers_(soc
     require_hart(requests, soc);
     pipeline_.emplace(requests.names.pipeline, *requests.pipeline);
   }
-  if (requests.gdb_port) gdb_.emplace(*requests.gdb_port, soc, requests.gdb_kill, requests.announce);
+  if (requests.gdb_port) gdb_.emplace(*requests.gdb_port, soc, requests.gdb_kill, requests.announce, requests.history);
   for (unsigned number = 0; number < soc.harts(); ++number) {
     if (trace_) observers_[number].add(trace_->hart(number));
     if (profile_) observers_[number].add(profile_->hart(number));
@@ -65,6 +65,14 @@ void Session::listen(StateListener& listener) {
 void Session::restored() {
   if (profile_) profile_->restored();
   if (power_trace_) power_trace_->restored();
+}
+
+void Session::checkpoint() {
+  if (gdb_) gdb_->checkpoint();
+}
+
+bool Session::rewind() {
+  return gdb_ && gdb_->rewind();
 }
 
 void Session::stepped() {

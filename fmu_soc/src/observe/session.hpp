@@ -92,6 +92,7 @@ struct Requests {
   unsigned pipeline_hart = kFabricControllerHart;
   std::optional<int> gdb_port;
   debug::GdbServer::Kill gdb_kill = debug::GdbServer::Kill::ends_run;
+  debug::History* history = nullptr;               // for steps of gdb into the past; must outlive the session
   std::function<void(std::string_view)> announce;  // prints the port for gdb
 
   bool any() const { return trace || profile || power_trace || cycle_stack || coverage || pipeline || gdb_port; }
@@ -113,6 +114,9 @@ class Session {
   void listen(StateListener& listener);
   /// Called after the chip was restored to an earlier state.
   void restored();
+  /// Call both for GdbServer::checkpoint() and GdbServer::rewind().
+  void checkpoint();
+  bool rewind();
   /// Ends a step of the caller.
   void stepped();
   /// Completes the files at the end of the run, and reports the end to the debugger.

@@ -96,6 +96,7 @@ HostConsole::~HostConsole() {
 }
 
 void HostConsole::write(std::span<const char> bytes) {
+  if (repeats_ && repeats_()) return;
   if (kind_ != Kind::pty) {
     std::fwrite(bytes.data(), 1, bytes.size(), stdout);
     if (!bytes.empty()) in_line_ = bytes.back() != '\n';

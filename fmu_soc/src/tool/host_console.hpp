@@ -7,9 +7,11 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 namespace mebots::soc::tool {
 
@@ -32,6 +34,8 @@ class HostConsole final : public Console {
   bool has_input() const { return input_ >= 0; }
   /// Writes to standard output, or to the terminal. While no program has the pseudo terminal open, the bytes are lost.
   void write(std::span<const char> bytes) override;
+  /// Sets a function that returns true while the console must not write, since a debugger repeats a part of the run.
+  void mute_while(std::function<bool()> repeats) { repeats_ = std::move(repeats); }
   /// Ends an unfinished line on standard output, before other text.
   void end_line();
   /// Takes a byte as ConsolePort::read_console() does. A file on standard input always has its next byte. Otherwise, if
@@ -46,6 +50,7 @@ class HostConsole final : public Console {
   bool fill(int timeout_ms);
   int milliseconds_ahead(Picoseconds now);
 
+  std::function<bool()> repeats_;
   Kind kind_;
   int input_ = -1;        // file descriptor; -1 = none
   bool is_file_ = false;  // input is always available without waiting

@@ -5,6 +5,7 @@
 #include "observe/session.hpp"
 #include "observe/text_file.hpp"
 #include "tool/control.hpp"
+#include "tool/host_console.hpp"
 #include "tool/host_services.hpp"
 #include "tool/page.hpp"
 #include "tool/report.hpp"
@@ -35,6 +36,8 @@ namespace {
 constexpr std::uint64_t kSlice = 1U << 26;
 /// The number of cycles if power over time is recorded: at least one point per millisecond at 100 MHz.
 constexpr std::uint64_t kFineSlice = 100'000;
+/// The number of cycles between two states from which gdb goes back in time.
+constexpr std::uint64_t kDebugSlice = 500'000;
 
 bool has_kind(const BoardDescription& board, std::string_view kind) {
   return std::ranges::find(board.devices, kind, &BoardDevice::kind) != board.devices.end();
@@ -94,7 +97,8 @@ class LimitedRun {
 
   Reached run() {
     auto reached = Reached::none;
-    while (soc_.running() && reached == Reached::none) {
+    while (reached == Reached::none && (soc_.running() || session_.rewind())) {
+      session_.checkpoint();
       const auto before = busiest_cycles(soc_);
       reached = run_piece(before);
       if (busiest_cycles(soc_) == before && soc_.sleeps_for_good()) break;
@@ -277,21 +281,34 @@ HostConsole::Kind console_kind(const Options& options) {
   return options.user ? HostConsole::Kind::lines : HostConsole::Kind::output;
 }
 
-/// `page` may be empty; it must outlive the listeners.
-Listeners listeners_of(HostConsole& console, std::optional<RunPage>& page, const Options& options) {
+/// Returns whether gdb can go back in time: not with files of the host, which have no past, and not with other
+/// observers, whose files would contain a replay.
+bool is_reversible(const Options& options) {
+  return options.gdb_port && !options.user && !options.host_files && !options.page && !options.trace &&
+         !options.profile && !options.power_trace && !options.report && !options.coverage && !options.pipeline;
+}
+
+/// `page` and `history` may be empty; they must outlive the listeners.
+Listeners listeners_of(HostConsole& console, std::optional<RunPage>& page, std::optional<debug::History>& history,
+                       const Options& options) {
   Listeners listeners;
   listeners.console = [&console, &page](std::string_view line) {
     console.write(std::string(line) + '\n');
     if (page) page->printed(line);
   };
-  listeners.faults = [](std::string_view text) { fmt::print(stderr, "mebots-soc: {}\n", text); };
+  listeners.faults = [&history](std::string_view text) {
+    if (!history || !history->repeats()) fmt::print(stderr, "mebots-soc: {}\n", text);
+  };
   listeners.console_byte = [&console, &page](std::uint8_t byte) {
     const auto character = static_cast<char>(byte);
     console.write({&character, 1});
     if (page) page->sent(character);
   };
   if (options.console) {
-    listeners.console_input = [&console](Picoseconds now, bool waits) { return console.read_byte(now, waits); };
+    listeners.console_input = [&console, &history](Picoseconds now, bool waits) {
+      const auto read = [&] { return console.read_byte(now, waits); };
+      return history ? history->input(read) : read();
+    };
   }
   return listeners;
 }
@@ -359,10 +376,13 @@ int run(const Options& options) {
   }
   std::optional<RunPage> page;
   if (options.page) page.emplace(*options.page, options.profile);
+  std::optional<debug::History> history;
+  if (is_reversible(options)) history.emplace();
   HostConsole console(console_kind(options));
+  if (history) console.mute_while([&history] { return history->repeats(); });
   ControlledConsole controlled;
   Soc soc(board, chip, settings, program,
-          options.control ? listeners_of(controlled) : listeners_of(console, page, options));
+          options.control ? listeners_of(controlled) : listeners_of(console, page, history, options));
   if (const auto tohost = program.symbol("tohost")) soc.program_host().watch(*tohost);
   HostFiles files(options.host_files, options.control ? static_cast<Console&>(controlled) : console);
   HostServices services(soc, files, options.program);
@@ -374,7 +394,9 @@ int run(const Options& options) {
   if (options.json) json.emplace("--json", *options.json);
   std::optional<observe::TextFile> long_report;
   if (options.report) long_report.emplace("--report", *options.report);
-  observe::Session session(requests_of(options, page), soc);
+  auto requests = requests_of(options, page);
+  if (history) requests.history = &*history;
+  observe::Session session(requests, soc);
   if (page) page->follow(soc, session);
 
   const auto start = std::chrono::steady_clock::now();
@@ -392,7 +414,7 @@ int run(const Options& options) {
     write_reports(report_now(), json, long_report, session);
     return code;
   }
-  const auto slice = options.power_trace || page ? kFineSlice : kSlice;
+  const auto slice = options.power_trace || page ? kFineSlice : history ? kDebugSlice : kSlice;
   const auto reached = LimitedRun(soc, session, limits, slice).run();
   const auto report = report_now();
   const auto code = has_seen_all(soc, options) ? 0 : exit_code(soc, report.tohost);

@@ -230,7 +230,7 @@ TEST_F(BarometerTest, NoiseHasItsStandardDeviationAndDependsOnTheSeed) {
   EXPECT_NE(with_seed_1, with_seed_2);
 }
 
-/// Our flight controller on the bench: the drone stands, and is told to take off.
+/// Our flight controller on the bench: the drone stands, with the set-point to take off.
 class Bench {
  public:
   Bench()

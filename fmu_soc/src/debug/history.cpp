@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "debug/history.hpp"
+
+#include "mebots/assert.hpp"
+#include "mebots/state/save.hpp"
+
+#include <utility>
+
+namespace mebots::soc::debug {
+
+void History::record(const Soc& soc) {
+  if (!snapshots_.empty() && position_ <= snapshots_.back().position) return;
+  if (++pieces_ < gap_ && !snapshots_.empty()) return;
+  pieces_ = 0;
+  snapshots_.push_back({position_, inputs_, state::save(soc)});
+  if (position_ == 0) start_ = snapshots_.back();
+  if (snapshots_.size() <= kMost) return;
+  std::vector<Snapshot> kept;
+  for (std::size_t i = 0; i < snapshots_.size(); i += 2) kept.push_back(std::move(snapshots_[i]));
+  snapshots_ = std::move(kept);
+  gap_ *= 2;
+}
+
+void History::restore(Soc& soc, std::size_t snapshot) {
+  MEBOTS_ASSERT(snapshot < snapshots_.size());
+  const auto& from = snapshots_[snapshot];
+  state::restore(soc, from.state);
+  position_ = from.position;
+  inputs_ = from.inputs;
+}
+
+void History::restart(Soc& soc) {
+  snapshots_ = {start_};
+  restore(soc, 0);
+  frontier_ = 0;
+  gap_ = 1;
+}
+
+void History::cut() {
+  snapshots_.clear();
+  frontier_ = position_;
+}
+
+int History::input(const std::function<int()>& read) {
+  if (inputs_ < log_.size()) return log_[inputs_++];
+  const int byte = read();
+  if (byte < 0) return byte;
+  log_.push_back(static_cast<std::uint8_t>(byte));
+  ++inputs_;
+  return byte;
+}
+
+}  // namespace mebots::soc::debug

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "soc/soc.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace mebots::soc::debug {
+
+/// The past of a debugged run: saved states, from which a replay reaches any earlier instruction.
+///
+/// A position is the number of instructions that all harts have begun since the start, counted by calls of
+/// Observer::before(). A replay from a saved state calls it in the same order, because the run is cut into the same
+/// pieces. What the program printed stays printed, and what it read is read again from a log.
+class History {
+ public:
+  struct Snapshot {
+    std::uint64_t position = 0;
+    std::size_t inputs = 0;  // bytes of input read before
+    std::vector<std::byte> state;
+  };
+
+  /// Saves the state at the begin of a piece of the run, unless a replay passes here. Keeps at most kMost states, and
+  /// the first one always.
+  void record(const Soc& soc);
+  /// Restores a state.
+  void restore(Soc& soc, std::size_t snapshot);
+  /// Restores the start of the program and forgets all that followed.
+  void restart(Soc& soc);
+  /// Forgets the past: gdb has changed the chip, so a replay would not come here again.
+  void cut();
+
+  /// Counts an instruction that a hart begins. Returns its position.
+  std::uint64_t advance() {
+    ++position_;
+    frontier_ = std::max(frontier_, position_);
+    return position_;
+  }
+  std::uint64_t position() const { return position_; }
+  const std::vector<Snapshot>& snapshots() const { return snapshots_; }
+
+  /// True while the program repeats what it has done before, or while it is being stopped for that.
+  bool repeats() const { return leaves_ || position_ < frontier_; }
+  void set_leaves(bool leaves) { leaves_ = leaves; }
+  /// Returns the next byte of input: from the log in a replay, otherwise from `read`. Negative results are not logged.
+  int input(const std::function<int()>& read);
+
+ private:
+  static constexpr std::size_t kMost = 128;
+
+  std::vector<Snapshot> snapshots_;  // by position
+  Snapshot start_;
+  std::vector<std::uint8_t> log_;  // input
+  std::size_t inputs_ = 0;
+  std::uint64_t position_ = 0;
+  std::uint64_t frontier_ = 0;  // latest position reached
+  std::uint64_t pieces_ = 0;    // since the last state saved
+  std::uint64_t gap_ = 1;       // pieces between two states
+  bool leaves_ = false;
+};
+
+}  // namespace mebots::soc::debug

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Steps of gdb into the past. A request ends the run. rewind() restores a state from before, and the run goes through
+// the same instructions again:
+//
+//   searching   up to the present position, noting the last place at which gdb wants to stop. If there is none, the
+//               search continues from the state before.
+//   seeking     from the same state to that place, where gdb stops
+#include "debug/gdb_server.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace mebots::soc::debug {
+namespace {
+
+constexpr std::string_view kAtBegin = "replaylog:begin;";
+
+}  // namespace
+
+/// Returns the last state before a position; nullopt if there is none.
+std::optional<std::size_t> GdbServer::state_before(std::uint64_t position) const {
+  const auto& states = history_->snapshots();
+  const auto after = std::ranges::lower_bound(states, position, {}, &History::Snapshot::position);
+  if (after == states.begin()) return std::nullopt;
+  return static_cast<std::size_t>(after - states.begin()) - 1;
+}
+
+/// "bs" goes back by one instruction of the chosen hart, "bc" to the last breakpoint or watchpoint.
+GdbServer::Resume GdbServer::reverse(bool by_step) {
+  const auto from = state_before(here_);
+  if (!from) {
+    stop(threads_.chosen(), kTrap, kAtBegin);
+    connection_.send(stop_reply_);
+    return Resume::no;
+  }
+  replay_ = Replay{
+      .phase = Replay::Phase::searching, .from = *from, .limit = here_, .by_step = by_step, .hart = threads_.chosen()};
+  return Resume::rewind;
+}
+
+/// Commands of `monitor` that move in time. Returns nullopt for another command.
+std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
+  constexpr std::string_view kSave = "save ";
+  constexpr std::string_view kRestore = "restore ";
+  const auto reply = [this](std::string_view text) {
+    connection_.send(to_hex(text));
+    return Resume::no;
+  };
+  if (command.starts_with(kSave)) {
+    const auto name = std::string(command.substr(kSave.size()));
+    names_[name] = here_;
+    return reply(fmt::format("saved as {}\n", name));
+  }
+  if (command == "reset") {
+    names_.clear();
+    replay_ = Replay{.phase = Replay::Phase::restarting, .place = {.position = 1}};
+    answer_ = to_hex("at the start of the program; 'maintenance flush register-cache' makes gdb read it again\n");
+    return Resume::rewind;
+  }
+  if (!command.starts_with(kRestore)) return std::nullopt;
+  const auto name = std::string(command.substr(kRestore.size()));
+  const auto found = names_.find(name);
+  if (found == names_.end()) return reply(fmt::format("there is no saved place '{}'\n", name));
+  const auto from = state_before(found->second);
+  if (!from) return reply(fmt::format("'{}' is before a change by gdb, which ends the history\n", name));
+  replay_ = Replay{.phase = Replay::Phase::seeking, .from = *from, .place = {.position = found->second}};
+  answer_ = to_hex(fmt::format("at {}; 'maintenance flush register-cache' makes gdb read it again\n", name));
+  return Resume::rewind;
+}
+
+bool GdbServer::rewind() {
+  if (!history_) return false;
+  if (!leaves_ && !replay_ && soc_.end() == End::faulted) hold_at_fault();
+  if (!replay_ || killed_) return false;
+  if (!leaves_) {  // a search has come to its end without the call that ends it
+    if (replay_->phase != Replay::Phase::searching) return false;
+    next_replay();
+  } else if (replay_->begun) {
+    next_replay();
+  }
+  leaves_ = false;
+  replay_->begun = true;
+  if (replay_->phase == Replay::Phase::restarting) {
+    history_->restart(soc_);
+    replay_->phase = Replay::Phase::seeking;
+  } else {
+    history_->restore(soc_, replay_->from);
+  }
+  history_->set_leaves(false);
+  for (auto& hart : harts_) hart.forget();
+  ended_ = false;
+  return true;
+}
+
+/// Chooses what follows a search.
+void GdbServer::next_replay() {
+  auto& replay = *replay_;
+  if (replay.place.position != 0) {
+    replay.phase = Replay::Phase::seeking;
+  } else if (replay.from == 0) {
+    replay.phase = Replay::Phase::seeking;
+    replay.place = {.position = history_->snapshots().front().position + 1, .why = std::string(kAtBegin)};
+  } else {
+    replay.limit = history_->snapshots()[replay.from].position + 1;
+    --replay.from;
+  }
+}
+
+/// Handles an instruction that a hart begins during a replay. Returns false if the run must end here; nullopt if gdb
+/// stops here.
+std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, std::uint64_t position) {
+  auto& replay = *replay_;
+  if (replay.phase == Replay::Phase::seeking) {
+    if (position < replay.place.position) return true;
+    stop(number, kTrap, replay.place.why);
+    replay_.reset();
+    return std::nullopt;
+  }
+  if (position >= replay.limit) {
+    leave();
+    return false;
+  }
+  if (replay.by_step ? number == replay.hart : breakpoints_.contains(pc)) {
+    replay.place = {.position = position, .why = std::string(replay.by_step ? "" : kAtBreakpoint)};
+  }
+  return true;
+}
+
+/// gdb expects RISC-V to stop before the access, so it takes one more step in the direction of travel before it
+/// compares the values. So the stop is behind the store.
+void GdbServer::replay_retired(const Retired& instruction) {
+  auto& replay = *replay_;
+  if (replay.phase != Replay::Phase::searching || replay.by_step) return;
+  if (auto touched = watch_touched(instruction.access); !touched.empty()) {
+    replay.place = {.position = history_->position() + 1, .why = std::move(touched)};
+  }
+}
+
+void GdbServer::leave() {
+  leaves_ = true;
+  history_->set_leaves(true);
+}
+
+}  // namespace mebots::soc::debug
