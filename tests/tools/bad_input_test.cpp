@@ -7,7 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 
 namespace mebots::soc::test {
@@ -150,6 +152,36 @@ TEST_F(BadInput, IsRefusedIfTohostIsOutsideTheMemory) {
 TEST_F(BadInput, IsRefusedIfTheProgramDoesNotFitTheBoard) {
   expect_refused(fmt::format("run {} --board '{}/configs/boards/ai_deck.json'", program_, MEBOTS_SOURCE_DIR),
                  "lies outside the board's memories");
+}
+
+// As programs of gap_sdk do with .data_tiny_fc: loaded into the controller's memory, addressed by its alias.
+TEST_F(BadInput, IsNotASegmentThatRunsAtTheAliasOfAMemory) {
+  constexpr std::uint32_t kMemory = 0x1b000000;
+  auto elf = read_file(folder_.program(fmt::format("{}{}", kOk, kTohost), kMemory));
+  const auto move = [&](std::size_t at, std::uint32_t by) {
+    std::uint32_t address = 0;
+    std::memcpy(&address, elf.data() + at, sizeof address);
+    address += by;
+    std::memcpy(elf.data() + at, &address, sizeof address);
+  };
+  constexpr std::size_t kHeaders = 52;
+  constexpr std::size_t kHeaderBytes = 32;
+  constexpr std::size_t kRunAddress = 8;  // p_vaddr in a program header
+  const std::size_t count = static_cast<unsigned char>(elf[44]);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto at = kHeaders + i * kHeaderBytes;
+    if (elf[at] == 1) move(at + kRunAddress, -kMemory);
+  }
+  move(24, -kMemory);  // the entry point is a run address
+  write_file(folder_ / "alias.elf", elf);
+  const auto run = run_tool(fmt::format("run {} --board gap8", folder_ / "alias.elf"));
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+
+  for (std::size_t i = 0; i < count; ++i)
+    move(kHeaders + i * kHeaderBytes + kRunAddress, 0x10000 - 16);  // ends behind the alias
+  move(24, 0x10000 - 16);
+  write_file(folder_ / "alias.elf", elf);
+  expect_refused(fmt::format("run {} --board gap8", folder_ / "alias.elf"), "lies outside the board's memories");
 }
 
 TEST_F(BadInput, IsRefusedIfTheCoreLacksTheProgramsFloatingPointRegisters) {

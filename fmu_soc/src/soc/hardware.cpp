@@ -200,7 +200,7 @@ void Hardware::load_program(const Elf& program, const DeviceSet& devices) {
       fail_outside(program, segment, "is loaded", segment.load_address, size);
     // A linker script may describe a device's registers as a section without bytes.
     const bool is_device = segment.bytes.empty() && devices.slot_at(segment.run_address) != nullptr;
-    if (!is_device && !memory_.covers(segment.run_address, segment.size)) {
+    if (!is_device && !runs_in_memory(segment.run_address, segment.size)) {
       fail_outside(program, segment, "runs", segment.run_address, segment.size);
     }
     for (std::span<const std::uint8_t> rest = segment.bytes; !rest.empty();) {
@@ -211,6 +211,13 @@ void Hardware::load_program(const Elf& program, const DeviceSet& devices) {
       rest = rest.subspan(here);
     }
   }
+}
+
+bool Hardware::runs_in_memory(std::uint32_t address, std::uint32_t size) const {
+  return memory_.covers(address, size) || std::ranges::any_of(board_.memories, [&](const auto& memory) {
+           return memory.alias && address >= *memory.alias &&
+                  std::uint64_t{address} + size <= std::uint64_t{*memory.alias} + memory.size;
+         });
 }
 
 void Hardware::fail_outside(const Elf& program, const ElfSegment& segment, std::string_view what, std::uint32_t address,
