@@ -3,10 +3,14 @@
 """Runs the commands of a tutorial as they are typed, in an empty home folder, with MEbots from a wheel (wheel_of.py).
 
 Usage: tutorial.py SOURCES WHEEL_WORK NAME. The files that the page asks the reader to save are saved, and its changes to files are made,
-at the place of the text where the page says so. Commands that cannot run here are listed below with the reason.
+at the place of the text where the page says so. Commands that cannot run here are listed below with the reason. The code of a notebook
+runs as one program.
+
+Exit code 77: the tutorial needs what this machine lacks. `MEBOTS_CHECKOUTS` names a folder with the repositories that a page clones.
 """
 
 import dataclasses
+import json
 import os
 import pathlib
 import re
@@ -33,9 +37,14 @@ SKIPPED = {
         "mebots resume": "needs the interrupted run",
     },
     "own-network": {
-        "mebots deploy mine.onnx": "the export needs PyTorch, which is 5 GB with its libraries; the page names the version that it was run with",
         "mebots sweep study.json --out results": "twelve hard missions take minutes; --dry-run before it checks the study",
     },
+}
+# Added to them if /usr/bin/python3 has no PyTorch, which is 5 GB with its libraries.
+WITHOUT_TORCH = {"mebots deploy mine.onnx": "the export before it needs PyTorch (setup.sh training); the page names the version that it was run with"}
+SKIPPED["cflib"] = {
+    "pip install cflib": "the environment has it",
+    "CFLIB_URI=": "the example is cflib's; tests/link flies it. The page's own script runs in its place",
 }
 # Commands that fail on purpose: the page shows their errors.
 FAILING = {
@@ -87,6 +96,13 @@ def read_steps(page):
     return steps, blocks
 
 
+def read_notebook(page):
+    """Returns one program of all code cells."""
+    cells = json.loads(page.read_text(encoding="utf-8"))["cells"]
+    code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+    return [Step(file="notebook.py", content=code + "\n"), Step(command="MPLBACKEND=agg python3 notebook.py")]
+
+
 def edit_heater(steps, blocks):
     """The changes that own-fmu asks for in the generated model: constructor, start and step, the members, one more test."""
     code, members, test = (content for _, language, content in blocks if language == "cpp")
@@ -107,10 +123,17 @@ test.write_text(text[:end] + {test!r} + "\\n" + text[end:])
     return [*steps[:at], Step(file="edit.py", content=script), Step(command="python3 edit.py"), *steps[at:]]
 
 
+def torch_version():
+    """Returns the version of the PyTorch of /usr/bin/python3; 0 if there is none."""
+    asked = subprocess.run(["/usr/bin/python3", "-c", "import torch; print(torch.__version__)"], capture_output=True, text=True)
+    return int(asked.stdout.split(".")[0]) if asked.returncode == 0 else 0
+
+
 def edit_network(steps, blocks):
-    """The lines that own-network asks for in the firmware of `mebots new-firmware mine`."""
+    """The lines that own-network asks for in the firmware of `mebots new-firmware mine`; the export, if there is PyTorch."""
     recipe = next(content for _, language, content in blocks if language == "cmake")
     program = next(content for _, language, content in blocks if language == "c")
+    export = next(content for _, language, content in blocks if language == "python")
     script = f"""
 import pathlib, re
 recipe = pathlib.Path("mine/CMakeLists.txt")
@@ -118,10 +141,50 @@ recipe.write_text(re.sub(r"^mebots_add_firmware\\(.*?\\)\\n", lambda _: {recipe!
 pathlib.Path("mine/main.c").write_text({program!r})
 """
     build = [Step(file="edit.py", content=script), Step(command="python3 edit.py"), Step(command="cmake -S mine -B mine/build"), Step(command="cmake --build mine/build")]
-    return [*steps, *build]
+    version = torch_version()
+    if version == 0:
+        SKIPPED["own-network"] |= WITHOUT_TORCH
+        return [*steps, *build]
+    if version == 1:  # as the page says
+        export = export.replace(", dynamo=False", "")
+    pictures = """
+import pathlib, numpy
+from PIL import Image
+pathlib.Path("pictures").mkdir()
+for i, picture in enumerate(numpy.load("networks/sight.npy")[:20]):
+    Image.fromarray(picture.reshape(picture.shape[-2:]).astype("uint8")).save(f"pictures/{i}.png")
+"""
+    first = [Step(file="export.py", content=export), Step(command="/usr/bin/python3 export.py"), Step(file="pictures.py", content=pictures), Step(command="python3 pictures.py")]
+    at = next(i for i, step in enumerate(steps) if step.command.startswith("mebots deploy mine.onnx"))
+    return [*steps[:at], *first, *steps[at:], *build]
 
 
-EDITS = {"own-fmu": edit_heater, "own-network": edit_network}
+def edit_cflib(steps, blocks):
+    """The drone in the background, the page's script, and the end by Ctrl-C."""
+    script = next(content for _, language, content in blocks if language == "python")
+    fly = [Step(file="fly.py", content=script), Step(command="python3 fly.py"), Step(command="kill -INT $drone; wait $drone")]
+    waiting = [step for step in steps if step.command.startswith("mebots link") and "--replay" not in step.command]
+    background = {id(step): Step(command=f"set -m; {step.command} & drone=$!; set +m; sleep 2") for step in waiting[:1]}
+    ended = {id(step): Step(command=f"timeout --signal=INT 3 {step.command}; test $? -eq 124") for step in waiting[1:]}
+    steps = [(background | ended).get(id(step), step) for step in steps]
+    at = next(i for i, step in enumerate(steps) if step.command.startswith("CFLIB_URI="))
+    return [*steps[: at + 1], *fly, *steps[at + 1 :]]
+
+
+def edit_gap8(steps, _):
+    """The repositories that the page clones, from MEBOTS_CHECKOUTS."""
+    checkouts = os.environ.get("MEBOTS_CHECKOUTS")
+    edited = []
+    for step in steps:
+        clone = re.fullmatch(r"git clone https://github\.com/[\w-]+/([\w-]+)", step.command)
+        if clone and not (checkouts and (pathlib.Path(checkouts) / clone[1]).is_dir()):
+            print(f"skipped: {step.command}: nothing is downloaded here; MEBOTS_CHECKOUTS names a folder with a checkout {clone[1]}")
+            sys.exit(77)
+        edited.append(Step(command=f"ln -s {shlex.quote(checkouts)}/{clone[1]} .") if clone else step)
+    return edited
+
+
+EDITS = {"own-fmu": edit_heater, "own-network": edit_network, "cflib": edit_cflib, "gap8": edit_gap8}
 # Tutorials begin where the first flight's "Install" ends.
 FIRST = "ln -s {package} ~/mebots && mkdir -p ~/work && cd ~/work"
 
@@ -151,9 +214,11 @@ class Shell:
 
 def main():
     sources, work, name = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve(), sys.argv[3]
-    steps, blocks = read_steps(sources / "docs/tutorials" / f"{name}.md")
-    if name in EDITS:
-        steps = EDITS[name](steps, blocks)
+    if name == "notebook":
+        steps = read_notebook(sources / "docs/tutorials/notebook.ipynb")
+    else:
+        steps, blocks = read_steps(sources / "docs/tutorials" / f"{name}.md")
+        steps = EDITS.get(name, lambda steps, _: steps)(steps, blocks)
     unused = [start for start in SKIPPED.get(name, {}) if not any(step.command.startswith(start) for step in steps)]
     if unused:
         sys.exit(f"{name}: the page no longer has these commands: {', '.join(unused)}")

@@ -13,6 +13,8 @@
 
     results = mebots.read("results/gate_easy")
     print(results.summary["outcome"], results["world.drone.speed"].max())
+
+``mebots.configs`` is the folder of the shipped missions.
 """
 
 from typing import TYPE_CHECKING
@@ -25,12 +27,16 @@ from mebots.results import Results, read
 from mebots.system import System
 
 if TYPE_CHECKING:
+    import pathlib
+
     from mebots.exploration.command import sweep
     from mebots.flight.identify import identify
     from mebots.flight.new_cell import new_cell
     from mebots.flight.replay import replay
 
-__all__ = ["Error", "InputError", "Mission", "Results", "System", "identify", "new_cell", "read", "replay", "show", "sweep", "__version__"]
+    configs: pathlib.Path
+
+__all__ = ["Error", "InputError", "Mission", "Results", "System", "configs", "identify", "new_cell", "read", "replay", "show", "sweep", "__version__"]
 
 _FLIGHT = ("identify", "new_cell", "replay")
 
@@ -44,6 +50,10 @@ def __getattr__(name: str):
         from mebots.exploration.command import sweep
 
         return sweep
+    if name == "configs":
+        from mebots.installation import data_folder
+
+        return data_folder() / "configs"
     if name in _FLIGHT:
         import importlib
 

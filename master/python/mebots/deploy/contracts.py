@@ -9,7 +9,7 @@ from typing import Any
 
 from mebots.deploy import layers as integers
 from mebots.deploy.c_files import identifier, output_names
-from mebots.deploy.chip import data_folder
+from mebots.installation import data_folder
 
 _SUFFIX = ".contract.json"
 _COLOURS = {1: "grey", 3: "rgb"}
