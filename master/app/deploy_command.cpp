@@ -27,6 +27,7 @@ struct DeployOptions {
   std::optional<int> vectors;
   bool no_measure = false;
   bool json = false;
+  std::filesystem::path page;
 };
 
 Words words_of(const DeployOptions& options) {
@@ -41,6 +42,7 @@ Words words_of(const DeployOptions& options) {
   add_number(words, "--vectors", options.vectors);
   if (options.no_measure) words.emplace_back("--no-measure");
   if (options.json) words.emplace_back("--json");
+  add_word(words, "--page", options.page.string());
   return words;
 }
 
@@ -78,8 +80,13 @@ void add_deploy(CLI::App& app, Action& action) {
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--no-measure", options->no_measure, "Check on this machine only, without the chip");
   command->add_flag("--json", options->json, "Print network.json in place of the table");
+  command
+      ->add_option("--page", options->page,
+                   "Write a page for a browser into this file: layers, roofline, stalls, memory, energy")
+      ->type_name("FILE.html")
+      ->check(not_empty());
   command->footer(help_footer({"0 written", "1 a program failed, or integers differ", "2 the input cannot be used"},
-                              {"mebots deploy dronet.onnx --data pictures --out dronet",
+                              {"mebots deploy dronet.onnx --data pictures --out dronet --page dronet.html",
                                "mebots deploy dronet.onnx --data himax --crop 62,44 --percentile 99.99 --out dronet"}));
   command->callback([options, &action] {
     action = [options] {

@@ -31,7 +31,7 @@ class OwnNetworks(DeployCase):
         out = self.folder / "sight"
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
-            code = main([str(self.folder / "sight.onnx"), "--data", str(self.folder / "sight.npy"), "--out", str(out), "--vectors", "12", "--json"])
+            code = main([str(self.folder / "sight.onnx"), "--data", str(self.folder / "sight.npy"), "--out", str(out), "--vectors", "12", "--json", "--page", str(self.folder / "sight.html")])
         self.assertEqual(code, 0)
         content = json.loads(printed.getvalue())
         self.assertEqual(content, json.loads((out / "network.json").read_text()))
@@ -42,7 +42,27 @@ class OwnNetworks(DeployCase):
         measured = content["measured"]
         self.assertAlmostEqual(sum(one["time"] for one in measured["layers"]), measured["total"]["time"], places=9)
         self.assertGreater(min(one["energy"] for one in measured["layers"]), 0)
+        self.accounts_add_up(measured)
+        self.assertIn("<title>Network sight on board ai_deck</title>", (self.folder / "sight.html").read_text())
         self.flies(out)
+
+    def accounts_add_up(self, measured):
+        """Causes are all cycles awake, one for each instruction; parts are all joules; layers are the whole; no wait exceeds the time."""
+        for one in (*measured["layers"], measured["total"]):
+            self.assertEqual(one["causes"]["base"], one["instructions"])
+            self.assertEqual(sum(one["causes"].values()), one["instructions"] + one["stalled"])
+            self.assertEqual(sum(one["causes"].values()) + one["asleep"], measured["cores"] * one["cycles"])
+            self.assertAlmostEqual(sum(one["parts"].values()), one["energy"], delta=1e-9 * measured["total"]["energy"])
+            self.assertGreater(one["dma"], 0)
+            self.assertLess(one["dma"], one["time"])
+        for cause, cycles in measured["total"]["causes"].items():
+            self.assertEqual(sum(one["causes"].get(cause, 0) for one in measured["layers"]), cycles, cause)
+        settings = {(one["cores"], one["cluster_clock"]): one["time"] for one in measured["settings"]}
+        self.assertEqual(len(settings), 12)  # 1, 2, 4 and 8 cores at three clocks
+        for clock in {clock for _, clock in settings}:
+            times = [settings[cores, clock] for cores in (1, 2, 4, 8)]
+            self.assertEqual(times, sorted(times, reverse=True))
+        self.assertEqual(settings[8, measured["cluster_clock"]], measured["total"]["time"])
 
     def flies(self, out):
         """The folder as a network is its program as a firmware, and all of its files are inputs of the mission."""

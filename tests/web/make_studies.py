@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Usage: make_studies.py CONFIGS OUT [DESIGNS MISSIONS]. Pages of studies for report_test.mjs: statistics, names and units are
-those of `mebots sweep` on the shipped mission. The values of the missions are computed here, without a simulation."""
+"""Usage: make_studies.py CONFIGS OUT [DESIGNS MISSIONS]. Pages of studies and networks for report_test.mjs: statistics, names and
+units are those of `mebots sweep` on the shipped mission. Values of missions and costs of layers are computed here, without a simulation."""
 
 import dataclasses
 import json
@@ -12,6 +12,8 @@ import sys
 
 import numpy as np
 
+from mebots.deploy.deployed import Options
+from mebots.deploy.network_page import write_network_page
 from mebots.exploration import front, rare_report, report
 from mebots.exploration.answer import Judge
 from mebots.exploration.comparison import Evidence
@@ -98,6 +100,41 @@ def write_rare(file, configs):
     rare_report.write(file, study, ["soc.mission.cruise_speed"], designs, {"mission": study.mission.name}, Units(study, {}))
 
 
+def cost(macs, cycles, clock=87e6, cores=8):
+    """Costs of a layer of an invented network, at 30 pJ per cycle of a core. All accounts add up."""
+    causes = {"base": 5 * cycles, "cache": cycles // 2, "bank_conflict": cycles // 4, "far_memory": cycles // 8, "load_use": 0, "other": 0}
+    energy_j = 30e-12 * cores * cycles
+    return {
+        "cycles": cycles, "time": cycles / clock, "energy": energy_j, "macs_per_cycle": macs / cycles, "bound": cycles // 3, "roofline": 1 / 3,
+        "instructions": causes["base"], "stalled": sum(causes.values()) - causes["base"], "asleep": cores * cycles - sum(causes.values()),
+        "parts": {"cluster_cores": 0.6 * energy_j, "fc_background": 0.3 * energy_j, "leakage": 0.1 * energy_j, "retention": 0.0}, "causes": causes, "dma": 0.05 * cycles / clock,
+    }  # fmt: skip
+
+
+def network(is_measured):
+    """Returns network.json of an invented network of 24 layers."""
+    layers, costs, offset = [], [], 0
+    for i in range(24):
+        size, channels = 80 >> (i // 8), 8 << (i // 8)
+        macs = 9 * size * size * channels * channels if i % 5 else 0
+        layers.append({
+            "name": f"features.{i}.convolution", "op": "Conv+Clip" if macs else "Add", "kind": "convolution", "inputs": [], "output": f"tensor_{i}", "shape": [size, size, channels],
+            "macs": macs, "weights": 9 * channels * channels if macs else 0, "l2": {"offset": offset, "bytes": size * size * channels, "from": i, "to": i + 1},
+            "l1": {"bytes": 9000 + 300 * i, "tiles": 4, "tile_rows": 4, "parts": 1, "moved": 2 * size * size * channels} if macs else None,
+        })  # fmt: skip
+        costs.append(cost(macs, max(2000, macs // (4 + i % 3))))
+        offset = 0 if offset else size * size * channels
+    total = cost(sum(one["macs"] for one in layers), sum(one["cycles"] for one in costs))
+    settings = [{"cores": cores, "cluster_clock": clock, "time": total["time"] * 8 / cores * 87e6 / clock, "energy": total["energy"] * (1 + 1 / cores), "parts": {}}
+                for clock in (21.75e6, 43.5e6, 87e6) for cores in (1, 2, 4, 8)]  # fmt: skip
+    measured = {"board": "ai_deck", "cores": 8, "cluster_clock": 87e6, "roof": {"macs_per_cycle": 8 * 32 / 14, "bytes_per_cycle": 8}, "layers": costs, "total": total, "settings": settings}
+    return {
+        "format": 1, "model": {"file": "invented.onnx", "sha256": "0" * 64, "opset": 17}, "calibration": {"pictures": 12, "percentile": None},
+        "input": {"rows": 160, "columns": 160, "channels": 1, "tensor": "picture"}, "outputs": {"outputs": {"shape": [1, 1, 4]}},
+        "memory": {"weights": 60000, "activations": 102400, "l1": 16000, "picture": 25600}, "layers": layers, "flight": {"none": "it has other outputs"},
+    } | ({"measured": measured} if is_measured else {})  # fmt: skip
+
+
 def main():
     configs, out = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
     out.mkdir(parents=True, exist_ok=True)
@@ -106,6 +143,8 @@ def main():
     write_study(out / "large.html", large(configs, designs, max(1, missions // designs)))
     write_study(out / "live.html", grid(configs, 3), refresh_s=1)
     write_rare(out / "rare.html", configs)
+    for name, is_measured in (("network", True), ("unmeasured", False)):
+        write_network_page(out / f"{name}.html", "invented.onnx", Options(), network(is_measured))
 
 
 if __name__ == "__main__":

@@ -201,7 +201,7 @@ try {
     assert.deepEqual(main.problems, []);
     assert.deepEqual(main.requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
   });
-  for (const name of ["study", "large", "rare"]) {
+  for (const name of ["study", "large", "rare", "network"]) {
     for (const [width, dark] of [[1440, false], [390, true]]) {
       await check(`${name} at ${width} pixels: no text lies over another one, and nothing is cut off`, async () => {
         const { page, problems } = await open(browser, join(pages, `${name}.html`), { width, height: 900, dark, touch: width < 500 });
@@ -211,6 +211,52 @@ try {
       });
     }
   }
+  await check("the page of a network has its cost, all layers, and shares that add up", async () => {
+    const { page, problems, requests } = await open(browser, join(pages, "network.html"), { width: 1440 });
+    const { measured, layers } = await page.evaluate(() => window.mebots.page.network);
+    const headline = await page.$eval(".headline", (one) => one.textContent);
+    assert.equal(headline, `One inference takes ${(1e3 * measured.total.time).toPrecision(4)} ms and ${(1e3 * measured.total.energy).toPrecision(4)} mJ on 8 cores at 87.00 MHz.`);
+    const rows = await page.$$eval(".layers tbody tr", (all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+    assert.equal(rows.length, layers.length + 1);
+    const whole = (text) => Number(text.replaceAll(",", ""));
+    assert.deepEqual(rows.slice(0, -1).map((row) => whole(row[5])), measured.layers.map(({ cycles }) => cycles));
+    assert.equal(rows.slice(0, -1).reduce((sum, row) => sum + whole(row[5]), 0), whole(rows.at(-1)[5]));
+    for (const title of ["Where the cycles go", "Where the joules go"]) {
+      const panel = await panelOf(page, title);
+      const widths = () => panel.evaluate((one) => [...one.querySelectorAll(".split")].map((bar) => {
+        const pieces = [...bar.querySelectorAll(".pieces i")].map((piece) => piece.getBoundingClientRect().width);
+        return [pieces.reduce((a, b) => a + b, 0), bar.querySelector(".rail").getBoundingClientRect().width];
+      }));
+      const proportional = await widths();
+      const most = Math.max(...measured.layers.map((cost) => cost.cycles));
+      measured.layers.forEach((cost, i) => assert.ok(Math.abs(proportional[i][0] / proportional[i][1] - cost.cycles / most) < 0.02, `${title}, layer ${i}: ${proportional[i]}`));
+      await (await panel.$("select")).select("1");
+      for (const [length, rail] of await widths()) assert.ok(Math.abs(length - rail) < 1, `${length} of ${rail}`);
+      const shares = await panel.$$eval(".key span", (all) => all.map((one) => Number(/([\d.]+) %/.exec(one.textContent)[1])));
+      assert.ok(Math.abs(shares.reduce((a, b) => a + b, 0) - 100) < 1.5, shares.join(" "));
+    }
+    const energies = await (await panelOf(page, "Clocks and numbers of cores")).$$eval("tbody tr", (all) => all.map((row) => row.children[3].textContent));
+    assert.equal(energies.length, 12);
+    const disc = await (await panelOf(page, "Roofline")).$("canvas");
+    await disc.scrollIntoView();
+    const [x, y] = await disc.evaluate((one) => {
+      const { layers, measured } = window.mebots.page.network;
+      const { left, top } = one.getBoundingClientRect();
+      return [left + one.plot.x(layers[1].macs / layers[1].l1.moved), top + one.plot.y(measured.layers[1].macs_per_cycle)];
+    });
+    await page.mouse.move(x, y);
+    assert.match(await page.$eval(".tooltip:not([hidden])", (one) => one.textContent), /33 % of the roofline/);
+    assert.deepEqual(problems, []);
+    assert.deepEqual(requests.filter((url) => !url.startsWith("file:") && !url.startsWith("data:")), []);
+    await page.close();
+  });
+  await check("a network that was not measured has layers and memory, and no cost", async () => {
+    const { page, problems } = await open(browser, join(pages, "unmeasured.html"), { width: 1440 });
+    assert.deepEqual(await page.$$eval(".panel h2", (all) => all.map((one) => one.textContent)), ["Layers", "Memory over time"]);
+    assert.match(await page.$eval(".headline", (one) => one.textContent), /^Not measured/);
+    assert.deepEqual(problems, []);
+    await page.close();
+  });
   await check("the page of a running study loads itself again, unless a design is chosen", async () => {
     const { page, problems } = await open(browser, join(pages, "live.html"), { width: 1440 });
     assert.match(await page.$eval(".headline", (one) => one.textContent), /96 flown/);

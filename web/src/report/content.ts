@@ -2,7 +2,7 @@
 // The numbers of a page, as mebots.exploration.report, rare_report and mebots.flight.replay_page write them.
 
 export interface Page {
-  kind: "study" | "rare" | "replay";
+  kind: "study" | "rare" | "replay" | "network";
   title: string;
   provenance: Record<string, string>;
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds the page of a study or of a replayed flight from its numbers.
+// Builds the page of a study, of a replayed flight or of a deployed network from its numbers.
 import { element } from "../dom";
 import { isDark, setTheme } from "../theme";
+import type { NetworkPage } from "../network/content";
+import { makeNetwork } from "../network/network";
 import { type Page, type Rare, readPage, type ReplayedFlight, type Study } from "./content";
 import { makeRare } from "./rare";
 import { makeReplay } from "./replay";
@@ -18,6 +20,7 @@ async function main(): Promise<void> {
   const page = await readPage();
   const makers: Record<Page["kind"], () => HTMLElement[]> = {
     study: () => makeStudy(page as Study), rare: () => makeRare(page as Rare), replay: () => makeReplay(page as ReplayedFlight),
+    network: () => makeNetwork(page as NetworkPage),
   };
   const root = document.getElementById("page")!;
   root.classList.add("report");
@@ -43,7 +46,7 @@ function makeHeading(page: Page): HTMLElement {
 
 function makeProvenance(page: Page): HTMLElement {
   const rows = Object.entries(page.provenance).map(([name, value]) => element("tr", {}, element("th", {}, name), element("td", {}, element("code", {}, String(value)))));
-  return element("details", { class: "panel provenance" }, element("summary", {}, "What was flown"), element("table", {}, element("tbody", {}, ...rows)));
+  return element("details", { class: "panel provenance" }, element("summary", {}, page.kind === "network" ? "What was deployed" : "What was flown"), element("table", {}, element("tbody", {}, ...rows)));
 }
 
 main().catch((error) => {

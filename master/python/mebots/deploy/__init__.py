@@ -14,7 +14,7 @@
     emit        the network as C; c_files has the texts of its files
     chip        builds and runs it; checking compares it with the reference; measure has its cost by layer
     contracts   what a flight's firmware needs of a network
-    report      network.json and the table
+    report      network.json and the table; network_page draws it
     deployed    options, and the network in memory
     deploying   all of it; command is the command line
 """

@@ -19,6 +19,7 @@ import numpy as np
 import mebots
 from mebots.deploy.c_files import KERNELS
 from mebots.errors import Error, InputError
+from mebots.installation import data_folder
 
 _MARK = b"mebots-request:\0"
 CLOCK_HZ = 87_000_000
@@ -27,15 +28,6 @@ _TIME_LIMIT_S = 600
 _GAP8_RUNTIME = ("chip.c", "soc_events.c", "uart.c", "vectors.S", "dma.c")
 _RUNTIME = ("cluster.c", "cluster_start.S", "crt0.S", "console.c", "exit.c", "memory.c", "sleep.c", "trap.c")
 _CHIP_OPTIONS = ("-march=rv32imc_zicsr", "-mabi=ilp32", "-mcmodel=medany", "-O2", "-g", "-ffreestanding", "-ffunction-sections", "-fdata-sections")
-
-
-def data_folder() -> pathlib.Path:
-    """Returns the folder of this installation that holds configs and fmu_soc."""
-    here = pathlib.Path(mebots.__file__).resolve().parent
-    for place in (here / "share/mebots", here.parents[1], here.parents[3] / "share/mebots"):
-        if (place / "configs/boards").is_dir():
-            return (place / "configs").resolve().parent
-    raise InputError(f"the boards of MEbots are at none of the places that belong to {here}. Install MEbots again", "not_offered")
 
 
 def program(name: str) -> str:
@@ -233,10 +225,10 @@ def run_on_host(built: pathlib.Path, request: Request) -> str:
     return run_program([copy], "the network on this machine")
 
 
-def run_on_chip(built: pathlib.Path, request: Request, on: Board) -> tuple[str, dict[str, Any]]:
-    """Returns what the program prints, and the chip's report."""
+def run_on_chip(built: pathlib.Path, request: Request, on: Board, by_cause: bool = False) -> tuple[str, dict[str, Any]]:
+    """Returns what the program prints, and the chip's report. ``by_cause``: with the cycles of functions by cause, which takes longer."""
     copy = with_request(built, request, built.with_name("request.elf"))
     report = built.with_name("report.json")
-    text = run_program([program("mebots-soc"), "run", copy, "--board", on.path, "--json", report], "the network on the chip")
+    text = run_program([program("mebots-soc"), "run", copy, "--board", on.path, "--report" if by_cause else "--json", report], "the network on the chip")
     return text, json.loads(report.read_text())
 

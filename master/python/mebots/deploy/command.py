@@ -27,11 +27,13 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--vectors", type=int, default=4)
     parser.add_argument("--no-measure", action="store_true")
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--page")
     given = parser.parse_args(sys.argv[1:] if words is None else words)
 
     def work() -> None:
         from mebots.deploy.deployed import Options
         from mebots.deploy.deploying import deploy
+        from mebots.deploy.network_page import check_place, write_network_page
         from mebots.deploy.report import shown
 
         if given.percentile is not None and not 50 < given.percentile <= 100:
@@ -46,8 +48,12 @@ def main(words: list[str] | None = None) -> int:
             pictures=given.pictures,
             measure=not given.no_measure,
         )
+        if given.page is not None:
+            check_place(given.page, given.out)
         content = deploy(given.model, given.data, given.out, options)
         print(json.dumps(content, indent=2) if given.json else shown(content))
+        if given.page is not None:
+            write_network_page(given.page, given.model, options, content)
 
     return guarded(work)
 

@@ -19,6 +19,8 @@ class Cost:
     parts_j: dict[str, float]
     instructions: int
     cycles: int  # of all cores, awake
+    causes: dict[str, int]  # the same by cause; empty if that was not counted
+    dma_s: float  # in which the core that starts copies waited for the end of one
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,32 +44,50 @@ class Measurement:
 
 
 CLOCKS_HZ = (chip.CLOCK_HZ // 4, chip.CLOCK_HZ // 2)
-"""Further clocks at 1.0 V, with all cores."""
+"""Further clocks at 1.0 V."""
 
 
-def _difference(a: dict, b: dict) -> Cost:
+def _causes(report: dict) -> dict[str, int]:
+    """Returns the active cycles of the cluster's cores by cause. Hart 0 is the fabric controller."""
+    causes: dict[str, int] = {}
+    for hart in report.get("harts", [])[1:]:
+        for name, cycles in hart["causes"].items():
+            causes[name] = causes.get(name, 0) + cycles
+    return causes
+
+
+def _dma_s(report: dict, clock_hz: float) -> float:
+    functions = [one for hart in report.get("harts", [])[1:] for one in hart["functions"] if one["name"] == "dma_wait"]
+    return sum(one["cycles"] / clock_hz + one["asleep_s"] for one in functions)
+
+
+def _difference(a: dict, b: dict, clock_hz: float) -> Cost:
     parts = {name: b["parts_j"][name] - a["parts_j"].get(name, 0.0) for name in b["parts_j"]}
+    before = _causes(a)
     return Cost(
         b["time_s"] - a["time_s"],
         b["chip_j"] - a["chip_j"],
         parts,
         b["cluster"]["instructions"] - a["cluster"]["instructions"],
         b["cluster"]["cycles"] - a["cluster"]["cycles"],
+        {name: cycles - before.get(name, 0) for name, cycles in _causes(b).items()},
+        _dma_s(b, clock_hz) - _dma_s(a, clock_hz),
     )
 
 
 def measure(elf: pathlib.Path, network: Network, picture: np.ndarray, sizes: list[int], on: chip.Board) -> Measurement:
-    def report(cores: int, count: int, clock_hz: int = chip.CLOCK_HZ) -> dict:
-        return chip.run_on_chip(elf, chip.Request(cores, count, sizes, picture, clock_hz), on)[1]
+    def report(cores: int, count: int, clock_hz: int = chip.CLOCK_HZ, by_cause: bool = False) -> dict:
+        return chip.run_on_chip(elf, chip.Request(cores, count, sizes, picture, clock_hz), on, by_cause)[1]
 
-    def setting(cores: int, clock_hz: int) -> Setting:
-        return Setting(cores, clock_hz, _difference(report(cores, 0, clock_hz), report(cores, len(network.layers), clock_hz)))
+    def difference(a: dict, b: dict) -> Cost:
+        return _difference(a, b, chip.CLOCK_HZ)
 
-    reports = [report(on.cores, count) for count in range(len(network.layers) + 1)]
-    layers = [_difference(a, b) for a, b in zip(reports, reports[1:], strict=False)]
-    total = _difference(reports[0], reports[-1])
-    fewer = [2**i for i in range(on.cores.bit_length()) if 2**i < on.cores]
-    settings = [setting(cores, chip.CLOCK_HZ) for cores in fewer]
-    settings.append(Setting(on.cores, chip.CLOCK_HZ, total))
-    settings += [setting(on.cores, clock) for clock in CLOCKS_HZ]
+    reports = [report(on.cores, count, by_cause=True) for count in range(len(network.layers) + 1)]
+    layers = [difference(a, b) for a, b in zip(reports, reports[1:], strict=False)]
+    total = difference(reports[0], reports[-1])
+    counts = [*(2**i for i in range(on.cores.bit_length()) if 2**i < on.cores), on.cores]
+    settings = []
+    for clock in (*CLOCKS_HZ, chip.CLOCK_HZ):
+        start = report(on.cores, 0, clock)  # without a layer, the number of cores has no effect
+        settings += [Setting(cores, clock, _difference(start, report(cores, len(network.layers), clock), clock)) for cores in counts]
     return Measurement(on.cores, chip.CLOCK_HZ, layers, total, settings)

@@ -364,8 +364,11 @@ def traffic(layer: Layer, steps: Steps) -> Traffic:
 def bound(layer: Layer, steps: Steps | None, cores: int) -> float:
     """Least cycles of a layer: all cores at the peak of dot products, or the DMA at 8 bytes per cycle."""
     moved = 0 if steps is None else traffic(layer, steps).total
-    return max(layer.macs / (cores * PEAK_MACS), moved / 8)
+    return max(layer.macs / (cores * PEAK_MACS), moved / DMA_BYTES)
 
+
+DMA_BYTES = 8
+"""Bytes per cycle that the DMA moves at most."""
 
 PEAK_MACS = 32 / 14
 """Products per cycle and core of the inner loop for two places and four channels: 6 loads and 8 dot products of 4."""

@@ -9,7 +9,7 @@ from typing import Any
 from mebots.deploy.c_files import output_names
 from mebots.deploy.deployed import Deployed, Options
 from mebots.deploy.measure import Cost, Measurement
-from mebots.deploy.plan import bound
+from mebots.deploy.plan import DMA_BYTES, PEAK_MACS, bound, traffic
 
 FORMAT = 1
 
@@ -53,7 +53,7 @@ def _layer(deployed: Deployed, number: int) -> dict[str, Any]:
         "macs": layer.macs,
         "weights": layer.weights,
         "l2": {"offset": deployed.plan.offsets[layer.output], "bytes": layer.output.bytes, "from": begin, "to": end},
-        "l1": None if steps is None else {"bytes": steps.l1_bytes, "tiles": steps.tiles, "tile_rows": steps.tile_rows, "parts": len(steps.parts)},
+        "l1": None if steps is None else {"bytes": steps.l1_bytes, "tiles": steps.tiles, "tile_rows": steps.tile_rows, "parts": len(steps.parts), "moved": traffic(layer, steps).total},
     }
 
 
@@ -71,6 +71,8 @@ def _cost(cost: Cost, macs: int, clock_hz: float, cores: int, bound: float) -> d
         "stalled": cost.cycles - cost.instructions,
         "asleep": max(cores * cycles - cost.cycles, 0),
         "parts": cost.parts_j,
+        "causes": cost.causes,
+        "dma": cost.dma_s,
     }
 
 
@@ -82,10 +84,12 @@ def result_of(deployed: Deployed, measurement: Measurement) -> dict[str, Any]:
         "board": deployed.board.name,
         "cores": cores,
         "cluster_clock": clock,
+        "roof": {"macs_per_cycle": cores * PEAK_MACS, "bytes_per_cycle": DMA_BYTES},
         "layers": [_cost(cost, layer.macs, clock, cores, least) for cost, layer, least in zip(measurement.layers, layers, bounds, strict=True)],
         "total": _cost(measurement.total, sum(one.macs for one in layers), clock, cores, sum(bounds)),
         "settings": [
-            {"cores": one.cores, "cluster_clock": one.clock_hz, "time": one.total.time_s, "energy": one.total.energy_j} for one in measurement.settings
+            {"cores": one.cores, "cluster_clock": one.clock_hz, "time": one.total.time_s, "energy": one.total.energy_j, "parts": one.total.parts_j}
+            for one in measurement.settings
         ],
     }
 
