@@ -43,7 +43,7 @@ class OwnNetworks(DeployCase):
         self.assertAlmostEqual(sum(one["time"] for one in measured["layers"]), measured["total"]["time"], places=9)
         self.assertGreater(min(one["energy"] for one in measured["layers"]), 0)
         self.accounts_add_up(measured)
-        self.assertIn("<title>Network sight on board ai_deck</title>", (self.folder / "sight.html").read_text())
+        self.assertIn("<title>Network sight on board ai_deck - MEbots</title>", (self.folder / "sight.html").read_text())
         self.flies(out)
 
     def accounts_add_up(self, measured):

@@ -107,6 +107,12 @@ class Answers(StudyCase):
                          [(1, 2, "best so far"), (2, 1, "not separated from the best"), (3, 0, "worse")])
         self.assertRegex("\n".join(found.remarks), r"Further missions of each design needed to separate gain 2: about \d+ from gain 1\.")
 
+    def test_designs_with_equal_values_share_a_rank(self):
+        found, _ = self.judge([[7.0] * 4, [5.0] * 4, [5.0] * 4, [5.0] * 4, [6.0] * 4])
+        self.assertEqual([(row.rank, row.design) for row in found.rows], [(1, 1), (1, 2), (1, 3), (4, 4), (5, 0)])
+        self.assertRegex(found.headlines[0], r"^Lowest out among 5 designs with success in 4 of 4: gain 1, .* 2 designs have the same value\.")
+        self.assertNotIn("cannot be separated", found.headlines[0])
+
     def test_a_design_that_fails_more_often_is_not_the_best_by_its_energy(self):
         found, _ = self.judge([[10.0 + one / 100 for one in range(20)], [1.0 + one / 100 for one in range(3)] + [None] * 17])
         self.assertIn("with success in 20 of 20: gain 0", found.headlines[0])

@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync, statSync } from "node:fs";
 import { join } from "node:path";
+import { fileURLToPath } from "node:url";
 import { launch, open } from "./browser.mjs";
 
 const [, , runs, chromium] = process.argv;
@@ -244,6 +245,30 @@ const tests = {
     await page.evaluate(() => document.activeElement?.blur());
   },
 
+  async "sizes are those of the page before, until a double click"({ page }) {
+    const widthOf = (one) => one.$eval(".left", (part) => part.getBoundingClientRect().width);
+    const press = async (one, keys) => {
+      await one.focus("main > .handle");
+      for (let i = 0; i < keys; ++i) await one.keyboard.press("ArrowLeft");
+      await frame(one);
+    };
+    const first = await widthOf(page);
+    await press(page, 5);
+    const narrow = await widthOf(page);
+    assert.ok(narrow < first - 60, `${first} to ${narrow}`);
+    const file = fileURLToPath(new URL(page.url()));
+    const next = await open(browser, file);
+    assert.ok(Math.abs((await widthOf(next.page)) - narrow) < 2, `${narrow}, then ${await widthOf(next.page)}`);
+    assert.deepEqual(next.problems, []);
+    await next.page.$eval("main > .handle", (bar) => bar.dispatchEvent(new MouseEvent("dblclick", { bubbles: true })));
+    await next.page.close();
+    const last = await open(browser, file);
+    assert.ok(Math.abs((await widthOf(last.page)) - first) < 2, "a double click forgets the size");
+    await last.page.close();
+    await page.$eval("main > .handle", (bar) => bar.dispatchEvent(new MouseEvent("dblclick", { bubbles: true })));
+    await page.evaluate(() => document.activeElement?.blur());
+  },
+
   async "the picture is the last that the camera took"({ page }) {
     await setTime(page, 1);
     assert.equal(await page.$eval(".picture figcaption", (caption) => caption.textContent), "no picture yet");
@@ -340,6 +365,14 @@ const longTests = {
     assert.match(await told(5, 6), /mebots report long --detail 5:6$/);
     assert.equal(await told(20.2, 20.8), "");
     assert.equal(await told(0, 40), "");
+  },
+};
+
+const systemOnPhoneTests = {
+  async "the graph comes before the plots, and nothing is wider than the page"({ page }) {
+    const topOf = (selector) => page.$eval(selector, (one) => one.getBoundingClientRect().top);
+    assert.ok((await topOf(".graph svg")) < (await topOf(".panels .panel")));
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
   },
 };
 
@@ -522,6 +555,7 @@ try {
   await check(browser, pageOf("flight"), openingTests, { time: null });
   await check(browser, pageOf("long"), longTests);
   await check(browser, pageOf("system"), systemTests);
+  await check(browser, pageOf("system"), systemOnPhoneTests, { width: 390, height: 844, touch: true });
   await check(browser, join(runs, "beside.html"), besideTests);
   await check(browser, join(runs, "lengths.html"), lengthsTests);
   await check(browser, join(runs, "chip.html"), chipTests);

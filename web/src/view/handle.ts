@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bar between two parts of the page, or below one, that a drag or the arrow keys move. A double click restores the size.
+// A bar between two parts of the page, or below one, that a drag or the arrow keys move. A double click restores the size. The next page has
+// the last size of the same handle.
 import { element } from "../dom";
+import { recalled, remember } from "../remembered";
 
 const KEY_STEP = 16; // pixels
 
 interface Options {
-  /** For screen readers: "height of the plot". */
+  /** For screen readers: "height of the plot". The size is remembered under this name. */
   label: string;
   /** "x": it moves to the left and right. */
   axis: "x" | "y";
@@ -31,14 +33,25 @@ export function makeHandle({ label, axis, size, resize }: Options): HTMLElement 
   bar.addEventListener("pointermove", (event) => {
     if (start) resize(start.size + place(event) - start.at);
   });
-  for (const end of ["pointerup", "pointercancel"] as const) bar.addEventListener(end, () => (start = null));
-  bar.addEventListener("dblclick", () => resize(null));
+  for (const end of ["pointerup", "pointercancel"] as const) {
+    bar.addEventListener(end, () => {
+      if (start && size() !== start.size) remember(label, size());
+      start = null;
+    });
+  }
+  bar.addEventListener("dblclick", () => {
+    resize(null);
+    remember(label, null);
+  });
   const [less, more] = axis === "x" ? ["ArrowLeft", "ArrowRight"] : ["ArrowUp", "ArrowDown"];
   bar.addEventListener("keydown", (event) => {
     if (event.key !== less && event.key !== more) return;
     event.preventDefault();
     event.stopPropagation(); // the page's keys move the moment
     resize(size() + (event.key === more ? KEY_STEP : -KEY_STEP));
+    remember(label, size());
   });
+  const last = recalled(label);
+  if (last !== null) requestAnimationFrame(() => resize(last)); // when the page has its layout
   return bar;
 }

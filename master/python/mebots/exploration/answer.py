@@ -22,7 +22,7 @@ _MOST_MISSIONS = 1_000_000
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """A design in the ranked table. ``rank`` is None if it violates a constraint or has no value."""
+    """A design in the ranked table. ``rank`` is None if it violates a constraint or has no value. Designs with equal values share a rank."""
 
     rank: int | None
     design: int
@@ -119,13 +119,15 @@ class Judge:
         found = {design: [estimate(design, one) for one in self._study.objectives] for design in designs}
         at = None if self._main is None else self._evidence.index[self._main.label]
         key = {design: self._key(design, found[design], at) for design in designs}
+        order = sorted(designs, key=lambda one: (*key[one], one))
+        first = {key[design]: place for place, design in reversed(list(enumerate(order, 1)))}
         rows: list[Row] = []
-        for design in sorted(designs, key=lambda one: (*key[one], one)):
+        for design in order:
             cells = [estimate_text(value, one, self._units.of(one)) for value, one in zip(found[design], self._study.objectives, strict=True)]
             ranked = key[design][0] == 0
             missions = max((value.count for value, one in zip(found[design], self._study.objectives, strict=True) if one.is_share), default=0)
             missions = max(missions, self._evidence.missions_of(design), *(value.count for value in found[design]))
-            rows.append(Row(len(rows) + 1 if ranked else None, design, self._names[design], missions, cells, note(design)))
+            rows.append(Row(first[key[design]] if ranked else None, design, self._names[design], missions, cells, note(design)))
         return rows
 
     def _key(self, design: int, found: Sequence[Estimate], at: int | None) -> tuple[float, ...]:
@@ -186,8 +188,7 @@ class Judge:
         group = self._group(objective)
         if not group:
             return None
-        shown = {design: [self._evidence.shown(design, one) for one in self._study.objectives] for design in group}
-        best = min(group, key=lambda design: (self._order(objective, shown[design]), design))
+        best = min(group, key=lambda design: (self._values(design, objective), design))
         near = [one for one in group if one != best and not self._evidence.surely_better(best, one, objective.label)]
         return best, near
 
@@ -202,11 +203,17 @@ class Judge:
         value = estimate_text(self._evidence.shown(best, objective), objective, self._units.of(objective))
         text = f"{word} {statistic}{objective.label}{self._among(objective)}: {self._names[best]}, {value}."
         group = len(self._group(objective))
-        if near:
-            text += f" {counted(len(near), 'design')} cannot be separated from it."
-        elif group > 1:
+        equal = [one for one in near if self._values(one, objective) == self._values(best, objective)]
+        if equal:
+            text += f" {counted(len(equal), 'design')} {'has' if len(equal) == 1 else 'have'} the same value{'' if len(self._senses) < 2 else 's'}."
+        if len(near) > len(equal):
+            text += f" {counted(len(near) - len(equal), 'design')} cannot be separated from it."
+        elif not near and group > 1:
             text += " All others are surely worse." if group > 2 else " The other one is surely worse."
         return text + self._share_of([best, *near], objective)
+
+    def _values(self, design: int, objective: Objective) -> list[float]:
+        return self._order(objective, [self._evidence.shown(design, one) for one in self._study.objectives])
 
     def _among(self, objective: Objective) -> str:
         group = self._group(objective)

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sizes that the next page opens with. A browser may refuse to store them, for example for pages from the disk; then they are forgotten.
+
+const PREFIX = "mebots size: ";
+
+/** Stores a size [px]; null forgets it. */
+export function remember(name: string, size: number | null): void {
+  try {
+    if (size === null) localStorage.removeItem(PREFIX + name);
+    else localStorage.setItem(PREFIX + name, String(Math.round(size)));
+  } catch {
+    // The size stays for this page.
+  }
+}
+
+/** The stored size [px]; null if there is none. */
+export function recalled(name: string): number | null {
+  try {
+    const size = Number(localStorage.getItem(PREFIX + name) ?? NaN);
+    return Number.isFinite(size) && size > 0 ? size : null;
+  } catch {
+    return null;
+  }
+}
