@@ -105,6 +105,17 @@ const tests = {
     assert.deepEqual(await texts(), beginning);
   },
 
+  async "the axis of a share ends at 100 %"({ page }) {
+    const front = await panelOf(page, "Front");
+    const [, up] = await front.$$("select");
+    const before = await up.evaluate((one) => one.value);
+    await up.select("0");
+    const [top, most] = await front.$eval("canvas", (one) => [one.plot.at(0, one.plot.box.top)[1], Math.max(...window.mebots.study.objectives[0].mean)]);
+    assert.equal(most, 1);
+    assert.ok(Math.abs(top - 1) < 1e-9, `${top}`);
+    await up.select(before);
+  },
+
   async "means of a selection of all designs are those that Python computed"({ page }) {
     const differences = await page.evaluate(() => {
       const { study, selection } = window.mebots;

@@ -18,6 +18,7 @@ const MOST_INTERVALS = 150; // bars of more designs would hide the points
 
 interface Choice {
   name: string;
+  share: boolean;
   scale: number;
   sense: number;
   constraint: { above: boolean; bound: number } | null;
@@ -44,8 +45,8 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
     const all = Array.from({ length: selection.size }, (_, i) => i).filter((i) => x.at(i) !== null && y.at(i) !== null);
     const bounds = (choice: Choice) => (choice.constraint ? [choice.constraint.bound] : []);
     plot.axes(
-      { title: x.name, scale: x.scale, range: extent([...all.map(x.at), ...bounds(x)]) },
-      { title: y.name, scale: y.scale, range: extent([...all.map(y.at), ...bounds(y)]) },
+      { title: x.name, scale: x.scale, range: extent([...all.map(x.at), ...bounds(x)], 0.05, x.share) },
+      { title: y.name, scale: y.scale, range: extent([...all.map(y.at), ...bounds(y)], 0.05, y.share) },
     );
     drawBounds(x, y);
     if (all.length <= MOST_INTERVALS) for (const i of all) drawInterval(i, x, y);
@@ -212,16 +213,16 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
 
 function choicesOf(study: Study): Choice[] {
   const objectives = study.objectives.map((one, number): Choice => ({
-    name: titleOf(one), scale: one.scale, sense: one.sense || (one.share ? 1 : 0),
+    name: titleOf(one), share: one.share, scale: one.scale, sense: one.sense || (one.share ? 1 : 0),
     constraint: study.constraints.find(({ objective }) => objective === number) ?? null,
     at: (i) => one.mean[i], low: (i) => one.low[i], high: (i) => one.high[i], text: (i) => objectiveText(one, one.mean[i]),
   }));
   const factors = study.factors.filter((one) => one.number).map((one): Choice => ({
-    name: one.unit ? `${one.label} [${one.unit}]` : one.label, scale: one.scale, sense: 0, constraint: null,
+    name: one.unit ? `${one.label} [${one.unit}]` : one.label, share: false, scale: one.scale, sense: 0, constraint: null,
     at: (i) => Number(one.values[i]), low: () => null, high: () => null, text: (i) => factorText(one, one.values[i]),
   }));
   const all = [...objectives, ...factors];
-  const place: Choice = { name: "rank", scale: 1, sense: 0, constraint: null, at: (i) => study.designs.rank[i], low: () => null, high: () => null, text: (i) => digits(study.designs.rank[i] ?? 0) };
+  const place: Choice = { name: "rank", share: false, scale: 1, sense: 0, constraint: null, at: (i) => study.designs.rank[i], low: () => null, high: () => null, text: (i) => digits(study.designs.rank[i] ?? 0) };
   return [...all, place];
 }
 

@@ -213,7 +213,7 @@ function scalesOf(study: Study, size: number): Scale[] {
     factor.number
       ? numeric(factor.label, factor.unit, factor.scale, factor.values as number[], few(factor.values as number[]))
       : categorical(factor.label, factor.values.map(String)));
-  const objectives = study.objectives.map(({ label, unit, scale, mean }) => numeric(label, unit, scale, mean, null));
+  const objectives = study.objectives.map(({ label, unit, scale, mean, share }) => numeric(label, unit, scale, mean, null, share));
   return [...factors, ...objectives].filter(({ place }) => designs.some((i) => !Number.isNaN(place[i])));
 }
 
@@ -223,8 +223,8 @@ function few(values: number[]): number[] | null {
   return distinct.size <= MOST_TICKS ? [...distinct] : null;
 }
 
-function numeric(label: string, unit: string, scale: number, values: (number | null)[], ticks: number[] | null): Scale {
-  const [low, high] = extent(values, 0);
+function numeric(label: string, unit: string, scale: number, values: (number | null)[], ticks: number[] | null, isShare = false): Scale {
+  const [low, high] = extent(values, 0, isShare);
   const place = (value: number) => (value - low) / (high - low || 1);
   const named = ticks ?? [low, low + 0.25 * (high - low), low + 0.5 * (high - low), low + 0.75 * (high - low), high];
   // Places the names of the ends first; names between them are left out if there is no space.

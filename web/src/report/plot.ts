@@ -192,8 +192,8 @@ function tickText(value: number, all: number[]): string {
   return text.replace("e+", "e").replaceAll("-", "\u2212");
 }
 
-/** From the least to the greatest number, with a margin; of equal numbers, a range around them. */
-export function extent(values: Iterable<number | null>, margin = 0.05): [number, number] {
+/** From the least to the greatest number, with a margin; of equal numbers, a range around them. Shares stay between 0 and 1. */
+export function extent(values: Iterable<number | null>, margin = 0.05, isShare = false): [number, number] {
   let [low, high] = [Infinity, -Infinity];
   for (const value of values) {
     if (value === null) continue;
@@ -203,7 +203,7 @@ export function extent(values: Iterable<number | null>, margin = 0.05): [number,
   if (low > high) return [0, 1];
   const isFlat = high - low <= 1e-9 * Math.max(Math.abs(low), Math.abs(high));
   const space = isFlat ? Math.max(1e-9, 0.05 * Math.abs(high)) : margin * (high - low);
-  return [low - space, high + space];
+  return isShare ? [Math.max(0, low - space), Math.min(1, high + space)] : [low - space, high + space];
 }
 
 /** Calls back with the place of the pointer: a press that does not move is a click, one that moves a drag. */
