@@ -175,6 +175,12 @@ class Data(RefusalCase):
         self.refuse(model, "LEFT,TOP", options=["--crop", "five"])
         self.refuse(model, "nosuch", "ai_deck", options=["--board", "nosuch"])
 
+    def test_a_page_that_cannot_be_written_or_lies_in_the_networks_folder(self):
+        model = small().model()
+        self.refuse(model, "outside of", options=["--page", str(self.folder / "out/network.html")])
+        self.refuse(model, "nowhere does not exist", options=["--page", str(self.folder / "nowhere/network.html")])
+        self.refuse(model, "this is a folder", options=["--page", str(self.folder)])
+
     def test_a_folder_that_exists_stays(self):
         out = self.folder / "out"
         out.mkdir()

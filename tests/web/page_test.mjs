@@ -407,6 +407,13 @@ const systemTests = {
 };
 
 const besideTests = {
+  async "a sentence on each run comes first"({ page }) {
+    const lines = await page.$$eval(".story .happened", (all) => all.map((one) => one.textContent));
+    assert.equal(lines.length, 2);
+    assert.match(lines[0], /^flight: Ran 4\.000 s: .*% of the charge left\.$/);
+    assert.match(lines[1], /^fast: /);
+  },
+
   async "two runs fly in one scene and their curves lie over each other"({ page }) {
     assert.ok((await colours(page, "#scene")) > 200);
     await setTime(page, 3.9);
@@ -480,6 +487,13 @@ const chipReport = () => JSON.parse(readFileSync(join(runs, "chip.json"), "utf8"
 const close = (text, wanted) => assert.ok(Math.abs(numberOf(text) - wanted) <= 1e-3 * Math.abs(wanted), `${text}, not ${wanted}`);
 
 const chipTests = {
+  async "a line that the program printed has its time, and words of marks lie beside the shown time"({ page }) {
+    const [time, end] = await page.evaluate(() => [window.mebots.runs[0].marks.find(({ text }) => text === "cluster: all right").time, window.mebots.clock.end]);
+    assert.ok(time > 0.9 * end && time <= end, `${time} of ${end}`); // the program prints it before its end
+    const now = await page.$eval("#now", (one) => one.getBoundingClientRect().right);
+    for (const left of await page.$$eval(".mark:not(.quiet) span", (all) => all.map((one) => one.getBoundingClientRect().left))) assert.ok(left >= now, `${left} < ${now}`);
+  },
+
   async "the page of a program has the numbers of its report"({ page }) {
     const report = chipReport();
     const happened = await page.$eval(".story .happened", (text) => text.textContent);

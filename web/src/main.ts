@@ -20,7 +20,7 @@ import { makePanel } from "./view/panel";
 import { makePicture } from "./view/picture";
 import { makeSignals } from "./view/signals";
 import { mainValues, makeStatistics } from "./view/statistics";
-import { makeStory, openingTime } from "./view/story";
+import { makeStories, makeStory, openingTime } from "./view/story";
 import { makeTabs, type Tab } from "./view/tabs";
 import { makeThinNote } from "./view/thin";
 import { makeTimeline, nextSpeed } from "./view/timeline";
@@ -79,7 +79,7 @@ async function main(): Promise<void> {
   body.append(makeSplit("width of the left side", "x", left, body, "--left"), panels);
   const page = document.getElementById("page")!;
   page.classList.toggle("no-scene", !stage);
-  page.replaceChildren(makeHeading(runs), ...(runs.length === 1 ? [makeStory(run)] : []), body, makeTimeline(run, clock, span));
+  page.replaceChildren(makeHeading(runs), runs.length === 1 ? makeStory(run) : makeStories(runs), body, makeTimeline(run, clock, span));
   listenToKeys(clock, span, stage, run);
   const asked = timeOfAddress();
   clock.set(isLive ? clock.end : asked ?? openingTime(run));

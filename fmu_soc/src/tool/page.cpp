@@ -198,7 +198,7 @@ void RunPage::follow(const Soc& soc, observe::Session& session) {
 
 void RunPage::printed(std::string_view line) {
   if (++lines_ > kMostLines || soc_ == nullptr) return;
-  log_ += fmt::format("[{:9.6f} s] program: {}\n", seconds(soc_->now()), line);
+  log_ += fmt::format("[{:9.6f} s] program: {}\n", seconds(soc_->core_time()), line);
 }
 
 void RunPage::sent(char byte) {

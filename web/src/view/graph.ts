@@ -167,7 +167,7 @@ function showConnections(run: Run, clock: Clock, into: HTMLElement, bundles: Bun
     return show;
   }
   into.replaceChildren(...before, element("h3", {}, `${title}: ${rows.length} connection${rows.length === 1 ? "" : "s"}`),
-    element("table", {}, element("thead", {}, element("tr", {}, ...["from", "to", "unit", "now"].map((head) => element("th", {}, head)))), body));
+    element("table", {}, element("thead", {}, element("tr", {}, ...["from", "to", "unit", "now"].map((head) => element("th", { class: "whole" }, head)))), body));
   show();
   return show;
 }

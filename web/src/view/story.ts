@@ -74,6 +74,14 @@ export function makeStory(run: Run): HTMLElement {
   return element("div", { class: "story" }, what, happened);
 }
 
+const MOST_STORIES = 4; // more would leave no space for the scene
+
+/** A sentence on each of several runs. */
+export function makeStories(runs: Run[]): HTMLElement {
+  const lines = runs.slice(0, MOST_STORIES).filter((run) => storyOf(run) !== "").map((run) => element("p", { class: "happened" }, `${run.name}: ${storyOf(run)}`));
+  return element("div", { class: "story" }, ...lines);
+}
+
 /**
  * The moment at which the page opens: of a flight that of its first picture or, without pictures, one in which the body
  * moves; of another run the end, where its results are.

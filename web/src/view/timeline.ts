@@ -9,6 +9,7 @@ import { element } from "../dom";
 import { makeScrubbable } from "./scrub";
 import { Window } from "./window";
 
+const MARGIN = 24; // pixels between the shown time and the line, as in page.css
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
 
 export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElement {
@@ -29,7 +30,7 @@ export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElemen
   const showMarks = () => {
     const tags = run.marks.map((mark) => makeMark(mark, clock));
     markArea.replaceChildren(...tags);
-    keepApart(tags);
+    keepApart(tags, track.getBoundingClientRect().left - MARGIN);
   };
   new ResizeObserver(showMarks).observe(track);
   run.onData(() => {
@@ -65,7 +66,7 @@ export function makeTimeline(run: Run, clock: Clock, window: Window): HTMLElemen
 }
 
 /** If texts of marks would overlap, those of later marks appear only under the pointer. So do warnings, which are long. */
-function keepApart(marks: HTMLElement[]): void {
+function keepApart(marks: HTMLElement[], first: number): void {
   let end = -Infinity;
   for (const mark of marks) {
     const words = mark.firstElementChild as HTMLElement;
@@ -73,11 +74,12 @@ function keepApart(marks: HTMLElement[]): void {
     words.style.marginLeft = "";
     const box = words.getBoundingClientRect();
     const over = Math.max(0, box.right + 4 - innerWidth); // the last words would leave the page
-    const quiet = box.left - over < end + 8 || mark.classList.contains("warning");
+    const under = Math.max(0, first - box.left); // the first ones would lie over the time
+    const quiet = box.left - over + under < end + 8 || mark.classList.contains("warning");
     mark.classList.toggle("quiet", quiet);
     if (quiet) continue;
-    words.style.marginLeft = `${-over}px`;
-    end = box.right - over;
+    words.style.marginLeft = `${under - over}px`;
+    end = box.right - over + under;
   }
 }
 
