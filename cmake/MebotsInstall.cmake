@@ -124,7 +124,7 @@ if(MEBOTS_PAGES)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/web/ DESTINATION ${share}/web FILES_MATCHING REGEX "(page|report)\\.(html|js|css)$|LICENSES\\.txt$"
     PATTERN CMakeFiles EXCLUDE)
 endif()
-foreach(fmu fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_world fmu_world_fmi3 fmu_soc fmu_soc_fmi3 fmu_gap8
+foreach(fmu fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_radio fmu_radio_fmi3 fmu_world fmu_world_fmi3 fmu_soc fmu_soc_fmi3 fmu_gap8
         fmu_gap8_drone fmu_flight_controller ${world_fmus})
   if(TARGET ${fmu})
     install(FILES ${MEBOTS_FMU_DIR}/${fmu}.fmu DESTINATION ${share}/fmus)
