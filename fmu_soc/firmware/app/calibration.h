@@ -6,5 +6,5 @@
 // lens with which Stargate's data were recorded.
 #define CAMERA_FOCAL_OVER_HALF_WIDTH_MILLI 1054
 
-// Outer edge of a gate's frame [mm]; the paper's 60 cm.
+// Outer edge of a gate's frame [mm]. The paper's gate has 60 cm.
 #define GATE_OUTER_MM 600

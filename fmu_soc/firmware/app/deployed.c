@@ -16,7 +16,7 @@
 #define SOURCE_BYTES (2 * MOST_COLUMNS)
 #define STRIPES ((NETWORK_ROWS + CORES - 1) / CORES)
 
-// Two of each: the DMA fetches and stores a stripe while the cores work on another one.
+// There are two of each buffer: the DMA fetches and stores one stripe while the cores work on another.
 typedef struct {
   uint8_t source[2][CORES][SOURCE_BYTES];  // two rows of the camera's picture for each row
   uint8_t rows[2][CORES][NETWORK_COLUMNS];
@@ -35,8 +35,8 @@ typedef struct {
 
 static job_t job;
 
-// Returns the first of the two source rows (or columns) for row (or column) `index` of `count`, spread from edge to
-// edge.
+// Returns the first of the two source rows (or columns) for row (or column) `index` of `count`. These are spread evenly
+// from edge to edge.
 static int place_of(int index, int count, int length) {
   return count < 2 ? (length - 2) / 2 : index * (length - 2) / (count - 1);
 }

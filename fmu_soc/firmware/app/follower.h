@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-// Set by follower_init(); only `phase` may be read.
+// follower_init() sets all fields. The caller may only read `phase`.
 typedef struct {
   pilot_phase_t phase;  // PILOT_APPROACH, PILOT_THROUGH, PILOT_DONE
   int32_t behind_um;    // flown since the gate was crossed

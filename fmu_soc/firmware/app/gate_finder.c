@@ -16,8 +16,8 @@
 // After a frame is found, only places with at least this part of its score are tested.
 #define PART_OF_BEST 4
 
-// The camera is about level, and near the height of the gate's middle. So the frame's middle is within this many work
-// pixels (9 degrees), plus half its edge (0.3 m at the gate), of the picture's middle row.
+// The camera is about level, and near the height of the gate's middle. So the frame's middle is at most BAND work
+// pixels (9 degrees) plus half its edge (0.3 m at the gate) from the picture's middle row.
 #define BAND 14
 
 // A template is tested at distances of a twelfth of its edge, which is half its border.
@@ -27,7 +27,7 @@
 #define LEAST_NARROW_EDGE 20
 
 // Outer edges that are tested, in work pixels, in steps of about a fifth. A template half a step off still covers two
-// thirds of its frame's border. Borders of one or two pixels have no two thirds, so there every edge is tested.
+// thirds of its frame's border. For borders of one or two pixels this does not hold, so every edge is tested for them.
 static const uint8_t kEdges[] = {7, 8, 9, 10, 11, 12, 13, 15, 18, 21, 25, 30, 36, 43, 52, 62, 74, 89, 104};
 #define EDGE_COUNT ((int)(sizeof(kEdges) / sizeof(kEdges[0])))
 
@@ -55,7 +55,7 @@ typedef struct {
   int spread_q4;   // brightest beam less darkest
 } fit_t;
 
-// Score of a frame: its beams have contrast, and they are alike.
+// Returns the score of a frame. It is high if the beams have contrast and are alike.
 static inline int score_q4(const fit_t* fit) {
   return fit->weakest_q4 - fit->spread_q4 / 2;
 }
@@ -114,7 +114,7 @@ static inline int mean_q4(int sum, uint32_t reciprocal_q16) {
   return (sum * (int)reciprocal_q16) >> 12;
 }
 
-// Common properties of the beams tested so far.
+// Properties that the beams tested so far have in common.
 typedef struct {
   int sign;         // 1: brighter than the opening, -1: darker
   int weakest;      // least contrast with the opening
@@ -204,7 +204,7 @@ static void sum_columns(int32_t* columns, const uint32_t* top, const uint32_t* b
   }
 }
 
-// The scan of a row: places from `at` to `last` with a distance of `step`, each a pointer to its first column.
+// The scan of a row: its places from `at` to `last` in steps of `step`. A place is a pointer to its first column.
 typedef struct {
   const int32_t* last;
   ptrdiff_t step;
@@ -214,7 +214,7 @@ typedef struct {
 } row_t;
 
 // Returns the first place from `at` on with two upright beams that are both brighter or both darker than the opening;
-// null if there is none. Most places are only tested here. Not inlined, so that the loop stays short.
+// null if there is none. Most places are tested by this function only. It is not inlined, so that the loop stays short.
 static __attribute__((noinline)) const int32_t* next_place(const int32_t* at, const row_t* row) {
   const ptrdiff_t border = row->border;
   const ptrdiff_t step = row->step;

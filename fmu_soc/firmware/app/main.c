@@ -129,7 +129,7 @@ static void print_decision(const crew_t* crew, const navigator_output_t* seen, c
         (int32_t)battery_charge_ppm());
 }
 
-// The loop from picture to set-points. Returns the exit code for the flight so far.
+// Runs the loop from picture to set-points. Returns the exit code for the flight so far.
 static int fly(crew_t* crew) {
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;
   int64_t frame_ns = timer_now_ns();  // time of the next request

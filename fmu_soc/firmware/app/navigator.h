@@ -23,7 +23,7 @@ typedef navigator_output_t navigator_t(const uint8_t* frame, int width, int heig
 
 // The classical gate finder: sets all three values.
 navigator_t finder_navigate;
-// The neural network: only sets the yaw, with full confidence. For a picture below 168 x 168, confidence is 0.
+// The neural network. It only sets the yaw, with full confidence. For a picture below 168 x 168, confidence is 0.
 navigator_t network_navigate;
 // The same network on the chip's cluster, for pictures up to 324 x 324.
 navigator_t cluster_navigate;

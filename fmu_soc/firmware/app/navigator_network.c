@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The neural network: its output is the yaw command. It has no output for confidence and distance.
+// The neural network. Its only output is the yaw command, so confidence and distance are not computed.
 #include "app/navigator.h"
 #include "nn/network.h"
 #include "nn/shrink.h"

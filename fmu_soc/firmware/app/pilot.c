@@ -8,7 +8,7 @@
 #define MISSES_TO_SEARCH 20
 // If a gate nearer than this is lost, it is leaving the view. Then the approach continues by the state estimate.
 #define BLIND_APPROACH_UM 900000
-// Consecutive distances that contradict the estimate before the estimate is replaced.
+// An estimate is replaced after this many consecutive distances that contradict it.
 #define OUTLIERS_TO_BELIEVE 5
 // Yaw rate of a search, relative to the scale.
 #define SEARCH_YAW 38  // 0.3 of 127

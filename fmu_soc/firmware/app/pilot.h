@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-// Below this distance, the frame fills or leaves the view: fly straight, by the state estimate only.
+// Below this distance, the frame fills or leaves the view. The drone then flies straight, by the state estimate only.
 #define PILOT_COMMIT_MM 450
 // Distance after the gate's plane at which the pilot is done.
 #define PILOT_BEHIND_MM 500
@@ -30,7 +30,7 @@ typedef struct {
   int32_t yaw_rate_urad_s;  // positive = left
 } pilot_command_t;
 
-// Set by pilot_init(); only `phase` and `remaining_um` may be read.
+// pilot_init() sets all fields. The caller may only read `phase` and `remaining_um`.
 typedef struct {
   pilot_phase_t phase;
   int32_t remaining_um;  // estimated distance to the gate's plane; negative after it

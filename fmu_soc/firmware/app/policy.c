@@ -22,7 +22,7 @@ int32_t policy_speed_um_s(policy_t* policy, int8_t yaw) {
   for (int i = 0; i < policy->count; ++i) {
     sum += policy->outputs[i];
   }
-  // |sum / 127 / count| <= 0.3 without a division.
+  // Tests |sum / 127 / count| <= 0.3 without a division.
   const int magnitude = sum < 0 ? -sum : sum;
   if (!policy->adaptive || magnitude * 10 <= 3 * 127 * policy->count) {
     policy->speed_um_s = policy->cruise_um_s;

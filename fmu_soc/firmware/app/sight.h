@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-// All values are in 127ths. visible = -127: the picture could not be processed.
+// All values are in 127ths. If the picture could not be processed, visible is -127.
 typedef struct {
   int8_t yaw;      // middle of the opening, left of the picture's middle, over half the picture's width
   int8_t rise;     // the same upwards, over half the picture's height

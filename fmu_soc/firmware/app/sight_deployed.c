@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sight firmware with a deployed network, whose outputs are those of sight.h in its order.
+// The sight firmware with a deployed network, which has the outputs of sight.h in the same order.
 #include "app/deployed.h"
 #include "app/sight.h"
 

@@ -86,7 +86,7 @@ static traverser_t traverser_of_mission(void) {
   return traverser;
 }
 
-// The loop from picture to set-points; `order` is the last command sent. Returns the exit code for the flight.
+// Runs the loop from picture to set-points. `order` is the last command sent. Returns the exit code for the flight.
 static int fly(traverser_command_t* order) {
   traverser_t traverser = traverser_of_mission();
   const int64_t period_ns = (int64_t)MISSION_FRAME_PERIOD * NS_PER_US;

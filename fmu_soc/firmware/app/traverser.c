@@ -4,8 +4,8 @@
 #include "app/calibration.h"
 
 // Evidence for a gate: the integral of `visible` - 32 over time [ms]. A clear gate (127) starts an approach within 0.11
-// s, one with 64 within 0.31 s; a value below 32 never does. In pictures without a gate, every fourth has a positive
-// value, and every tenth a value above 32. Without a sighting, all evidence is lost in 1.25 s.
+// s, and a gate with 64 within 0.31 s. A value below 32 never starts one. In pictures without a gate, every fourth has
+// a positive value, and every tenth a value above 32. Without a sighting, all evidence is lost in 1.25 s.
 #define DOUBTFUL 32
 #define LEAST_SIGN (-16)
 #define EVIDENCE_TO_APPROACH 10000
@@ -15,20 +15,20 @@
 #define EVIDENCE_TO_ENTER 6500
 // If the drone flies slower than a quarter of its command for this time, it leans against an object: there was no gate.
 #define STALLED_US 2000000
-// After an object has released the drone, it has this time to fly back.
+// After an object has stopped the drone, the drone has this time to fly back.
 #define STUCK_US 6000000
-// Size, in 127ths of SIGHT_MOST_SIZE, at which the frame has left the picture (1.2); and of a gate so near that it can
-// only have left the picture (0.65).
+// Sizes in 127ths of SIGHT_MOST_SIZE: at the first, the frame has left the picture (1.2). At the second, a gate that is
+// no longer seen can only have left the picture (0.65).
 #define ENTERED_SIZE 76
 #define NEAR_SIZE 41
-// The distance to a real gate decreases by the flown distance. The distance computed from the size is that of a frame
-// of 0.6 m with the longest lens. It decreases faster with a shorter lens or a smaller frame, and slower with a larger
-// frame. If it decreases by less than four fifths of the flown distance, it is not a gate, or a frame of more than 0.75
-// m with that lens, or 1.6 m with a lens of 87 degrees.
+// The distance to a real gate decreases by the flown distance. The distance computed from the size assumes a frame of
+// 0.6 m and the longest lens. This distance decreases faster with a shorter lens or a smaller frame, and slower with a
+// larger frame. If it decreases by less than four fifths of the flown distance, it is not a gate, or a frame of more
+// than 0.75 m with that lens, or 1.6 m with a lens of 87 degrees.
 #define LEAST_NEARER_PERCENT 80
 // Focal length over half the picture's width, in thousandths, of the longest lens that the network was trained with
-// (0.82 rad). With a shorter lens, a frame of the same size is nearer. So this lens gives the greatest distance of the
-// gate.
+// (0.82 rad). With a shorter lens, a frame of the same size is nearer. So the longest lens gives the greatest distance
+// of a gate.
 #define LONGEST_FOCAL_MILLI 2301
 // Time constant of the altitude towards a gate's, and its greatest distance from the mission's altitude. Sizes below
 // the minimum (0.13, a gate at 5 m with a lens of 50 degrees) are too small to divide by, and count as the minimum.
@@ -38,12 +38,12 @@
 #define LEAST_SIZE 8
 // Yaw rate of a search, relative to the scale.
 #define SEARCH_YAW 64
-// The drone does not follow a direction again that led to an object: sightings within this angle of that heading are
-// ignored. The heading of a sighting is computed with half the view of the longest lens.
+// A direction that led to an object is not followed again: sightings within this angle of that heading are ignored. The
+// heading of a sighting is computed with half the view of the longest lens.
 #define DEAD_END_URAD 450000
 #define HALF_VIEW_URAD 410000
 #define HALF_TURN_URAD 3141593
-// After a full turn without success, a search flies this far in a free direction, deletes the other stored headings,
+// After a full turn without success, the drone flies this far in a free direction, deletes the other stored headings,
 // and turns again.
 #define ELSEWHERE_UM 1000000
 
@@ -121,14 +121,14 @@ static traverser_command_t straight_on(traverser_t* t) {
   return command(t, policy_speed_um_s(&t->policy, 0), 0);
 }
 
-// Returns the greatest distance of a gate of this size: half the frame divided by its size is half the picture's width
-// at that distance.
+// Returns the greatest distance of a gate with this size in the picture. Half the frame divided by its size is half the
+// picture's width at that distance.
 static int32_t farthest_um(int32_t size_q8) {
   const int64_t divisor_q8 = size_q8 < LEAST_SIZE * 256 ? LEAST_SIZE * 256 : size_q8;
   return (int32_t)((int64_t)GATE_OUTER_MM * LONGEST_FOCAL_MILLI * 127 * 256 / (2 * SIGHT_MOST_SIZE * divisor_q8));
 }
 
-// The frame leaves the picture. From now on, only the flown distance is used.
+// Called when the frame leaves the picture. From now on, only the flown distance is used.
 static traverser_command_t enter(traverser_t* t) {
   t->phase = TRAVERSER_THROUGH;
   t->left_um = farthest_um(t->most_q8) + PILOT_BEHIND_MM * 1000;
@@ -147,7 +147,7 @@ static traverser_command_t search_again(traverser_t* t) {
   return turn_on(t);
 }
 
-// If there are too many, removes the oldest one that need not be kept.
+// Stores a heading. If there are too many, removes the oldest heading that need not be kept.
 static void remember_dead_end(traverser_t* t, int32_t yaw_urad) {
   if (t->dead_ends == TRAVERSER_DEAD_ENDS) {
     for (int i = t->kept_dead_ends + 1; i < TRAVERSER_DEAD_ENDS; ++i) {
@@ -179,7 +179,7 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
   if (sighted && t->evidence >= EVIDENCE_TO_APPROACH) {
     t->phase = TRAVERSER_APPROACH;
     begin_way(t);
-    // It only counts as near after further pictures.
+    // A gate counts as near only after further pictures.
     t->size_q8 = limited(sight->size, LEAST_SIZE, NEAR_SIZE - 1) * 256;
     return command(t, 0, sight->yaw);
   }
@@ -191,7 +191,7 @@ static traverser_command_t search(traverser_t* t, const sight_t* sight, bool sig
   return turn_on(t);
 }
 
-// Velocity times time, in whole micrometres. The time is at most some seconds.
+// Returns velocity times time in whole micrometres. The time is at most some seconds.
 static int32_t flown_um(const traverser_state_t* state) {
   return (int32_t)((int64_t)state->forward_velocity_um_s * state->elapsed_us / 1000000);
 }
@@ -208,7 +208,7 @@ static void fly_on(traverser_t* t, const traverser_state_t* state) {
   }
 }
 
-// There was no gate: flies straight back by the distance of the approach, to search elsewhere.
+// Called if there was no gate. Flies straight back by the distance of the approach, to search elsewhere.
 static traverser_command_t leave(traverser_t* t) {
   remember_dead_end(t, t->way_urad);
   return t->flown_um > 0 ? go_elsewhere(t, -t->flown_um) : search_again(t);
@@ -232,7 +232,7 @@ static void follow_size(traverser_t* t, const sight_t* sight) {
 }
 
 // True if the drone has flown past the greatest distance of a gate of the greatest size, without entering one. Then
-// there was no gate, or it was crossed unnoticed. The next one has a greatest size of its own.
+// there was no gate, or it was crossed unnoticed. The next gate starts with a new greatest size.
 static bool most_is_behind(const traverser_t* t) {
   return t->flown_um - t->most_at_um > farthest_um(t->most_q8);
 }
@@ -267,7 +267,7 @@ static traverser_command_t through(traverser_t* t, const traverser_state_t* stat
     return straight_on(t);
   }
   if (--t->gates > 0) {
-    // Do not fly back through this gate.
+    // The drone must not fly back through this gate.
     t->dead_ends = t->kept_dead_ends = 0;
     remember_dead_end(t, t->yaw_urad + HALF_TURN_URAD);
     t->kept_dead_ends = 1;
@@ -310,7 +310,7 @@ static traverser_command_t next(traverser_t* t, const sight_t* sight, const trav
       return t->stalled_us > STALLED_US ? leave(t) : approach(t, sight, sighted, state);
     case TRAVERSER_THROUGH:
       fly_on(t, state);
-      // It may have crossed a gate near a wall. A picture of a gate on that wall would look the same.
+      // The drone may have crossed a gate near a wall. A picture of a gate on that wall would look the same.
       return t->stalled_us > STALLED_US ? leave(t) : through(t, state);
     case TRAVERSER_ELSEWHERE:
       return elsewhere(t, state);

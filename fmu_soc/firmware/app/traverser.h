@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steers through a gate with the outputs of the sight network. It turns and climbs towards the middle of the opening
-// until the frame leaves the picture, then keeps heading and altitude. It turns until it sees a gate, or after it has
-// lost one. Nothing signals that the gate is crossed: it flies the gate's greatest distance plus half a metre.
+// until the frame leaves the picture, then keeps heading and altitude. Without a gate in view, it turns until it sees
+// one. No signal reports that the gate is crossed: the drone flies the gate's greatest distance plus half a metre.
 #pragma once
 
 #include <stdbool.h>
@@ -44,7 +44,7 @@ typedef enum {
   TRAVERSER_DONE        // after the last gate
 } traverser_phase_t;
 
-// Set by traverser_init(); only `phase` may be read.
+// traverser_init() sets all fields. The caller may only read `phase`.
 typedef struct {
   traverser_phase_t phase;
   policy_t policy;
@@ -73,8 +73,8 @@ typedef struct {
   int8_t last_yaw;      // direction of the gate of the last approach
 } traverser_t;
 
-// Starts in TRAVERSER_SEARCH at the heading `yaw_urad` with a copy of the policy. The scale is the yaw rate at output
-// 127.
+// Starts in TRAVERSER_SEARCH at the heading `yaw_urad` with a copy of the policy. `yaw_rate_scale` is the yaw rate at
+// output 127.
 void traverser_init(traverser_t* traverser, const policy_t* policy, int32_t yaw_rate_scale_urad_s, int32_t altitude_um,
                     int32_t yaw_urad, int gates);
 

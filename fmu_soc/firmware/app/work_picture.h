@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture for the gate finder: the camera's picture, reduced, as an integral image.
+// The reduced picture of the camera as an integral image, for the gate finder.
 #pragma once
 
 #include <stdbool.h>

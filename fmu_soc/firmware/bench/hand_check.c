@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares the kernels scheduled by hand with those scheduled by the compiler, on eight cores, with noise as input.
-// Prints a line for each with the cluster's cycles of both. Ends with 1 if their bytes differ, or if the compiler's are
-// as fast.
+// Prints a line for each kernel with the cluster's cycles of both versions. Ends with 1 if their bytes differ, or if
+// the compiler's version is as fast.
 #include <stdint.h>
 
 #include "drivers/timer.h"
@@ -42,7 +42,7 @@ static void hand_first(nn_share_t share) {
   nn_hand_first(&arena, share);
 }
 
-// Fills the arena with noise, also its borders, except for the weights.
+// Fills the arena and its borders with noise. The weights stay.
 static void prepare(nn_share_t share) {
   if (share.core == 0) {
     uint32_t noise = 1;

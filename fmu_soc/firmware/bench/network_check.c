@@ -14,7 +14,7 @@
 #include "runtime/console.h"
 #include "runtime/interrupt.h"
 
-// Plain code is slow, so it only gets the first pictures.
+// Plain code is slow, so it only processes the first pictures.
 #define PLAIN_PICTURES 2
 #define PATIENCE_NS (INT64_C(200) * NS_PER_MS)
 
@@ -76,7 +76,7 @@ static void check_cluster(unsigned cores) {
   cluster_off();
 }
 
-// A picture of the camera's size, which is reduced in L1.
+// Checks a picture of the camera's size, which is reduced in L1.
 static void check_whole(const picture_t* picture) {
   for (unsigned cores = 1; cores <= cluster_cores; cores *= 2) {
     cluster_on();

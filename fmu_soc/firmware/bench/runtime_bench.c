@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the runtime's services on a board, in picoseconds: switching the cluster on and off, a fork with its wait, a
-// barrier, a copy of the DMA with its wait. Prints a line for one core and one for all.
+// barrier, a copy of the DMA with its wait. Prints one line for one core and one line for all cores.
 #include <stdbool.h>
 
 #include "drivers/timer.h"
@@ -25,7 +25,7 @@ static void meet(void* argument) {
   }
 }
 
-// One core copies, for any team.
+// One core copies, whatever the size of the team.
 static void copy(void* argument) {
   if (cluster_core_id() != 0) {
     return;

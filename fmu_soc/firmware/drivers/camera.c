@@ -19,7 +19,7 @@ static bool is_requested;
 // STATUS bits at the last interrupt.
 static volatile uint32_t outcome;
 
-// A picture has arrived, or one was dropped because it does not fit into the buffer.
+// Handles the interrupt: a picture has arrived, or a picture was dropped because it does not fit into the buffer.
 static void on_camera(void) {
   const uint32_t status = CAMERA_STATUS & (STATUS_READY | STATUS_REFUSED);
   CAMERA_STATUS = status;  // clears the interrupt

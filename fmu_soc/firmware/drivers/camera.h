@@ -29,8 +29,8 @@ void camera_init(void);
 // Requests a picture and returns at once. If a request is open already, has no effect. Returns false if refused.
 bool camera_ask(void);
 
-// Sleeps until the requested picture has arrived, or until `deadline_ns`; the request stays open then. Uses the timer's
-// alarm. The pixels stay valid until the picture after the next one is requested.
+// Sleeps until the requested picture has arrived, or until `deadline_ns`. At the deadline, the request stays open. Uses
+// the timer's alarm. The pixels stay valid until the picture after the next one is requested.
 camera_result_t camera_wait(picture_t* picture, int64_t deadline_ns);
 
 // Requests a picture and waits for it.

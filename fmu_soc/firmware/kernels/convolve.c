@@ -31,7 +31,7 @@ static inline __attribute__((always_inline)) void all_groups(const layer_step_t*
   }
 }
 
-// For short runs of bytes: gathers the patches of two places, for all channels.
+// Convolves with gathered patches, for short runs of bytes: gathers the patches of two places, for all channels.
 static inline __attribute__((always_inline)) void convolve_gathered(const layer_step_t* step, layer_share_t share,
                                                                     int scaling) {
   const layer_t* layer = step->layer;
@@ -63,7 +63,7 @@ static inline __attribute__((always_inline)) void convolve_in_place(const layer_
   const int32_t channels = step->channels * layer->element;
   uint8_t* out = layer->then != 0 ? step->unpooled : step->out;
   const int32_t to_next = layer->stride_columns * step->in_channels;
-  // A unit of work is a row of places by four output channels.
+  // A unit of work is four output channels of one row of places.
   for (int32_t unit = share.core; unit < step->groups * rows; unit += share.cores) {
     const int32_t y = unit / step->groups;
     const int32_t number = unit - y * step->groups;

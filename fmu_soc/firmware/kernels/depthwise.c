@@ -89,7 +89,7 @@ static inline __attribute__((always_inline)) void convolve(const layer_step_t* s
   const int32_t columns = layer->out_columns;
   int32_t* offsets = (int32_t*)(void*)step->gathered;
   fill_offsets(step, offsets);
-  // A unit of work is a row of places by four channels.
+  // A unit of work is four channels of one row of places.
   for (int32_t unit = share.core; unit < step->groups * step->rows; unit += share.cores) {
     const int32_t y = unit / step->groups;
     const int32_t number = unit - y * step->groups;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The layers of a network written by `mebots deploy`, and their arithmetic.
 //
-// All tensors are unsigned bytes, row by row, column by column, channels together. A tensor has a scale and a zero:
-// its real values are (byte - zero) x scale. Sums are 32 bits. A sum becomes a byte by
+// All tensors are unsigned bytes, row by row, column by column, channels together. A tensor has a scale and a zero
+// point: its real values are (byte - zero) x scale. Sums are 32 bits. A sum becomes a byte by
 //
 //   clip((sum x multiplier + addend) >> shift, low, high)
 //
-// where the addend holds the zero of the output and half of 1 << shift. `scaling` selects the width of the product.
-// master/python/mebots/deploy/layers.py computes the same in numpy.
+// where the addend contains the zero point of the output and half of 1 << shift. `scaling` selects the width of the
+// product. master/python/mebots/deploy/layers.py computes the same with NumPy.
 #pragma once
 
 #include <stdint.h>
@@ -29,7 +29,7 @@ enum {
   LAYER_SOFTMAX  // over the channels of each place
 };
 
-// The picture, in place of an offset into the network's memory.
+// Stands for the picture in place of an offset into the network's memory.
 #define LAYER_PICTURE UINT32_C(0xffffffff)
 
 #define LAYER_MOVE_DIMENSIONS 6
@@ -67,8 +67,8 @@ typedef struct {
   int32_t groups;  // of a convolution
 } layer_block_t;
 
-// The work is cut into steps: a block of channels of a tile of rows. Buffers in L1 are offsets; two of each, because
-// the DMA fills one while the cores work on the other.
+// The work of a layer is divided into steps. A step computes a block of channels of a tile of rows. Buffers in L1 are
+// given as offsets. There are two of each, because the DMA fills one while the cores work on the other.
 typedef struct {
   layer_kernel_t* kernel;
   layer_kernel_t* then;  // null, or the pool of a convolution's output in l1_unpooled
@@ -111,7 +111,7 @@ typedef struct {
   int32_t zeros[2];
   int32_t addend;
   int32_t shift;
-  // Move: the data of each block are a layer_move_t. Softmax and table: their tables
+  // Move: the data of each block are a layer_move_t. Softmax and table: their tables.
 } layer_t;
 
 // Four output channels of a convolution, followed by the lower words of the addends if scaling is SCALING_EXACT, and by
@@ -126,7 +126,7 @@ typedef struct {
   int32_t addend[4];
 } layer_group_t;
 
-// For each number of places of a pool that are inside of the input, from 1 on.
+// One entry for each number of places of a pool that are inside the input, from 1 on.
 typedef struct {
   int32_t multiplier;
   int32_t addend;
@@ -153,8 +153,8 @@ typedef struct {
   uint8_t* l1;
 } layer_network_t;
 
-// Computes `count` layers from `first` on. Every core of the cluster calls it with its own number; on another machine
-// one call does all. L1 starts with a copy of the present layer (LAYER_L1_RESERVED bytes).
+// Computes `count` layers from `first` on. Every core of the cluster calls it with its own number; on another machine,
+// one call computes everything. L1 starts with a copy of the present layer (LAYER_L1_RESERVED bytes).
 void layers_run(const layer_network_t* network, const uint8_t* picture, int32_t first, int32_t count,
                 layer_share_t share);
 

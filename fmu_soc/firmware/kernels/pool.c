@@ -65,7 +65,7 @@ static int32_t largest_of_fours(const window_t* w, uint8_t* to) {
 void layer_max_pool(const layer_step_t* step, layer_share_t share) {
   const layer_t* layer = step->layer;
   const int32_t columns = layer->out_columns;
-  // The pooling of a convolution's output has no pads, and its windows do not overlap.
+  // A pool that is fused with a convolution has no pads, and its windows do not overlap.
   const int is_fused = layer->then != 0;
   const int32_t stride = is_fused ? layer->pool : layer->stride_columns;
   const int32_t row_stride = is_fused ? layer->pool : layer->stride_rows;
@@ -75,7 +75,7 @@ void layer_max_pool(const layer_step_t* step, layer_share_t share) {
   window.channels = is_fused ? step->channels : step->in_channels;
   window.pitch = is_fused ? columns * layer->pool * step->channels : step->in_pitch;
   const uint8_t* in = is_fused ? step->unpooled : step->in;
-  // A unit of work is a part of a row, so that all cores have some.
+  // A unit of work is a part of a row, so that all cores have some work.
   const int32_t length = (columns + 3) / 4;
   for (int32_t unit = share.core; unit < step->rows * 4; unit += share.cores) {
     const int32_t y = unit / 4;

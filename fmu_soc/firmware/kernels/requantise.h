@@ -8,7 +8,7 @@
 #include "kernels/dot.h"
 #endif
 
-// Returns the upper word of the product.
+// Returns the upper 32 bits of the product.
 static inline __attribute__((always_inline)) int32_t upper_product(int32_t a, int32_t b) {
 #ifdef __riscv
   int32_t result;  // in C, the compiler would use several multiplications

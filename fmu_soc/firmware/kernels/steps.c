@@ -6,7 +6,7 @@
 
 _Static_assert(sizeof(layer_t) <= LAYER_L1_RESERVED, "the description of a layer does not fit into its place");
 
-// GAP8's DMA takes at most 16 copies.
+// GAP8's DMA has 16 copies at most; this program uses half of them.
 #define COPIES 8
 
 typedef struct {
@@ -87,7 +87,7 @@ static void fill(uint8_t* at, int32_t bytes, uint8_t value) {
   }
 }
 
-// Fetches the rows of a tile of the input; rows outside get the value of outside.
+// Fetches the rows of a tile of the input. Rows outside the input get the value of `outside`.
 static void fetch_rows(copies_t* copies, const layer_t* layer, const layer_block_t* block, const uint8_t* from,
                        uint8_t* to, int32_t tile) {
   const int32_t channels = in_channels_of(layer, block);

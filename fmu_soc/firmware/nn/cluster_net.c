@@ -6,8 +6,8 @@
 #include "nn/fast.h"
 #include "runtime/cluster.h"
 
-// The kernels that reduce the picture and compute the first layer. Those scheduled by hand give the same bytes in fewer
-// cycles. CMakeLists.txt selects them for some programs, with the reason.
+// The kernels that reduce the picture and compute the first layer. The versions scheduled by hand compute the same
+// bytes in fewer cycles. CMakeLists.txt selects them for some programs and states the reason.
 #ifdef NN_BY_HAND
 #include "nn/hand.h"
 #define SHRINK nn_hand_shrink

@@ -23,7 +23,7 @@ static inline bool nn_cluster_takes(int width, int height) {
 // be on; the content of L1 does not matter.
 nn_output_t nn_cluster_infer(const uint8_t* frame, int width, int height, unsigned cores);
 
-// Does the same for a picture that is reduced to 168 x 168 already (grey level minus 128), for comparison with golden
+// Does the same for a picture that is already reduced to 168 x 168 (grey level minus 128), for comparison with golden
 // vectors.
 nn_output_t nn_cluster_infer_shrunk(const int8_t picture[NN_PICTURE_BYTES], unsigned cores);
 

@@ -144,7 +144,7 @@ void nn_fast_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
     const uint16_t* column = columns;
     int8_t* to = &arena->picture[(y + 2) * NN_PICTURE_PITCH + 2];
     const uint32_t ones = 0x01010101;
-    // Sum of four pixels, plus 2 for rounding, minus 4 x 128.
+    // The sum of four pixels, plus 2 for rounding, minus 4 x 128.
 #pragma GCC unroll 8
     for (int x = 0; x < SHRUNK_EDGE; ++x) {
       const ptrdiff_t at = *column++;
@@ -168,7 +168,7 @@ typedef struct {
   uint32_t last[2];   // fifth pixel of row 4, of row 6, as the lowest byte; the others are multiplied by zeros
 } patch_t;
 
-// Returns the greater sum of two places one above the other.
+// Returns the greater of the sums of two places, one above the other.
 static inline __attribute__((always_inline)) int32_t upright_pair(const patch_t* p, const word_t* weights,
                                                                   int32_t bias) {
   int32_t upper = bias;
@@ -197,7 +197,7 @@ static inline __attribute__((always_inline)) int32_t to_byte(int32_t sum, int32_
   return xpulp_clipur(sum >> shift, 255);
 }
 
-// Four channels at a time, starting with `from`. A network with four channels needs no call.
+// Computes four channels at a time, starting with `from`. A network with four channels needs no loop.
 #if NN_CHANNELS_FIRST == 4
 #define FIRST_FROM 0
 void nn_fast_first(nn_arena_t* arena, nn_share_t share) {
@@ -232,7 +232,7 @@ static void first_four(nn_arena_t* arena, nn_share_t share, int from) {
       int32_t m1 = upright_pair(&p, weights + NN_FIRST_WORDS, b1);
       int32_t m2 = upright_pair(&p, weights + 2 * NN_FIRST_WORDS, b2);
       int32_t m3 = upright_pair(&p, weights + 3 * NN_FIRST_WORDS, b3);
-      // The places to the right: two pixels farther.
+      // The patches of the places to the right start two pixels farther.
 #pragma GCC unroll 7
       for (int row = 0; row < 7; ++row) {
         right[row] = at[row * NN_PICTURE_PITCH / 4 + 1];
@@ -311,7 +311,7 @@ void nn_fast_convolution(nn_arena_t* arena, int index, nn_share_t share) {
   uint8_t* out = output_of(arena, index) + border * (out_pitch + out_channels);
   const geometry_t g = {3 * channels / 4, in_pitch - 3 * channels, shape->stride * channels, 9 * channels,
                         out_channels};
-  // A unit of work is a row of places by four output channels.
+  // A unit of work is four output channels of one row of places.
   const int groups = out_channels / 4;
   for (int unit = (int)share.core; unit < groups * edge; unit += (int)share.cores) {
     const int group = unit % groups;

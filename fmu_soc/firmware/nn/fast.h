@@ -99,13 +99,13 @@ typedef struct {
 // Must be called once: prepares the small weights, which the first layer needs.
 void nn_fast_make_small_weights(nn_small_weights_t* small);
 
-// Before each picture: clears the borders of the picture and of the first layer's output.
+// Must be called before each picture. Clears the borders of the picture and of the first layer's output.
 void nn_fast_clear_first(nn_arena_t* arena, nn_share_t share);
-// After the picture is reduced: clears the borders of the later layers' outputs.
+// Must be called after the picture is reduced. Clears the borders of the later layers' outputs.
 void nn_fast_clear_later(nn_arena_t* arena, nn_share_t share);
-// With NN_SHARES_PLACES, clear_first does not clear the first layer's output; clear_later does, so all cores must wait
-// before the first layer. After that layer, this function clears the outputs of the second and third, and all must wait
-// again.
+// With NN_SHARES_PLACES, clear_later clears the first layer's output in place of clear_first, so all cores must wait
+// before the first layer. After that layer, this function clears the outputs of the second and third layer, and all
+// cores must wait again.
 #if NN_SHARES_PLACES
 void nn_fast_clear_middle(nn_arena_t* arena, nn_share_t share);
 #endif
@@ -122,7 +122,7 @@ void nn_fast_convolution(nn_arena_t* arena, int layer, nn_share_t share);
 void nn_fast_dense(nn_arena_t* arena, nn_share_t share);
 nn_output_t nn_fast_output(const nn_arena_t* arena, unsigned cores);
 
-// The weights of layers 4 to 7 in the file and in the arena: words to copy before layer 4.
+// Positions of the weights of layers 4 to 7 in the file and in the arena, and the words to copy before layer 4.
 typedef struct {
   const void* from;
   void* to;
@@ -130,7 +130,7 @@ typedef struct {
 } nn_move_t;
 nn_move_t nn_fast_large_weights(nn_arena_t* arena, int layer);
 
-// Computes the whole network on the calling core, for a picture in the arena. Clears all borders itself.
+// Computes the whole network on the calling core, for a picture in the arena. Also clears all borders.
 nn_output_t nn_fast_infer_alone(nn_arena_t* arena, const nn_small_weights_t* small);
 
 // Returns the hash of the output of layer 0 to 6 without its border, like nn_checksum() of the plain code.

@@ -10,7 +10,7 @@ void nn_hand_shrink_pixels(const uint16_t* columns, const uint8_t* upper, const 
 void nn_hand_shrink(nn_arena_t* arena, const uint8_t* source, int width, int height, const uint16_t* columns, int first,
                     int count, nn_share_t share) {
   const int top = shrink_place(first, height);
-  // Each core begins at another column. If `width` is a multiple of 64, one column of all rows is in one bank.
+  // Each core begins at a different column. If `width` is a multiple of 64, one column of all rows is in one bank.
   const int begin = SHRUNK_EDGE / 8 / 4 * 4 * (int)share.core;
   for (int y = first + (int)share.core; y < first + count; y += (int)share.cores) {
     const uint8_t* upper = source + (shrink_place(y, height) - top) * width;
@@ -23,8 +23,8 @@ void nn_hand_shrink(nn_arena_t* arena, const uint8_t* source, int width, int hei
   }
 }
 
-// Fills the table of nn_hand_row() for four channels of the first layer: the words of nn_small_weights_t, the last one
-// again for pixels two bytes farther, bias and shift.
+// Fills the table of nn_hand_row() for four channels of the first layer: the words of nn_small_weights_t, the last word
+// again for pixels two bytes farther, then bias and shift.
 static void make_table(uint32_t table[4 * NN_HAND_WORDS], const nn_arena_t* arena, int from) {
   const nn_layer_t layer = nn_layer(0);
   for (int c = from; c < from + 4; ++c, table += NN_HAND_WORDS) {

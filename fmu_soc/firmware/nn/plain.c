@@ -42,7 +42,7 @@ static void convolve(int index, const uint8_t* input, uint8_t* output) {
   }
 }
 
-// Pools before the shift: the greatest sum gives the greatest output.
+// Pools before the shift, because the greatest sum gives the greatest output.
 static void convolve_and_pool(const int8_t* picture, uint8_t* output) {
   const nn_shape_t* shape = &nn_shapes[0];
   const nn_layer_t layer = nn_layer(0);

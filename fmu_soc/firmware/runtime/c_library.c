@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Functions of the chip that picolibc calls: output of characters, and the end of the program. Only the fabric
-// controller may use the library, which has one thread. Its heap is the rest of L2. Standard input is empty.
+// controller may use the library, because it supports one thread. Its heap is the rest of L2. Standard input is empty.
 #include <stdio.h>
 #include <unistd.h>
 

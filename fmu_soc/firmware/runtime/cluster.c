@@ -20,7 +20,7 @@ static void wait_for(uint32_t events) {
   EVENT_UNIT_EVENT_MASK = 0;
 }
 
-// Returns 0 if the last request was granted, else -1.
+// Returns 0 if the last request was granted; otherwise -1.
 static int granted(void) {
   const uint32_t status = POWER_MANAGER_STATUS;
   POWER_MANAGER_STATUS = POWER_REFUSED;

@@ -21,11 +21,11 @@ extern "C" {
 
 typedef void (*cluster_entry_t)(void* argument);
 
-// For the fabric controller
+// Functions for the fabric controller.
 
 // Switches the cluster on; its cores wait for work. Returns 0, or -1 if the chip has no cluster.
 int cluster_on(void);
-// Switches it off. Unfinished work is lost.
+// Switches the cluster off. Unfinished work is lost.
 void cluster_off(void);
 // Sets the clock of the cluster [Hz]. Returns 0, or -1 without effect if the chip's voltage does not allow it.
 int cluster_clock_set(uint32_t hz);
@@ -37,7 +37,7 @@ int cluster_fork(cluster_entry_t entry, unsigned cores, void* argument);
 // Sleeps until all cores of the fork have returned.
 void cluster_wait(void);
 
-// For the cluster's cores
+// Functions for the cluster's cores.
 
 // Returns the number of the core, 0 to 7.
 static inline unsigned cluster_core_id(void) {
@@ -51,10 +51,10 @@ static inline void cluster_barrier(void) {
   event_load(BARRIER_ADDRESS);
 }
 
-// For both: the DMA. A copy runs in parallel, after copies started before. Its number is for dma_wait(), which the
-// starter (core or fabric controller) must call exactly once. While 16 copies run, a start waits for the end of one.
-// With GAP8's own DMA, at most 16 copies of all cores may be unfinished, otherwise the program may stop; a copy has at
-// most 65535 bytes. Returns DMA_REFUSED for invalid addresses or sizes; dma_wait() then returns at once.
+// The DMA, for both. A copy runs in parallel, after all earlier copies. dma_wait() takes its number; the core that
+// started the copy must call it exactly once. While 16 copies run, a start waits for the end of one. With GAP8's own
+// DMA, at most 16 copies of all cores may be unfinished, otherwise the program may stop; a copy has at most 65535
+// bytes. Returns DMA_REFUSED for invalid addresses or sizes; dma_wait() then returns at once.
 #define DMA_REFUSED 0xffffffffu
 
 uint32_t dma_copy_in(void* l1, const void* l2, uint32_t bytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// End of the firmware.
+// Ends the firmware.
 #pragma once
 
 #ifdef __cplusplus

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interrupts and sleep of the fabric controller.
 //
-// An interrupt handler only stores a note of the event. The code that sleeps does the work after it wakes up. This
-// order loses no wake-up: switch interrupts off, check the note, sleep (a pending interrupt ends the sleep also with
-// interrupts off), switch interrupts on briefly so that the handler runs, check again.
+// An interrupt handler only stores a note of the event. The code that sleeps does the work after it wakes up. To lose
+// no wake-up: switch interrupts off, check the note, sleep (a pending interrupt ends the sleep even with interrupts
+// off), switch interrupts on briefly so that the handler runs, and check again.
 #pragma once
 
 #include <stdint.h>
@@ -25,10 +25,10 @@ static inline void interrupts_on(void) {
   __asm__ volatile("csrsi mstatus, 8" ::: "memory");
 }
 
-// Sets the clock of the core during a sleep [Hz]. If it is not below the core's present clock, or never set, the clock
-// does not change.
+// Sets the clock of the core during a sleep [Hz]. If this clock is not below the core's present clock, or was never
+// set, the clock does not change.
 void sleep_clock_set(uint32_t hz);
-// Lowers the clock to that of a sleep. Returns the clock before [Hz].
+// Lowers the clock to the clock of a sleep. Returns the previous clock [Hz].
 uint32_t sleep_clock_lower(void);
 
 // Sleeps until an attached interrupt is pending, then runs its handler. Interrupts must be off, and are off at return.

@@ -125,7 +125,7 @@ XPULP_BINARY_(ror, 0x33, 5, 0x04)
 XPULP_INTO_(mac, int32_t, 0x33, 0, 0x21)  // into + a * b
 XPULP_INTO_(msu, int32_t, 0x33, 1, 0x21)  // into - a * b
 
-// (a + b or a - b, rounded) >> b's register form: into = (into + a) >> b
+// (a + b or a - b, rounded) >> b; the form with a register is into = (into + a) >> b.
 XPULP_INTO_(addNr, int32_t, 0x5b, 2, 0x20)
 XPULP_INTO_(addRNr, int32_t, 0x5b, 6, 0x20)
 

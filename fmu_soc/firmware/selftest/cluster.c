@@ -37,7 +37,7 @@ static void scale(void* argument) {
   }
 }
 
-// After a barrier, every core sees all stores of the others before it.
+// Tests that after a barrier, every core sees all stores that other cores made before it.
 static void meet(void* argument) {
   const unsigned cores = (unsigned)(uintptr_t)argument;
   const unsigned core = cluster_core_id();

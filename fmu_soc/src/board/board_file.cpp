@@ -34,7 +34,7 @@ auto read_place() {
 constexpr std::uint32_t kMostLatencyCycles = 1000;
 constexpr std::uint32_t kMostPmpEntries = 16;
 
-/// Sets the options of the core. With U mode, it has physical memory protection.
+/// Sets the options of the core. A core with U mode also has physical memory protection.
 void set_isa(BoardDescription& board, std::string_view text) {
   board.isa = read_isa(text);
   board.pmp_entries = board.isa.has(Extension::user) ? kMostPmpEntries : 0;
@@ -116,7 +116,7 @@ void read_instruction_cache(const Node& node, BoardInstructionCaches& caches) {
   taken = cache;
 }
 
-/// A range of the address space.
+/// A range of addresses.
 struct Span {
   std::string name;
   std::uint64_t base;
@@ -143,7 +143,8 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   for (std::size_t i = 0; i < board.memories.size(); ++i) {
     const auto& memory = board.memories[i];
     take(memories[i], {memory.name, memory.base, memory.size});
-    // Cores of the other place cannot access it there, so they may have an alias at the same address.
+    // The alias is only in the map of the cores of the memory's own place, so the other cores may have an alias at the
+    // same address.
     if (memory.alias && memory.place == Place::fabric_controller) {
       take(memories[i], {memory.name, *memory.alias, memory.size});
     }
@@ -157,8 +158,8 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   }
 }
 
-/// Rejects an interrupt line that two devices share: firmware could not distinguish them, and each would lower the line
-/// of the other. Also rejects an interrupt controller that is not a device of the board.
+/// Rejects an interrupt line that two devices share: firmware could not distinguish them, and each device would clear
+/// the request of the other. Also rejects an interrupt controller that is not a device of the board.
 void check_interrupts(const Node& root, const BoardDescription& board) {
   std::map<std::pair<std::string, int>, std::string> taken;
   std::vector<std::string> names;
@@ -180,8 +181,8 @@ void check_interrupts(const Node& root, const BoardDescription& board) {
   }
 }
 
-/// Checks attachments of parts to devices. The devices' kinds check the names of places. The loads of a regulator must
-/// come before it, so that no regulator supplies itself.
+/// Checks attachments of parts to devices. The kind of each device checks the names of the places for parts. The loads
+/// of a regulator must come before it, so that no regulator supplies itself.
 void check_parts(const Node& root, const BoardDescription& board) {
   const auto entries = root.at("devices").elements();
   std::vector<std::string> on_bus;
@@ -272,7 +273,7 @@ std::string read_decisions(const Node& node, const BoardDescription& board) {
   return sender;
 }
 
-/// Reads a file name without folders, because a board is moved together with its libraries.
+/// Reads a file name without folders. Folders are not allowed, because a board is moved together with its libraries.
 std::string read_file_name(const Node& node) {
   auto name = node.readable_text();
   if (name.find('/') != std::string::npos || name == "." || name == "..") {
@@ -284,7 +285,7 @@ std::string read_file_name(const Node& node) {
   return name;
 }
 
-/// Calls `set()`, whose Error becomes a mistake at the node.
+/// Calls `set()`. If it throws Error, records the error as a mistake at the node.
 template <typename Set>
 void set_from(const Node& node, Set set) {
   try {
@@ -383,7 +384,7 @@ void set_core(BoardDescription& board, const std::string& name) {
 }
 
 std::string_view other_chip_of(std::string_view elf_bytes) {
-  // Folders of the SDKs' headers. They are too long to occur by chance.
+  // Folders of the SDKs' headers. The names are so long that they do not occur by chance.
   constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kFolders{{
       {"pmsis/chips/gap9", "GAP9"},
       {"vendors/gwt/gap9", "GAP9"},

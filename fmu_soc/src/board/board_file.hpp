@@ -42,16 +42,17 @@ struct BoardMemory {
   std::string text;
 };
 
-/// By Place: that of the fabric controller, and that of the cluster's cores.
+/// Instruction caches by Place: that of the fabric controller, and that of the cluster's cores.
 using BoardInstructionCaches = std::array<InstructionCacheSettings, 2>;
 
-/// Supply of the chip. Without one, the chip always has power.
+/// Supply of the chip. A chip without a supply entry always has power.
 struct BoardSupply {
   std::string variable;  // a Real input of a device [V]; empty = none
   double least_v = 0;    // below this voltage, the chip switches off for good
 };
 
-/// An address range that the real machine uses and the board lacks. An access there is a fault whose message names it.
+/// An address range that the real machine uses and the board lacks. An access to it is a fault, and the message names
+/// the range.
 struct BoardAbsence {
   std::string name;
   std::uint32_t base = 0;
@@ -74,8 +75,8 @@ struct BoardDescription {
   std::vector<BoardDevice> devices;
   std::vector<BoardAbsence> absent;
   BoardSupply supply;
-  /// The device, or peripheral of a uDMA (spim0, spim1), that sends set-points and so ends a decision about a picture;
-  /// empty = none.
+  /// The device, or peripheral of a uDMA (spim0, spim1), that sends set-points. Sending them ends a decision about a
+  /// picture. Empty if there is none.
   std::string decisions_end_with;
   /// Shared libraries with kinds of devices, by file name. They are in `folder`, next to the board file, or in folders
   /// of the program.
@@ -96,9 +97,9 @@ BoardDescription parse_board(std::string_view text, const std::string& name);
 /// Sets the core by its name; the name of a generic core is its ISA string. Throws Error for a name that no core has.
 void set_core(BoardDescription& board, const std::string& name);
 
-/// Returns the chip that a program of GreenWaves' SDKs was built for, if it is known and not GAP8; otherwise empty. It
-/// follows from paths of the SDK's headers in the debug information. No other part of the file contains it: its note
-/// "Pulp_Info" reads chip=none, and the memory maps of the chips overlap.
+/// Returns the chip that a program of GreenWaves' SDKs was built for, if it is known and not GAP8; otherwise empty. The
+/// chip follows from paths of the SDK's headers in the debug information. No other part of the file states it: the
+/// file's note "Pulp_Info" reads chip=none, and the memory maps of the chips overlap.
 std::string_view other_chip_of(std::string_view elf_bytes);
 
 /// Throws Error if the board has GAP8's memory map and the program was built for another chip. Ignores a file that

@@ -23,8 +23,8 @@ namespace {
 /// Upper bound that keeps a block's sum of femtojoules within 32 bits.
 constexpr double kMostWeight = 100;
 
-/// Floating-point operations have the weights of the most similar integer operation. No values are published, because
-/// GAP8's cores have no floating-point unit.
+/// Returns the class of instructions whose energy an operation has. Floating-point operations have the energy of the
+/// most similar integer operation, because no values are published: GAP8's cores have no floating-point unit.
 std::string_view class_of(Op op) {
   const auto kind = traits_of(op).kind;
   if (kind == OpKind::float_multiply || kind == OpKind::float_multiply_add) return "multiply";
@@ -138,7 +138,7 @@ Chip read_chip(const data::Node& node) {
   return chip;
 }
 
-/// Returns `base` with other energies and no other difference.
+/// Returns `base` with other energies; all else is equal.
 Chip read_energy_model(const data::Node& node, const Chip& base) {
   data::Object object(node);
   Chip chip = base;

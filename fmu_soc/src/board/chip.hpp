@@ -18,7 +18,8 @@ struct Interconnect {
   std::uint32_t cluster_to_soc = 0;
 };
 
-/// Range of measured energies, relative to these. There were too few checks for a confidence interval.
+/// Range of measured energies, relative to the modelled ones. There were too few measurements for a confidence
+/// interval.
 struct EnergyChecks {
   double least = 0;
   double most = 0;
@@ -43,10 +44,11 @@ struct Chip {
   EnergyTables energy;
   EnergyChecks checks;  // of the sum of energies
 
-  /// Returns the highest clock at a voltage: linear between two points.
+  /// Returns the highest clock at a voltage, interpolated linearly between two points.
   double highest_clock_hz(double voltage_v) const;
   double highest_cluster_clock_hz(double voltage_v) const;
-  /// True if a voltage is allowed, or a clock at a voltage. Exact at the limits, because they use millivolts and hertz.
+  /// True if a voltage is allowed, or a clock at a voltage. The comparison is exact at the limits, because it uses
+  /// millivolts and hertz.
   bool allows_voltage(std::uint32_t voltage_mv) const;
   bool allows(std::uint32_t clock_hz, std::uint32_t voltage_mv) const;
   bool allows_cluster(std::uint32_t clock_hz, std::uint32_t voltage_mv) const;

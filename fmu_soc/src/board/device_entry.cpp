@@ -22,7 +22,7 @@ namespace {
 using data::Node;
 using data::Object;
 
-/// The sources of a PLIC that a device can be; number 0 does not exist. Source: RISC-V Platform-Level Interrupt
+/// The highest source of a PLIC that a device can use; source 0 does not exist. Source: RISC-V Platform-Level Interrupt
 /// Controller Specification 1.0.0.
 constexpr std::int64_t kMostSources = 1023;
 
@@ -106,7 +106,7 @@ auto by_name(Read read) {
         found.push_back(read(key, member));
       });
     }
-    // In alphabetical order, independent of the file.
+    // The order is alphabetical, so that it does not depend on the order in the file.
     std::ranges::stable_sort(found, {}, &T::name);
     return found;
   };
@@ -148,7 +148,8 @@ BoardEnumeration read_enumeration(const std::string& name, const Node& node) {
   return enumeration;
 }
 
-/// Minimum delay of a described device. With shorter delays, a cycle of states would leave no time for other events.
+/// Minimum delay of a described device. With shorter delays, states that follow each other in a cycle would leave no
+/// time for other events.
 constexpr double kLeastDelayS = 1e-6;
 
 /// Returns the node behind the longest existing prefix of these keys, for messages.
@@ -179,7 +180,7 @@ std::vector<std::string> numbers_of(const BoardDevice& device, bool inputs) {
   return names;
 }
 
-/// Checks a register that sends a variable: it must have an output, and no other effect.
+/// Checks a register that sends a variable. It must have an output, and must have no other effect.
 void check_sender(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   if (reg.access == "r" || !reg.shows.empty()) {
@@ -195,7 +196,8 @@ void check_sender(const Node& node, const BoardDevice& device, const BoardRegist
   }
 }
 
-/// Checks a register that shows a variable: it must be a parameter or input, or a parameter of the chip.
+/// Checks a register that shows a variable. The variable must be a parameter or an input of the device, or a parameter
+/// of the chip.
 void check_display(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   auto known = numbers_of(device, true);
@@ -224,7 +226,7 @@ void check_outputs(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// Checks a register that commits: other registers must send, and it must have no other effect.
+/// Checks a register that commits. Other registers must send, and this register must have no other effect.
 void check_commit(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   const bool takes_opcodes =
@@ -258,7 +260,8 @@ void check_opcodes(const Node& node, const BoardDevice& device) {
   }
 }
 
-/// Checks that all names refer to existing entries, in a described device and in one with its own C++ code.
+/// Checks that all names refer to existing entries. Applies to described devices and to devices with their own C++
+/// code.
 void check_names(const Node& node, const BoardDevice& device) {
   check_opcodes(node, device);
   for (const auto& state : device.states) {
@@ -358,7 +361,7 @@ std::string_view kind_without_address(const Object& object) {
   return object.has("part") ? "part" : "regulator";
 }
 
-/// Checks a part: without an address, it must not have keys that a program could use.
+/// Checks a part. A part without an address must not have keys that a program could use.
 void check_part(const Node& node, const Object& object, const BoardDevice& device) {
   for (const auto* key :
        {"base", "also_at", "span", "interrupt", "interrupt_controller", "registers", "opcodes", "enumerations"}) {

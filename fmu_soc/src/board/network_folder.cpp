@@ -30,7 +30,8 @@ std::vector<std::string> texts(const data::Node& list) {
   return result;
 }
 
-/// Returns the name of a file in the folder; a path could name a file that is not among the mission's inputs.
+/// Returns the name of a file in the folder; a path is refused, because it could name a file that is not among the
+/// mission's inputs.
 std::string file_name(const data::Node& node) {
   auto name = node.readable_text();
   if (std::filesystem::path(name).filename() != name || name == "." || name == "..") {

@@ -88,7 +88,7 @@ class Clock {
   }
 
   std::uint64_t hz_ = 1;
-  // Fraction in lowest terms: `ticks_` ticks take `period_` picoseconds. Follows from hz.
+  // A fraction in lowest terms: `ticks_` ticks take `period_` picoseconds. Both follow from hz.
   std::uint64_t ticks_ = 1;
   std::uint64_t period_ = kPsPerSecond;
   Picoseconds epoch_ps_ = 0;

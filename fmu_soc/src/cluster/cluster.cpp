@@ -92,7 +92,7 @@ void Cluster::advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_l
   const auto stop = std::min(end, clock_.first_after(last));
   has_news_ = false;
   auto start = next_tick();
-  // An awake core counts one cycle per tick. So no core can reach the limit before this many ticks have passed.
+  // An awake core counts one cycle per tick. Therefore no core can reach the limit before this many ticks have passed.
   const auto begin = start;
   const auto far_from_limit = cycle_limit - std::min(longest_cycles() + ClusterScheduler::kFarthestAhead, cycle_limit);
   bool undisturbed = false;

@@ -20,10 +20,10 @@
 
 namespace mebots::soc {
 
-/// Up to eight cores with a shared L1, event unit and DMA, in their own clock domain. For the rest of the chip, a
-/// cluster has power, a clock, latencies to the SoC's memories, accesses and events. It counts time in ticks of its
-/// clock, which never stops; a core that sleeps counts no cycles. The rest of the chip uses picoseconds. Only this
-/// class converts between the two.
+/// Up to eight cores with a shared L1, event unit and DMA, in their own clock domain. The rest of the chip sets its
+/// power, its clock and its latencies to the SoC's memories, makes accesses, and receives events. The cluster counts
+/// time in ticks of its clock, which never stops. A core that sleeps counts no cycles. The rest of the chip uses
+/// picoseconds. Only this class converts between the two.
 ///
 /// The scheduler determines the order of cores, event unit and DMA: each core runs a quantum of ticks in turn. Accesses
 /// to the event unit or the DMA are in the order of their ticks; within a tick, in the order of the cores. Another core
@@ -39,8 +39,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// Sets the function called after a core has stored into a watched word. If it returns true, the run ends.
   void set_watcher(std::function<bool(std::uint32_t address)> watcher) { watcher_ = std::move(watcher); }
 
-  /// Serves a core's access outside memory and the cluster's registers. Called with the time of the access; may change
-  /// the next event of the rest of the chip.
+  /// Serves a core's access outside memory and the cluster's registers. It is called with the time of the access, and
+  /// may change the next event of the rest of the chip.
   using Outside = std::function<BusReply(const ClusterAccess& access, Picoseconds now)>;
   void set_outside(Outside outside) { outside_ = std::move(outside); }
 
@@ -69,7 +69,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// if an event for the rest of the chip has occurred, or if a core has reached `cycle_limit` active cycles.
   void advance(Picoseconds until, Picoseconds last, std::uint64_t cycle_limit);
 
-  /// Access of the fabric controller. The cluster must have been advanced to `now`.
+  /// Makes an access of the fabric controller. The cluster must have been advanced to `now`.
   bool owns(std::uint32_t address) const;
   BusReply load(std::uint32_t address, Picoseconds now);
   BusReply load_event(std::uint32_t address, Picoseconds now);
@@ -87,8 +87,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// Returns the start of the core's next instruction, or of its sleep. If the sleep began before the last change of
   /// the clock, returns the time of that change. The cluster must be on.
   Picoseconds core_time(unsigned core) const;
-  /// Returns the start of an active cycle. Since that cycle, the core must not have slept and the clock must not have
-  /// changed.
+  /// Returns the start time of an active cycle. Since that cycle, the core must not have slept and the clock must not
+  /// have changed.
   Picoseconds core_time_at(unsigned core, std::uint64_t cycle) const;
   /// Returns the time of the core that is farthest ahead; if the cluster is off, the time at which it went off.
   Picoseconds reached() const;
@@ -96,7 +96,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   Picoseconds stop_time() const { return stop_time_; }
   /// Sets the observer of this core; null removes it. Not part of a state.
   void observe(unsigned core, Observer* observer);
-  /// Returns the sum over the cores since reset of the chip.
+  /// Returns the sum of the cores' counters since reset of the chip.
   Counters counters() const;
   /// Returns the largest number of active cycles of a core.
   std::uint64_t longest_cycles() const;
@@ -110,12 +110,12 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   int faulted_core() const { return faulted_core_; }
   /// True if a store into a watched word ended the run.
   bool stopped() const { return stopped_; }
-  /// Returns the core whose observer ended the run; -1 = none.
+  /// Returns the core whose observer ended the run; -1 if none did.
   int core_stopped_by_observer() const { return core_stopped_by_observer_; }
   const ClusterDma& dma() const { return dma_; }
   /// Returns the number of L1's banks.
   unsigned l1_banks() const { return banks_.count(); }
-  /// Returns the instruction cache of all cores; null without one.
+  /// Returns the instruction cache of all cores; null if there is none.
   const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
 
   void visit(state::Visitor& v);
@@ -124,7 +124,7 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// Ticks from an event to the first instruction of the core that it wakes. Source: GVSoC, event unit of pulp_open.
   static constexpr std::uint64_t kWakeLatency = 2;
 
-  // Calls from cores.
+  // Calls that the cores make.
   BusReply access(const ClusterAccess& access) override;
   std::uint32_t interrupt_taken(unsigned core, unsigned line) override;
   bool watched(std::uint32_t address) override { return watcher_ && watcher_(address); }

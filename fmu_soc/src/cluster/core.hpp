@@ -29,8 +29,8 @@ class ClusterBus {
 /// A core of a cluster: its hart, the tick of its cycles, and its turn at shared devices.
 class ClusterCore final : private Bus {
  public:
-  /// `code` is that of all cores; its banks are those of L1. `way` is the port to the SoC, which cores share if the
-  /// settings say so. All references must outlive the core.
+  /// `code` is the decoded code of all cores. Its banks are the banks of L1. `way` is the port to the SoC, which cores
+  /// share if the settings say so. All references must outlive the core.
   ClusterCore(ClusterBus& bus, const ClusterSettings& settings, unsigned id, Memory& memory, DecodedCode& code,
               Banks& way)
       : bus_(bus),
@@ -82,7 +82,7 @@ class ClusterCore final : private Bus {
   void stop() {
     if (observer_ != nullptr) observer_->switched(hart_, false);
   }
-  /// Wakes the core in this tick. Returns false if it was awake.
+  /// Wakes the core in this tick. Returns false if the core was awake.
   bool wake(std::uint64_t tick) {
     if (!asleep_) return false;
     asleep_ = false;
@@ -90,7 +90,7 @@ class ClusterCore final : private Bus {
     resume_at(tick);
     return true;
   }
-  /// Sets all interrupt lines of the core. An enabled line that is up wakes the core in this tick. Returns true if the
+  /// Sets all interrupt lines of the core. An active and enabled line wakes the core in this tick. Returns true if the
   /// core wakes.
   bool set_interrupts(std::uint32_t lines, std::uint64_t tick) {
     hart_.set_interrupts(lines);
@@ -100,7 +100,7 @@ class ClusterCore final : private Bus {
   // Its runs.
 
   Stop run(std::uint64_t end) { return hart_.run(end - offset_); }
-  /// Must be called with the result of run().
+  /// Records how the core's run ended. Must be called with the result of run().
   void stopped(Stop stop) { asleep_ = stop == Stop::sleeping; }
   /// True if the core's next run can resume in translated code.
   bool can_resume() const { return !waits_for_turn_ && hart_.has_resume_point(); }

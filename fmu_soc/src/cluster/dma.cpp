@@ -146,7 +146,7 @@ void ClusterDma::find_next() {
   for (const auto& transfer : transfers_) next_ = std::min(next_, transfer.end);
 }
 
-/// Returns the transfer that moves next; null if all have moved their data.
+/// Returns the next transfer to move data; null if all transfers have moved their data.
 ClusterDma::Transfer* ClusterDma::first_unmoved() {
   Transfer* first = nullptr;
   for (auto& transfer : transfers_) {

@@ -36,13 +36,13 @@ struct DmaTiming {
 /// START queues their transfer. Transfers run one after the other in the order of their starts, in bursts. A row of a
 /// 2D transfer is at least one burst. The latency of a queued transfer overlaps with the transfer before it.
 ///
-/// Its words claim L1's banks like those of the cores. A beat waits at most a cycle, and delays the beats after it. All
-/// bytes are copied when the transfer ends. Then its requester gets the event.
+/// The words of a transfer claim L1's banks as accesses of the cores do. A beat waits at most a cycle, and delays the
+/// beats after it. All bytes are copied when the transfer ends. Then its requester gets the event.
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
-  /// Set by a START with addresses outside L1 and L2, without bytes, with rows that do not divide the size, or while
-  /// all transfers are in use.
+  /// Set after a START that was refused: addresses outside L1 and L2, no bytes, rows that do not divide the size, or
+  /// all transfers in use.
   static constexpr std::uint32_t kRefused = 1U << 31;
 
   ClusterDma(Memory& memory, std::size_t l1_region, const DmaTiming& timing)
@@ -73,8 +73,8 @@ class ClusterDma {
     }
   };
 
-  /// Queues a transfer of a requester, for registers of another kind. If memories or the number of transfers do not
-  /// allow it, returns false without effect.
+  /// Queues a transfer of a requester, for chips with other DMA registers. If memories or the number of transfers do
+  /// not allow it, returns false without effect.
   bool enqueue(unsigned who, const Draft& what, bool out, std::uint64_t tick);
   /// True if one end of the transfer is in L1 and the other end in another memory.
   bool fits(const Draft& draft) const;
@@ -88,7 +88,7 @@ class ClusterDma {
   bool busy() const { return next_ != kNoTick; }
   /// Reserves the banks for all beats before `until`. Must be called before `advance` for any tick up to there.
   void occupy(Banks& banks, std::uint64_t until);
-  /// Returns the earliest tick in which the next transfer can end; exact if `occupy` has reached it.
+  /// Returns the earliest tick in which the next transfer can end. The tick is exact if `occupy` has reached it.
   std::uint64_t next_tick() const { return next_; }
   /// Ends every transfer whose end tick is reached.
   void advance(std::uint64_t tick, TransferListener& listener);

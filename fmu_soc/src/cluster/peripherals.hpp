@@ -20,7 +20,7 @@ inline constexpr unsigned kRequesters = kMostClusterCores + 1;
 // n. mhartid reads another value on GAP8.
 
 inline constexpr unsigned kFabricControllerHart = 0;
-/// Number of the fabric controller where cluster cores have numbers from 0.
+/// Number of the fabric controller in numberings that count cluster cores from 0.
 inline constexpr int kFabricControllerCore = -1;
 
 inline constexpr std::size_t kMostHarts = 1 + kMostClusterCores;
@@ -37,7 +37,7 @@ constexpr unsigned core_of_hart(unsigned hart) {
 /// A tick that never occurs.
 inline constexpr std::uint64_t kNoTick = std::numeric_limits<std::uint64_t>::max();
 
-/// Listener for the end of a DMA transfer; `tag` is that of its start.
+/// Is notified of the end of a DMA transfer. `tag` is the value that the transfer's start returned.
 class TransferListener {
  public:
   virtual ~TransferListener() = default;
@@ -78,7 +78,7 @@ class ClusterPeripherals : public TransferListener {
   virtual std::uint32_t boot_address(unsigned core) const = 0;
   /// Returns the requesters whose event load can be answered since the last call.
   virtual std::uint32_t take_woken() = 0;
-  /// Returns the level of the line to the fabric controller.
+  /// Returns the level of the interrupt line to the fabric controller.
   virtual bool interrupt() const { return false; }
   /// Returns the cores whose interrupt lines changed since the last call.
   virtual std::uint32_t take_line_changes() { return 0; }

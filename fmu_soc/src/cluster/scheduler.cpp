@@ -74,8 +74,8 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   return finish_quantum(end);
 }
 
-/// Does what run_quantum() does, directly after a quantum that all awake cores ended in translated code, if no other
-/// event is due. Since then only ticks have changed.
+/// As run_quantum(), but only for a quantum directly after one that all awake cores ended in translated code, with no
+/// other event due. Only the cores' ticks have changed since that quantum.
 std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);
@@ -123,7 +123,7 @@ std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
   return kNoTick;
 }
 
-/// Runs the event of the registers that is due.
+/// Runs the event of the registers whose time is reached.
 void ClusterScheduler::ring() {
   const auto tick = alarm_;
   events_.alarm_rings(tick);
@@ -146,7 +146,7 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
     if (settings_.shares_soc_port) soc_port_.move_to(tick);
     return;
   }
-  // The DMA claims nothing after the end of the last quantum, and no core claims anything after its own tick.
+  // The DMA claims nothing after the end of the last quantum. A core claims nothing after its own tick.
   auto last = tick + settings_.quantum;
   for (const auto* core : cores_) last = std::max(last, core->tick());
   const auto moved = banks_.start_over(tick, last);
@@ -155,8 +155,9 @@ void ClusterScheduler::move_banks(std::uint64_t tick) {
 }
 
 /// Selects the first core of the next quantum, and whether the DMA claims banks before or after the cores. Both change
-/// in every quantum. With the tree and an even number of cores, the DMA keeps its side once when the count starts
-/// again. So each first core runs both before and after the DMA.
+/// in every quantum. With the arbitration tree and an even number of cores, there is one exception: when the count of
+/// quanta starts again, the DMA stays before or after the cores. Therefore each core that runs first does so both
+/// before and after the DMA.
 void ClusterScheduler::next_in_front() {
   if (++first_core_ == cores()) first_core_ = 0;
   const bool stays = settings_.arbitration_tree && first_core_ == 0 && cores() % 2 == 0;
@@ -175,7 +176,8 @@ void ClusterScheduler::line_up(std::uint64_t end) {
   }
 }
 
-/// Queues the cores that run without permission, from the first core of this quantum on. Each is linked to the next.
+/// Queues the cores that may run without a permission of the scheduler, from the first core of this quantum on. Links
+/// each core to the next one.
 void ClusterScheduler::queue_cores(std::uint64_t end) {
   queue_.clear();
   const bool tree = settings_.arbitration_tree;
@@ -203,7 +205,7 @@ void ClusterScheduler::rotate_queue() {
   queue_.back()->hart().set_next(nullptr);
 }
 
-/// Orders the queue by the tree for this quantum. All cores are awake.
+/// Orders the queue by the arbitration tree for this quantum. All cores must be awake.
 void ClusterScheduler::reorder_queue() {
   Hart* behind = nullptr;
   for (auto place = cores(); place-- > 0;) {
@@ -260,7 +262,7 @@ void ClusterScheduler::note_stop(ClusterCore& core, Stop stop) {
   if (!events_.core_stopped(core, stop)) goes_on_ = false;
 }
 
-/// Called if all cores of the queue ended the quantum in translated code, so that only their ticks have changed.
+/// Called if all cores of the queue ended the quantum in translated code, in which case only their ticks have changed.
 /// Returns the tick at which the first core continues.
 std::uint64_t ClusterScheduler::keep_in_step() {
   last_ready_ = 0;
@@ -272,7 +274,7 @@ std::uint64_t ClusterScheduler::keep_in_step() {
   }
   in_step_ = true;
   if (queue_.size() == awake_) return first;
-  // The other cores were already past this quantum, or they wait.
+  // The other cores have already passed the end of this quantum, or they wait.
   for (const auto* core : cores_) {
     if (core->sleeps()) continue;
     in_step_ = in_step_ && core->can_resume();

@@ -29,8 +29,8 @@ class ClusterEvents {
   virtual bool core_stopped(ClusterCore& core, Stop stop) = 0;
 };
 
-/// The order in which the cores, registers and DMA of a cluster act: a round-robin scheduler, whose turns are a quantum
-/// of ticks. The rule, and why it is so: schedule.md.
+/// The order in which the cores, registers and DMA of a cluster act: a round-robin scheduler with turns of a quantum of
+/// ticks. schedule.md states the rule and its reasons.
 ///
 /// It only uses ticks of the cluster's clock. Each core has its own tick. The cluster runs one quantum after the other,
 /// each from the tick that the one before returned.
@@ -38,7 +38,7 @@ class ClusterScheduler {
  public:
   /// Ticks of a quantum without conflicts at the banks.
   static constexpr std::uint64_t kLongQuantum = Banks::kLongestRun;
-  /// More ticks than a core can be ahead of the start of the quantum that follows.
+  /// Upper bound of the ticks by which a core can be ahead of the start of the next quantum.
   static constexpr std::uint64_t kFarthestAhead = kLongQuantum + Banks::kLongestBlock;
 
   /// `way` is the port to the SoC, which cores share if the settings say so. All references must outlive the scheduler.
@@ -53,8 +53,8 @@ class ClusterScheduler {
   unsigned awake() const { return awake_; }
   /// Returns the start of the next quantum; kNoTick while all cores sleep and no event is due.
   std::uint64_t next_tick() const;
-  /// Runs the quantum that starts at `start` and ends before `until`. `undisturbed`: no access from outside since the
-  /// quantum before. Returns the start of the next one.
+  /// Runs the quantum that starts at `start` and ends before `until`. `undisturbed` is true if no access from outside
+  /// came after the quantum before. Returns the start of the next quantum.
   std::uint64_t run_quantum(std::uint64_t start, std::uint64_t until, bool undisturbed);
 
   /// Sets the tick of the registers' next event.
@@ -71,7 +71,7 @@ class ClusterScheduler {
   void share_banks();
   void move_banks(std::uint64_t tick);
   void next_in_front();
-  // Queue of the cores that run without permission.
+  // Functions for the queue of the cores that run without permission.
   void line_up(std::uint64_t end);
   void queue_cores(std::uint64_t end);
   void rotate_queue();
@@ -81,10 +81,10 @@ class ClusterScheduler {
   std::size_t note_round(std::size_t place, const Hart::RoundEnd& round);
   void run_core(ClusterCore& core, std::uint64_t end);
   void note_stop(ClusterCore& core, Stop stop);
-  // Cores in step.
+  // Functions for cores that all ended their quantum in translated code.
   std::uint64_t run_quantum_in_step(std::uint64_t start, std::uint64_t until);
   std::uint64_t keep_in_step();
-  // Events in the order of their ticks.
+  // Functions for events in the order of their ticks.
   std::uint64_t finish_quantum(std::uint64_t end);
   void ring();
   std::uint64_t first_ready() const;

@@ -31,8 +31,8 @@ struct ClusterSettings {
   unsigned cores = 0;
   std::size_t l1_region = 0;  // index in Memory::regions()
   unsigned l1_banks = 16;
-  /// If set, the order at L1's banks is that of an arbitration tree: by core number XOR a count of quanta. Otherwise it
-  /// rotates.
+  /// If set, an arbitration tree determines the order at L1's banks: core number XOR count of quanta. Otherwise the
+  /// order rotates.
   bool arbitration_tree = false;
   /// Ticks of a quantum if several cores are awake or the DMA moves data.
   std::uint32_t quantum = 0;
@@ -40,7 +40,7 @@ struct ClusterSettings {
   bool shares_soc_port = false;   // port to the SoC: an access of a core waits for those of other cores
   InstructionCacheSettings instruction_cache;
   std::uint32_t clock_hz = 0;
-  /// Creates the registers. The cluster owns the DMA engine.
+  /// Creates the registers of the cluster. The cluster owns the DMA engine.
   std::function<std::unique_ptr<ClusterPeripherals>(ClusterDma& dma)> make_peripherals;
   bool has_gap8_interrupts = false;  // cores have the interrupts and CSRs of GAP8's cores
   DmaTiming dma;

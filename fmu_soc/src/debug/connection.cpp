@@ -107,7 +107,7 @@ std::optional<char> Connection::next_byte() {
   return unread_[read_++];
 }
 
-/// Returns false if nothing has arrived, or if the debugger has disconnected.
+/// Reads more data. Returns false if nothing has arrived, or if the debugger has disconnected.
 bool Connection::read_more(int flags) {
   char buffer[4096];
   ssize_t count = 0;
@@ -124,7 +124,7 @@ bool Connection::read_more(int flags) {
   return true;
 }
 
-/// Waits for data from the debugger. Refuses other debuggers meanwhile.
+/// Waits for data from the debugger. Refuses other debuggers during the wait.
 void Connection::wait_for_client() {
   while (client_.open()) {
     std::array<pollfd, 2> wanted{{{client_.descriptor(), POLLIN, 0}, {listener_.descriptor(), POLLIN, 0}}};
@@ -143,7 +143,7 @@ void Connection::refuse_others() {
     const auto answer = "+" + framed(kBusy);
     ::send(caller.descriptor(), answer.data(), answer.size(), MSG_NOSIGNAL);
     ::shutdown(caller.descriptor(), SHUT_WR);
-    // If the connection is closed with unread data, the reply may be lost.
+    // Reads the rest first: if the connection is closed with unread data, the reply may be lost.
     while (is_readable(caller, kRefusalMs) && ::recv(caller.descriptor(), ignored, sizeof ignored, 0) > 0) continue;
   }
 }
@@ -183,7 +183,7 @@ void Connection::send(std::string_view content) {
     escaped += is_special ? static_cast<char>(c ^ 0x20) : c;
   }
   const auto packet = framed(escaped);
-  // TCP loses no packets. A packet that the debugger rejects is sent again.
+  // TCP loses no packets, but the debugger may reject a packet, which is then sent again.
   while (write_all(packet) && acknowledges_) {
     auto answer = next_byte();
     while (answer && *answer != '+' && *answer != '-') answer = next_byte();
@@ -207,7 +207,7 @@ bool Connection::write_all(std::string_view bytes) {
 
 bool Connection::interrupted() {
   if (!client_.open()) return false;
-  // The interrupt may have arrived with the last packet, and be in the buffer.
+  // The interrupt may have arrived together with the last packet, and be in the buffer already.
   if (read_ == unread_.size() && !read_more(MSG_DONTWAIT)) return !client_.open();
   const char byte = unread_[read_];
   if (byte == kInterrupt || byte == '+') ++read_;

@@ -41,9 +41,11 @@ class Connection {
   /// Returns the content of the next packet, unescaped; "\x03" for an interrupt. Returns nullopt if the debugger has
   /// disconnected.
   std::optional<std::string> receive();
-  /// Sends a packet, and waits for its acknowledgement unless that is off. Has no effect without a debugger.
+  /// Sends a packet, and waits for its acknowledgement unless acknowledgements are off. Has no effect without a
+  /// debugger.
   void send(std::string_view content);
-  /// Sends a message to other debuggers that connect meanwhile, and closes their connections. Does not wait for any.
+  /// Sends a message to other debuggers that connect meanwhile, and closes their connections. Does not wait for such a
+  /// connection.
   void refuse_others();
   /// Returns true if an interrupt (Ctrl-C) has arrived or the debugger has disconnected. Does not wait.
   bool interrupted();

@@ -111,9 +111,9 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
   return Resume::no;
 }
 
-/// Resumes threads. "s:2;c": one thread steps, all others continue. "r1c000042,1c00004c:2" steps until it leaves this
-/// range. After "s:2" or "c:2", the others should stay stopped. That is impossible while a core waits for them, so they
-/// run without reports.
+/// Resumes threads. "s:2;c": one thread steps, all others continue. "r1c000042,1c00004c:2" steps the thread until it
+/// leaves this range. After "s:2" or "c:2", the other threads should stay stopped. This is impossible if the thread
+/// waits for them, so they run without reports.
 GdbServer::Resume GdbServer::resume(std::string_view actions) {
   const auto step = actions.find_first_of("sSr");
   const auto begin = step == std::string_view::npos ? 0 : step;
@@ -299,7 +299,7 @@ std::string GdbServer::write_memory(std::string_view text, bool binary) {
              : std::string(kError);
 }
 
-/// Sets or clears a breakpoint or watchpoint. "0,1c000042,2": kind, address, size.
+/// Sets or clears a breakpoint or watchpoint. The text "0,1c000042,2" contains kind, address and size.
 std::string GdbServer::change_point(std::string_view text, bool insert) {
   if (text.size() < 3 || text[1] != ',') return std::string(kError);
   const auto range = parse_range(text.substr(2));

@@ -32,7 +32,7 @@ class GdbServer {
   /// pieces, call checkpoint() before each, and continue the run if rewind() returns true after its end.
   GdbServer(int port, Soc& soc, Kill kill, std::function<void(std::string_view)> announce, History* history = nullptr);
 
-  /// Returns the observer of a hart, by the chip's number.
+  /// Returns the observer of a hart. `number` is the hart's number in the chip.
   Observer& hart(unsigned number) { return harts_[number]; }
 
   /// Saves a state for steps into the past.
@@ -89,8 +89,8 @@ class GdbServer {
 
     GdbServer& server_;
     unsigned number_;
-    // The state at which this hart was stopped last. The same instruction may come again, after other harts or after a
-    // sleep.
+    // The state at which this hart was stopped last. It shows whether the hart has returned to the same instruction,
+    // after other harts ran or after a sleep.
     bool was_held_ = false;
     std::uint32_t held_pc_ = 0;
     std::uint64_t held_instructions_ = 0;

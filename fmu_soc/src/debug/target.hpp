@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-/// Numbers and bytes in the format of gdb's remote protocol.
+/// Converts numbers and bytes to and from the format of gdb's remote protocol.
 namespace mebots::soc::debug {
 
 struct Range {
@@ -21,7 +21,7 @@ struct Range {
 std::optional<std::uint32_t> parse_hex(std::string_view text);
 /// Parses "1c000000,4".
 std::optional<Range> parse_range(std::string_view text);
-/// Parses four bytes in the order of memory.
+/// Parses four bytes in the order in which memory has them.
 std::optional<std::uint32_t> parse_little_endian(std::string_view text);
 std::string little_endian(std::uint32_t value);
 

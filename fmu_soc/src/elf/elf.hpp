@@ -49,7 +49,7 @@ class Elf {
   /// Returns the extensions in the file's attributes (Tag_RISCV_arch), such as "rv32i2p1_m2p0_c2p0"; empty without
   /// them.
   const std::string& architecture() const { return architecture_; }
-  /// True if its calls pass numbers in floating-point registers (-mabi=ilp32f): the core needs F.
+  /// True if the program passes arguments in floating-point registers (-mabi=ilp32f). The core then needs F.
   bool uses_float_registers() const { return uses_float_registers_; }
   const std::vector<ElfSegment>& segments() const { return segments_; }
   std::optional<std::uint32_t> symbol(std::string_view name) const;
@@ -61,7 +61,7 @@ class Elf {
   /// Returns a text such as "camera_handler+0x12 (camera.c:41)", without the line if the program was compiled without
   /// -g; "" if no symbol contains the address.
   std::string where(std::uint32_t address) const;
-  /// Returns such a text for a return address. The line is that of the call.
+  /// Returns such a text for a return address, with the line of the call.
   std::string where_called(std::uint32_t return_address) const;
   /// Returns the code of all source lines; empty if the program was compiled without -g.
   std::vector<LineRange> line_ranges() const;

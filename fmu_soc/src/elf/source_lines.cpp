@@ -28,7 +28,7 @@ class Cursor {
     return value;
   }
 
-  /// LEB128, truncated to 32 bits.
+  /// Reads a LEB128 number, truncated to 32 bits.
   std::uint32_t unsigned_number() { return leb128().first; }
   std::int32_t signed_number() {
     const auto [value, bits] = leb128();
@@ -54,7 +54,7 @@ class Cursor {
   }
 
  private:
-  /// Returns the low bits and their number.
+  /// Returns the low 32 bits of a LEB128 number, and the number of bits that its bytes contain.
   std::pair<std::uint32_t, unsigned> leb128() {
     std::uint32_t value = 0;
     for (unsigned bits = 0;; bits += 7) {
@@ -90,14 +90,14 @@ enum class Form : std::uint32_t {
 constexpr std::uint32_t kPath = 1;    // DW_LNCT_path
 constexpr std::uint32_t kFolder = 2;  // DW_LNCT_directory_index
 
-/// Text or number of a form.
+/// The text or the number that a form contains.
 struct FormValue {
   std::string_view text;
   std::uint32_t number = 0;
 };
 
-/// Reads a form; skips one that is neither text nor a short number. After an unknown form, the cursor is not good any
-/// more.
+/// Reads a form; skips one that is neither text nor a short number. After an unknown form, the cursor is no longer
+/// good.
 FormValue read_form(Cursor& cursor, std::uint32_t form, const LineSections& sections) {
   switch (static_cast<Form>(form)) {
     case Form::string:
@@ -129,13 +129,13 @@ FormValue read_form(Cursor& cursor, std::uint32_t form, const LineSections& sect
   return {};
 }
 
-/// A file, or a folder, of a unit.
+/// A file or a folder of a unit.
 struct Entry {
   std::string_view path;
   std::uint32_t folder = 0;
 };
 
-/// Version 5: reads entries whose fields are described by a list.
+/// Reads the entries of version 5, whose fields are described by a list.
 std::vector<Entry> described_entries(Cursor& cursor, const LineSections& sections) {
   struct Field {
     std::uint32_t content, form;
@@ -160,7 +160,8 @@ std::vector<Entry> described_entries(Cursor& cursor, const LineSections& section
   return entries;
 }
 
-/// The folders and files of a unit. Folder 0 is that in which the compiler ran; before version 5 it has no name here.
+/// The folders and files of a unit. Folder 0 is the one in which the compiler ran. Before version 5, the table does not
+/// contain its name.
 struct FileTable {
   std::vector<Entry> folders;
   std::vector<Entry> files;
@@ -173,7 +174,7 @@ struct FileTable {
     const auto first = folders.empty() ? std::string_view() : folders.front().path;
     for (auto folder = file.folder; !path.starts_with('/') && folder < folders.size(); folder = 0) {
       const auto& name = folders[folder].path;
-      // -ffile-prefix-map can make folder 0 and the others relative to one place.
+      // With -ffile-prefix-map, folder 0 and the other folders may be relative to the same place.
       const bool is_inside = folder == 0 && !first.empty() && path.starts_with(first);
       if (!name.empty() && !is_inside) path.insert(0, "/").insert(0, name);
       if (folder == 0) break;

@@ -31,7 +31,8 @@ struct LineRange {
   std::uint32_t line = 0;
 };
 
-/// Returns the ranges of all statements' lines, in the order of the sections. Damaged units end early.
+/// Returns the ranges of all statements' lines, in the order of the sections. The list of a damaged unit ends at the
+/// damage.
 std::vector<LineRange> all_lines(const LineSections& sections);
 
 /// Returns the source line of the instruction at `address`; nullopt if the sections do not contain it or are damaged.

@@ -71,7 +71,8 @@ struct CoreActivity {
   }
 };
 
-/// Energy of one more unit of each of a hart's counts [J], while settings and all other counts stay the same.
+/// Increase of the energy [J] if one of a hart's counts increases by one, while settings and all other counts stay the
+/// same.
 struct CountEnergy {
   double cycle_j = 0;
   double instruction_j = 0;  // per femtojoule at the reference point
@@ -151,7 +152,7 @@ struct PowerState {
   }
 };
 
-/// The size of each part.
+/// The sizes that the energies of the parts depend on.
 struct Inventory {
   std::uint32_t fc_memory_bytes = 0;  // memories of the fabric controller's domain, with L2
   std::uint32_t l1_bytes = 0;
@@ -168,8 +169,8 @@ class EnergyMeter {
   /// Returns the energy of core `number` of the cluster for its instructions and accesses [J], beyond that of its gated
   /// clock. It is a part of the ledger.
   double core_j(unsigned number, const CoreActivity& now) const;
-  /// Returns the energy of one more unit of each count: for the fabric controller, as part of the ledger; for a core of
-  /// the cluster, as part of core_j().
+  /// Returns the energy of one more unit of each count. For the fabric controller, it is part of the ledger; for a core
+  /// of the cluster, it is part of core_j().
   CountEnergy per_count_of_fabric_controller(bool cluster_on) const;
   CountEnergy per_count_of_core() const;
   /// Changes the settings from `now` on. Must be called before a clock changes the meaning of cycles.

@@ -49,7 +49,7 @@ std::vector<Point> sorted_points(const data::Node& node) {
   return points;
 }
 
-/// Calls take(where, node) for each point of an axis. Records the errors that it throws.
+/// Calls take(where, node) for each point of an axis. Records errors that `take` throws.
 template <typename Take>
 void for_each_point(const data::Node& axis, const Take& take) {
   for (const auto& point : sorted_points(axis)) {

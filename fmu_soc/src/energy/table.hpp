@@ -23,7 +23,7 @@ struct OperatingPoint {
 /// frequency first, then voltage, then temperature. An axis with one point is constant.
 class EnergyTable {
  public:
-  /// Reads a table. Its unit must be `unit`; its values are multiplied by `scale`. Records mistakes in the node's
+  /// Reads a table, whose unit must be `unit`, and multiplies its values by `scale`. Records mistakes in the node's
   /// document.
   static EnergyTable read(const data::Node& node, std::string_view unit, double scale);
 

@@ -51,7 +51,7 @@ Settings settings_of(const Parameters& parameters) {
   return settings;
 }
 
-/// Returns the firmware in the FMU's resources that runs by default; empty if there is none.
+/// Returns the default firmware in the FMU's resources; empty if there is none.
 constexpr std::string_view firmware_inside() {
   return MEBOTS_SOC_FIRMWARE;
 }
@@ -77,7 +77,7 @@ Elf firmware_with_network(const Parameters& parameters, const BoardDescription& 
   }
 }
 
-/// A bare name selects a program inside the FMU, if it exists; anything else is a path.
+/// A name without folders selects a program inside the FMU, if there is one of this name. Any other text is a path.
 Elf firmware_of(const Parameters& parameters, const std::filesystem::path& resources, const BoardDescription& board) {
   if (!parameters.network.empty()) return firmware_with_network(parameters, board);
   if (parameters.firmware.empty()) {
@@ -202,7 +202,7 @@ void Model::take_inputs() {
   soc_.begin_step();
 }
 
-/// `step_s`: duration of the completed step; 0 if there is none.
+/// Writes the outputs. `step_s` is the duration of the completed step; 0 if there is none.
 void Model::write(double step_s) {
   auto& outputs = variables_.outputs;
   const auto& counters = soc_.hart().counters();

@@ -20,9 +20,9 @@ namespace mebots::soc {
 /// the end of the step. The outputs at the end contain the requests of those instructions.
 class Model {
  public:
-  /// Reads the board file in `resources`, and the firmware: the parameter's file, or the one in `resources`.
-  /// `variables` contains the variables of the board's devices, and must not move. Throws Error that names parameter or
-  /// file, value and limit.
+  /// Reads the board file in `resources` and the firmware. The firmware is the file that the parameter names, or the
+  /// one in `resources`. `variables` contains the variables of the board's devices, and must not move. Throws Error
+  /// that names parameter or file, value and limit.
   Model(Variables& variables, const std::filesystem::path& resources, Listeners listeners);
   /// Completes the files of the observe.* parameters.
   ~Model();

@@ -64,7 +64,7 @@ bool BlockCache::fetch(const Memory& memory, std::uint32_t pc, std::uint32_t& wo
   return true;
 }
 
-/// Makes the slot of an instruction, except for the sums over the instructions before it.
+/// Fills the slot of an instruction, except the fields that are sums over the instructions before it.
 Instruction BlockCache::instruction_of(const Decoded& decoded, std::uint32_t pc) const {
   Instruction instruction;
   instruction.run = handler_of(decoded.op, decoded.operand);
@@ -111,13 +111,12 @@ struct BlockCache::Decoding {
 };
 
 /// True if the block should end before the next instruction. It ends where another block begins and at a target of one
-/// of its own branches, because two blocks that overlap cost more than a step from one block into the next.
-/// Where code is translated, it also ends after a backward branch. The code after a loop would otherwise count in the
-/// time bound and in the lines of each iteration.
-/// It does not end before code that jumps within two instructions: the cycles of such a jump depend on the instructions
-/// before it.
+/// of its own branches, because two blocks that overlap cost more than a step from one block into the next. If its code
+/// is translated, the block also ends after a backward branch. Otherwise, the time bound and the lines of each
+/// iteration would include the code after the loop. The block does not end before code that jumps within two
+/// instructions: the cycles of such a jump depend on the instructions before it.
 bool BlockCache::ends_here(const Decoding& decoding) const {
-  // The cycles of the next block's first two instructions depend on two instructions of this one.
+  // The cycles of the next block's first two instructions depend on two instructions of this block.
   if (!end_at_targets_ || decoding.sums.index < 2) return false;
   const auto pc = decoding.block.end;
   if (const auto number = known(pc); number != 0) return !blocks_[number].early_jump;
@@ -195,7 +194,7 @@ void BlockCache::end_block(Decoding& decoding) {
   end.run = handler_of(end.op);
   MEBOTS_ASSERT(sums.index > 0 && end.run != nullptr);
   end.pc = block.end;
-  arena_[block.first + sums.index + 1] = Instruction{};  // its `link` is the one of a loop's next iteration
+  arena_[block.first + sums.index + 1] = Instruction{};  // `link` holds the block of a loop's next iteration
   arena_used_ += sums.index + 2U;
   decoded_ += sums.index;
   if (cached_lines_ != nullptr) {
@@ -261,8 +260,9 @@ void BlockCache::invalidate(std::uint32_t number) {
   if (listener_ != nullptr) listener_->invalidated(number);
 }
 
-/// Invalidates every block that overlaps one of the words. Marks are by word, so afterwards none of them is marked. A
-/// block begins in the page of its last byte or in the page before.
+/// Invalidates every block that overlaps one of the words. A mark covers a whole word, so afterwards none of these
+/// words is marked. No block is longer than a page. Therefore a block that contains a byte begins in the page of that
+/// byte or in the page before.
 void BlockCache::invalidate_overlapping(std::uint32_t address, std::uint32_t count) {
   MEBOTS_ASSERT(count > 0);
   const auto last = (address + (count - 1)) | 3U;

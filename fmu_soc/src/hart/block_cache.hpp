@@ -24,7 +24,7 @@ struct InstructionEnergy {
   std::array<std::uint32_t, kOpCount> fj{};
 };
 
-/// Settings of all harts that share decoded code. Cache and banks outlive it.
+/// Settings of all harts that share decoded code. The instruction cache and the banks must outlive the settings.
 struct CodeSettings {
   Timing timing = {};
   InstructionEnergy energy = {};
@@ -33,17 +33,17 @@ struct CodeSettings {
   bool loose_limit = false;
   InstructionCache* instruction_cache = nullptr;  // of the fetches; null = fetching never waits
   Banks* banks = nullptr;                         // of the first memory, if several users share it; null = one user
-  bool translate = true;  // hot code to host code, where possible; the counts are the same without
+  bool translate = true;                          // translate hot code; no count depends on this
 };
 
-/// Settings of one hart, which never change; CodeSettings has those that harts share.
+/// Constant settings of one hart. CodeSettings has the settings that harts share.
 struct HartSettings {
   std::uint32_t id = 0;  // mhartid
-  /// Traps enter the address written to mtvec, also if the core clears some of its low bits.
+  /// True if a trap jumps to the address written to mtvec, although mtvec reads back with some low bits cleared.
   bool keeps_written_mtvec = false;
-  /// With these, the core has GAP8's 32 interrupt lines of an event unit. At most one line is up, and mie is not used.
-  /// The vectors are at mtvec, whose low eight bits are 0; those of exceptions follow. Source: RI5CY's user manual of
-  /// 2018, chapters on exceptions and CSRs.
+  /// If true, the core has GAP8's 32 interrupt lines, which come from an event unit. At most one line is active at a
+  /// time, and mie is not used. The vectors of interrupts start at mtvec, whose low eight bits are 0; the vectors of
+  /// exceptions follow. Source: RI5CY's user manual of 2018, chapters on exceptions and CSRs.
   bool has_gap8_interrupts = false;
 };
 
@@ -53,7 +53,7 @@ struct Block {
   std::uint32_t end = 0;                // address after it
   std::uint32_t first = 0;              // index of its first Instruction
   std::uint32_t last_start_bound = 0;   // most cycles to its last instruction's start with all lines present
-  std::uint32_t line_count = 0;         // of the instruction cache; 0 without one
+  std::uint32_t line_count = 0;         // number of its lines in the instruction cache; 0 if there is no cache
   const std::uint8_t* lines = nullptr;  // one byte per line: 1 = present
   bool begins_across = false;           // its first instruction is in two lines
   bool unaligned = false;               // starts with a 32-bit instruction at 2 mod 4
@@ -68,8 +68,8 @@ struct Block {
   /// Marks an invalidated block. No pc is odd.
   static constexpr std::uint32_t kInvalid = 1;
   bool valid() const { return pc != kInvalid; }
-  /// True if translated code should expect to fetch lines at its start. Each line is absent at its first use, so a few
-  /// absences do not count.
+  /// True if translated code should expect to fetch lines at the start of the block. Each line is absent at its first
+  /// use, so a few absences do not count.
   bool is_often_absent() const { return 2 * absences > heat + kFewAbsences; }
   static constexpr int kFewAbsences = 8;  // of the 64 turns after which a block is hot
   /// Returns the stall of its first instruction after a load.
@@ -94,8 +94,8 @@ class BlockCache {
   static constexpr std::uint32_t kMaxBlockLength = 64;
   static constexpr std::uint32_t kMaxBlocks = 1U << 16;
 
-  /// Reserves a mark of the memory, which must outlive it. `for_translation`: ends blocks where translated code needs
-  /// it, else where the interpreter needs it. All else is the same.
+  /// Reserves a mark of the memory, which must outlive the cache. If `for_translation` is true, blocks end where
+  /// translated code needs it, otherwise where the interpreter needs it.
   BlockCache(Memory& memory, const CodeSettings& settings, bool for_translation);
 
   const Timing& timing() const { return timing_; }
@@ -136,12 +136,12 @@ class BlockCache {
     return std::exchange(arena_[index_of(at)].run, handler);
   }
 
-  /// Decodes one instruction and the end of a block for this pipeline. If it cannot be fetched, returns null. The
-  /// result is kept until code changes, because loops need the same instructions often.
+  /// Decodes one instruction and the end of a block for the given state of the pipeline. If the instruction cannot be
+  /// fetched, returns null. The result is kept until code changes, because loops need the same instructions often.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
   /// Ends blocks after the instruction at `pc`, the last one of a hardware loop. Returns true if blocks did not end
-  /// there before. Blocks that continue after it become invalid at the next check.
+  /// there before. Blocks that continue after it become invalid at the next forget_if_stale().
   bool end_block_at(std::uint32_t pc);
 
   /// True if blocks end at `pc`, because it may be the last instruction of a hardware loop.
@@ -163,7 +163,7 @@ class BlockCache {
   /// Sets the most wait cycles of one bus access of the core. Bounds keep the largest value ever set, so that a memory
   /// whose supply is switched needs no new decoding.
   void set_longest_wait(std::uint32_t cycles);
-  /// Returns the instruction cache; null without one.
+  /// Returns the instruction cache; null if there is none.
   const InstructionCache* fetched() const { return cached_lines_; }
   /// Returns the most cycles from the start of the block to the start of its last instruction, if all lines must be
   /// fetched.

@@ -13,7 +13,7 @@ struct Row {
   unsigned number;
   unsigned count;
   std::string_view name;
-  unsigned first;  // number of the first one in the name
+  unsigned first;  // number that the first register has in its name
   Core core;
 };
 

@@ -17,8 +17,8 @@ namespace mebots::soc::csr {
 /// mstatus.FS = Dirty. A core has Off and Dirty alone: writing Initial or Clean sets Dirty.
 inline constexpr std::uint32_t kFloatsOn = 3U << 13;
 
-/// Which cores have the registers of a row.
-/// `floats`: F or Zfinx; `user`: U mode; `pmp`: entries of physical memory protection.
+/// The cores that have the registers of a row. `floats`: cores with F or Zfinx; `user`: with U mode; `pmp`: with
+/// entries of physical memory protection.
 enum class Core : std::uint8_t { every, ri5cy, gap8, floats, user, pmp };
 
 /// The numbers of one row's registers. All registers of the table have consecutive slots.

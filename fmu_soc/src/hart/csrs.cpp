@@ -134,7 +134,7 @@ constexpr std::array<Csrs::Rows::Row, csr::kPlaces.size()> Csrs::Rows::kAll = []
   return rows;
 }();
 
-/// If two rows have a number, RI5CY's own row is used on RI5CY.
+/// If two rows have the same number, the row for RI5CY is used on RI5CY.
 constexpr std::array<std::array<std::uint8_t, Csrs::Rows::kNumbers>, Csrs::Rows::kCores> Csrs::Rows::kRowOf = [] {
   std::array<std::array<std::uint8_t, kNumbers>, kCores> row_of{};
   for (std::size_t core = 0; core < kCores; ++core) {
@@ -270,11 +270,11 @@ const Instruction* Csrs::access(const Instruction* at) {
   const auto operand = immediate ? at->rs1 : e.x[at->rs1];
   const bool replace = at->op == Op::csrrw || at->op == Op::csrrwi;
   const bool set = at->op == Op::csrrs || at->op == Op::csrrsi;
-  // Set and clear with x0 (or 0) only read; replace into x0 only writes. RI5CY writes its event counters back even
+  // csrrs and csrrc with x0 (or 0) only read; csrrw into x0 only writes. RI5CY writes its event counters back even
   // then. That write replaces the count of this instruction.
   const bool writes = replace || at->rs1 != 0 || (timing_.has_xpulp() && is_event_counter(number));
 
-  // The instruction reads counters of the instructions before it.
+  // Adds the instructions before this one to the counters, because the access may read them.
   const auto saved = e.counters;
   const bool counted = counts_events_;
   e.counters.instructions += at->index;

@@ -44,7 +44,7 @@ class Csrs {
   void set_interrupts(std::uint32_t lines);
   /// Returns the lines that are pending and enabled.
   std::uint32_t pending() const { return word<csr::kMip>() & word<csr::kMie>(); }
-  /// True if the core now takes one of these interrupts (mstatus).
+  /// True if an interrupt is pending and enabled, and mstatus lets the core take it now.
   bool interrupt_ready() const { return interrupt_ready_; }
   bool interrupts_enabled() const {
     return (state_.interrupts_on || state_.mode == Mode::user) && word<csr::kMie>() != 0;
@@ -61,7 +61,7 @@ class Csrs {
   bool is_guarded() const { return guarded_; }
   /// True if an event other than cycles and instructions is counted: then each instruction is accounted for.
   bool counts_events() const { return counts_events_; }
-  /// Returns the exception of an ecall.
+  /// Returns the cause of the exception that an ecall raises in the present mode.
   std::uint32_t call_cause() const;
 
   /// Returns the base address of the handlers; bit 0 is set if interrupts are vectored.
@@ -100,7 +100,7 @@ class Csrs {
     return state_.words[csr::slot_of(kNumber)];
   }
 
-  // The functions named in the table.
+  // The functions that the table csrs.inc names.
   std::uint32_t id() const { return id_; }
   std::uint32_t zero() const { return 0; }
   std::uint32_t misa() const;

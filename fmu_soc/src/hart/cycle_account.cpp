@@ -106,7 +106,7 @@ void CycleAccount::share_jump(CycleShares& shares, const Decoded& jump) {
   shares[CycleCause::jump_register] += decoded_ - own - load;
 }
 
-/// Divides the cycles that execution has added.
+/// Divides the cycles that were not known from decoding among their causes.
 void CycleAccount::share_extra(CycleShares& shares, const Retired& instruction, std::int32_t extra) const {
   const auto op = instruction.decoded.op;
   const auto& access = instruction.access;

@@ -14,30 +14,30 @@ namespace mebots::soc {
 /// that are observed or count events use it.
 ///
 /// The cycles from one retired instruction to the next are: waits for cache lines, entries of traps, a cycle for an
-/// unaligned target, the cycles that follow from decoding (with stalls), and those that execution added.
+/// unaligned target, the cycles known from decoding (with stalls), and those that depend on the execution.
 class CycleAccount {
  public:
   CycleAccount(const Execution& execution, const Timing& timing) : execution_(execution), timing_(timing) {}
 
-  /// Starts at the core's present counts.
+  /// Starts a new account at the core's present counts.
   void restart();
-  /// A trap was taken; the cycles of its entry follow.
+  /// Called when a trap is taken; the cycles of its entry follow.
   void entered_trap() { trap_cycles_ += kTrapEntryCycles; }
 
-  /// Called before an instruction runs. `start`: the cycle in which it starts, before its stall; it includes waits for
-  /// its lines. `decoded`: its cycles as far as decoding determines them, with its stall.
+  /// Called before an instruction runs. `start` is the cycle in which the instruction starts, after waits for its cache
+  /// lines and before its stall. `decoded` is the number of its cycles that is known from decoding, with its stall.
   void begin(std::uint64_t start, std::uint32_t decoded);
-  /// The same for an instruction that runs alone, whose lines have not been fetched yet.
+  /// As begin(), for an instruction that runs alone and whose lines have not been fetched yet.
   void begin_alone(std::uint32_t decoded);
-  /// Called after the instruction has retired and was counted. `hidden`: cycles of the following jump that are
-  /// subtracted from this instruction. Sets the instruction's cycles.
+  /// Called after the instruction has retired and was counted. Sets the instruction's cycles. `hidden` is the number of
+  /// cycles of the following jump that are subtracted from this instruction.
   void retire(Retired& instruction, std::uint32_t hidden);
-  /// Adds the events of the instruction that retired last. `external`: the core counts accesses outside its first
-  /// memory.
+  /// Adds the events of the instruction that retired last. `external` is true if the core counts accesses outside its
+  /// first memory.
   void count_events(EventCounts& events, const Retired& instruction, bool external) const;
 
  private:
-  /// Counts at one moment.
+  /// The counts of the core at one moment.
   struct Mark {
     std::uint64_t cycles = 0;
     std::uint64_t fetch_cycles = 0;

@@ -8,7 +8,7 @@
 
 namespace mebots::soc {
 
-/// The cause of a cycle. Each active cycle of a core has one.
+/// The cause of a cycle. Each active cycle of a core has exactly one cause.
 enum class CycleCause : std::uint8_t {
   base,             // one cycle per retired instruction
   load_use,         // a load has not delivered its register yet
@@ -25,7 +25,7 @@ enum class CycleCause : std::uint8_t {
   far_memory,       // latency and conflicts of the other memories: L2 of a cluster
   device,           // waits for registers of devices, the DMA's among them
   trap,             // entry and return of traps and interrupts
-  other,            // nothing of these; always 0 unless the account is wrong
+  other,            // no known cause; always 0 unless the account is wrong
 };
 inline constexpr std::size_t kCycleCauses = static_cast<std::size_t>(CycleCause::other) + 1;
 

@@ -24,8 +24,9 @@ std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
   return value;
 }
 
-/// Returns the cycles from `cycle` on for which the table of banks has rows. After them, the interpreter treats all
-/// banks as free and claims none. Translated code does not check its position, so it must not get there.
+/// Returns the cycles from `cycle` on for which the table of banks has rows. In later cycles, the interpreter treats
+/// all banks as free and claims none. Translated code does not check its position in the table, so it must end before
+/// the last row.
 std::uint64_t bank_cycles_left(const Execution& e, std::uint64_t cycle) {
   if (const auto* shared = e.ram[0].banks; shared != nullptr) return shared->cycles_left(cycle);
   MEBOTS_ASSERT(cycle >= e.counters.cycles);
@@ -184,7 +185,7 @@ std::uint8_t* DataPath::atomic_word(const Instruction* at, std::uint32_t address
   return region.data.get() + (place - region.base);
 }
 
-/// Ends an atomic operation that has stored.
+/// Completes an atomic operation after its store.
 const Instruction* DataPath::stored_atomic(const Instruction* at, std::uint32_t address) {
   const auto place = address - port_of(address, 4)->moved;
   const auto* next = memory_.marked(place, 4, 0xff) ? stored_over_mark(at, place, 4) : at + 1;

@@ -27,25 +27,26 @@ struct MemoryPort {
 /// code or watched words.
 class DataPath {
  public:
-  /// If `finishes_block` is set, a block that stores into code runs to its end unchanged. It is invalidated afterwards.
+  /// If `finishes_block` is true, a block that stores into code runs to its end unchanged, and is invalidated
+  /// afterwards.
   DataPath(Execution& execution, Memory& memory, Bus& bus, bool finishes_block)
       : execution_(execution), memory_(memory), bus_(bus), finishes_block_(finishes_block) {}
 
   /// Sets the memories of the core. Returns true if the fast memories changed, or a wait that translated code contains.
   bool connect(std::span<const MemoryPort> ports);
-  /// Sets the banks of the first memory, at all its addresses; null: no other user.
+  /// Sets the banks of the first memory, for all its addresses; null if the core is the only user.
   void share_first(BankSchedule* banks);
   std::uint32_t longest_wait() const;
 
   /// Switches the fast path off, so that each access is checked against the rights of its mode; or on again.
   void guard(bool guarded);
 
-  // Execute an instruction. They return what its handler returns.
+  // These functions execute an instruction, and return what its handler returns.
   const Instruction* load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
   const Instruction* store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
   /// p.elw
   const Instruction* event_load(const Instruction* at);
-  /// lr.w and sc.w
+  /// The instructions lr.w and sc.w.
   const Instruction* load_reserved(const Instruction* at, std::uint32_t address);
   const Instruction* store_conditional(const Instruction* at, std::uint32_t address, std::uint32_t value);
   /// amo*.w: stores `combine(word, value)`, and loads the word that was there before.
@@ -56,8 +57,8 @@ class DataPath {
 
  private:
   bool forbids(std::uint32_t address, unsigned size, Pmp::Access access) const;
-  /// Returns the word of an atomic operation, after its waits. If it is misaligned, forbidden or no RAM, raises the
-  /// exception and returns null.
+  /// Returns the word of an atomic operation, after its waits. If the address is misaligned, forbidden or outside RAM,
+  /// raises the exception and returns null.
   std::uint8_t* atomic_word(const Instruction* at, std::uint32_t address, bool only_loads);
   const Instruction* stored_atomic(const Instruction* at, std::uint32_t address);
   const MemoryPort* port_of(std::uint32_t address, unsigned size) const;

@@ -115,18 +115,19 @@ inline constexpr const std::uint8_t* kNoResumePoint = nullptr;
 /// Value of MXCSR without flags: rounds to nearest, no exceptions, and no number is flushed to zero.
 inline constexpr std::uint32_t kFloatControl = 0x1f80;
 
-/// Data exchanged with translated code.
+/// Data that the interpreter and translated code exchange.
 struct HostState {
-  /// First and last value of its cycle count. It counts down the cycles that may start, to 0; where banks are shared,
-  /// it is an address that moves from one row of their table to another.
+  /// First and last value of the cycle count of translated code. The count is the number of cycles that may still
+  /// start, and falls to 0. If banks are shared, it is an address instead, which moves from row to row of the table of
+  /// banks.
   std::uint64_t begin = 0;
   std::uint64_t end = 0;
-  /// Address at which translated code resumes after it was left at its limit. Null if that is not possible, or if
-  /// anything has changed since.
+  /// Address at which translated code resumes after it stopped at its limit. Null if it cannot resume there, or if
+  /// state has changed since.
   const std::uint8_t* resume_point = nullptr;
   /// The next hart of the round; null = none. Translated code continues with that hart without a return to the caller.
-  /// `resume_point_of_next` points to that hart's resume point, or to a null one. The host needs this first, for an
-  /// indirect jump that it cannot predict.
+  /// `resume_point_of_next` points to that hart's resume point, or to a null one. It is loaded first, because the host
+  /// cannot predict the indirect jump to it.
   Execution* next = nullptr;
   const std::uint8_t* const* resume_point_of_next = &kNoResumePoint;
   std::uint64_t instructions = 0;  // of the last run; upper half: loads and stores
@@ -137,11 +138,11 @@ struct HostState {
   std::uint64_t slow_load_when = 0;  // `instructions` at that time; if equal now, the load is in the present block
   std::uint64_t tick_offset = 0;     // active cycle c of the hart is tick c + offset of shared units
   bool alone = false;                // true if no other core uses the banks: then the table need not be read
-  // The host's unit for floats (MXCSR) before translated code, in it, and after it:
+  // The host's control register of floating-point operations (MXCSR): outside of translated code, in it, and after it.
   std::uint32_t float_control_outside = 0;
   std::uint32_t float_control = kFloatControl;
   std::uint32_t float_control_after = kFloatControl;
-  // Record of steps between functions:
+  // Record of the steps between functions.
   Flow* flow = nullptr;              // next entry to write
   std::uint64_t position = 0;        // the cycle count at the end of the last run
   std::uint64_t instruction_fj = 0;  // energy of the last run
@@ -160,7 +161,7 @@ struct HartUnits {
 };
 
 /// The state of a core that its handlers and translated code change, and the block in progress. During a block, the
-/// counters and the pipeline are those of its start.
+/// counters and the pipeline have their values at the start of the block.
 struct Execution {
   /// x0 to x31, then f0 to f31. x[0] stays 0; the last element receives the values written to x0.
   std::array<std::uint32_t, kNoRegister + 1> x{};
@@ -201,9 +202,10 @@ struct Execution {
   /// Drops the resume point, so that the next run starts in the interpreter.
   void drop_resume_point() { host.resume_point = nullptr; }
 
-  // Functions on the block in progress. Those that leave the block return null, and the handler returns that.
+  // Functions for the block in progress. A function that leaves the block returns null, and the handler returns that
+  // null.
 
-  /// Begins a block. `stall`: stall cycles of its first instruction after a load.
+  /// Begins a block. `stall` is the number of stall cycles of its first instruction after a load.
   void begin_block(std::uint32_t cycles, std::uint32_t stall, const Instruction* slow_load_before) {
     extra_cycles = cycles + stall;
     first_stall = stall;
@@ -211,7 +213,7 @@ struct Execution {
     slow_load = slow_load_before;
   }
   /// Resumes a block at an instruction that is not its first. The counters already contain the instructions before it,
-  /// so they are set back to the start of the block. They are wrong until the block is finished.
+  /// so they are set back by their amount. Until the block is finished, the counters are not valid.
   void begin_block_inside(const Instruction* at);
   std::uint32_t stalled_before(const Instruction* at) const { return at->index == 0 ? first_stall : 0U; }
   /// Returns the active cycle in which an instruction starts.

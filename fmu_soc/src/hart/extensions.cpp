@@ -38,9 +38,9 @@ constexpr std::uint32_t kImmediate = 0x13;
 constexpr std::uint32_t kRegister = 0x33;
 constexpr std::uint32_t kSystem = 0x73;
 
-/// The first row that matches gives the instruction.
+/// A word is decoded as the first row that it matches.
 constexpr auto kRows = std::to_array<Row>({
-    // Atomic memory operations
+    // Atomic memory operations.
     {kFunct5, amo(0x00), {"amoadd.w", "A"}},
     {kFunct5, amo(0x01), {"amoswap.w", "A"}},
     {kFunct5, amo(0x02), {"lr.w", "A"}},
@@ -136,7 +136,7 @@ constexpr auto kRows = std::to_array<Row>({
     {kFunct7, op(kRegister, 5, 0x07), {"czero.eqz", "Zicond"}},
     {kFunct7, op(kRegister, 7, 0x07), {"czero.nez", "Zicond"}},
     {kTop6, op(kImmediate, 1, 0x08), {"a hash operation", "Zknh"}},
-    // Caches and privilege
+    // Instructions for caches and privilege.
     {kFunct3, op(0x0f, 2), {"a cache-block operation", "Zicbom or Zicboz"}},
     {kAll, 0x10200073, {"sret", "S"}},
     {kAll, 0x00200073, {"uret", "N"}},
@@ -221,7 +221,7 @@ std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_v
   const auto or_xpulp = is_xpulp ? ", or an instruction of Xpulp v2 for a core ri5cy" : "";
   const auto built =
       architecture.empty() ? std::string() : fmt::format("; the program was compiled for {}", architecture);
-  // The generic core may have the extension. A core of a board gets it by the key isa.
+  // A generic core may get the extension by its ISA string; a core of a board gets it by the key isa.
   const auto option = optional_extension(foreign.extension);
   if (decode(word, has).encoding != nullptr) {
     return "this instruction is not allowed now: an operation on floats while mstatus.FS is Off or with a rounding "

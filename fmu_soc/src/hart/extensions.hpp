@@ -10,18 +10,19 @@
 /// Instructions of RISC-V extensions that the core lacks, for messages.
 namespace mebots::soc {
 
-/// An instruction, or the group that it belongs to, and its extension.
+/// An instruction, or the group to which it belongs, and its extension.
 struct ForeignInstruction {
   std::string_view name;       // "amoadd.w", "a load of a float"; empty: unknown
   std::string_view extension;  // "A", "RV64I"
 };
 
-/// Returns the instruction that a word is in other RISC-V cores; its name is empty if no ratified extension has one.
-/// Source: The RISC-V Instruction Set Manual, volumes I and II, 20240411, chapters of each extension.
+/// Returns the instruction that a word is in other RISC-V cores; its name is empty if the word is not an instruction of
+/// a ratified extension. Source: The RISC-V Instruction Set Manual, volumes I and II, 20240411, chapters of each
+/// extension.
 ForeignInstruction foreign_instruction(std::uint32_t word);
 
-/// Returns a text that names an illegal instruction and how to avoid it; empty if it is unknown. `has`: extensions of
-/// the core. `architecture`: that of the program, from Elf::architecture(), or empty.
+/// Returns a text that names an illegal instruction and how to avoid it; empty if the instruction is unknown. `has` are
+/// the extensions of the core. `architecture` is that of the program, from Elf::architecture(), or empty.
 std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_view architecture);
 
 }  // namespace mebots::soc

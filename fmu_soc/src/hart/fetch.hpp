@@ -40,8 +40,8 @@ class Fetch {
 };
 
 /// Predicts the value that a core is about to store at `address`: executes the next few instructions from `pc` with the
-/// registers `x`, without any effect. Returns nullopt if another store to the same eight bytes is first, or at an
-/// access to a device, a CSR or a trap.
+/// registers `x`, without any effect. Returns nullopt if another store to the same eight bytes comes first, or an
+/// access to a device or a CSR, or a trap.
 std::optional<std::uint32_t> upcoming_store(const Memory& memory, std::uint32_t pc, std::array<std::uint32_t, 32> x,
                                             std::uint32_t address);
 

@@ -41,10 +41,10 @@ constexpr std::uint8_t third_register(const Instruction& instruction) {
   return static_cast<std::uint8_t>(static_cast<std::uint32_t>(instruction.imm) >> 8);
 }
 
-/// Returns the handler of an operation with this kind of second operand.
+/// Returns the handler of an operation with a second operand of this kind.
 Handler handler_of(Op op, Operand operand = Operand::reg);
 
-/// Computes rd from rs1 and the second operand. compute_of() returns null if the operation is not such a function.
+/// Computes rd from rs1 and the second operand. compute_of() returns null if the operation does more than that.
 using Compute = std::uint32_t (*)(std::uint32_t a, std::uint32_t b);
 Compute compute_of(Op op);
 /// The condition under which a branch is taken; null for other operations.
@@ -70,7 +70,8 @@ struct Flow {
 };
 static_assert(offsetof(Flow, instruction_fj) == offsetof(Flow, instructions) + 8, "both are one vector register");
 
-/// Finds the steps that may enter another function. Calls and indirect jumps always may; they are not queried.
+/// Finds the steps that may enter another function. It is not called for calls and indirect jumps, which are always
+/// recorded.
 class FlowMap {
  public:
   FlowMap() = default;

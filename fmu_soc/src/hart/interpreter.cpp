@@ -59,9 +59,9 @@ bool Interpreter::resume_to_limit() {
   return true;
 }
 
-/// Runs a block one instruction at a time from `at`, whose lines are present. An instruction alone takes its static
-/// cycles in the block, except for a jump after a misaligned load: the load subtracts cycles of the jump, and the limit
-/// may lie between the two.
+/// Runs a block one instruction at a time from `at`. The lines of the block are present. An instruction that runs alone
+/// takes its static cycles in the block, except for a jump after a misaligned load: the load subtracts cycles of the
+/// jump, and the limit may lie between the two.
 void Interpreter::run_one_by_one(const Instruction* at) {
   MEBOTS_ASSERT(at != nullptr && walk_ == nullptr);
   auto& e = execution_;
@@ -128,14 +128,14 @@ bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   const auto wait = std::uint64_t{missing} * fetch_.cache()->refill_cycles();
   if (!limit_.admits(execution_.counters.cycles, block.last_start_bound + stall + wait)) return false;
   const auto* first = blocks_.instructions(block);
-  // The first instruction, like all others, is fetched before it stalls for a load.
+  // All instructions, also the first, are fetched before they stall for a load.
   execution_.begin_block(fetch_.fetch_lines(first, execution_.counters.cycles), stall, nullptr);
   execute_fetching(first);
   return true;
 }
 
-/// Runs an instruction whose line is present, and the rest of its block. Lines are fetched one by one: it runs to the
-/// next instruction that needs a line, and waits there.
+/// Runs an instruction whose line is present, and the rest of its block. Lines are fetched one by one: the core runs to
+/// the next instruction that needs a line, and waits there.
 void Interpreter::execute_fetching(const Instruction* at) {
   while (at != nullptr) {
     const auto* stop = fetch_.next_to_wait(at);

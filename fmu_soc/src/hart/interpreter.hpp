@@ -13,7 +13,7 @@
 namespace mebots::soc {
 
 /// The limit of a run: every instruction starts before active cycle `end`. With a loose limit, a block that starts
-/// before it runs to its end.
+/// before `end` runs to its own end.
 class RunLimit {
  public:
   explicit RunLimit(bool loose) : counted_(loose ? 0 : ~std::uint64_t{0}) {}
@@ -61,15 +61,17 @@ class Interpreter {
   /// Runs a block to the limit, or to its end. Its first instruction stalls for `stall` cycles after a load. Ignores
   /// the BlockWalk.
   void run_to_limit(const Block& block, std::uint32_t stall);
-  /// Continues at the instruction at which the last limit cut a block, up to the new limit. If the core is elsewhere
-  /// now, returns false without effect.
+  /// Continues at the instruction at which the last limit cut a block, up to the new limit. If the core is no longer at
+  /// that instruction, returns false without effect.
   bool resume_to_limit();
   /// Runs a block whose first instruction stalls for `stall` cycles. If the block might reach the limit, returns false
   /// without effect.
   bool run(const Block& block, std::uint32_t stall);
-  /// Runs a block, and then the linked blocks, as long as nothing else must be decided. Ignores the BlockWalk.
+  /// Runs a block and then the linked blocks, until a check between two blocks requires a return. Ignores the
+  /// BlockWalk.
   bool run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs);
-  /// Resumes a block that translated code has left after `wait_cycles` of waiting. `fetches`: lines may be absent.
+  /// Resumes a block that translated code has left after `wait_cycles` of waiting. `fetches` is true if lines may be
+  /// absent.
   void resume(const Instruction* at, std::uint32_t wait_cycles, std::uint32_t stall, const Instruction* slow_load,
               bool fetches);
 
@@ -83,7 +85,7 @@ class Interpreter {
   void run_one_by_one(const Instruction* at);
   void cut_at(const Instruction* at);
 
-  /// The instruction at which a limit cut a block. Valid while blocks and pipeline are unchanged.
+  /// The instruction at which a limit cut a block. It is valid while blocks and pipeline are unchanged.
   struct Cut {
     const Instruction* at = nullptr;  // null = none
     std::uint64_t generation = 0;     // of blocks
@@ -121,7 +123,7 @@ inline bool Interpreter::run(const Block& block, std::uint32_t stall) {
 inline bool Interpreter::run_linked(const Block& block, std::uint32_t stall, const Csrs& csrs) {
   MEBOTS_ASSERT(walk_ == nullptr, "with an observer, run() is used");
   if (!run(block, stall)) return false;
-  // Between linked blocks, only the limit, interrupts, PMP, code changes and the lines need a check.
+  // Between linked blocks, only the limit, interrupts, PMP, code changes and the cache lines need a check.
   auto& e = execution_;
   const auto& blocks = blocks_;
   const auto& limit = limit_;

@@ -38,7 +38,7 @@ struct Trapped {
   std::uint32_t value = 0;  // mtval
 };
 
-/// Code in which an observer needs no call per instruction.
+/// Code that runs without calls of the observer per instruction.
 struct QuietCode {
   std::uint32_t begin = 0;
   std::uint32_t size = 0;  // bytes; 0 = no such code
@@ -46,8 +46,8 @@ struct QuietCode {
   bool holds(std::uint32_t address) const { return address - begin < size; }
 };
 
-/// Observes a hart instruction by instruction. The hart calls it after each instruction; the counts are the same as
-/// without an observer. An observer must outlive the runs that it observes, and must not throw.
+/// Observes a hart instruction by instruction. The hart calls the observer after each instruction. The counts are the
+/// same as without an observer. An observer must outlive the runs that it observes, and must not throw.
 class Observer {
  public:
   Observer() = default;
@@ -55,17 +55,18 @@ class Observer {
   Observer& operator=(const Observer&) = delete;
   virtual ~Observer() = default;
 
-  /// Called before the instruction at the hart's pc, which may also trap. If it returns false, the run ends before the
-  /// instruction. With a loose limit, it ends before the next block for whose first instruction it returns false.
+  /// Called before the instruction at the hart's pc, which may also trap. If the function returns false, the run ends
+  /// before the instruction. With a loose limit, the run ends before the next block for whose first instruction it
+  /// returns false.
   virtual bool before(const Hart& /*hart*/) { return true; }
   virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
-  /// Returns code in which the observer needs no call. For instructions that start there and continue there, the hart
-  /// does not call retired() and before(), except for calls, indirect jumps and mret. The result is used until the next
-  /// call of a function that is not const.
+  /// Returns code in which the observer needs no call per instruction. For an instruction in this code whose successor
+  /// is also in it, the hart does not call retired() and before(), except for calls, indirect jumps and mret. The
+  /// result is used until the next call of a function that is not const.
   virtual QuietCode quiet() const { return {}; }
-  /// If not null, the observer only needs the steps that may enter another function. It may get them late, but before
-  /// any other event. Then hot code is translated and records these steps; before() is not called. The result must not
-  /// change while the observer is set.
+  /// If not null, the observer only needs the steps that may enter another function. Hot code is then translated, and
+  /// records these steps; before() is not called. The observer may get the steps late, but before any other event. The
+  /// result must not change while the observer is set.
   virtual const FlowMap* flow() const { return nullptr; }
   /// Called with steps that translated code has taken, in their order. The hart's counters are those after the last
   /// step.
@@ -74,7 +75,7 @@ class Observer {
   /// Called when the hart starts to wait for an interrupt, and when it continues.
   virtual void slept(const Hart& /*hart*/) {}
   virtual void woke(const Hart& /*hart*/) {}
-  /// Called when the hart is switched off or on. After it is switched on, it starts at its pc.
+  /// Called when the hart is switched off or on. After it is switched on, the hart starts at its pc.
   virtual void switched(const Hart& /*hart*/, bool /*on*/) {}
 };
 

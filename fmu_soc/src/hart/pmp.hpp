@@ -31,7 +31,7 @@ class Pmp {
 
   /// True if the mode may access all of the bytes.
   bool allows(std::uint32_t address, unsigned size, Access access, Mode mode) const;
-  /// True if the mode may access all addresses in every way, so that nothing needs a check.
+  /// True if the mode may access all addresses in every way. Then no access needs a check.
   bool allows_all(Mode mode) const;
 
   void visit(state::Visitor& v);

@@ -6,7 +6,8 @@
 
 namespace mebots::soc {
 
-/// The target of a load or store in fast RAM. Both null: not fast RAM, use the hart's slow path.
+/// The target of a load or store in fast RAM. If both pointers are null, the address is not in fast RAM, and the hart's
+/// slow path must make the access.
 struct RamAccess {
   std::uint8_t* data = nullptr;
   std::uint8_t* marks = nullptr;  // of the first word that the bytes touch
@@ -27,7 +28,7 @@ struct RamPlace {
   return {};
 }
 
-/// Counts an access to one word, without its bank.
+/// Counts an access to one word. Does not claim its bank.
 [[gnu::always_inline]] inline RamAccess count_access(Execution& e, const RamPlace& place) {
   MEBOTS_ASSERT(place.region != nullptr && place.offset < place.region->span);
   const auto& ram = *place.region;
@@ -46,9 +47,9 @@ template <unsigned Size>
   return count_access(e, place);
 }
 
-/// Finds the bytes of an access in the two fast regions and adds its wait cycles: latency, and the bank if it is
-/// shared. An access across two words is two bus accesses, each with its wait. The caller adds the extra cycle of the
-/// second one (kMisalignedExtra).
+/// Finds the bytes of an access in the two fast regions and adds the wait cycles of the access: latency, and waits for
+/// the bank if banks are shared. An access across two words is two bus accesses, and each waits. The caller adds the
+/// extra cycle of the second one (kMisalignedExtra).
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess ram_access(Execution& e, const Instruction* at, std::uint32_t address) {
   const auto place = find_ram(e, address);

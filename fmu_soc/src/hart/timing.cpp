@@ -41,7 +41,7 @@ unsigned jump_cycles(const Previous& two_before, const Previous& before, const C
   return needs_two_before ? 3 : 2;
 }
 
-/// The column `pace` of hart/csrs.inc.
+/// The values of the column `pace` of hart/csrs.inc.
 enum class Pace : std::uint8_t { quick, slow, slow_always };
 struct CsrPace {
   unsigned number;

@@ -22,11 +22,12 @@ namespace mebots::soc {
 /// aligned to 4 bytes, counters that run after reset, mtval written by exceptions.
 enum class CoreKind : std::uint8_t { cv32e40p, ri5cy, rv32imc };
 
-/// "cv32e40p", "ri5cy", "rv32imc"; nullopt for other names. The generic core may have an ISA string as its name.
+/// Returns the kind of "cv32e40p", "ri5cy" or "rv32imc"; nullopt for other names. The name of a generic core may also
+/// be an ISA string.
 std::optional<CoreKind> core_kind(std::string_view name);
 
-/// Differences between the cores. CSRs of CV32E40P: its user manual 1.8.3, chapter "Control and status registers", with
-/// the default of one event counter.
+/// Differences between the cores. Source of CV32E40P's CSRs: its user manual 1.8.3, chapter "Control and status
+/// registers", with the default of one event counter.
 struct Timing {
   CoreKind kind = CoreKind::ri5cy;
   Extensions options = {};   // beyond RV32IMC and what the kind always has
@@ -34,7 +35,7 @@ struct Timing {
 
   bool load_after_load_stalls() const { return kind == CoreKind::ri5cy; }      // same destination register
   bool store_offset_looks_like_rd() const { return kind == CoreKind::ri5cy; }  // imm[4:0] compared with the load's rd
-  /// True if an unaligned jump target costs nothing after this operation: it is fetched while the core is busy.
+  /// True if an unaligned jump target costs nothing after this operation, because it is fetched while the core is busy.
   bool hides_unaligned_target(Op before) const { return kind == CoreKind::ri5cy && is_multi_cycle(before); }
   /// Xpulp v2 in the encodings of RI5CY. (CV32E40P has its own.)
   bool has_xpulp() const { return kind == CoreKind::ri5cy; }
@@ -51,15 +52,15 @@ struct Timing {
 inline constexpr unsigned kTakenBranchExtra = 2;
 inline constexpr unsigned kUnalignedTargetExtra = 1;
 inline constexpr unsigned kMisalignedExtra = 1;
-/// Measured together with mret: 9 cycles. The split is our choice.
+/// Cycles of a trap's entry. Only their sum with the cycles of mret was measured: 9 cycles. The split is our choice.
 inline constexpr unsigned kTrapEntryCycles = 4;
 
 /// The state of an earlier instruction in the pipeline.
 struct Previous {
   Op op = Op::end_of_block;  // = nothing
   std::uint8_t rd = 0;       // 0 or kNoRegister = none
-  /// The register that a post-increment wrote, 0 = none; and kSlow if it took several cycles: mulh, div, misaligned
-  /// load.
+  /// The register that a post-increment wrote (0: none), and the bit kSlow if the instruction took several cycles:
+  /// mulh, div, misaligned load.
   std::uint8_t pointer_and_slow = 0;
 
   static constexpr std::uint8_t kSlow = 0x80;
@@ -90,7 +91,7 @@ constexpr Previous one_later(Previous before) {
   return before;
 }
 
-/// The instruction for static_cycles().
+/// An instruction, with the fields that static_cycles() needs.
 struct Current {
   Op op = Op::end_of_block;
   std::uint8_t rd = 0;
@@ -100,7 +101,7 @@ struct Current {
   std::int32_t imm = 0;
 };
 
-/// Returns the cycles of an instruction that is no jump, without stalls and without those that depend on data.
+/// Returns the cycles of an instruction other than a jump, without stalls and without cycles that depend on data.
 unsigned own_cycles(const Timing& timing, const Current& current);
 
 /// Returns the cycles of an instruction after the two before it, as far as decoding determines them. Excludes taken
@@ -108,14 +109,14 @@ unsigned own_cycles(const Timing& timing, const Current& current);
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
                        const Current& current);
 
-/// True if the instruction is a jump directly after a slow instruction. The jump is fetched meanwhile, and takes one
-/// cycle.
+/// True if the instruction is a jump directly after a slow instruction. Such a jump is fetched during the slow
+/// instruction, and takes one cycle.
 bool overlaps_slow(const Previous& slow, const Current& current);
 
-/// The most cycles that execution can add to `static_cycles`, apart from an unaligned target.
+/// Returns the most cycles that execution can add to static_cycles(), apart from an unaligned target.
 unsigned most_extra_cycles(Op op);
 
-/// Steps of the serial divider beyond kDivideBaseCycles.
+/// Returns the steps of the serial divider beyond kDivideBaseCycles.
 constexpr unsigned divide_extra_unsigned(std::uint32_t divisor) {
   return static_cast<unsigned>(std::countl_zero(divisor));
 }

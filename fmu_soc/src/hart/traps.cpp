@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Exceptions, interrupts, and the end of a core that cannot continue.
+// Takes exceptions and interrupts, and ends a core that cannot continue.
 #include "hart/traps.hpp"
 
 #include "hart/csr_numbers.hpp"
@@ -69,10 +68,10 @@ Traps::Progress Traps::progress_since_last(std::uint32_t cause) const {
   const auto& last = last_exception_;
   if (repeats_ == 0) return Progress::some;
   if (last.instructions == e.counters.instructions) return Progress::none;
-  // A handler of calls may call the same place repeatedly.
+  // Correct code may execute the same ecall repeatedly.
   const bool is_call = cause == cause::kMachineEcall || cause == cause::kUserEcall || cause == cause::kBreakpoint;
   if (is_call || last.pc != e.pc || last.cause != cause) return Progress::some;
-  // The exception occurred in its own handler, which pushes a frame each time.
+  // The exception occurred in its own handler, which pushes a stack frame each time.
   if (e.x[kStackPointer] < last.registers[kStackPointer]) return Progress::none;
   const auto same = std::equal(last.registers.begin() + 1, last.registers.end(), e.x.begin() + 1);
   if (!same) return Progress::some;

@@ -55,7 +55,7 @@ class Traps {
   /// Takes the exception that ended the last block. The cycles to its handler are not counted yet. Returns false if the
   /// core cannot continue (`fault`).
   bool take_exception();
-  /// Takes the first of the ready interrupts.
+  /// Returns the pending interrupt of the highest priority.
   unsigned next_interrupt() const;
   /// Enters the handler of an exception or interrupt. Returns false if its first instruction cannot be fetched, which
   /// ends the core.
@@ -76,8 +76,8 @@ class Traps {
     some,
   };
 
-  /// A handler may leave without mret, by longjmp for example. Therefore the next exception at the same pc is compared
-  /// with this one.
+  /// The state at the last exception, to compare with the next one at the same pc. This detects endless traps also in
+  /// handlers that leave without mret, for example by longjmp.
   struct LastException {
     std::uint32_t pc = 0;
     std::uint32_t cause = 0;

@@ -103,7 +103,7 @@ std::uint32_t overflowed(bool sign, Context& context) {
   return with_sign(sign, to_largest ? kLargest : kInfinity);
 }
 
-/// Rounds an exact value, whose lowest bit may be sticky.
+/// Rounds an exact value to a float. The value's lowest bit may be sticky: set because a lower bit was not 0.
 std::uint32_t pack(Exact value, Context& context) {
   if (value.significand == 0) return with_sign(value.sign, 0);
   value = normal(value);
@@ -112,7 +112,8 @@ std::uint32_t pack(Exact value, Context& context) {
   const auto [kept, inexact] = rounded(value.significand, weight - value.exponent, value.sign, context.rounding);
   if (inexact) {
     context.flags |= kInexact;
-    // The result is tiny if it is below the least normal number after rounding to all bits of the fraction.
+    // Tininess is detected after rounding: the result is tiny if the value, rounded to the full fraction, is below the
+    // least normal number.
     const bool below = exponent < kLeastExponent;
     const bool reaches = exponent == kLeastExponent - 1 &&
                          rounded(value.significand, kTop - kFractionBits, value.sign, context.rounding).value ==
@@ -133,12 +134,12 @@ std::uint32_t packed_sum(Exact a, Exact b, Context& context) {
   a = normal(a);
   b = normal(b);
   if (a.exponent < b.exponent || (a.exponent == b.exponent && a.significand < b.significand)) std::swap(a, b);
-  // The low bits of both significands are 0. If more than one bit of b is lost, the sum has enough bits above the lost
-  // ones.
+  // The low bits of both significands are 0. If more than one bit of b is lost, b is so small that the sum still has
+  // enough exact bits above the lost ones.
   const auto aligned = shift_right_sticky(b.significand, a.exponent - b.exponent);
   const auto sum = a.sign == b.sign ? a.significand + aligned : a.significand - aligned;
   if (sum == 0) return with_sign(zero_sign, 0);
-  // Leaves room for normal() if the sum has one more bit.
+  // The shift leaves space for normal() if the sum has one more bit.
   return pack({a.sign, a.exponent + 1, shift_right_sticky(sum, 1)}, context);
 }
 
@@ -173,7 +174,7 @@ constexpr std::int64_t order(std::uint32_t a) {
   return is_negative(a) ? -std::int64_t{a & ~kSign} - 1 : std::int64_t{a};
 }
 
-/// The rule of fmin.s and fmax.s for NaN; `chosen` is the result for two numbers.
+/// Applies the rule of fmin.s and fmax.s for NaN. `chosen` is the result for two numbers.
 std::uint32_t number_of(std::uint32_t a, std::uint32_t b, std::uint32_t chosen, Context& context) {
   if (is_signaling(a) || is_signaling(b)) context.flags |= kInvalid;
   if (is_nan(a) && is_nan(b)) return kCanonicalNan;

@@ -46,7 +46,7 @@ struct Context {
 
 std::uint32_t add(std::uint32_t a, std::uint32_t b, Context& context);
 std::uint32_t multiply(std::uint32_t a, std::uint32_t b, Context& context);
-/// a * b + c, rounded once.
+/// Returns a * b + c, rounded once.
 std::uint32_t multiply_add(std::uint32_t a, std::uint32_t b, std::uint32_t c, Context& context);
 std::uint32_t divide(std::uint32_t a, std::uint32_t b, Context& context);
 std::uint32_t square_root(std::uint32_t a, Context& context);

@@ -21,15 +21,16 @@ unsigned step_register(const Instruction* at) {
   return is_store(at->op) ? static_cast<unsigned>(at->imm) : at->rs2;
 }
 
-/// Jumps to `other` if the offset is outside the memory or misaligned. For words, `scratch` is then the number of the
-/// word.
+/// Jumps to `other` if the offset is outside the memory or misaligned. For accesses of a word, sets `scratch` to the
+/// number of the word.
 void check_address(Assembler& c, const Reg32& offset, const Reg32& scratch, const FastRegion& ram, unsigned size,
                    Label& other) {
   const auto bytes = ram.span + 3;
   if (size == 1) {
     c.cmp(offset, bytes);
   } else {
-    // After a rotation, a misaligned offset is out of range.
+    // A misaligned offset has low bits that are not 0. The rotation makes them high bits, so that one comparison finds
+    // misaligned offsets and offsets outside.
     const auto shift = static_cast<unsigned>(std::countr_zero(size));
     c.rorx(scratch, offset, static_cast<std::uint8_t>(shift));
     c.cmp(scratch, bytes >> shift);
@@ -58,7 +59,7 @@ Label emit_address(Assembler& c, const Instruction* at, unsigned size, Label& ot
   return inside;
 }
 
-/// Continues with a halfword in the middle of a word after a failed address check: it is a single access.
+/// Continues after a failed address check with a halfword in the middle of a word, which is a single access.
 void emit_middle_of_word(Assembler& c, unsigned size, Label& inside) {
   if (size != 2) return;
   Label other;
@@ -157,7 +158,7 @@ bool emit_load(Assembler& c, const Instruction* at) {
   auto inside = emit_address(c, at, size, other);
   c.cycles.claim_bank(at, size == 4);
   c.L(claimed);
-  // If the increment is the register that is loaded, its old value is needed.
+  // If the increment is in the register that is loaded, the old value of this register is needed.
   const bool is_own_step = traits_of(at->op).mode == AddressMode::post_register && step_register(at) == at->rd;
   const auto to = c.registers.place(at->rd, eax, is_own_step);
   const bool into_vector = size == 4 && c.registers.in_vector(at->rd) && !is_own_step;

@@ -50,7 +50,7 @@ struct Addresses {
   std::uint32_t moved;
 };
 
-/// A register with an offset or increment is in rs2; for stores, in imm.
+/// The register with the offset or increment is in rs2; for stores, its number is in imm.
 template <Mode kMode>
 [[gnu::always_inline]] inline Addresses addresses_of(const Execution& e, const Instruction* at, std::uint32_t in) {
   const auto base = e.x[at->rs1];

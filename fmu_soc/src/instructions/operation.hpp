@@ -38,8 +38,8 @@ struct Signature<R (*)(Arguments...)> {
   static constexpr std::size_t kCount = sizeof...(Arguments);
 };
 
-/// Returns the second operand. A scalar is copied into all parts. Some operations have a signed 5-bit value instead of
-/// rs2.
+/// Returns the second operand. A scalar is copied into all parts. In some encodings, a signed 5-bit value takes the
+/// place of rs2.
 template <Op kOp, Operand kFrom>
 [[gnu::always_inline]] inline Word second(const Execution& e, const Instruction* at) {
   if constexpr (kFrom == Operand::immediate) {
@@ -54,7 +54,7 @@ template <Op kOp, Operand kFrom>
   }
 }
 
-/// Runs a function of words. Its arguments, depending on their number, are rs1; rs1 and the second operand; these and
+/// Runs a function of words. A function of one argument gets rs1; of two, rs1 and the second operand; of three, also
 /// the immediate. An operation that reads rd gets it as the first argument. (rd = x0 is kNoRegister here, for reads and
 /// writes.)
 template <Op kOp, Operand kFrom, auto kExecute>
@@ -104,8 +104,8 @@ bool lower(translate::Assembler& c, const Instruction* at) {
 
 }  // namespace binding
 
-/// Returns the row of an operation whose encodings take the second operand from `kOperands`. For other operands, it has
-/// the handler of a register or, without one, of the first operand.
+/// Returns the row of an operation whose encodings take the second operand from `kOperands`. If an operand kind is
+/// missing, the row has the handler for a register there or, without one, for the first kind in `kOperands`.
 template <Op kOp, auto kExecute, Operand... kOperands>
 constexpr Operation operation(Lowering emit) {
   constexpr std::array kGiven{kOperands..., Operand::reg};

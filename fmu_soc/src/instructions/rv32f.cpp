@@ -49,7 +49,7 @@ const Instruction* run_exact(Execution& e, const Instruction* at, Compute comput
   return next(e, at);
 }
 
-// Loads, stores and moves
+// Loads, stores and moves.
 
 template <Op>
 const Instruction* execute_float_load(Execution& e, const Instruction* at) {
@@ -70,7 +70,7 @@ const Instruction* execute_float_move(Execution& e, const Instruction* at) {
 
 #ifdef MEBOTS_TRANSLATES
 /// Leaves the block if the floating-point unit is off, or if frm is not the host's rounding mode. Only an instruction
-/// that ends a block can change these, so the first operation on floats of a block checks for all.
+/// that ends a block can change these, so that the first floating-point operation of a block checks for all others.
 void emit_check(Assembler& c, const Instruction* at) {
   static_assert(offsetof(Execution, rounding) == offsetof(Execution, float_off) + 1);
   for (const auto* before = at - at->index; before != at; ++before) {
@@ -103,7 +103,8 @@ void emit_float_move(Assembler& c, const Instruction* at) {
 // Arithmetic
 
 #ifdef MEBOTS_TRANSLATES
-/// The host's own operations, which round to nearest. MXCSR collects the flags: see TranslatedRun::take_float_flags().
+/// Operations that the host executes. They round to nearest. MXCSR collects their flags: see
+/// TranslatedRun::take_float_flags().
 
 /// Returns false for a rounding mode other than the host's present one; the interpreter executes those.
 bool emit_rounding(Assembler& c, const Instruction* at) {
@@ -195,7 +196,7 @@ bool emit_fnmadd_s(Assembler& c, const Instruction* at) {
 const Instruction* execute_fadd_s(Execution& e, const Instruction* at) {
   return run_rounded(e, at, [&](Context& c) { return float32::add(e.x[at->rs1], e.x[at->rs2], c); });
 }
-/// a - b is a + -b; a NaN keeps its kind.
+/// a - b is computed as a + -b. A NaN must stay a quiet or signalling NaN.
 const Instruction* execute_fsub_s(Execution& e, const Instruction* at) {
   return run_rounded(e, at, [&](Context& c) { return float32::add(e.x[at->rs1], e.x[at->rs2] ^ kSign, c); });
 }
@@ -209,7 +210,7 @@ const Instruction* execute_fsqrt_s(Execution& e, const Instruction* at) {
   return run_rounded(e, at, [&](Context& c) { return float32::square_root(e.x[at->rs1], c); });
 }
 
-/// (+-a) * b + (+-c)
+/// Computes (+-a) * b + (+-c).
 const Instruction* run_multiply_add(Execution& e, const Instruction* at, Word product_sign, Word sum_sign) {
   const auto rs3 = third_register(*at);
   return run_rounded(e, at, [&](Context& c) {
@@ -301,7 +302,7 @@ bool emit_fcvt_s_wu(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Signs, comparisons, classes
+// Sign injection, comparisons and classes.
 
 const Instruction* execute_fsgnj_s(Execution& e, const Instruction* at) {
   return run_exact(e, at, [&](Context&) { return (e.x[at->rs1] & ~kSign) | (e.x[at->rs2] & kSign); });
@@ -341,7 +342,7 @@ void emit_sign(Assembler& c, const Instruction* at, Apply apply) {
   apply();
   c.registers.finish(at->rd, eax);
 }
-/// eax = its magnitude with the sign of ecx.
+/// Sets eax to its magnitude with the sign of ecx.
 void emit_join_sign(Assembler& c) {
   c.and_(eax, ~kSign);
   c.and_(ecx, kSign);
@@ -362,7 +363,7 @@ void emit_fsgnjx_s(Assembler& c, const Instruction* at) {
     c.xor_(eax, ecx);
   });
 }
-/// Leaves NaNs to the interpreter, and zeros, whose signs may differ.
+/// Leaves NaNs to the interpreter. Also leaves it zeros, because they may have different signs.
 template <typename Apply>
 void emit_extreme(Assembler& c, const Instruction* at, Apply apply) {
   emit_check(c, at);
@@ -394,7 +395,7 @@ void emit_feq_s(Assembler& c, const Instruction* at) {
   c.movzx(eax, al);
   c.registers.finish(at->rd, eax);
 }
-/// rs2 is compared with rs1, because an unordered result then looks like "below".
+/// The operands are exchanged: if rs2 is compared with rs1, an unordered result gives the flags of "below".
 template <typename Set>
 void emit_order(Assembler& c, const Instruction* at, Set set_al) {
   emit_check(c, at);

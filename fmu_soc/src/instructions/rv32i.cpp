@@ -35,7 +35,7 @@ void emit_auipc(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Jumps and branches
+// Jumps and branches.
 
 const Instruction* leave_to(Execution& e, const Instruction* at, Word target) {
   MEBOTS_ASSERT(is_jump(at->op) && at->rd != 0);
@@ -83,7 +83,8 @@ void emit_jal(Assembler& c, const Instruction* at) {
   if (at->rd != kNoRegister) c.registers.set(at->rd, at[1].pc);
   c.edges.jump(at, static_cast<std::uint32_t>(at->imm), at->rs2 == 0);
 }
-/// Returns false, which is rare, if a slow instruction before it hides the cost of an unaligned target (rs2).
+/// Writes host code for jalr. Returns false in a rare case: a slow instruction before the jalr hides the cost of an
+/// unaligned target (rs2).
 bool emit_jalr(Assembler& c, const Instruction* at) {
   if (at->rs2 != 0) return false;
   const auto base = c.registers.value(at->rs1, eax);
@@ -122,7 +123,7 @@ void emit_end_of_block(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Operations with an immediate
+// Operations with an immediate.
 
 constexpr Word execute_addi(Word a, Word b) {
   return a + b;
@@ -206,7 +207,7 @@ void emit_srai(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Operations with two registers
+// Operations with two registers.
 
 constexpr Word execute_add(Word a, Word b) {
   return a + b;
@@ -287,7 +288,7 @@ void emit_and(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Stores are visible at once, also to the decoder. Therefore a fence only takes time.
+// Stores are visible at once, also to the decoder. Therefore a fence only takes time and has no other effect.
 
 const Instruction* execute_fence(Execution& e, const Instruction* at) {
   return next(e, at);

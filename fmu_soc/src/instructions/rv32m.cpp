@@ -59,8 +59,8 @@ void emit_mulhu(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Division by zero returns all ones; the overflow -2^31 / -1 returns -2^31. The remainder is the dividend for a
-// division by zero, and 0 for the overflow.
+// Division by zero returns all ones; the overflow -2^31 / -1 returns -2^31. The remainder of a division by zero is the
+// dividend; that of the overflow is 0.
 
 constexpr Word execute_div(Word a, Word b) {
   if (b == 0) return ~Word{0};

@@ -27,7 +27,7 @@ constexpr Word shift_right_signed(Word a, Word places) {
   return static_cast<Word>(as_signed(a) >> (places & 31U));
 }
 
-// Branches that compare with a signed 5-bit immediate
+// Branches that compare with a signed 5-bit immediate.
 
 constexpr bool execute_p_beqimm(Word a, Word b) {
   return a == b;
@@ -95,9 +95,9 @@ const Instruction* execute_lp_setupi(Execution& e, const Instruction* at) {
   e.loops[at->rs2].count = fields & 0xffffU;
   return set_loop_end(e, at, at->pc + (fields >> 16));
 }
-/// Ends a block whose last instruction may end a loop. The inner loop (0) is checked first. A loop with no iteration
-/// left keeps its count; then the other loop is checked, and then the next instruction follows. An iteration takes no
-/// cycle.
+/// Ends a block whose last instruction may end a loop. The inner loop (0) is checked first. If a loop has no iteration
+/// left, its count stays, and the other loop is checked. If neither has one left, the next instruction follows. An
+/// iteration takes no cycle.
 const Instruction* execute_loop_end(Execution& e, const Instruction* at) {
   MEBOTS_ASSERT(at->index > 0 && is_block_end(at->op));
   const auto last = at[-1].pc;
@@ -120,7 +120,8 @@ Xbyak::Address loop_register(const Instruction* at, std::size_t offset) {
   MEBOTS_ASSERT(is_hardware_loop(at->op) && at->rs2 < 2);
   return dword[rbx + translate::offset_of_loop(at->rs2) + static_cast<int>(offset)];
 }
-/// Returns false if blocks do not end at `pc` yet; only the interpreter can change that.
+/// Writes host code that sets the end of a loop. Returns false if blocks do not end at `pc` yet, because only the
+/// interpreter can change this.
 bool emit_set_loop_end(Assembler& c, const Instruction* at, std::uint32_t pc) {
   if (!c.blocks.may_end_loop(pc)) return false;
   c.mov(loop_register(at, offsetof(HardwareLoop, end)), pc);
@@ -227,7 +228,7 @@ void emit_p_slet(Assembler& c, const Instruction* at) {
 void emit_p_sletu(Assembler& c, const Instruction* at) {
   emit_set(c, at, [&] { c.setbe(al); });
 }
-/// Selects the second operand if the flags of first - second say so: `move()` writes the cmov from ecx to eax.
+/// Selects the second operand if the flags of first - second say so. `move()` writes the cmov from ecx to eax.
 template <typename Move>
 void emit_select(Assembler& c, const Instruction* at, Move move) {
   c.registers.copy(eax, at->rs1);
@@ -260,7 +261,7 @@ void emit_p_extbs(Assembler& c, const Instruction* at) {
 void emit_p_extbz(Assembler& c, const Instruction* at) {
   emit_unary(c, at, [&](const Reg32& to) { c.movzx(to, al); });
 }
-/// Limits a value to the range from 0, or the bound's complement if signed, to the bound.
+/// Limits a value to the bound from above. The lower limit is 0; for a signed clip, it is the complement of the bound.
 void emit_clip(Assembler& c, const Instruction* at, bool is_signed) {
   c.registers.copy(eax, at->rs1);
   if (operand_of(*at) == Operand::immediate) {
@@ -290,13 +291,13 @@ void emit_p_clipu(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Sums that are shifted right. The traits say whether the operation subtracts, rounds, and keeps the sign.
+// Sums that are shifted right. The traits of the operation say whether it subtracts, rounds, and keeps the sign.
 
 /// Returns half of the last place that remains after the shift.
 constexpr Word rounding(Word shift) {
   return (Word{1} << shift) >> 1;
 }
-/// An arithmetic or a logic shift to the right.
+/// Shifts to the right, arithmetically or logically.
 template <Op kOp>
 constexpr Word shift_right(Word a, Word places) {
   return traits_of(kOp).sign ? shift_right_signed(a, places) : a >> (places & 31U);
@@ -306,14 +307,14 @@ constexpr Word execute_shifted_sum(Word a, Word b, Word shift) {
   const Word sum = traits_of(kOp).subtracts ? a - b : a + b;
   return shift_right<kOp>(traits_of(kOp).rounds ? sum + rounding(shift) : sum, shift);
 }
-/// rd + rs1, shifted by the low five bits of rs2.
+/// Computes rd + rs1, shifted by the low five bits of rs2.
 template <Op kOp>
 constexpr Word execute_shifted_sum_by_register(Word a, Word b, Word shift) {
   return execute_shifted_sum<kOp>(a, b, shift & 31U);
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// eax = the sum or difference of two registers; ecx is lost.
+/// Sets eax to the sum or difference of two registers. Changes ecx.
 void emit_sum(Assembler& c, const Instruction* at, unsigned a, unsigned b) {
   c.registers.copy(eax, a);
   c.registers.copy(ecx, b);
@@ -342,9 +343,9 @@ void emit_shifted_sum_by_register(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Bits. A bit field is width - 1 << 5 | position, in an immediate or a register.
+// Operations on bits. An immediate or a register contains a bit field as width - 1 << 5 | position.
 
-/// The mask of a bit field at position 0.
+/// Returns the mask of a bit field at position 0.
 constexpr Word field_mask(Word bits) {
   return ~(0xfffffffeU << (bits >> 5 & 31U));
 }
@@ -357,7 +358,7 @@ constexpr Word execute_p_extract(Word a, Word bits) {
   const auto mask = field_mask(bits);
   return (shifted >> (bits >> 5 & 31U) & 1U) != 0 ? shifted | ~mask : shifted & mask;
 }
-/// `into` with the low bits of `a` in the field.
+/// Returns `into` with the low bits of `a` in the field.
 constexpr Word execute_p_insert(Word into, Word a, Word bits) {
   const auto mask = field_mask(bits) << (bits & 31U);
   return (into & ~mask) | ((a << (bits & 31U)) & mask);
@@ -368,15 +369,15 @@ constexpr Word execute_p_bclr(Word a, Word bits) {
 constexpr Word execute_p_bset(Word a, Word bits) {
   return a | (field_mask(bits) << (bits & 31U));
 }
-/// Position of the lowest set bit; 32 if there is none.
+/// Returns the position of the lowest set bit; 32 if there is none.
 constexpr Word execute_p_ff1(Word a) {
   return static_cast<Word>(std::countr_zero(a));
 }
-/// Position of the highest set bit; 32 if there is none.
+/// Returns the position of the highest set bit; 32 if there is none.
 constexpr Word execute_p_fl1(Word a) {
   return a == 0 ? 32U : 31U - static_cast<Word>(std::countl_zero(a));
 }
-/// Number of copies of the sign after the sign bit; 0 for 0.
+/// Returns the number of copies of the sign after the sign bit; 0 for the word 0.
 constexpr Word execute_p_clb(Word a) {
   if (a == 0) return 0;
   return static_cast<Word>(as_signed(a) < 0 ? std::countl_one(a) : std::countl_zero(a)) - 1U;
@@ -477,7 +478,7 @@ void emit_p_ror(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Multiply and accumulate
+// Multiplications and accumulations.
 
 constexpr Word execute_p_mac(Word sum, Word a, Word b) {
   return sum + a * b;
@@ -491,7 +492,8 @@ constexpr Word half(Word a) {
   if (traits_of(kOp).high) return shift_right<kOp>(a, 16);
   return traits_of(kOp).sign ? static_cast<Word>(static_cast<std::int16_t>(a)) : a & 0xffffU;
 }
-/// Returns sum + product of halves, shifted right. If the traits say so, it is rounded before the shift.
+/// Returns the sum plus the product of halves, shifted right. If the traits say so, the value is rounded before the
+/// shift.
 template <Op kOp>
 constexpr Word execute_accumulate_halves(Word sum, Word a, Word b, Word shift) {
   sum += half<kOp>(a) * half<kOp>(b);

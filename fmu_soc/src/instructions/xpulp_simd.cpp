@@ -88,7 +88,7 @@ void emit_packed(Assembler& c, const Instruction* at, Apply apply) {
 }
 #endif
 
-// Sums, minimum and maximum of parts
+// Sums, minimum and maximum of parts.
 
 template <Op kOp>
 constexpr Word execute_pv_add(Word a, Word b) {
@@ -184,7 +184,7 @@ void emit_pv_abs(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Shifts of each part
+// Shifts of each part.
 
 template <Op kOp>
 constexpr Word execute_pv_srl(Word a, Word b) {
@@ -291,7 +291,7 @@ void emit_pv_and(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Comparisons: all ones in each part for which the relation holds
+// Comparisons: the result has all ones in each part for which the relation holds.
 
 template <Op kOp>
 constexpr Word execute_compare_parts(Word a, Word b) {
@@ -341,7 +341,7 @@ void emit_compare_parts(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Dot products: the sum of the products of all pairs of parts; some add it to rd
+// Dot products: the sum of the products of all pairs of parts. Some operations add it to rd.
 
 template <Op kOp>
 constexpr Word execute_accumulate_dot_product(Word sum, Word a, Word b) {
@@ -367,7 +367,7 @@ std::optional<Xbyak::PreferredEncoding> host_dot_product() {
   return std::nullopt;
 }
 
-/// Finishes a dot product: rd = sum, or rd += sum; eax may be lost.
+/// Finishes a dot product: rd = sum, or rd += sum. May change eax.
 void finish_sum(Assembler& c, unsigned rd, bool accumulates, const Xbyak::Xmm& sum) {
   if (!accumulates) {
     c.registers.finish_vector(rd, sum);
@@ -461,7 +461,7 @@ constexpr Word execute_pv_insert(Word into, Word a, Word index) {
   const auto place = index % kParts<T>;
   return (into & ~at_part<T>(static_cast<T>(-1), place)) | at_part<T>(static_cast<T>(a), place);
 }
-/// Each part of `selectors` selects a part of `a` for its position.
+/// Returns parts of `a`: each part of `selectors` selects the part for its position.
 template <Op kOp>
 constexpr Word execute_pv_shuffle(Word a, Word selectors) {
   return on_parts<Unsigned<kOp>>(selectors, 0, [a](auto selector, auto) {

@@ -19,7 +19,7 @@ namespace {
 using namespace lowering;
 #endif
 
-// Zba: addresses of elements
+// Zba: addresses of elements.
 
 constexpr Word execute_sh1add(Word a, Word b) {
   return (a << 1) + b;
@@ -50,7 +50,7 @@ void emit_sh3add(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Zbb, without the operations that Xpulp has, too. Those are in xpulp.cpp.
+// Zbb, without the operations that Xpulp also has; these are in xpulp.cpp.
 
 constexpr Word execute_andn(Word a, Word b) {
   return a & ~b;
@@ -61,19 +61,19 @@ constexpr Word execute_orn(Word a, Word b) {
 constexpr Word execute_xnor(Word a, Word b) {
   return ~(a ^ b);
 }
-/// Leading zeros; 32 for 0.
+/// Returns the number of leading zeros; 32 for 0.
 constexpr Word execute_clz(Word a) {
   return static_cast<Word>(std::countl_zero(a));
 }
 constexpr Word execute_rol(Word a, Word b) {
   return std::rotl(a, static_cast<int>(b & 31U));
 }
-/// Each byte that is not 0 becomes 255.
+/// Returns the word with each byte that is not 0 set to 255.
 constexpr Word execute_orc_b(Word a) {
   const auto set = (((a & 0x7f7f7f7fU) + 0x7f7f7f7fU) | a) >> 7 & 0x01010101U;
   return set * 255U;
 }
-/// The bytes in reverse order.
+/// Returns the bytes in reverse order.
 constexpr Word execute_rev8(Word a) {
   return a << 24 | (a & 0xff00U) << 8 | (a >> 8 & 0xff00U) | a >> 24;
 }
@@ -123,7 +123,7 @@ void emit_rev8(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Zbc: products without carries
+// Zbc: carry-less products.
 
 constexpr std::uint64_t carryless_product(Word a, Word b) {
   std::uint64_t product = 0;
@@ -136,13 +136,13 @@ constexpr Word execute_clmul(Word a, Word b) {
 constexpr Word execute_clmulh(Word a, Word b) {
   return static_cast<Word>(carryless_product(a, b) >> 32);
 }
-/// The product of the words in reverse order of bits, reversed.
+/// Reverses the bits of both words, multiplies them without carries, and reverses the bits of the product.
 constexpr Word execute_clmulr(Word a, Word b) {
   return static_cast<Word>(carryless_product(a, b) >> 31);
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// Returns false on a processor without such a multiplication.
+/// Writes a carry-less multiplication. Returns false if the host's processor has none.
 bool emit_carryless(Assembler& c, const Instruction* at, int shift) {
   if (!translate::host_processor().has(Xbyak::util::Cpu::tPCLMULQDQ)) return false;
   for (const auto& [vector, reg] : {std::pair{xmm0, at->rs1}, std::pair{xmm1, at->rs2}}) {
@@ -166,7 +166,7 @@ bool emit_clmulr(Assembler& c, const Instruction* at) {
 }
 #endif
 
-// Zbs: one bit, whose number is in the low five bits of the second operand
+// Zbs: operations on one bit. The low five bits of the second operand are its number.
 
 constexpr Word bit(Word number) {
   return Word{1} << (number & 31U);
@@ -185,7 +185,7 @@ constexpr Word execute_bset(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// `apply(to, number)`; the host, too, takes the number modulo 32.
+/// `apply(to, number)` writes the host instruction, which also takes the number modulo 32.
 template <typename Apply>
 void emit_bit(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);

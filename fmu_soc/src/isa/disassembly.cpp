@@ -15,7 +15,7 @@ constexpr std::array<std::string_view, kRegisters> kNames{
     "ft7",  "fs0", "fs1", "fa0", "fa1", "fa2", "fa3",  "fa4",  "fa5", "fa6", "fa7",  "fs2", "fs3",
     "fs4",  "fs5", "fs6", "fs7", "fs8", "fs9", "fs10", "fs11", "ft8", "ft9", "ft10", "ft11"};
 
-/// The text of each rounding mode, as binutils writes it. The mode of frm has no text.
+/// The text of each rounding mode, as binutils writes it. The mode that selects the rounding mode in frm has no text.
 constexpr std::array<std::string_view, 8> kRoundings{", rne", ", rtz", ", rdn", ", rup", ", rmm", "", "", ""};
 
 /// Returns the text of a format with its names replaced (formats.decode).

@@ -12,7 +12,7 @@ constexpr auto kEncodings = std::to_array<Encoding>({
 #include "fmu_soc_isa/encodings.inc"
 });
 
-/// An accumulation reads the register that it writes; a store may have its offset there.
+/// An accumulation reads the register that it writes. A store may have the register with its offset in the field of rd.
 std::uint8_t third_register(const Encoding& encoding, std::uint32_t w) {
   const auto& format = row_of(encoding.format);
   return (reads_rd(encoding.op) ? format.rd : format.rs3).of(w);
@@ -100,7 +100,7 @@ Decoded decode(std::uint32_t word, Extensions has) {
 std::int32_t operand_value(const Decoded& decoded) {
   if (decoded.operand != Operand::immediate) return decoded.imm;
   const auto value = static_cast<std::uint32_t>(decoded.imm);
-  // Selectors of a shuffle: the bits of each part are at the part's lower end.
+  // The selectors of a shuffle: those of each part are in the lowest bits of that part.
   switch (row_of(decoded.encoding->format).value) {
     case Value::as_it_is:
       return decoded.imm;

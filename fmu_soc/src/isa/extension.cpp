@@ -17,7 +17,7 @@ struct Named {
   Extension extension;
 };
 
-/// The options of a core, in the order of an ISA string.
+/// The optional extensions of a core, in the order of an ISA string.
 constexpr auto kOptions = std::to_array<Named>({
     {"a", Extension::a},
     {"f", Extension::f},
@@ -53,7 +53,7 @@ constexpr auto kAbsent = std::to_array<Absent>({
   throw Error(ErrorCode::invalid_value, fmt::format("the instruction set \"{}\": {}", text, what));
 }
 
-/// Splits "rv32imac_zba" into "i", "m", "a", "c" and "zba". Omits versions such as that in "i2p1".
+/// Splits "rv32imac_zba" into "i", "m", "a", "c" and "zba". Omits versions, such as "2p1" in "i2p1".
 std::vector<std::string> parts_of(std::string_view text, std::string_view rest) {
   std::vector<std::string> parts;
   bool in_name = false;

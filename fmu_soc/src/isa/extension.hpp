@@ -8,8 +8,8 @@
 
 namespace mebots::soc {
 
-/// The extension that a core must have for a row of the tables of instructions. The last two are properties without
-/// instructions.
+/// The extension that a core must have for a row of the tables of instructions. The last two values are properties of a
+/// core that add no instructions.
 enum class Extension : std::uint8_t {
   standard,  // RV32IMC_Zicsr_Zifencei, machine mode
   xpulp,     // Xpulp v2 as in RI5CY
@@ -23,7 +23,7 @@ enum class Extension : std::uint8_t {
   user,  // U mode
 };
 
-/// A set of extensions; `standard` is always one of them.
+/// A set of extensions. It always contains `standard`.
 class Extensions {
  public:
   constexpr Extensions() = default;

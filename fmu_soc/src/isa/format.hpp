@@ -72,7 +72,7 @@ enum class Value : std::uint8_t {
   selects_bytes,
 };
 
-/// Conditions under which an encoding is reserved, or is another instruction.
+/// Conditions under which an encoding is reserved or belongs to another instruction.
 enum class Reserved : std::uint8_t {
   never,
   zero_immediate,

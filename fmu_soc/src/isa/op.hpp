@@ -59,11 +59,11 @@ enum class Relation : std::uint8_t { eq, ne, gt, ge, lt, le };
 inline constexpr unsigned kMultiplyHighCycles = 5;
 inline constexpr unsigned kDivideBaseCycles = 3;
 inline constexpr unsigned kFenceCycles = 4;
-/// The maximum in CV32E40P's user manual, with FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0, so that its other operations take
-/// one cycle. The real core may continue earlier if the next instructions do not need the result.
+/// The maximum in CV32E40P's user manual for FPU_ADDMUL_LAT = FPU_OTHERS_LAT = 0, with which all other floating-point
+/// operations take one cycle. The real core may continue earlier if the next instructions do not need the result.
 inline constexpr unsigned kFloatDivideCycles = 19;
 inline constexpr unsigned kFloatRootCycles = 19;
-/// Measured together with the entry of a trap: 9 cycles. The split is our choice.
+/// Cycles of mret. Only their sum with the cycles of a trap's entry was measured: 9 cycles. The split is our choice.
 inline constexpr unsigned kMretCycles = 5;
 
 /// Properties that all encodings of an operation share. Properties that a kind does not have keep their default values.
@@ -92,7 +92,7 @@ inline constexpr auto kTraits = std::to_array<OpTraits>({
 #include "fmu_soc_isa/op_traits.inc"
 });
 
-/// "op 1f0a93c2": the letters are a hash (FNV-1a) of the operations' names in their order.
+/// Returns a name such as "op 1f0a93c2". Its digits are a hash (FNV-1a) of the operations' names in their order.
 consteval auto name_in_states() {
   std::uint32_t hash = 0x811c9dc5;
   for (const char letter : std::string_view(
@@ -110,7 +110,7 @@ inline constexpr auto kNameInStates = name_in_states();
 }  // namespace op_rows
 
 /// Name of an operation in a state. A state stores the number of an operation. A build with other rows has another name
-/// here, so it refuses this build's states.
+/// here, so that it refuses the states of this build.
 inline constexpr std::string_view kOpInStates(op_rows::kNameInStates.data(), op_rows::kNameInStates.size());
 
 inline constexpr int kOpCount = static_cast<int>(op_rows::kTraits.size());

@@ -22,13 +22,14 @@ namespace mebots::soc {
 class Banks {
  public:
   static constexpr unsigned kMost = 32;
-  /// The table should restart when time reaches this row.
+  /// The table should restart when the time reaches this row.
   static constexpr std::uint64_t kTurn = 4096;
   /// The maximum number of ticks of one run of translated code, and the maximum by which its last block can exceed
   /// them.
   static constexpr std::uint64_t kLongestRun = 1024;
   static constexpr std::uint64_t kLongestBlock = 5120;
-  /// Number of ticks from the start that can be claimed: cores reach them in their last block, and may wait there.
+  /// Number of ticks after the start of the table that can be claimed. Cores reach them in their last block, and may
+  /// wait there.
   static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
 
   /// `count` must be a power of two, at most kMost.
@@ -47,7 +48,7 @@ class Banks {
     while (at < end && taken_[place_of(at, address)] != 0) ++at;
     return static_cast<std::uint32_t>(at - tick);
   }
-  /// Reserves the cycle that wait() finds. Returns the ticks to wait for it.
+  /// Reserves the cycle that wait() finds. Returns the ticks up to that cycle.
   std::uint32_t claim(std::uint64_t tick, std::uint32_t address) {
     const auto waited = wait(tick, address);
     if (tick + waited < start_ + kReach) byte_of(tick + waited, address) = 1;
@@ -56,9 +57,9 @@ class Banks {
   /// Returns the ticks from `tick` on in which conflicts are possible.
   std::uint64_t ticks_left(std::uint64_t tick) const { return start_ + kReach - std::min(tick, start_ + kReach); }
 
-  /// Claims the banks of all words from `address` to before `end` in `tick`. If a bank is claimed already, claims the
-  /// next tick instead, whether that is claimed or not. So it expects the claims of at most one other user. Returns 1
-  /// if any bank was claimed, else 0.
+  /// Claims the banks of all words from `address` to before `end` in `tick`. If a bank is claimed already, claims its
+  /// next tick instead, without a check. Therefore at most one other user may claim cycles. Returns 1 if any bank was
+  /// claimed, else 0.
   std::uint32_t claim_or_next(std::uint64_t tick, std::uint32_t address, std::uint32_t end) {
     if (tick < start_ || tick + 1 >= start_ + kReach) return 0;
     auto* row = &byte_of(tick, 0);
@@ -103,9 +104,9 @@ class Banks {
   /// Returns the byte of the first bank in a tick, for translated code. The row of the next tick follows count() bytes
   /// later.
   std::uint8_t* row(std::uint64_t tick) { return &byte_of(std::max(tick, start_), 0); }
-  /// Returns the row after the last one that a core can wait for.
+  /// Returns the address of the row after the last row that a core can wait for.
   const std::uint8_t* const* horizon() const { return &horizon_; }
-  /// Returns a table for a single user to write to. Its content has no meaning.
+  /// Returns a table that a single user of the memory may write to. Its content has no meaning.
   std::uint8_t* unread() { return unread_.data(); }
 
   void visit(state::Visitor& v) {
@@ -124,7 +125,8 @@ class Banks {
  private:
   static constexpr std::uint64_t kRows = kTurn + kReach + kLongestBlock;
 
-  /// Returns the claims from the start of the table on, without its free end. Nearly all of the table is free.
+  /// Returns the claims from the start of the table on, up to the last claim. This is short, because nearly all of the
+  /// table is free.
   std::vector<std::uint8_t> taken_from_start() const {
     const auto begin = std::min<std::uint64_t>((start_ - base_) * count_, taken_.size());
     MEBOTS_ASSERT(start_ >= base_, "the table begins before what it shows");
@@ -158,7 +160,7 @@ class Banks {
   const std::uint8_t* horizon_ = nullptr;
 };
 
-/// Banks as one core sees them: it counts its own active cycles.
+/// The banks from the view of one core, which counts its own active cycles.
 class BankSchedule {
  public:
   explicit BankSchedule(Banks& banks) : banks_(&banks) {}
@@ -166,14 +168,15 @@ class BankSchedule {
   /// Sets the ticks for which an access occupies its bank; at least 1.
   void set_ticks(std::uint32_t ticks) { ticks_ = ticks; }
 
-  /// Active cycle `cycle` of the core is tick `cycle + offset` of the banks (modulo 2^64).
+  /// Sets the difference between the core's cycles and the banks' ticks: active cycle `cycle` is tick `cycle + offset`
+  /// (modulo 2^64).
   void set_offset(std::uint64_t offset) { offset_ = offset; }
 
-  /// Returns the cycles from active cycle `cycle` to the first in which the bank is free.
+  /// Returns the number of cycles from active cycle `cycle` to the first cycle in which the bank is free.
   std::uint32_t wait(std::uint64_t cycle, std::uint32_t address) const {
     return banks_->wait(cycle + offset_, address);
   }
-  /// Returns the cycles from there on in which conflicts are possible.
+  /// Returns the number of cycles from active cycle `cycle` on in which conflicts are possible.
   std::uint64_t cycles_left(std::uint64_t cycle) const { return banks_->ticks_left(cycle + offset_); }
 
   /// Claims a bank for an access in active cycle `cycle`. Returns the cycles to wait.

@@ -5,7 +5,7 @@
 
 namespace mebots::soc {
 
-/// The result of an access outside the RAM.
+/// The result of an access outside RAM.
 struct BusReply {
   enum class Kind : std::uint8_t {
     none,     // no device answers this access: the instruction traps
@@ -22,7 +22,7 @@ struct BusReply {
   }
 };
 
-/// The bus to registers of devices; words only.
+/// The bus to registers of devices. All accesses are of a word.
 class Bus {
  public:
   virtual ~Bus() = default;
@@ -31,13 +31,13 @@ class Bus {
   virtual BusReply store(std::uint32_t address, std::uint64_t cycle, std::uint32_t value) = 0;
   /// Performs the load of a p.elw instruction, which may wait for an event.
   virtual BusReply load_event(std::uint32_t address, std::uint64_t cycle) { return load(address, cycle); }
-  /// Performs an access of 1 or 2 bytes, or a misaligned one within a word.
+  /// Loads 1 or 2 bytes, or misaligned bytes within a word.
   virtual BusReply load_narrow(std::uint32_t /*address*/, std::uint64_t /*cycle*/, unsigned /*size*/) { return {}; }
   virtual BusReply store_narrow(std::uint32_t /*address*/, std::uint64_t /*cycle*/, std::uint32_t /*value*/,
                                 unsigned /*size*/) {
     return {};
   }
-  /// Called when the core takes the interrupt of this line: an event unit clears the event.
+  /// Called when the core takes the interrupt of this line, for event units that then clear the event.
   virtual void interrupt_taken(unsigned /*line*/) {}
   /// Called after a store into a watched word. If it returns true, the run ends with this store.
   virtual bool watched(std::uint32_t address) = 0;

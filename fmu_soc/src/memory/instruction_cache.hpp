@@ -27,15 +27,15 @@ struct InstructionCacheSettings {
 
 /// Models which lines of code a cache holds. Only presence matters: instructions are always read from memory.
 ///
-/// A hit has no effect, as in the chip. The way for a refill comes from an 8-bit shift register that advances with
+/// A hit changes no state, as in the chip. The way for a refill comes from an 8-bit shift register that advances with
 /// every refill (source: GVSoC, models/cache, which assigns it to GAP's fabric controller). Therefore present lines
 /// need no check until one of them is evicted. A cluster's cache may prefer invalid ways, as in
 /// pulp-platform/icache_mp_128_pf (icache_bank_mp_128.sv). Then its register only advances if all ways of a set are
 /// valid.
 ///
-/// The only user of a cache has waited for each line that is present. If several cores share the cache, a core may need
-/// a line whose refill another core has started. Such a line is not marked as present for translated code until
-/// settle() reports that all cores are past its arrival. Until then, cores call fetch().
+/// If a cache has only one user, the user has waited for each line that is present. If several cores share the cache, a
+/// core may need a line whose refill another core has started. Such a line is not marked as present for translated code
+/// until settle() reports that all cores are past its arrival. Until then, cores call fetch().
 class InstructionCache {
  public:
   enum class Users : std::uint8_t { one, several };
@@ -67,9 +67,9 @@ class InstructionCache {
     const auto* entry = find(line);
     return entry != nullptr && *entry->present != 0;
   }
-  /// Returns the presence byte of the line of this address; those of the following lines in the same memory follow. The
-  /// byte is 1 if the line has arrived. Translated code tests it with one instruction. Null if no covered memory
-  /// contains the address.
+  /// Returns the presence byte of the line of this address. The bytes of the next lines of the same memory follow it. A
+  /// byte is 1 if its line has arrived, so that translated code needs one instruction to test it. Returns null if no
+  /// covered memory contains the address.
   const std::uint8_t* presence(std::uint32_t address) const;
   /// Returns the wait cycles of a fetch from this line in cycle `tick`. Fetches the line if it is absent.
   std::uint32_t fetch(std::uint32_t line, std::uint64_t tick);
@@ -88,7 +88,7 @@ class InstructionCache {
     }
     return refill_cycles_;
   }
-  /// For a shared cache: reports that no core accesses it before this tick any more.
+  /// For a shared cache: reports that no core will access the cache before this tick.
   void settle(std::uint64_t tick) {
     if (!pending_refills_.empty()) [[unlikely]]
       note_arrivals(tick);
@@ -173,8 +173,8 @@ class InstructionCache {
   std::vector<Entry> entries_;
   std::vector<std::uint64_t> arrivals_;  // tick in which each line arrives; empty if one core uses the cache
   State state_;
-  // Not part of a state, because they follow from the entries: presence bytes of each memory, and the memory of the
-  // last look-up.
+  // These members are not part of a state, because they follow from the entries: presence bytes of each memory, and the
+  // memory of the last look-up.
   std::vector<Presence> presence_;
   std::uint8_t* covered_ = nullptr;
   std::uint32_t covered_first_ = 0;

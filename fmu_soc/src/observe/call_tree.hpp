@@ -29,7 +29,7 @@ struct Cost {
   friend bool operator==(const Cost&, const Cost&) = default;
 };
 
-/// Costs by call stack. A node is a place together with the places that led to it.
+/// Costs by call stack. A node is a place together with the chain of its callers.
 class CallTree {
  public:
   struct Node {

@@ -33,7 +33,7 @@ CoreProfile::CoreProfile(const Soc& soc, unsigned number, Functions& functions)
   start();
 }
 
-/// Starts to count. A core that does not run has no time of its own after its stop.
+/// Starts to count. The time of a core that does not run ends at its stop.
 void CoreProfile::start() {
   charged_ = runs() ? now() : now_of_chip();
   start_stack();
@@ -95,8 +95,8 @@ void CoreProfile::retired(const Hart& hart, const Retired& instruction) {
 }
 
 /// Counts steps of translated code, during which only this hart's counts have changed. Time follows from its cycles,
-/// rounded as in now(), so rounding errors do not accumulate. Energy is linear in the counts: the energy of each step
-/// follows from that of the last one.
+/// rounded as in now(), so rounding errors do not accumulate. Energy is linear in the counts, so the energy at each
+/// step follows from that at the last step.
 void CoreProfile::flowed(const Hart& hart, std::span<const Flow> steps) {
   const auto last = now();
   const auto per_count = soc_.power().energy_per_count(number_);
@@ -124,13 +124,14 @@ template <typename Now>
 void CoreProfile::step(const Step& step, Now now) {
   if (is_jump(step.op) && is_link(step.rd)) {
     charge(now());
-    // A call through one link register may return through the other (a coroutine). It then replaces that frame.
+    // A coroutine is called through one link register and may return through the other one. The called function then
+    // replaces that frame.
     if (step.op == Op::jalr && is_link(step.rs1) && step.rd != step.rs1) return_to(step.next, now);
     push(functions_.entered(step.next), step.after, Kind::function);
   } else if (step.op == Op::mret) {
     return_from_trap(step.next);
   } else {
-    // After a call that does not return, another function may begin.
+    // After a call that does not return, the code may continue in another function.
     const bool returned = step.op == Op::jalr && is_link(step.rs1) && return_to(step.next, now);
     if (returned || step.next != step.after || !functions_.inside(stack_.back().place, step.next)) {
       go_to(step.next, now);
@@ -143,7 +144,7 @@ QuietCode CoreProfile::quiet() const {
   return stack_.back().kind == Kind::function ? functions_.code(stack_.back().place) : QuietCode{};
 }
 
-/// Continues the top frame at `address`, perhaps as another function.
+/// Continues the top frame at `address`. If this is another function, replaces the frame's function.
 template <typename Now>
 void CoreProfile::go_to(std::uint32_t address, Now now) {
   auto& top = stack_.back();
@@ -156,7 +157,8 @@ void CoreProfile::go_to(std::uint32_t address, Now now) {
   ++tree_.node(top.node).calls;
 }
 
-/// Removes frames down to the one whose call returns to `address`. Returns false if there is none above the last trap.
+/// Removes frames down to the one whose call returns to `address`. Returns false if there is no such frame above the
+/// last trap.
 template <typename Now>
 bool CoreProfile::return_to(std::uint32_t address, Now now) {
   for (auto depth = stack_.size(); depth-- > 1;) {

@@ -15,14 +15,15 @@ namespace mebots::soc::observe {
 ///
 /// Stacks follow the calling convention: jal and jalr that write a link register (ra, t0) are calls. A jump through a
 /// link register to a return address on the stack is a return to it. Any other step into another function replaces the
-/// present function (tail call). A trap or interrupt has a frame until its mret; so have sleep and time without supply.
+/// present function (tail call). A trap or interrupt has a frame until its mret; sleep and time without supply have
+/// frames, too.
 ///
 /// Energy: a core of the cluster gets the energy of its instructions and accesses beyond that of its gated clock. The
 /// fabric controller gets all other energy of the chip (other parts, leakage, clock trees, DMA, refills of the
-/// cluster's cache). So the sum over the harts is the energy of the chip.
+/// cluster's cache). The sum over the harts is therefore the energy of the chip.
 class CoreProfile final : public Observer {
  public:
-  /// `number` is the chip's number of the hart. `functions` are shared by all harts.
+  /// `number` is the hart's number in the chip. `functions` are shared by all harts.
   CoreProfile(const Soc& soc, unsigned number, Functions& functions);
 
   void retired(const Hart& hart, const Retired& instruction) override;
@@ -38,13 +39,13 @@ class CoreProfile final : public Observer {
   void restored() { start(); }
   /// Counts up to now, between two steps of a run.
   void settle();
-  /// Counts up to now at the end of a run: all time and energy of the chip; for a core of the cluster at least to the
-  /// end of its last block.
+  /// Counts up to now at the end of a run. Includes all time and energy of the chip, and for a core of the cluster at
+  /// least the rest of its last block.
   void finish();
 
   unsigned number() const { return number_; }
   const CallTree& tree() const { return tree_; }
-  /// Returns the sum over the tree, which is exactly that of the run.
+  /// Returns the sum over the tree, which is exactly the cost of the run.
   Cost total() const { return tree_.inclusive()[CallTree::kRoot]; }
 
  private:

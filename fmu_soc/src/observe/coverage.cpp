@@ -62,7 +62,7 @@ void Coverage::finish() {
     auto& file = files[range.file];
     auto& line = file.lines[range.line];
     line = std::max(line, of(range.begin).executed);
-    // A damaged table may name an end beyond all code, up to the last address.
+    // In a damaged table, a range may end beyond all code, up to the last address.
     const auto size = std::min(range.end - range.begin, segment->size - (range.begin - segment->run_address));
     for (std::uint64_t offset = 0; offset < size; offset += 2) {
       const auto pc = range.begin + static_cast<std::uint32_t>(offset);

@@ -16,11 +16,12 @@ namespace mebots::soc::observe {
 /// Counts how often each instruction of a program ran, on all its harts, and writes the counts of source lines,
 /// functions and branches in lcov's format, which genhtml and editors read.
 ///
-/// A line's count is the greatest of its statements' first instructions. Lines of code that the linker dropped are not
-/// listed.
+/// The count of a line is the greatest count among the first instructions of its statements. Lines of code that the
+/// linker dropped are not listed.
 class Coverage {
  public:
-  /// Throws Error if the program has no line numbers, or the file cannot be written. `program` must outlive it.
+  /// Throws Error if the program has no line numbers, or the file cannot be written. `program` must outlive this
+  /// object.
   Coverage(const std::string& option, const std::string& path, const Elf& program);
 
   /// Observes any hart.

@@ -30,11 +30,11 @@ struct BankUse {
   std::uint64_t conflict_cycles = 0;  // their waits
 };
 
-/// The cycles of one hart by cause, for each function. A function is where an instruction lies: calls are not followed,
-/// and inlined code belongs to the function around it.
+/// The cycles of one hart by cause, for each function. An instruction counts for the function in which it lies. Calls
+/// are not followed, and inlined code belongs to the function around it.
 class CoreStack final : public Observer {
  public:
-  /// `number` is the chip's number of the hart. `functions` are shared by all harts; `banks` counts accesses by bank if
+  /// `number` is the hart's number in the chip. `functions` are shared by all harts; `banks` counts accesses by bank if
   /// the hart's first memory has shared ones, and is empty otherwise.
   CoreStack(const Soc& soc, unsigned number, Functions& functions, std::vector<BankUse>& banks);
 
@@ -51,7 +51,7 @@ class CoreStack final : public Observer {
   StackCost total() const;
 
  private:
-  /// Counts of the hart after the last instruction, and what has happened since.
+  /// The counts of the hart after the last instruction, and the events since then.
   struct Last {
     Counters counters;
     bool jump = false;

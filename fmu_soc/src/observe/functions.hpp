@@ -23,8 +23,8 @@ class Functions final : public FlowMap {
 
   /// Returns the function that a call of `address` enters. Without a symbol, it is named by the address.
   std::uint32_t entered(std::uint32_t address);
-  /// Returns the function of the code at `address` that `current` has reached without a call. Code without a symbol
-  /// belongs to the function that it was reached from.
+  /// Returns the function of the code at `address`, which the function `current` has reached without a call. Code
+  /// without a symbol belongs to the function from which it was reached.
   std::uint32_t reached(std::uint32_t address, std::uint32_t current);
   /// Returns the number of a place that is not code, such as "asleep".
   std::uint32_t named(std::string_view name);

@@ -10,7 +10,7 @@
 namespace mebots::soc::observe {
 namespace {
 
-/// Added to all cycles, so that the first instruction's fetch is not before cycle 0.
+/// This number is added to all cycles, so that the fetch of the first instruction is not before cycle 0.
 constexpr std::int64_t kStagesBeforeExecute = 2;
 constexpr std::string_view kStageNames[] = {"F", "D", "X", "W"};
 
@@ -64,7 +64,7 @@ void PipelineTrace::retired(const Hart& hart, const Retired& instruction) {
   began_ = true;
 }
 
-/// Writes what happens before a cycle. Nothing later can begin before it.
+/// Writes everything that happens before a cycle. All later events must be at or after this cycle.
 void PipelineTrace::write_before(std::int64_t cycle) {
   std::ranges::stable_sort(waiting_, {}, &Event::cycle);
   const auto end = std::ranges::find_if(waiting_, [cycle](const Event& event) { return event.cycle >= cycle; });

@@ -13,9 +13,9 @@ namespace mebots::soc::observe {
 /// Writes the instructions of one hart as a pipeline of four stages (F fetch, D decode, X execute, W write back), in
 /// the format Kanata 0004, which Konata shows. Time is the hart's active cycles; a sleep takes none.
 ///
-/// The stages follow from the cycles by cause, not from a model of the pipeline: waits for lines, entries of traps and
-/// cycles of the jump before lie in F, stalls in D, all else in X. The next instruction is decoded while one executes,
-/// unless it was not fetched in time.
+/// The stages follow from the cycles by cause, not from a model of the pipeline: waits for cache lines, entries of
+/// traps and cycles of the jump before are in F, stalls in D, all other cycles in X. The next instruction is decoded
+/// while one executes, unless it was not fetched in time.
 class PipelineTrace final : public Observer {
  public:
   PipelineTrace(const std::string& option, const std::string& path);

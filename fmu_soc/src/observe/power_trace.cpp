@@ -72,7 +72,7 @@ void PowerTrace::changed(Picoseconds time) {
   note_states(time);
 }
 
-/// Writes the open span: its mean values at its start, then the changes of state within it.
+/// Writes the span since the last reading: its mean values at its start, then the changes of state within it.
 void PowerTrace::close_span(Picoseconds time) {
   const auto now_j = energies(time);
   writer_->value(span_start_, kClockChannel, span_clock_hz_);

@@ -15,7 +15,7 @@ namespace mebots::soc::observe {
 /// States of core and devices, clock, voltage, and power by component, over time.
 ///
 /// Power is the mean between two readings of the ledger. The ledger is read at each event, but at most once per
-/// kShortest. So the integral of power is the energy, and the file stays small.
+/// kShortest. The integral of power is therefore the energy, and the file stays small.
 class PowerTrace final : public StateListener {
  public:
   static constexpr Picoseconds kShortest = 10'000'000;  // 10 us

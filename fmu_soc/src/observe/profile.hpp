@@ -17,8 +17,8 @@ namespace mebots::soc::observe {
 
 /// The counts of a profile by consecutive windows of time. The sum over all windows is that of the trees.
 ///
-/// A window is a whole number of the caller's steps. If there are too many windows, neighbours are joined, and later
-/// windows are twice as long. So the memory does not grow with the length of the run.
+/// A window is a whole number of the caller's steps. If there are too many windows, pairs of neighbours are joined, and
+/// later windows are twice as long. Therefore the memory does not grow with the length of the run.
 class ProfileWindows {
  public:
   static constexpr std::size_t kMost = 1024;
@@ -63,7 +63,7 @@ class Profile {
   /// .callgrind and .out are callgrind's. Throws Error for another extension, and if the file cannot be written.
   Profile(const std::string& option, const std::string& path, const Soc& soc);
 
-  /// Returns the observer of a hart, by the chip's number.
+  /// Returns the observer of a hart. `number` is the hart's number in the chip.
   CoreProfile& hart(unsigned number) { return harts_[number]; }
   const Functions& functions() const { return functions_; }
 

@@ -71,8 +71,8 @@ class StateListeners final : public StateListener {
   std::vector<StateListener*> list_;
 };
 
-/// The recordings that a user has requested of a run: files, or a port. `names` are the options or parameters that set
-/// them, for messages.
+/// The recordings that a user has requested of a run: files, or a port. `names` are the options or parameters of these
+/// requests, for messages.
 struct Requests {
   struct Names {
     std::string trace = "--trace";

@@ -10,11 +10,11 @@
 
 namespace mebots::soc::observe {
 
-/// Writes every instruction that a hart retires, one line each, in the format of Spike's `--log-commits`: `core   0: 3
+/// Writes every instruction that a hart retires, one line each, in the format of Spike's `--log-commits`: `core 0: 3
 /// 0x80000008 (0x00c5a603) x12 0x00000007 mem 0x80001100`. The columns are privilege mode, pc, instruction word,
 /// written register, written CSR, address of a load, address and value of a store. A post-increment of Xpulp, which
 /// Spike does not have, lists the address register as a second register. Harts have the chip's numbers. The lines of
-/// each hart are in the order of time; those of several harts are not.
+/// each hart are in the order of time; lines of different harts may be out of order.
 class Trace {
  public:
   struct Columns {

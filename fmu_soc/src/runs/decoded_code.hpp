@@ -14,7 +14,7 @@ namespace mebots::soc {
 
 /// Decoded code of harts that have the same settings and memories and run in one thread.
 struct DecodedCode {
-  /// The memory must outlive it, and must have all its regions.
+  /// The memory must outlive this object, and must already have all its regions.
   DecodedCode(Memory& memory, const CodeSettings& settings)
       : translates(settings.translate && translate::can_translate()),
         blocks(memory, settings, translates),

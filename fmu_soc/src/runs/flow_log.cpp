@@ -9,8 +9,8 @@
 namespace mebots::soc {
 namespace {
 
-/// An instruction takes at least a cycle and records at most one step. With a loose limit, a block may end after the
-/// run's limit.
+/// The steps that a run can record: an instruction takes at least a cycle and records at most one step. With a loose
+/// limit, the last block may end after the run's limit.
 constexpr std::size_t kMostSteps = FlowLog::kLongestRun + BlockCache::kMaxBlockLength;
 static_assert(FlowLog::kLongestRun >= 2 * Banks::kLongestRun,
               "a run of a round is at most a quantum and the ticks that the core is late");

@@ -70,7 +70,7 @@ Stop Hart::run(std::uint64_t limit) {
   return continue_run(limit, false);
 }
 
-/// Runs to the limit, or to another reason to stop. `left_translated`: translated code has just been left.
+/// Runs to the limit, or to another reason to stop. `left_translated` is true if the last block ran in translated code.
 Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
   auto& e = execution_;
   limit_.set_end(limit);
@@ -117,7 +117,7 @@ Stop Hart::continue_run(std::uint64_t limit, bool left_translated) {
   }
 }
 
-/// Checks the sleep at the start of a run. Returns false if the hart stays asleep.
+/// Decides at the start of a run whether the hart wakes. Returns false if it stays asleep.
 bool Hart::stays_awake() {
   if (sleeping_) {
     if (!wakes()) return false;
@@ -204,7 +204,7 @@ void Hart::step_guarded() {
   e.leave = Leave::trap;
 }
 
-/// Handles the reason why a block was left. Returns Stop::limit if the core continues.
+/// Handles the reason for which a block was left. Returns Stop::limit if the core continues.
 Stop Hart::leave() {
   auto& e = execution_;
   const auto why = std::exchange(e.leave, Leave::normal);

@@ -36,9 +36,9 @@ enum class Stop : std::uint8_t {
 };
 
 /// A RISC-V hardware thread (hart): RV32IMC_Zicsr_Zifencei in machine mode, with the extensions in Timing. Its cycles
-/// are those of RI5CY, then with Xpulp v2, or of CV32E40P. Straight code is decoded once into blocks. A block runs only
-/// if all its instructions start before the limit. Otherwise the hart runs one instruction at a time, with the same
-/// counts.
+/// are those of RI5CY, which also has Xpulp v2, or those of CV32E40P. Straight code is decoded once into blocks. A
+/// block runs only if all its instructions start before the limit. Otherwise the hart runs one instruction at a time,
+/// with the same counts.
 class Hart {
  public:
   /// Accesses all regions of the memory without waiting; the first two are the fast ones. Other harts in the same
@@ -55,28 +55,29 @@ class Hart {
 
   /// Sets the memories that the core can access. The first two are the fast ones.
   void connect(std::span<const MemoryPort> ports);
-  /// Sets the other user of the first memory; null = none.
+  /// Sets the other user of the first memory's banks; null if there is none.
   void share_first(BankSchedule* banks) { data_path_.share_first(banks); }
-  /// Active cycle c of this core is tick c + offset (modulo 2^64) of the shared cache and banks.
+  /// Sets the relation to the time of the shared cache and banks: active cycle c of this core is their tick c + offset
+  /// (modulo 2^64).
   void set_tick_offset(std::uint64_t offset) { execution_.host.tick_offset = offset; }
 
   /// Executes every instruction that starts before active cycle `limit`.
   Stop run(std::uint64_t limit);
 
-  /// The end of a round of harts in translated code.
+  /// Describes how a round of harts in translated code ended.
   struct RoundEnd {
     Hart* broke_off = nullptr;  // hart that did not reach the limit; null = all did
     bool ran = false;           // that hart continued in the interpreter
     Stop stop = Stop::limit;    // its reason to stop
   };
   /// Runs a round: each hart from this one on, in translated code, up to the same tick (active cycle + offset). Ends
-  /// with the first hart that leaves translated code. For harts that share banks and decoded code.
+  /// with the first hart that leaves translated code. The harts must share banks and decoded code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
-  /// Sets the next hart of a round; null = none. run() resets it.
+  /// Sets the next hart of a round; null if there is none. run() resets it.
   void set_next(Hart* next) { execution_.set_next(next == nullptr ? nullptr : &next->execution_); }
   /// True if the last run stopped at the limit in translated code and can resume there: a round may begin here.
   bool has_resume_point() const { return translated_.has_resume_point(); }
-  /// Adapts to a shift of the banks' table by this many bytes to the front.
+  /// Adjusts the resume point after the table of banks has moved by this many bytes to the front.
   void move_resume_point(std::uint64_t bytes) { translated_.move_resume_point(bytes); }
   /// Drops the resume point, so that the next run starts in the interpreter.
   void drop_resume_point() { execution_.drop_resume_point(); }
@@ -92,8 +93,8 @@ class Hart {
     sleeping_ = false;
     waits_for_event_ = false;
   }
-  /// True if an enabled interrupt is pending, which ends a sleep. During an event load, mstatus must also allow it,
-  /// because the load would sleep again.
+  /// True if an enabled interrupt is pending, which ends a sleep. During an event load, mstatus must also allow the
+  /// interrupt, because otherwise the load would sleep again.
   bool wakes() const { return waits_for_event_ ? csrs_.interrupt_ready() : csrs_.pending() != 0; }
   /// True if the hart is in an endless jump to itself that no interrupt can end.
   bool spins() const;
@@ -103,7 +104,7 @@ class Hart {
   const Counters& counters() const { return execution_.counters; }
 
   std::uint32_t pc() const { return execution_.pc; }
-  /// For debuggers, between instructions.
+  /// Moves the pc. For debuggers, between instructions.
   void set_pc(std::uint32_t pc);
   /// Reads or writes a CSR as an instruction does, without its cycles. Returns false if the CSR or this access does not
   /// exist.

@@ -66,8 +66,8 @@ bool ObservedRun::is_reported(const Instruction* at, const QuietCode& quiet) {
   return at->op == Op::jalr || at->op == Op::mret;
 }
 
-/// Returns the first instruction from `at` that the observer needs a call for; `stop` or the end of the block if there
-/// is none before.
+/// Returns the first instruction from `at` for which the observer needs a call. If there is none before `stop` or the
+/// end of the block, returns that.
 const Instruction* ObservedRun::next_reported(const Instruction* at, const Instruction* stop) const {
   if (counts_) return at;
   const auto quiet = observer_->quiet();

@@ -12,8 +12,8 @@
 
 namespace mebots::soc {
 
-/// Runs a core with an observer: as without one, but with a call after each instruction that the observer needs. Also
-/// runs a core whose program counts events, since that needs an account of each instruction.
+/// Runs a core with an observer: as without an observer, but with a call after each instruction that the observer
+/// needs. Also runs a core whose program counts events, because this needs an account of each instruction.
 class ObservedRun final : private BlockWalk {
  public:
   ObservedRun(const Hart& hart, Execution& execution, DecodedCode& decoded, Interpreter& interpreter,
@@ -25,18 +25,18 @@ class ObservedRun final : private BlockWalk {
         limit_(limit),
         account_(execution, decoded.blocks.timing()) {}
 
-  /// Sets the observer; null removes it. `sleeping`: the core sleeps now.
+  /// Sets the observer; null removes it. `sleeping` is true if the core sleeps now.
   void observe(Observer* observer, bool sleeping);
-  /// Starts or ends the counting of events. Code is not translated meanwhile.
+  /// Starts or ends the counting of events. No code is translated while events are counted.
   void count_events(bool counts);
-  /// True if instructions must run here.
+  /// True if this class must run the instructions.
   bool is_on() const { return observer_ != nullptr || counts_; }
-  /// May be null.
+  /// Returns the observer; null if there is none.
   Observer* observer() const { return observer_; }
   /// True if there is an observer that needs a call before each instruction.
   bool wants_all() const { return observer_ != nullptr && flow_ == nullptr; }
-  /// True if translated code reports enough for the observer, if any. It does not suffice for calls before
-  /// instructions, nor for steps that it does not record.
+  /// True if translated code reports enough for the observer, or if there is none. Translated code makes no calls
+  /// before instructions, and does not record all steps.
   bool allows_translation() const {
     if (counts_) return false;
     return observer_ == nullptr || (flow_ != nullptr && flow_ == decoded_.flow);
@@ -62,7 +62,7 @@ class ObservedRun final : private BlockWalk {
     if (sleep_reported_) [[unlikely]]
       report_wake_up();
   }
-  /// Called after a state was restored; `sleeping`: of a core that sleeps.
+  /// Called after a state was restored. `sleeping` is true if the core sleeps in that state.
   void restored(bool sleeping) {
     sleep_reported_ = observer_ != nullptr && sleeping;
     account_.restart();

@@ -39,8 +39,8 @@ class TranslatedRun {
   void chain(const Block& block, const translate::Entry& entry, std::uint32_t stall) {
     decoded_.translator->chain_last_exit(block, entry, stall != 0);
   }
-  /// Patches the exit of the last run to jump to the block at the pc, if that block is translated. Needed for an exit
-  /// at the limit: if a block is as long as the time between two limits, it would otherwise never be chained.
+  /// Patches the exit of the last run to jump to the block at the pc, if that block is translated. This is needed for
+  /// exits at the limit: a block that is as long as the time between two limits would otherwise never be chained.
   void chain_to_here();
   /// Returns the block at the pc after an exit from translated code; 0 = unknown.
   std::uint32_t next_block() const {
@@ -51,7 +51,7 @@ class TranslatedRun {
 
   /// True if the last run stopped at the limit in translated code and can resume there.
   bool has_resume_point() const { return execution_.host.resume_point != nullptr; }
-  /// Adapts to a shift of the banks' table by this many bytes to the front.
+  /// Adjusts the resume point after the table of banks has moved by this many bytes to the front.
   void move_resume_point(std::uint64_t bytes) {
     if (has_resume_point()) execution_.host.begin -= bytes;
   }
@@ -60,7 +60,7 @@ class TranslatedRun {
   translate::RunEnd run_round(std::uint64_t limit_tick);
   /// Passes the steps between functions of the last run to the observer.
   void report_flow() { flow_log_.report(observed_); }
-  /// Handles an exit from translated code; returns as `run`.
+  /// Handles an exit from translated code. Returns the same as `run`.
   bool finish(const translate::Exit& exit);
 
  private:
@@ -84,16 +84,16 @@ class TranslatedRun {
   std::uint64_t next_generation_ = 0;  // generation of blocks for which Execution::next_block is valid
 };
 
-/// True if all instructions of the block start before the limit, also if lines must be fetched. Translated code fetches
-/// lines when it reaches them. The first instruction's lines must be present if the cache is shared, or if a stall
-/// follows.
+/// True if all instructions of the block start before the limit, even if all lines must be fetched. Translated code
+/// fetches lines when it reaches them. The first instruction's lines must be present if the cache is shared, or if a
+/// stall follows.
 inline bool TranslatedRun::may_begin(const Block& block, std::uint32_t stall) const {
   if (!is_on() || !observed_.allows_translation()) return false;
   const auto bound = std::uint64_t{decoded_.blocks.fetch_bound(block)} + stall;
   if (decoded_.flow != nullptr && bound >= FlowLog::kLongestRun) return false;
   if (block.line_count != 0 && (limit_.is_loose() || stall != 0) && !decoded_.blocks.begins_present(block))
     return false;
-  // With a loose limit, the stall may reach the limit. Then translated code would not begin.
+  // With a loose limit, the stall may reach the limit. In this case, translated code would not begin.
   const auto cycles = execution_.counters.cycles;
   return limit_.admits(cycles, bound) && !limit_.reached_at(cycles + stall);
 }

@@ -33,7 +33,7 @@ bool is_return_address(const Memory& memory, std::uint32_t address) {
   return address % 2 == 0 && (is_call(memory, address - 4, 4) || is_call(memory, address - 2, 2));
 }
 
-/// Returns the address from which the stack of `pointer` is in memory.
+/// Returns the lowest address of the part of the stack of `pointer` that is in memory.
 std::uint32_t first_word(const Memory& memory, std::uint32_t pointer) {
   pointer = (pointer + 3) & ~3U;
   if (memory.find(pointer, 4) != nullptr) return pointer;

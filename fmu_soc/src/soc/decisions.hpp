@@ -19,7 +19,7 @@ namespace mebots::soc {
 enum class DecisionPart : std::uint8_t { request, exposure, read_out, wait, inference, deciding, sending };
 inline constexpr std::size_t kDecisionParts = 7;
 
-/// Work of the cores from reset up to some time.
+/// The work of the cores from reset up to some time.
 struct CoreWork {
   Picoseconds cluster = 0;     // while a core of the cluster was awake, or all waited for the cluster's DMA
   Picoseconds controller = 0;  // while the fabric controller was awake and the cluster did nothing
@@ -60,7 +60,7 @@ struct Decision {
 ///   published()        the sent values are visible outside: the end of the FMU's step.
 class Decisions {
  public:
-  /// `sender`: name of the board's device that sends set-points; empty = none, and there are no decisions.
+  /// `sender` is the name of the board's device that sends set-points. If it is empty, there are no decisions.
   explicit Decisions(std::string sender) : sender_(std::move(sender)) {}
 
   void picture_stored(const PictureTimes& times, const CoreWork& work);

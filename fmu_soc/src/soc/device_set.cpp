@@ -16,7 +16,7 @@ namespace mebots::soc {
 DeviceSet::DeviceSet(const BoardDescription& board, std::span<const std::filesystem::path> library_folders)
     : board_(board), kinds_(board, library_folders) {}
 
-/// Parts come first, because devices look for those that are attached to them.
+/// Parts are created first, because devices look for the parts that are attached to them.
 void DeviceSet::make(ChipHost& host) {
   add_parts(host);
   add_on_bus(host);
@@ -92,7 +92,7 @@ void DeviceSet::note_roles(const BoardDevice& entry, Device& device) {
   }
 }
 
-/// Each part is attached to a place that exists and that no other part has.
+/// Checks that each part is attached to an existing place to which no other part is attached.
 void DeviceSet::check_attachments(const ChipHost& host) const {
   std::vector<std::string> places(host.places().begin(), host.places().end());
   for (const auto& entry : board_.devices) {

@@ -52,7 +52,7 @@ class DeviceSet {
   /// Creates all devices. Throws Error if the devices of the board do not fit together.
   void make(ChipHost& host);
 
-  /// Parts of the board first, each group in the order of the file.
+  /// Iterates over the members: parts of the board first, each group in the order of the file.
   auto begin() const { return members_.begin(); }
   auto end() const { return members_.end(); }
   /// Returns null if the board has no device of this name.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Messages about the reason why a core cannot continue.
+// Writes the messages that state why a core cannot continue.
 #include "hart/csr_numbers.hpp"
 #include "hart/extensions.hpp"
 #include "isa/encoding.hpp"
@@ -53,7 +52,7 @@ std::uint32_t access_size(const Exception& what, const BlockCache& blocks) {
   return std::max<std::uint32_t>(traits_of(blocks.decode_word(what.instruction).op).size, 1);
 }
 
-/// Returns why a core could not access an address inside a memory.
+/// Returns the reason why a core could not access an address inside a memory.
 std::string memory_text(const Region& region, std::uint32_t address, std::uint32_t size, const Timing& timing) {
   if (!region.holds(address, size)) {
     return fmt::format("the {} bytes from 0x{:08x} on do not all lie in memory {}, which ends at 0x{:08x}", size,

@@ -67,7 +67,8 @@ Hardware::Hardware(const BoardDescription& board, const Chip& chip, const Settin
                    .keeps_written_mtvec = settings.keeps_written_mtvec,
                    .has_gap8_interrupts = device_of(board, kGap8EventUnitKind) != nullptr}) {}
 
-/// Connects the fabric controller with the memories, large near ones first. The first two are on the fast path.
+/// Connects the fabric controller with the memories. Large memories with short latencies come first, because the first
+/// two are on the fast path.
 void Hardware::connect_memories() {
   MEBOTS_ASSERT(board_.memories.size() == memory_.regions().size());
   std::vector<MemoryPort> ports;
@@ -96,8 +97,9 @@ std::uint32_t Hardware::wait_of_controller(std::size_t memory) const {
   return latency ? latency->fabric_controller : 0;
 }
 
-/// Sets latencies to memories for which the board gives cycles of the SoC's clock. An access, a refill and a beat of
-/// the DMA each take a cycle of the slower clock, because the AXI bus between the two clock domains has one width.
+/// Sets the latencies of memories for which the board gives cycles of the SoC's clock. An access, a refill and a beat
+/// of the DMA each take at least a cycle of the slower clock: the AXI bus between the two clock domains has the same
+/// width on both sides.
 void Hardware::set_latencies(std::uint32_t soc_hz) {
   if (!cluster_ || !has_latencies()) return;
   const auto ticks_of = [&](std::uint64_t soc_cycles) {

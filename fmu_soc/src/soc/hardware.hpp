@@ -46,12 +46,12 @@ class Hardware {
   const BoardDescription& board() const { return board_; }
   Memory& memory() { return memory_; }
   const Memory& memory() const { return memory_; }
-  /// Returns the cache of the fabric controller; null without one.
+  /// Returns the cache of the fabric controller; null if there is none.
   InstructionCache* instruction_cache() { return instruction_cache_.get(); }
   const InstructionCache* instruction_cache() const { return instruction_cache_.get(); }
   Hart& controller() { return controller_; }
   const Hart& controller() const { return controller_; }
-  /// Returns the cluster; null without one.
+  /// Returns the cluster; null if there is none.
   Cluster* cluster() { return cluster_.get(); }
   const Cluster* cluster() const { return cluster_.get(); }
   /// Returns the interrupt line of the fabric controller for events of the cluster; -1 = none.

@@ -79,8 +79,8 @@ CoreActivity PowerAccount::core_activity(unsigned core) const {
 
 EnergyLedger PowerAccount::energy_at(Picoseconds time) const {
   const auto until = timeline_.supplied_until(time);
-  // An instruction that begins before a time ends after it. If it changes clock or voltage, the meter has settled up to
-  // the end of the instruction, and earlier values are not available.
+  // An instruction that begins before `until` ends after it. If the instruction changes clock or voltage, the meter has
+  // already settled up to its end, and earlier values are not available.
   return meter_.at(activity_at(std::max(until, meter_.settled_until())));
 }
 

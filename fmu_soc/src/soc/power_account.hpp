@@ -21,9 +21,9 @@ class PowerAccount {
   /// For observers during a run: returns the energy up to the start of the fabric controller's next instruction, or of
   /// its sleep.
   EnergyLedger energy_at_core() const { return energy_at(timeline_.core_time()); }
-  /// Energy of a device since the start [J].
+  /// Returns the energy of a device since the start [J].
   double energy_j(const Device& device) const { return device.energy_j(timeline_.supplied_until(timeline_.now())); }
-  /// Energy of a cluster core beyond that with a gated clock [J].
+  /// Returns the energy of a cluster core beyond that of a core with a gated clock [J].
   double cluster_core_energy_j(unsigned core) const { return meter_.core_j(core, core_activity(core)); }
   /// Returns the energy of one more unit of each of a hart's counts, with the present power settings.
   CountEnergy energy_per_count(unsigned hart) const;

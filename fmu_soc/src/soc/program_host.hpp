@@ -27,28 +27,28 @@ class HostCalls {
   HostCalls& operator=(const HostCalls&) = delete;
   virtual ~HostCalls() = default;
 
-  /// slli x0, x0, 31; ebreak; srai x0, x0, 7 with a0 and a1. Source: RISC-V Semihosting 1.0, which takes the operations
-  /// of Arm's "Semihosting for AArch32 and AArch64".
+  /// A semihosting call: slli x0, x0, 31; ebreak; srai x0, x0, 7, with the operation in a0 and its parameter in a1.
+  /// Source: RISC-V Semihosting 1.0, which takes the operations of Arm's "Semihosting for AArch32 and AArch64".
   virtual HostReply semihosting(std::uint32_t operation, std::uint32_t parameter) = 0;
-  /// A system call through `tohost`: seven arguments. Source: riscv-isa-sim, fesvr/syscall.cc.
+  /// A system call through `tohost`, with seven arguments. Source: riscv-isa-sim, fesvr/syscall.cc.
   virtual HostReply system_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
-  /// A system call by ecall: the number in a7, six arguments from a0 on, the result in a0. Source: RISC-V Linux;
-  /// newlib, libgloss/riscv.
+  /// A system call by ecall, with the number in a7, six arguments from a0 on, and the result in a0. Source: RISC-V
+  /// Linux; newlib, libgloss/riscv.
   virtual HostReply environment_call(std::uint32_t number, std::span<const std::uint32_t> arguments) = 0;
-  /// A command through `tohost` to another device than that of system calls. It has no reply.
+  /// A command through `tohost` to a device other than that of system calls. It has no reply.
   virtual void device_command(unsigned device, unsigned command, std::uint64_t payload) = 0;
 };
 
 /// A program's calls to the machine that simulates it: semihosting, and commands through the word `tohost`, which also
-/// ends the program. For programs that run alone; not part of a state.
+/// ends the program. They are served only in `mebots-soc run`, without FMI, and are not part of a state.
 class ProgramHost {
  public:
   ProgramHost(Hardware& hardware, const Elf& program) : hardware_(hardware), program_(program) {}
 
   /// Watches the word at this address. Throws Error if it is not in a memory.
   void watch(std::uint32_t address);
-  /// Sets the server of the program's calls; null removes it. `serves_ecall`: an ecall is a system call; otherwise it
-  /// is an exception.
+  /// Sets the server of the program's calls; null removes it. If `serves_ecall` is true, an ecall is a system call;
+  /// otherwise it is an exception.
   void serve(HostCalls* calls, bool serves_ecall = false) {
     calls_ = calls;
     serves_ecall_ = calls != nullptr && serves_ecall;
@@ -56,10 +56,10 @@ class ProgramHost {
 
   /// The watched word, with its upper half if it has one; 0 = no command.
   std::uint64_t command() const;
-  /// True if the other half of this command is about to be stored and changes it. A 32-bit core stores the two halves
-  /// of a command in either order.
+  /// True if a store of the other half of this command follows and changes the command. A 32-bit core may store the two
+  /// halves in either order.
   bool is_half_stored(std::uint64_t command) const;
-  /// Returns true if the program ends.
+  /// Serves a command. Returns true if the program ends.
   bool serve_command(std::uint64_t command);
   /// Serves a command that a core of the cluster has stored, before that core executes its next instruction. Returns
   /// true if the program ends.

@@ -37,7 +37,7 @@ BoardDescription with_settings(BoardDescription board, const Settings& settings)
   return board;
 }
 
-/// A core without F would stop at the first such instruction, perhaps late.
+/// A core without F would stop only at the first floating-point instruction, perhaps late in a run.
 void require_float_registers(const BoardDescription& board, const Elf& program) {
   if (!program.uses_float_registers() || board.isa.has(Extension::f)) return;
   throw Error(fmt::format(
@@ -116,7 +116,7 @@ void Soc::run(Picoseconds until, std::uint64_t cycle_limit, bool is_alone) {
         advance_devices(event);
         wake_if_interrupted(event);
       } else {
-        // A listener receives each quantum.
+        // A listener must be called after each quantum.
         advance_cluster(event, listener_ != nullptr ? cluster : until, cycle_limit);
       }
       notify(first);

@@ -31,7 +31,8 @@ namespace mebots::soc {
 /// The chip with its devices and its program: a core that runs while time advances.
 ///
 /// Time rule: `advance(t)` executes every instruction of the fabric controller that starts at or before t, and every
-/// event of a device up to t. So a request made at SoC time s is out at the first call with t >= s.
+/// event of a device up to t. Therefore a request made at SoC time s is visible outside after the first call with t >=
+/// s.
 ///
 /// Fabric controller and cluster: while awake, the fabric controller leads by at most kLead ticks of the cluster; the
 /// cluster follows and never passes it. An access of the fabric controller to the cluster's devices, or to the power
@@ -49,7 +50,7 @@ class Soc final {
   Soc(const Soc&) = delete;
   Soc& operator=(const Soc&) = delete;
 
-  /// Begins a step: parameters and inputs of the devices have been set.
+  /// Begins a step. The parameters and inputs of the devices must be set before.
   void begin_step();
   /// Advances to `time_ns`, which must not be in the past.
   void advance(std::int64_t time_ns);
@@ -71,23 +72,23 @@ class Soc final {
   std::optional<int> gave_up() const;
   /// True if a core cannot continue, or ended on an exception.
   bool faulted() const;
-  /// Returns a text with the reason why a core cannot continue: function, line, instruction and callers. Empty without
-  /// a fault.
+  /// Returns a text with the reason why a core cannot continue: function, line, instruction and callers. Returns an
+  /// empty text if no core has faulted.
   std::string fault_text() const;
   /// Returns a text about the first exception of the fabric controller since a handler returned, like fault_text().
-  /// Empty without one.
+  /// Returns an empty text if there is no such exception.
   std::string unfinished_exception_text() const;
 
   Picoseconds now() const { return timeline_.now(); }
   Picoseconds sleep_time() const { return timeline_.slept_at(now()); }
-  /// For observers during a run: returns the start of a hart's next instruction, or of its sleep.
+  /// Returns the start of a hart's next instruction, or of its sleep. For observers during a run.
   Picoseconds core_time(unsigned number = kFabricControllerHart) const;
-  /// Returns the start of one of its active cycles after its last sleep and its last change of clock.
+  /// Returns the start of an active cycle of a hart after its last sleep and its last change of clock.
   Picoseconds core_time_at(unsigned number, std::uint64_t cycle) const;
 
   Hart& hart() { return hardware_.controller(); }
   const Hart& hart() const { return hardware_.controller(); }
-  /// Harts have the numbers of cluster/peripherals.hpp.
+  /// Returns a hart. cluster/peripherals.hpp defines the numbers of harts.
   Hart& hart(unsigned number) { return hardware_.hart(number); }
   const Hart& hart(unsigned number) const { return hardware_.hart(number); }
   unsigned harts() const { return hardware_.harts(); }
@@ -95,9 +96,9 @@ class Soc final {
   bool is_on(unsigned number) const { return number == kFabricControllerHart || cluster()->powered(); }
   /// Returns the number of instructions that all cores have retired since the start.
   std::uint64_t instructions() const;
-  /// Returns null without a cluster.
+  /// Returns the cluster; null if the chip has none.
   const Cluster* cluster() const { return hardware_.cluster(); }
-  /// Returns the cache of the fabric controller; null without one.
+  /// Returns the cache of the fabric controller; null if there is none.
   const InstructionCache* instruction_cache() const { return hardware_.instruction_cache(); }
   const Memory& memory() const { return hardware_.memory(); }
   bool poke(std::uint32_t address, std::span<const std::uint8_t> bytes) { return hardware_.poke(address, bytes); }

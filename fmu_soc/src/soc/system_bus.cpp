@@ -16,8 +16,8 @@ namespace {
 /// Below this address, each core has registers of its own.
 constexpr std::uint32_t kSharedDevices = 0x1000'0000;
 
-/// Peripherals of the SoC, and the fabric controller's own at both of their addresses. Source:
-/// archi/chips/gap/memory_map.h.
+/// Addresses of the SoC's peripherals, and of the fabric controller's own peripherals at both of their addresses.
+/// Source: archi/chips/gap/memory_map.h.
 struct Area {
   std::uint32_t base;
   std::uint32_t size;
@@ -30,8 +30,9 @@ constexpr std::uint32_t kMtimeHigh = 0x7ffc;
 
 /// Executes the CSR instruction at the core's pc if it reads `time` or `timeh`, or accesses `satp`, on a board with a
 /// timer of the platform. `time` shows MTIME. `satp` reads 0 and ignores writes, as in a core whose only mode of
-/// address translation is Bare; programs clear it at their start. In U mode both are illegal instructions. Returns
-/// false for any other instruction. Source: RISC-V Privileged Specification 20211203, sections 3.2.1 and 4.1.11.
+/// address translation is Bare; programs clear it at their start. In U mode, both accesses are illegal instructions.
+/// Returns false for any other instruction. Source: RISC-V Privileged Specification 20211203, sections 3.2.1 and
+/// 4.1.11.
 bool serves_platform_register(Hardware& hardware, const DeviceSet& devices, Picoseconds now) {
   constexpr std::uint32_t kSystem = 0x73;
   constexpr std::uint32_t kTime = 0xc01;
@@ -77,7 +78,8 @@ std::string UnmodelledRegisters::text(std::uint32_t address, bool stores, std::s
                      function.empty() ? "" : " in ", function, what, stores ? "is lost" : "reads 0");
 }
 
-/// True if the cluster must reach the same time before the fabric controller accesses what they share.
+/// True if the fabric controller accesses a device that it shares with the cluster, and the cluster must first reach
+/// the same time.
 bool SystemBus::must_wait(std::uint32_t address, Picoseconds now) const {
   const auto* cluster = hardware_.cluster();
   if (timeline_.next_of(cluster) >= now) return false;

@@ -21,10 +21,10 @@ namespace mebots::soc {
 /// once, because it may explain a difference from the real chip. Not part of a state.
 class UnmodelledRegisters {
  public:
-  /// True if GAP8 has peripherals there; elsewhere an access is a fault.
+  /// True if GAP8 has peripherals at this address. Elsewhere, an access is a fault.
   static bool are_at(std::uint32_t address);
 
-  /// `entry`: the device whose addresses these are; null = none.
+  /// `entry` is the device to whose address range the address belongs; null if there is none.
   std::string text(std::uint32_t address, bool stores, std::string_view function, const BoardDevice* entry) const;
   /// True for the first access to an address.
   bool is_new(std::uint32_t address);
@@ -39,7 +39,7 @@ class UnmodelledRegisters {
 /// time (BusReply::Kind::later).
 class SystemBus final : public Bus {
  public:
-  /// Receives a report; empty = no receiver.
+  /// Receives a report. If it is empty, reports are dropped.
   using Report = std::function<void(std::string_view text)>;
 
   SystemBus(Hardware& hardware, Timeline& timeline, DeviceSet& devices, ProgramHost& program_host, Report report)
@@ -58,7 +58,7 @@ class SystemBus final : public Bus {
   bool watched(std::uint32_t /*address*/) override { return program_host_.command() != 0; }
   bool called_host(std::uint32_t cause) override;
 
-  /// An access of a cluster core to a device of the SoC, at the fabric controller's time if that is later.
+  /// Serves an access of a cluster core to a device of the SoC, at the fabric controller's time if that is later.
   BusReply from_cluster(const ClusterAccess& access, Picoseconds time);
 
  private:

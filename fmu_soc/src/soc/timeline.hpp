@@ -31,7 +31,7 @@ class Timeline {
   /// True while the fabric controller waits for an interrupt or has ended.
   bool asleep() const { return asleep_; }
   Picoseconds asleep_since() const { return asleep_since_; }
-  /// True in retention sleep.
+  /// True if the chip is in retention sleep.
   bool retained() const { return retained_; }
   /// Returns the number of the core that ended the program.
   int ended_by() const { return ended_by_; }
@@ -43,7 +43,7 @@ class Timeline {
   void end_retention(Picoseconds time);
   /// Ends the program at `time`, or at the fabric controller's time if that is later.
   void finish(End why, Picoseconds time);
-  /// Ends the supply now.
+  /// Switches the supply off now.
   void power_off();
 
   Picoseconds slept_at(Picoseconds now) const {

@@ -15,7 +15,7 @@ namespace mebots::soc {
 /// The work of a chip: time in each state, time of its cores, and decisions from pictures to set-points.
 class WorkAccount {
  public:
-  /// `sender`: see Decisions.
+  /// `sender` has the meaning that Decisions describes.
   WorkAccount(const Hardware& hardware, const Timeline& timeline, const DeviceSet& devices, std::string sender)
       : hardware_(hardware), timeline_(timeline), devices_(devices), decisions_(std::move(sender)) {}
 
@@ -23,13 +23,14 @@ class WorkAccount {
   const StateTimes& state_times() const { return state_times_; }
   const Decisions& decisions() const { return decisions_; }
 
-  /// Records that the chip may have changed at `time`, or at the fabric controller's time if that is awake and later.
+  /// Records that the chip may have changed at `time`, or at the fabric controller's time if the controller is awake
+  /// and its time is later.
   void pass(Picoseconds time);
   void picture_stored(const PictureTimes& times) { decisions_.picture_stored(times, work_at(times.stored)); }
   void setpoints_sent(std::string_view sender, Picoseconds now);
   /// Publishes set-points at the end of a step.
   void publish(Picoseconds now) { decisions_.published(now); }
-  /// Set for a program without a world: set-points are published at once. Not part of a state.
+  /// Must be set for a program without a world, whose set-points are published at once. Not part of a state.
   void set_alone(bool alone) { alone_ = alone; }
 
   void visit(state::Visitor& v);

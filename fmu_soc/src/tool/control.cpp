@@ -20,9 +20,9 @@
 namespace mebots::soc::tool {
 namespace {
 
-/// A run that waits for a text looks at this interval of simulated time.
+/// If a run waits for a text, it checks for the text at this interval of simulated time.
 constexpr std::int64_t kLookNs = 10'000;
-/// The longest time of one command: beyond it, nanoseconds lose their meaning in a double.
+/// The longest time of one command: beyond it, a double cannot represent nanoseconds.
 constexpr double kLongestS = 1e6;
 constexpr std::uint32_t kLongestRead = 1U << 20;
 
@@ -32,7 +32,8 @@ std::string hex(const std::vector<std::uint8_t>& bytes) {
   return text;
 }
 
-/// Throws Error unless the value is a whole number of 32 bits. `what`: such as "an address".
+/// Throws Error unless the value is a whole number of 32 bits. `what` names the value in the message, such as "an
+/// address".
 std::uint32_t whole_number(std::string_view what, const nlohmann::ordered_json& value) {
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() > kMost) {
@@ -92,7 +93,7 @@ Control::Json Control::obey(const Json& command) {
   throw Error(fmt::format("unknown command {}; there are run, send, read, get, set and report", name));
 }
 
-/// {"run": seconds, "until": text}: ends early when the text has been printed since the last answer, or the program has
+/// {"run": seconds, "until": text}: ends early if the text has been printed since the last answer, or the program has
 /// ended.
 Control::Json Control::run(const Json& command) {
   const auto duration = command.at("run").get<double>();

@@ -16,15 +16,15 @@
 
 namespace mebots::soc::tool {
 
-/// The console of a program that a test controls: collects what it prints, and holds what it may read. Input arrives in
-/// simulated time, so a run does not depend on the host's time.
+/// The console of a program that a test controls: collects its output, and holds the input that it may read. Input
+/// arrives in simulated time, so a run does not depend on the host's time.
 class ControlledConsole final : public Console {
  public:
   void write(std::span<const char> bytes) override { printed_.append(bytes.data(), bytes.size()); }
   void send(std::string_view bytes) { input_.insert(input_.end(), bytes.begin(), bytes.end()); }
   /// Takes a byte as ConsolePort::read_console() does.
   int read_byte();
-  /// Returns -EAGAIN if nothing has been sent: the program cannot wait, because a call takes no simulated time.
+  /// Returns -EAGAIN if no input has been sent. The program cannot wait for it, because a call takes no simulated time.
   long read(std::span<char> into) override;
   const std::string& printed() const { return printed_; }
 
@@ -33,8 +33,8 @@ class ControlledConsole final : public Console {
   std::deque<char> input_;
 };
 
-/// Runs a program as commands on standard input say: a JSON object a line, each with an answer of a line on standard
-/// output. docs/chip/testing.md lists the commands. Python's mebots.testing is the other side.
+/// Runs a program as commands on standard input say. Each line is a JSON object, and each has an answer of one line on
+/// standard output. docs/chip/testing.md lists the commands. Python's mebots.testing sends such commands.
 class Control {
  public:
   /// `report` returns the report of the run up to now, as JSON; `host_code` the exit code of a program that has ended

@@ -62,7 +62,8 @@ int open_terminal() {
     throw Error(fmt::format("--console pty: no pseudo terminal: {}", std::strerror(errno)));
   }
   const std::string name = ::ptsname(master);
-  // Opened and closed once, so that the master can report whether a program has the other end open.
+  // The other end is opened and closed once. Afterwards, the master can report whether a program has the other end
+  // open.
   if (const int other = ::open(name.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC); other >= 0) {
     termios mode{};
     ::tcgetattr(other, &mode);

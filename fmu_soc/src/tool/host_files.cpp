@@ -17,7 +17,8 @@ namespace mebots::soc::tool {
 namespace {
 
 constexpr std::string_view kConsole = ":tt";
-/// Semihosting's file that lists extensions of the host: exit with a code, and separate stdout and stderr.
+/// The name of semihosting's file with the extensions that a host supports. This host supports two: exit with a code,
+/// and separate stdout and stderr.
 constexpr std::string_view kFeatures = ":semihosting-features";
 constexpr std::string_view kFeatureBytes = "SHFB\x03";
 /// Limits the number of open files, because a program may forget to close them.
@@ -34,7 +35,7 @@ HostFiles::HostFiles(const std::optional<std::string>& folder, Console& console)
   }
 }
 
-/// Returns the path of a file; nullopt if it is outside the folder, also through a link.
+/// Returns the path of a file; nullopt if it is outside the folder. Links are followed.
 std::optional<std::filesystem::path> HostFiles::inside(const std::string& name) const {
   if (!folder_ || name.empty()) return std::nullopt;
   std::error_code error;
@@ -60,7 +61,7 @@ int HostFiles::open(const std::string& name, int flags) {
   if (!path) return -EACCES;
   std::error_code error;
   if (std::filesystem::is_directory(*path, error)) return -EISDIR;
-  // O_NOFOLLOW: a link to a file that does not exist yet is no part of the canonical path.
+  // O_NOFOLLOW is needed because the canonical path does not contain a link to a file that does not exist yet.
   const int descriptor = ::open(path->c_str(), flags | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (descriptor < 0) return errno == ELOOP ? -EACCES : -errno;
   const auto* const mode = is_read ? "rb" : (flags & O_ACCMODE) == O_WRONLY ? "wb" : "r+b";

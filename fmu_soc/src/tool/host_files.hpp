@@ -24,7 +24,7 @@ class HostFiles {
   /// Opens a file with flags of POSIX's open(). ":tt" is the console.
   int open(const std::string& name, int flags);
   int close(int file);
-  /// Returns the number of bytes; 0 at the end.
+  /// Returns the number of bytes read; 0 at the end.
   long read(int file, std::span<char> into);
   long write(int file, std::span<const char> bytes);
   /// Returns the new position. `origin` as for fseek().

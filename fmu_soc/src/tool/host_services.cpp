@@ -45,8 +45,8 @@ constexpr std::uint32_t kApplicationExit = 0x20026;  // ADP_Stopped_ApplicationE
 constexpr std::uint64_t kCentiseconds = 100;
 constexpr std::uint64_t kTicks = 1'000'000;
 
-/// Modes of fopen() by SYS_OPEN's number.
-/// SYS_OPEN numbers the modes of fopen(): each as text and as binary, which are the same here.
+/// Flags of open() for SYS_OPEN's numbers. SYS_OPEN numbers the modes of fopen(), each as text and as binary; both are
+/// the same here.
 constexpr std::array kModes{O_RDONLY,
                             O_RDWR,
                             O_WRONLY | O_CREAT | O_TRUNC,
@@ -66,7 +66,7 @@ std::optional<HostServices::Block> HostServices::words_at(std::uint32_t address)
   return words;
 }
 
-/// Returns -1 for a failed operation, and stores its errno for SYS_ERRNO.
+/// Returns the result. For a failed operation, stores its errno for SYS_ERRNO and returns -1.
 HostReply HostServices::answer(long result) {
   if (result >= 0) return {static_cast<std::uint32_t>(result)};
   errno_ = static_cast<int>(-result);
@@ -185,7 +185,7 @@ HostReply HostServices::system_call(std::uint32_t number, std::span<const std::u
   return calls_.serve(number, arguments);
 }
 
-/// Device numbers of riscv-isa-sim: fesvr/htif.cc registers the console after the system calls.
+/// Device numbers of riscv-isa-sim, where fesvr/htif.cc registers the console after the system calls.
 void HostServices::device_command(unsigned device, unsigned command, std::uint64_t payload) {
   constexpr unsigned kConsoleDevice = 1;
   constexpr unsigned kWriteCharacter = 1;

@@ -16,13 +16,14 @@
 
 namespace mebots::soc::tool {
 
-/// Serves a program that runs alone: console, files, simulated time and exit, through semihosting or system calls.
+/// Serves a program that runs without FMI: console, files, simulated time and exit, through semihosting or system
+/// calls.
 class HostServices final : public HostCalls {
  public:
   HostServices(Soc& soc, HostFiles& files, std::string program)
       : soc_(soc), files_(files), calls_(soc, files), program_(std::move(program)) {}
 
-  /// SystemCalls::begin_program() for a program with its name as the first argument.
+  /// Calls SystemCalls::begin_program(), with the name of the program as the first argument.
   void begin_program(const std::string& name, std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), name);
     calls_.begin_program(arguments);

@@ -189,7 +189,8 @@ std::filesystem::path board_file(const std::string& asked) {
     if (known.back() == asked) return path;
   }
   std::ranges::sort(known);
-  // Not std::ranges::unique(): clang 14, which builds the fuzzers, does not accept libstdc++'s subrange.
+  // std::ranges::unique() cannot be used, because clang 14, which builds the fuzzers, does not accept libstdc++'s
+  // subrange.
   known.erase(std::unique(known.begin(), known.end()), known.end());
   throw Error(
       fmt::format("--board {}: there is no such board or file. MEbots has the boards {}; name a board file of "
@@ -199,7 +200,7 @@ std::filesystem::path board_file(const std::string& asked) {
 
 namespace {
 
-/// More than any camera has.
+/// A limit that is above the pixels of any camera.
 constexpr std::uint32_t kMostPixels = 1U << 24;
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {

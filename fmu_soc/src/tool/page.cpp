@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostLines = 5000;
-/// In the order of ChipState.
+/// Names of the states, in the order of ChipState.
 constexpr std::array<std::string_view, StateTimes::kCounted> kStates{"asleep", "waiting", "cluster", "controller"};
 constexpr std::array<std::string_view, StateTimes::kCounted> kStateLabels{"asleep", "waiting for a picture",
                                                                           "cluster on", "only the controller awake"};
@@ -160,7 +160,8 @@ Json tables_of(const ChipReport& report, const PowerCourse& course) {
   return chip;
 }
 
-/// The length of the header in 32 bits, little-endian, then the header: web/src/data/payload.ts.
+/// Returns the length of the header in 32 bits (little-endian), the header, and the columns. web/src/data/payload.ts
+/// reads them.
 std::string payload_of(const Json& run) {
   const Json header = {{"format", 1}, {"runs", Json::array({run})}};
   const auto text = header.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -18,7 +18,7 @@ namespace mebots::soc::tool {
 /// A file in the folder for temporary files. The destructor removes it.
 class ScratchFile {
  public:
-  /// `ending`: the end of its name, such as .json. Throws Error if it cannot be created.
+  /// `ending` is the end of its name, such as .json. Throws Error if the file cannot be created.
   explicit ScratchFile(std::string_view ending);
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
@@ -33,11 +33,11 @@ class ScratchFile {
 /// the chip in place of a system.
 class RunPage {
  public:
-  /// Throws Error if the file cannot be written or this installation has no pages. `profile`: the file that the user
-  /// wants, if any.
+  /// Throws Error if the file cannot be written or this installation has no pages. `profile` is the file for the
+  /// profile that the user has requested, if any.
   RunPage(const std::string& path, const std::optional<std::string>& profile);
 
-  /// Returns the file for the profile, in speedscope's format.
+  /// Returns the path of the profile, which is in speedscope's format.
   const std::string& profile() const { return profile_ ? *profile_ : scratch_->path(); }
 
   /// Starts to record the chip, which must outlive the page.
@@ -46,7 +46,7 @@ class RunPage {
   void printed(std::string_view line);
   /// Adds a byte that the program sent to a serial port.
   void sent(char byte);
-  /// Writes the page. `outcome` says how the program ended. The profile is complete.
+  /// Writes the page. `outcome` says how the program ended. The profile must be complete.
   void write(const ChipReport& report, const std::string& program, const std::string& outcome);
 
  private:

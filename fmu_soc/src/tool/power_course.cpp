@@ -32,7 +32,7 @@ void PowerCourse::add(Picoseconds time) {
   if (points_.size() >= kMost) halve();
 }
 
-/// Keeps the first and the last point.
+/// Drops every second point. The first and the last point stay.
 void PowerCourse::halve() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {

@@ -13,8 +13,9 @@ namespace mebots::soc::tool {
 
 /// Energy of each part and device, and time in each state, over the time of a run, in memory.
 ///
-/// A point is taken at an event, but at most one in each spacing. If there are too many points, every second one is
-/// dropped, and the spacing doubles. Values are totals since the start, so their differences remain exact.
+/// A point is taken at an event, but at most one point in each interval of the present spacing. If there are too many
+/// points, every second one is dropped, and the spacing doubles. Values are totals since the start, so their
+/// differences remain exact.
 class PowerCourse final : public StateListener {
  public:
   static constexpr std::size_t kMost = 2048;

@@ -42,14 +42,14 @@ struct Prefix {
 constexpr std::array<Prefix, 6> kPrefixes = {
     {{1, ""}, {1e-3, "m"}, {1e-6, "u"}, {1e-9, "n"}, {1e-12, "p"}, {1e-15, "f"}}};
 
-/// A number with four significant digits: 2.475, 184.1, 1000.
+/// Returns a number with four significant digits: 2.475, 184.1, 1000.
 std::string number_text(double value) {
   if (value == 0) return "0";
   const int before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
   return fmt::format("{:.{}f}", value, std::max(0, kDigits - std::max(before_point, 1)));
 }
 
-/// A quantity with an SI prefix: 184.1 mW.
+/// Returns a quantity with an SI prefix: 184.1 mW.
 std::string quantity_text(double value, std::string_view unit) {
   if (value == 0) return fmt::format("0 {}", unit);
   // A value that rounds to 1000 uses the next larger prefix.
@@ -61,7 +61,7 @@ std::string quantity_text(double value, std::string_view unit) {
 
 using Row = std::vector<std::string>;
 
-/// Aligns columns: those of `left` at the left, the others at the right.
+/// Aligns columns: those in `left` to the left, all others to the right.
 void print_table(const std::vector<Row>& rows, const std::vector<bool>& left) {
   std::vector<std::size_t> widths(left.size());
   for (const auto& row : rows) {
@@ -151,7 +151,7 @@ Row energy_row(const ChipReport::Part& part, const ChipReport& report, bool has_
   return {part.name, quantity_text(part.energy_j, "J"), mean, share, part.text};
 }
 
-/// Returns the parts that consumed energy, the greatest first; then their sum, and the board's devices.
+/// Prints the parts that consumed energy, the greatest first; then their sum, and the energy of the board's devices.
 void print_energy(const ChipReport& report) {
   std::vector<Row> rows = {{"part", "energy", "mean power", "share", ""}};
   auto parts = report.parts;
@@ -229,7 +229,7 @@ Json json_of(const observe::StackCost& cost) {
           {"causes", std::move(causes)}};
 }
 
-/// Functions with the most cycles first.
+/// The functions are sorted by falling cycles.
 Json json_of(const observe::CoreStack& core, const observe::Functions& names) {
   auto json = json_of(core.total());
   std::vector<std::pair<std::uint32_t, observe::StackCost>> functions(core.functions().begin(), core.functions().end());

@@ -47,7 +47,7 @@ ChipReport report_of(const Soc& soc, double host_s, std::optional<std::uint32_t>
 void print(const ChipReport& report);
 /// Returns the report as JSON, in SI units.
 std::string json_text(const ChipReport& report);
-/// The same with the cycles of each core and function by cause, and the use of the banks.
+/// Returns this report together with the cycles of each core and function by cause, and the use of the banks.
 std::string json_text(const ChipReport& report, const observe::CycleStack& cycles);
 
 }  // namespace mebots::soc::tool

@@ -34,7 +34,7 @@ namespace {
 
 /// A run without a limit checks after this many cycles whether anything can still happen.
 constexpr std::uint64_t kSlice = 1U << 26;
-/// The number of cycles if power over time is recorded: at least one point per millisecond at 100 MHz.
+/// Replaces kSlice if power over time is recorded, for at least one point per millisecond at 100 MHz.
 constexpr std::uint64_t kFineSlice = 100'000;
 /// The number of cycles between two states from which gdb goes back in time.
 constexpr std::uint64_t kDebugSlice = 500'000;
@@ -43,10 +43,10 @@ bool has_kind(const BoardDescription& board, std::string_view kind) {
   return std::ranges::find(board.devices, kind, &BoardDevice::kind) != board.devices.end();
 }
 
-/// Which has a flash and a camera.
+/// The kind of device that has a flash and a camera.
 constexpr std::string_view kFlashKind = "gap8_udma";
 
-/// Returns nullopt if this is not a readable regular file.
+/// Returns the bytes of a file; nullopt if it is not a readable regular file.
 std::optional<std::string> bytes_of(const std::string& path) {
   std::error_code error;
   std::ifstream file(path, std::ios::binary);
@@ -82,11 +82,11 @@ struct Limits {
   std::optional<Picoseconds> wall_time;
 };
 
-/// The limit that ended a run.
+/// The limit at which a run ended.
 enum class Reached : std::uint8_t { none, instructions, time, wall_time };
 
-/// Runs in pieces, because every instruction takes a cycle or more: with N instructions left, N cycles are safe. The
-/// limit counts the fabric controller's instructions.
+/// Runs in pieces up to a limit. The limit counts the fabric controller's instructions. Every instruction takes at
+/// least one cycle, so with N instructions left, a piece of N cycles does not exceed the limit.
 class LimitedRun {
  public:
   LimitedRun(Soc& soc, observe::Session& session, const Limits& limits, std::uint64_t slice)
@@ -109,7 +109,7 @@ class LimitedRun {
   }
 
  private:
-  /// Pieces of a run with a limit of the host's time.
+  /// Length of the pieces if a run has a limit of the host's time.
   static constexpr std::uint64_t kShortSlice = 1U << 22;
   static constexpr Picoseconds kTimeSlice = 10'000'000'000;
 
@@ -159,7 +159,8 @@ std::optional<std::uint32_t> tohost_of(const Soc& soc) {
   return value;
 }
 
-/// The hart that a message of the end is about: the fabric controller, or the core at which a debugger ended the run.
+/// Returns the hart that a message about the end of the run describes: the fabric controller, or the core at which a
+/// debugger ended the run.
 unsigned last_hart(const Soc& soc) {
   const auto* cluster = soc.cluster();
   return cluster == nullptr ? kFabricControllerHart : hart_of_core(cluster->core_stopped_by_observer());
@@ -213,7 +214,7 @@ std::string outcome_text(const Soc& soc, const Options& options, Reached reached
                                                          : fmt::format("exit {}", code);
 }
 
-/// The program has taken all pictures, and only a further one could wake it.
+/// True if the program has taken all pictures and waits for a further one.
 bool has_seen_all(const Soc& soc, const Options& options) {
   return options.pictures && soc.hart().sleeping() && soc.devices().wait_for_picture();
 }
@@ -223,7 +224,7 @@ int exit_code(const Soc& soc, std::optional<std::uint32_t> tohost) {
   return soc.end() == End::exited ? soc.exit_code() & 0xff : kFaultOrLimit;
 }
 
-/// Reports once each behaviour of the core that the program may not expect.
+/// Reports each behaviour of the core that the program may not expect, each once.
 void print_remarks(const Soc& soc, bool is_alone) {
   const auto& remarks = soc.hart().csr_remarks();
   const auto print = [](std::string_view text) {
@@ -270,7 +271,7 @@ BoardDescription board_of(const Options& options, const Elf& program) {
     board.name = "none";
   }
   for (const auto& ram : options.ram) add_ram(board, ram);
-  // A program for an operating system reads counters that CV32E40P stops at reset.
+  // A program for an operating system expects running counters, but CV32E40P stops them at reset.
   if (!options.board && options.user) set_core(board, "rv32imc");
   if (options.core) set_core(board, *options.core);
   return board;

@@ -19,9 +19,9 @@
 namespace mebots::soc::tool {
 
 /// Makes the board for a program without one. It has RAM where the program's segments are loaded and where they run,
-/// and no device. A RAM begins at the page of its lowest segment, has at least 4 MiB, and ends at least 1 MiB past its
-/// highest segment; the last one ends `heap` bytes past it. Segments with more than 64 MiB between them get a RAM each.
-/// Throws Error if that would be more than 2 GiB.
+/// and no device. A RAM begins at the page of its lowest segment, has at least 4 MiB, and ends at least 1 MiB after its
+/// highest segment. The last RAM ends `heap` bytes after it. Segments with more than 64 MiB between them get separate
+/// RAMs. Throws Error if that would be more than 2 GiB.
 BoardDescription board_around(const Elf& program, std::uint64_t heap);
 
 /// Adds RAM given as BASE:SIZE, such as 0x80000000:64M. A memory of the board with this base gets the size. Throws

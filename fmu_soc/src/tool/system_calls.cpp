@@ -145,7 +145,7 @@ struct OpenFlags {
   }
 };
 constexpr OpenFlags kLinuxFlags{.append = 02000, .create = 0100, .truncate = 01000, .exclusive = 0200};
-/// newlib, sys/_default_fcntl.h: its _open() passes them to call 1024 unchanged.
+/// Values of newlib's sys/_default_fcntl.h: newlib's _open() passes them to call 1024 unchanged.
 constexpr OpenFlags kNewlibFlags{.append = 0x8, .create = 0x200, .truncate = 0x400, .exclusive = 0x800};
 
 std::uint32_t end_of(const Elf& program) {
@@ -161,8 +161,8 @@ std::string_view system_call_name(std::uint32_t number) {
   return found == kNames.end() ? std::string_view() : found->name;
 }
 
-/// On the stack: the number of arguments, their addresses, a zero, no environment, no auxiliary vector; above them the
-/// texts. Source: RISC-V ELF psABI 1.0; System V ABI, "Process initialization".
+/// Writes the start values of the stack: the number of arguments, their addresses, a zero, no environment and no
+/// auxiliary vector. The texts are above them. Source: RISC-V ELF psABI 1.0; System V ABI, "Process initialization".
 void SystemCalls::begin_program(const std::vector<std::string>& arguments) {
   const auto& program = soc_.program();
   least_break_ = (end_of(program) + kAlignment - 1) / kAlignment * kAlignment;
@@ -234,7 +234,7 @@ long SystemCalls::open(std::uint32_t name, int flags) {
   return text ? files_.open(*text, flags) : -EFAULT;
 }
 
-/// writev takes an address and a length for each part.
+/// Serves writev, which takes an address and a length for each part.
 long SystemCalls::write_parts(int file, std::uint32_t parts, std::uint32_t count) {
   if (count > kMostParts) return -EINVAL;
   long total = 0;
@@ -248,14 +248,15 @@ long SystemCalls::write_parts(int file, std::uint32_t parts, std::uint32_t count
   return total;
 }
 
-/// fstat: only the kind of the file and its size are set. Source: newlib, libgloss/riscv/kernel_stat.h.
+/// Serves fstat. Only the kind of the file and its size are set. Source: newlib, libgloss/riscv/kernel_stat.h.
 long SystemCalls::status(int file, std::uint32_t address) {
   constexpr std::uint64_t kCharacterDevice = 0020620;
   constexpr std::uint64_t kRegularFile = 0100644;
   constexpr std::uint64_t kBlock = 1024;
   const auto length = files_.length(file);
   if (length < 0) return length;
-  // 104 bytes: device and inode; mode and links; owner and group; device; padding; size; block size; blocks; times.
+  // The structure has 104 bytes: device and inode; mode and links; owner and group; device; padding; size; block size;
+  // blocks; times.
   std::array<std::uint64_t, 13> words{};
   words[2] = (HostFiles::is_console(file) ? kCharacterDevice : kRegularFile) | std::uint64_t{1} << 32;
   words[6] = static_cast<std::uint64_t>(length);
@@ -263,13 +264,13 @@ long SystemCalls::status(int file, std::uint32_t address) {
   return poke(address, words) ? 0 : -EFAULT;
 }
 
-/// brk: returns the new end of the heap, or the old one if there is no such memory.
+/// Serves brk. Returns the new end of the heap, or the old end if there is no such memory.
 long SystemCalls::move_break(std::uint32_t address) {
   if (address >= least_break_ && address <= most_break_) break_ = address;
   return static_cast<long>(break_);
 }
 
-/// Stores seconds, and the rest in fractions of a second, as two words of 64 bits.
+/// Stores a time as two words of 64 bits: the seconds, and the rest in units of 1 / `per_second`.
 long SystemCalls::tell_time(std::uint32_t address, std::uint64_t per_second) {
   const auto time = time_in(per_second);
   return poke(address, std::array{time / per_second, time % per_second}) ? 0 : -EFAULT;

@@ -54,19 +54,19 @@ constexpr int offset_of_loop(unsigned loop) {
 struct Stubs {
   const std::uint8_t* prologue = nullptr;  // at its executable address
   const std::uint8_t* leave = nullptr;     // at its writable address; eax = number of the exit
-  /// Parks a core before a block that may not begin (writable address). rdx = address of the block's entry; rcx as
-  /// load_next_point() leaves it.
+  /// Parks a core before a block that may not begin (writable address). rdx holds the address of the block's entry; rcx
+  /// holds the value that load_next_point() has loaded.
   const std::uint8_t* park = nullptr;
   /// Subroutine (writable address). Fetches line edx into the set whose entries begin at byte offset rax; [rcx] is the
   /// line's presence byte. Null if there is no instruction cache, or if other cores use it.
   const std::uint8_t* fetch = nullptr;
-  /// Subroutine (writable address). Counts an access at offset ecx of the second memory and spends its wait; edx =
-  /// cycles of the block before the access. Sets eax below 0 if it has no effect and the interpreter must make the
-  /// access. Changes rdx. Null if no other core uses that memory.
+  /// Subroutine (writable address). Counts an access at offset ecx of the second memory and spends its wait. edx holds
+  /// the cycles of the block before the access. If the interpreter must make the access instead, sets eax to a negative
+  /// value and has no other effect. Changes rdx. Null if no other core uses that memory.
   const std::uint8_t* far = nullptr;
 };
 
-/// Number for "no exit": no translated code was left.
+/// The value of an exit's number if no translated code was left.
 inline constexpr std::uint64_t kNoExit = 0xffffffff;
 
 /// Inputs of all regions of a translator: memories, blocks and options.
@@ -93,7 +93,7 @@ class Assembler : public Xbyak::CodeGenerator {
   /// Writes at offset `used` of the code memory.
   Assembler(const TranslationContext& context, std::size_t used, const Stubs& stubs);
 
-  /// Defers a warm path: code that is needed often but not in each run. It is placed after the region's hot code.
+  /// Defers a warm path: code that runs often, but not each time. It is placed after the region's hot code.
   void defer_warm(std::function<void()> emit) { warm_.push_back(std::move(emit)); }
   /// Defers a cold path: code that is hardly ever needed. It is placed last, so that no line of the host's caches
   /// contains both hot and cold code.

@@ -23,7 +23,7 @@ class CodeMemory {
 
   /// Must be called after code that may have been executed was overwritten, because the processor may still hold the
   /// old code. The writable address differs from the executable one, so a serialising instruction is needed (Intel SDM
-  /// volume 3, 8.1.3). It is slow in virtual machines.
+  /// volume 3, 8.1.3). Such an instruction is slow in virtual machines.
   static void serialise();
 
  private:

@@ -55,9 +55,9 @@ void CycleAccounting::spend(const Xbyak::Reg64& cycles) {
   }
 }
 
-/// Jumps to `leave` if the block needs more cycles than may still start; `stall` of them are a stall of its first
-/// instruction. With a loose limit, a block needs one cycle, and the lines of its first instruction, because other
-/// cores use the cache.
+/// Jumps to `leave` if the block needs more cycles than may still start; `stall` of these cycles are a stall of its
+/// first instruction. With a loose limit, jumps if no cycle may start. Also jumps if other cores use the instruction
+/// cache and a line of the first instruction is absent.
 void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Label& leave) {
   if (!a_.options.loose_limit) {
     a_.cmp(r15, a_.blocks.fetch_bound(block) + stall);
@@ -75,14 +75,14 @@ void CycleAccounting::jump_at_limit(const Block& block, std::uint32_t stall, Lab
   }
 }
 
-/// True if observers need this step.
+/// True if an observer needs this step.
 bool CycleAccounting::is_noted(const Instruction* at, std::uint32_t next) const {
   if (a_.options.flow == nullptr) return false;
   return (at->op == Op::jal && at->rd != kNoRegister) || a_.options.flow->may_leave_function(at->pc, next);
 }
 
-/// Records a step after `at`, whose target `set_next` stores. All instructions up to `at` are counted. Changes rcx and
-/// rdx.
+/// Records a step after `at`. `set_next` stores the target of the step. All instructions up to `at` are counted.
+/// Changes rcx and rdx.
 template <typename SetNext>
 void CycleAccounting::record_flow(const Instruction* at, SetNext set_next) {
   MEBOTS_ASSERT(a_.options.flow != nullptr);
@@ -110,8 +110,8 @@ void CycleAccounting::record_flow_to(const Instruction* at, const Xbyak::Reg32& 
   record_flow(at, [this, next](const Xbyak::Address& place) { a_.mov(place, next); });
 }
 
-/// Records that control flow continues within the block. Adds the block's sums for the record, and subtracts them
-/// again.
+/// Records that control flow continues within the block. Adds the block's sums before the record, and subtracts them
+/// after it.
 void CycleAccounting::record_flow_inside(const Instruction* at) {
   if (is_block_end(at[1].op) || !is_noted(at, at[1].pc)) return;
   count(at, 0);
@@ -150,7 +150,7 @@ void CycleAccounting::claim_bank(const Instruction* at, bool word_in_ecx) {
   });
 }
 
-/// Adds the counts of a run to the counters. Guest registers are stored. Changes rsi and rdx.
+/// Adds the counts of a run to the counters. The guest registers must be stored before. Changes rsi and rdx.
 void CycleAccounting::add_to_counters() {
   if (a_.options.flow != nullptr) a_.mov(ptr[rbx + offset_of_host(offsetof(HostState, position))], r15);
   a_.mov(rdx, ptr[rbx + offset_of_host(offsetof(HostState, begin))]);

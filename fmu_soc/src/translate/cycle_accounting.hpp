@@ -12,15 +12,16 @@ namespace mebots::soc::translate {
 
 class Assembler;
 
-/// Writes the code that counts: cycles in r15; instructions, accesses and energy in xmm15 (assembler.hpp); banks of the
-/// first memory that cores share; steps between functions with the counts up to them.
+/// Writes the code that counts. Cycles are in r15; instructions, accesses and energy are in xmm15 (assembler.hpp). The
+/// code also claims banks of the first memory that cores share, and records steps between functions with the counts at
+/// each step.
 class CycleAccounting {
  public:
   explicit CycleAccounting(Assembler& assembler) : a_(assembler) {}
 
   /// Spends cycles.
   void spend(std::uint32_t cycles);
-  /// Spends the cycles in a register, and changes it.
+  /// Spends the cycles that a register holds. Changes the register.
   void spend(const Xbyak::Reg64& cycles);
   /// Adds the sums of the block up to and including `at`.
   void count(const Instruction* at, std::uint32_t extra_cycles);

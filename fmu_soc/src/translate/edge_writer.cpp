@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Edges out of a block: to another one of the region, to other translated code, back to the interpreter.
+// Writes edges out of a block: to another block of the region, to other translated code, and back to the interpreter.
 #include "translate/edge_writer.hpp"
 
 #include "mebots/assert.hpp"
@@ -68,7 +67,7 @@ void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& 
   a_.cycles.jump_at_limit(*node.block, stall, leave);
   a_.defer_cold([this, &node, stall, at_limit, leave]() mutable {
     a_.L(leave);
-    // With a strict limit, a stall needs one more cycle. Then the next run may have to begin with the interpreter.
+    // With a strict limit, a stall needs one more cycle. The next run may then have to begin in the interpreter.
     if (stall == 0 || a_.options.loose_limit) {
       park(node, at_limit, stall);
     } else {
@@ -100,7 +99,7 @@ void EdgeWriter::load_next_point() {
   a_.mov(rcx, ptr[rcx]);
 }
 
-/// Leaves before a block, with a resume point: the next run begins with the block. A stall is spent by that run.
+/// Leaves before a block, with a resume point, so that the next run begins with the block. That run spends the stall.
 void EdgeWriter::park(const Node& node, const Exit& exit, std::uint32_t stall) {
   static_assert(sizeof(Pipeline) == sizeof(std::uint64_t));
   load_next_point();
@@ -182,7 +181,7 @@ Entry EdgeWriter::emit_entry(const Node& node, bool runs_into_node) {
   return entry;
 }
 
-/// Leaves the block after `at`. Counts everything except the cycle of an unaligned target.
+/// Leaves the block by a jump after `at`. Counts everything except the cycle of an unaligned target.
 void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
   MEBOTS_ASSERT(is_branch(at->op) || is_jump(at->op));
   const auto extra = is_branch(at->op) ? kTakenBranchExtra : 0U;
@@ -212,7 +211,7 @@ void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
 void EdgeWriter::leave_chained(Exit exit) {
   MEBOTS_ASSERT(exit.patch_point == 0 && !exit.indirect);
   a_.registers.store_all();
-  // Until it is patched, it leads to the next instruction. The target is data, so code is never changed.
+  // Until the patch point is patched, it leads to the next instruction. Its target is data, so code is never changed.
   exit.patch_point = a_.exits.add_patch_point();
   constexpr auto kJumpBytes = 6;
   a_.jmp(ptr[rip + static_cast<int>(a_.exits.place_of(exit.patch_point) - (a_.getCurr() + kJumpBytes))]);
@@ -223,7 +222,7 @@ void EdgeWriter::leave_chained(Exit exit) {
 
 void EdgeWriter::jump_indirect(const Instruction* at) {
   MEBOTS_ASSERT(at->op == Op::jalr);
-  // The last target is the most likely one.
+  // A jump most likely has the same target as the last time.
   if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
     Label guessed;
     a_.cmp(eax, node->block->pc);

@@ -24,14 +24,14 @@ class EdgeWriter {
   explicit EdgeWriter(Assembler& assembler) : a_(assembler) {}
 
   void begin(const Region& region);
-  /// The code of this node comes next.
+  /// Must be called before the code of a node is written.
   void begin_node(std::size_t index);
   /// Writes the entries of a node. Code continues with the node if it comes next, or jumps to it.
   Entry emit_entry(const Node& node, bool runs_into_node);
   /// Writes the code that all exits of the region share.
   void emit_exits();
 
-  // Edges of an instruction.
+  // Writers of the edges of an instruction.
 
   /// `jump_to(label)` jumps if the branch is taken.
   template <typename Jump>
@@ -39,7 +39,7 @@ class EdgeWriter {
   void jump(const Instruction* at, std::uint32_t pc, bool jumped);
   /// Jumps to the address in eax.
   void jump_indirect(const Instruction* at);
-  /// Continues from the end of a block with the block at `pc`. `is_last`: no other code of its node follows.
+  /// Continues from the end of a block with the block at `pc`. `is_last` is true if no other code of the node follows.
   void fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last);
   /// Jumps to the start of a hardware loop.
   void iterate(const Instruction* at, unsigned loop);

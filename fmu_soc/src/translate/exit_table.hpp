@@ -77,12 +77,12 @@ class ExitTable {
   void patch(std::uint32_t patch_point, const std::uint8_t* target) {
     std::memcpy(place_of(patch_point), &target, sizeof target);
   }
-  /// Sets the target outside of translated code: a patch point has it while it is not chained to a block.
+  /// Sets the target of a patch point that is not chained to a block. It lies outside of translated code.
   void set_unpatched(std::uint32_t patch_point, const std::uint8_t* target) {
     unpatched_[patch_point >> kIndexBits][(patch_point & kIndexMask) - 1] = target;
     patch(patch_point, target);
   }
-  /// Restores the target of set_unpatched(). Has no effect if the segment was emptied in the meantime.
+  /// Restores the target that set_unpatched() has set. Has no effect if the segment was emptied in the meantime.
   void unpatch(std::uint32_t patch_point) {
     const auto& targets_out = unpatched_[patch_point >> kIndexBits];
     const auto index = patch_point & kIndexMask;

@@ -31,8 +31,9 @@ void FetchWriter::jump_when_absent(std::uint32_t address, Label& absent) {
   a_.je(absent, kNear);
 }
 
-/// Before an instruction: fetches those of its lines that are absent, except the last line of the instruction before.
-/// If other cores use the cache, the interpreter does that. May change eax, rcx and rdx.
+/// Writes code before an instruction that fetches the absent lines of the instruction, except the line that it shares
+/// with the instruction before it. If other cores use the cache, the interpreter fetches the lines. May change eax, rcx
+/// and rdx.
 void FetchWriter::emit(const Block& block, const Instruction* at, const Instruction* before) {
   MEBOTS_ASSERT(a_.blocks.fetched() != nullptr && !is_block_end(at->op));
   const auto& cache = *a_.blocks.fetched();
@@ -58,8 +59,8 @@ void FetchWriter::emit(const Block& block, const Instruction* at, const Instruct
   }
 }
 
-/// Fetches the line of this code if it is absent. Code for a line that is seldom absent is placed aside. This saves a
-/// jump if the line is present, and costs two jumps if it is absent.
+/// Fetches the line of this code if it is absent. Code for a line that is seldom absent is placed after the region's
+/// other code. This saves a jump if the line is present, and costs two jumps if it is absent.
 void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool often_absent) {
   Label present;
   if (often_absent) {

@@ -16,9 +16,10 @@ class FetchWriter {
  public:
   explicit FetchWriter(Assembler& assembler) : a_(assembler) {}
 
-  /// True if translated code refills the cache. If other cores use it, the interpreter does.
+  /// True if translated code refills the cache. If other cores use the cache, the interpreter refills it.
   bool are_inline() const;
-  /// Before an instruction: fetches those of its lines that are absent, except the last line of the instruction before.
+  /// Writes code before an instruction that fetches the absent lines of the instruction, except the line that it shares
+  /// with the instruction before it.
   void emit(const Block& block, const Instruction* at, const Instruction* before);
   /// Jumps if the line of this code is absent. May change rdx.
   void jump_when_absent(std::uint32_t address, Xbyak::Label& absent);

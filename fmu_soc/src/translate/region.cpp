@@ -25,7 +25,8 @@ void for_successors(const Node& node, Visit visit) {
   if (at->link != 0) visit(at->link);
 }
 
-/// Sets the weights of the nodes by loop depth. A loop is an edge to a node from which the edge can be reached.
+/// Sets the weights of the nodes by loop depth. An edge forms a loop if it can be reached from the node to which it
+/// leads.
 class LoopFinder {
  public:
   explicit LoopFinder(Region& region) : region_(region), states_(region.nodes.size(), State::unseen) {

@@ -37,7 +37,7 @@ struct Region {
   }
 };
 
-/// Returns the block `head` and the blocks that have followed it, without those that have code already.
+/// Returns the block `head` and the blocks that have followed it, except blocks that already have code.
 Region grow_region(const BlockCache& blocks, std::uint32_t head, const std::function<bool(std::uint32_t)>& has_code);
 
 /// Returns the block that an instruction's link has led to, if it is at `pc`; 0 if it is unknown or invalid.
@@ -52,8 +52,9 @@ inline bool stalls(const Block& block, const Instruction* end) {
   return end->index != 0 && block.stall_after(executed(end[-1], false)) != 0;
 }
 
-/// True if an early jump of the block depends on the last instructions of the block before, or if that is only known at
-/// run time. `end` is the slot after them. A misaligned load at the end of a block is left to the interpreter.
+/// True if an early jump of the block depends on the last instructions of the block before, or if only the run shows
+/// whether it depends on them. `end` is the slot after these instructions. If a block ends with a misaligned load, the
+/// interpreter executes the load.
 inline bool delays_jump(const BlockCache& blocks, const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
   if (!block.early_jump) return false;

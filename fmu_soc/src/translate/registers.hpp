@@ -40,7 +40,7 @@ struct Registers {
 /// registers to the most used of the others.
 Registers allocate(const Region& region);
 
-/// The locations of a region's guest registers, and the code that reads and writes them.
+/// The locations of a region's guest registers. Writes the code that reads and writes these registers.
 class RegisterMap {
  public:
   using Reg32 = Xbyak::Reg32;
@@ -48,7 +48,8 @@ class RegisterMap {
   explicit RegisterMap(Assembler& assembler);
 
   void set_allocation(const Registers& allocation) { allocation_ = allocation; }
-  /// Load or store all that are in host registers; store_all() only those that the region writes.
+  /// load_all() and store_all() move the guest registers between memory and host registers. store_all() stores only
+  /// those that the region writes.
   void load_all();
   void store_all();
 
@@ -57,13 +58,13 @@ class RegisterMap {
   Xbyak::Xmm vector(unsigned reg) const;
   Reg32 host(unsigned reg) const;
   static Xbyak::Address memory(unsigned reg);
-  /// A register as an operand of the host's instruction; neither x0 nor one in a vector register.
+  /// Returns a register as an operand of the host's instruction. The register must not be x0 or in a vector register.
   const Xbyak::Operand& operand(unsigned reg);
-  /// A register as an operand that is only read. The value of a vector register is copied to `scratch` first.
+  /// Returns a register as an operand that is only read. The value of a vector register is copied to `scratch` first.
   const Xbyak::Operand& source(unsigned reg, const Reg32& scratch);
-  /// A register's value in a host register, which must not be changed unless it is `scratch`.
+  /// Returns the host register that holds a register's value. It must not be changed unless it is `scratch`.
   Reg32 value(unsigned reg, const Reg32& scratch);
-  /// A register's value in a vector register, which must not be changed unless it is `scratch`.
+  /// Returns the vector register that holds a register's value. It must not be changed unless it is `scratch`.
   Xbyak::Xmm in_vector_for(unsigned reg, const Xbyak::Xmm& scratch);
   /// Returns the register for a result: the guest register's own, or `scratch` if it has none or its old value is still
   /// needed.

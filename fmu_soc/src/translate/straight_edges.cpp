@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Edges from the end of a block to the next one without a jump, and to the next iteration of a hardware loop.
+// Writes edges without a jump: from the end of a block to the next block, and to the next iteration of a hardware loop.
 #include "translate/assembler.hpp"
 
 #include "mebots/assert.hpp"
@@ -25,7 +24,7 @@ const Node* EdgeWriter::straight_successor(const Instruction* at, std::uint32_t 
   return node != nullptr && !delays_jump(a_.blocks, *node->block, at) ? node : nullptr;
 }
 
-/// Continues with the block at `pc`. `is_last`: no other code of its node follows.
+/// Continues with the block at `pc`. `is_last` is true if no other code of the node follows.
 void EdgeWriter::fall_through(const Instruction* at, std::uint32_t link, std::uint32_t pc, bool is_last) {
   MEBOTS_ASSERT(is_block_end(at->op) && at->index > 0);
   const auto* node = straight_successor(at, link);
@@ -86,8 +85,8 @@ void EdgeWriter::iterate(const Instruction* at, unsigned loop) {
   leave_by(exit);
 }
 
-/// Stores the pipeline's state for the next block, which is entered by fall-through after `end`. All before `end` is
-/// counted. Changes rcx and rdx.
+/// Stores the pipeline's state for the next block, which is entered by fall-through after `end`. All instructions
+/// before `end` are counted. Changes rcx and rdx.
 void EdgeWriter::save_pipeline_state(const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op) && end->index > 0);
   const auto straight_pipeline = ptr[rbx + static_cast<int>(offsetof(Execution, host.straight_pipeline))];
@@ -96,8 +95,8 @@ void EdgeWriter::save_pipeline_state(const Instruction* end) {
     a_.mov(straight_pipeline, rdx);
     return;
   }
-  // A block of one instruction also needs the instruction before it. In the first block of a run, that one is in
-  // Execution::pipeline.
+  // The pipeline state has two instructions. A block of one instruction also needs the instruction before the block. In
+  // the first block of a run, that instruction is in Execution::pipeline.
   Label straight;
   a_.mov(rdx, straight_pipeline);
   a_.test(rdx, rdx);

@@ -58,7 +58,7 @@ class HostTranslator : public Translator {
       made.blocks.push_back({node.number, node.block->pc});
       translated_ += node.end()->index;
     }
-    // Successors of the region may have code already.
+    // Blocks that follow the region may have code already.
     for (auto exit = first_exit; exit < exits_.count(); ++exit) chain_where_known(exits_.exit_in_work(exit));
     return entries_[block];
   }
@@ -148,8 +148,8 @@ class HostTranslator : public Translator {
     return number;
   }
 
-  /// Drops a region: no jump leads to its code any more. The code stays until its segment is filled again, because the
-  /// last run may have left by one of its exits.
+  /// Drops a region, so that no jump leads to its code any more. The code stays until its segment is filled again,
+  /// because the last run may have left by one of its exits.
   void drop(std::uint32_t number) {
     MEBOTS_ASSERT(number != 0 && number < regions_.size());
     auto& region = regions_[number];
@@ -229,7 +229,8 @@ std::unique_ptr<Translator> make_translator(const BlockCache& blocks, const Exec
   if (options.banks != nullptr) {  // translated code keeps their ticks and claims
     if (!options.loose_limit) return nullptr;
     if (execution.ram[0].wait_cycles != 0 || execution.ram[0].base / 4 % options.banks->count() != 0) return nullptr;
-    // A block must not run past the table of banks. The longest instruction is a division; an access can be two.
+    // A block must not run past the table of banks. The longest instruction is a division; a load or store can be two
+    // bus accesses.
     const auto& far = execution.ram[1];
     const std::uint64_t far_wait =
         far.is_shared() ? 0U : far.wait_cycles;  // if shared, wait_for_far() checks the table itself

@@ -8,9 +8,9 @@
 #include <memory>
 #include <vector>
 
-/// Translation of hot blocks to host code. All counts are equal to those of the interpreter. Static costs are added
-/// where a block is left; others are added when they occur. For anything rare, the code leaves before the instruction,
-/// and the interpreter executes it.
+/// Translation of hot blocks to host code. All counts are equal to those of the interpreter. Costs that decoding
+/// determines are added where a block is left; others are added when they occur. Rare instructions are left to the
+/// interpreter: the code leaves the block before them.
 namespace mebots::soc::translate {
 
 class Assembler;
@@ -69,9 +69,9 @@ class Translator : public BlockListener {
   /// of the round. The result is valid until the next translation.
   virtual RunEnd run(Execution& execution, const std::uint8_t* code) = 0;
   /// Block chaining: the last run ended before this block. Makes the patch point of that exit lead to the block's code.
-  /// `stalled`: the block's first instruction stalls for a load.
+  /// `stalled` is true if the block's first instruction stalls for a load.
   virtual void chain_last_exit(const Block& block, const Entry& entry, bool stalled) = 0;
-  /// Returns how often regions were dropped. A resume point from before may be invalid.
+  /// Returns how often regions were dropped. A resume point from before the last drop may be invalid.
   virtual std::uint64_t times_dropped() const = 0;
   /// Returns the number of translated instructions; repeated translations count.
   virtual std::uint64_t translated() const = 0;
@@ -86,7 +86,8 @@ bool can_translate();
 /// True if some form of this operation can be translated. The interpreter executes the others.
 bool has_translation(Op op);
 
-/// Writes host code for an instruction. Returns false, without effect, if this form is left to the interpreter.
+/// Writes host code for an instruction. Returns false, without effect, if the interpreter must execute this form of the
+/// instruction.
 using Lowering = bool (*)(Assembler&, const Instruction*);
 
 /// Returns the lowering of an operation; null if all forms are left to the interpreter.

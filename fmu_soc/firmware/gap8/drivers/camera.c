@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // An HM01B0 at I2C master 1 and the camera interface of GAP8's uDMA. The sensor has 324 x 324 pixels; the interface
-// passes the middle. A request lets the sensor take one frame, after which it enters standby. So each picture is new,
-// and no frame remains unused. A real sensor also needs integration, black level and gain, from its maker's
-// table.
+// passes the middle. A request lets the sensor take one frame, after which the sensor enters standby. So each picture
+// is new, and no frame remains unused. A real sensor also needs values of integration, black level and gain from its
+// maker.
 #include "drivers/camera.h"
 
 #include "drivers/timer.h"
@@ -31,7 +31,7 @@ _Static_assert(MARGIN >= 0 && MARGIN % 2 == 0 && CAMERA_EDGE % 2 == 0, "the inte
 #define SOME_FRAMES 3
 #define FRAME_COUNT 0x3020
 
-// Commands of the I2C master
+// Commands of the I2C master.
 #define I2C_START 0x00
 #define I2C_STOP 0x20
 #define I2C_BYTE 0x80
@@ -56,7 +56,7 @@ static void on_sent(void) {
   is_sent = 1;
 }
 
-// Stores into a register of the sensor. Returns during the transfer; the next call waits for its end.
+// Stores into a register of the sensor. Returns before the transfer has ended; the next call waits for its end.
 static void write_sensor(uint32_t at, uint32_t value) {
   soc_event_wait(&is_sent);
   is_sent = 0;
@@ -93,7 +93,7 @@ bool camera_ask(void) {
   }
   stored = false;
   filling ^= 1;
-  // Start the transfer first, because the interface only takes a frame from its start.
+  // The transfer must start first, because the interface only takes a frame from its start.
   udma_start(UDMA_CAMERA_OFFSET, buffers[filling], sizeof buffers[filling]);
   write_sensor(MODE_SELECT, SOME_FRAMES);
   is_requested = true;

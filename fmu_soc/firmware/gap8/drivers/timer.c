@@ -38,7 +38,7 @@ int64_t timer_now_ns(void) {
 }
 
 void timer_set_alarm(int64_t time_ns) {
-  // Computed in two parts, because the time in units of 1 / NS ns does not fit into 64 bits.
+  // The count is computed in two parts, because the time in units of 1 / NS ns does not fit into 64 bits.
   const uint64_t groups = time_ns <= 0 ? 0 : (uint64_t)time_ns / NS;
   const uint32_t rest_ns = time_ns <= 0 ? 0 : (uint32_t)((uint64_t)time_ns - groups * NS);
   alarm_count = (groups << COUNTS_LOG2) + ((rest_ns << COUNTS_LOG2) + NS - 1) / NS;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Address at which a core of the cluster waits for the others. This file is for GAP8's event unit.
+// Defines the address at which a core of the cluster waits for the others. This file is for GAP8's event unit.
 #pragma once
 
 #include "runtime/registers.h"

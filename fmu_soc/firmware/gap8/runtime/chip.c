@@ -10,7 +10,7 @@
 #define MULTIPLIER_MASK 0xFFFFu
 #define DIVIDER_SHIFT 26
 #define DIVIDER_MASK 0xFu
-// Like gap_sdk, keeps the frequency of the loop's oscillator near this power of two.
+// The frequency of the loop's oscillator is kept near this power of two, as gap_sdk does.
 #define OSCILLATOR_LOG2_HZ 29
 #define REFERENCE_LOG2_HZ 15
 
@@ -37,7 +37,7 @@ static void voltage_start(void) {
   SOC_CONTROL_SAFE_PMU_RAR = others | (MISSION_SUPPLY_VOLTAGE - VOLTAGE_LOWEST_MV) / VOLTAGE_STEP_MV;
 }
 #else
-// Keeps the voltage after reset.
+// Without a mission, keeps the voltage that the chip has after reset.
 static void voltage_start(void) {}
 #endif
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GAP8's clocks and voltage. After the start, they have the values of boards without GAP8's power unit.
+// GAP8's clocks and voltage. After the start, they have the same values as boards without GAP8's power unit.
 #pragma once
 
 #include <stdint.h>

@@ -52,13 +52,13 @@ static bool is_on(void) {
   return (SOC_CONTROL_CL_BYPASS & BYPASS_CLUSTER_ON) != 0;
 }
 
-// The order of power, isolation, reset and clock is that of gap_sdk (kernel/gap/maestro.c).
+// The order is the same as in gap_sdk (kernel/gap/maestro.c): power, isolation, reset, clock.
 int cluster_on(void) {
   const unsigned cores = cluster_core_count();
   if (cores == 0) {
     return -1;
   }
-  // If the cluster is on, the chip would raise no event.
+  // If the cluster is already on, the chip raises no event.
   if (is_on()) {
     return 0;
   }

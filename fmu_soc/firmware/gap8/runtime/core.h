@@ -14,9 +14,9 @@ extern "C" {
 
 // Returns the present clock [Hz].
 uint32_t core_clock_hz(void);
-// Sets the loop to the nearest possible frequency. While a peripheral sends with a bit rate from this clock, a lower
-// frequency is ignored, because the end of the transfer is an interrupt. The last byte on the wire has no interrupt:
-// the clock stays until the next sleep.
+// Sets the loop to the nearest possible frequency. While a peripheral sends at a bit rate that comes from this clock, a
+// lower frequency is ignored; the interrupt at the end of the transfer wakes the core. The end of the last byte raises
+// no interrupt, so the clock then stays until the next sleep.
 void core_clock_set(uint32_t hz);
 
 // Enables interrupt `number`: it ends a sleep, and is taken if interrupts are on.

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 
 void uart_start(void);
-// Waits while the last line is being sent.
+// Adds a character. If the line before is still being sent, waits.
 void uart_put(char c);
 // Sends the collected characters, and waits until they are sent.
 void uart_flush(void);

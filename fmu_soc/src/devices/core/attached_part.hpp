@@ -15,8 +15,8 @@ namespace mebots::soc {
 /// energy = supply_voltage (sum over states of current x time + charge_per_byte x bytes)
 ///
 /// The device to which it is attached changes its state and counts its bytes: see PartPort. A part without attachment
-/// stays in its initial state. Energy is computed from integer picoseconds and bytes, so it does not depend on when it
-/// is read.
+/// stays in its initial state. The energy is computed from integer picoseconds and bytes, so that it does not depend on
+/// the times at which it is read.
 class AttachedPart final : public Device {
  public:
   explicit AttachedPart(const BoardDevice& entry);
@@ -41,12 +41,12 @@ class AttachedPart final : public Device {
   std::uint64_t bytes_ = 0;
 };
 
-/// A place of a device to which a part of the board can be attached. The part is active while the device uses it, and
-/// idle otherwise. If nothing is attached, all calls have no effect.
+/// A place of a device to which a part of the board can be attached. An attached part is active while the device uses
+/// it, and idle otherwise. If nothing is attached, all calls have no effect.
 class PartPort {
  public:
   PartPort() = default;
-  /// `part` may be null: nothing is attached. Throws Error if a part with states has no state `idle` or `active`.
+  /// If nothing is attached, `part` is null. Throws Error if a part with states has no state `idle` or `active`.
   explicit PartPort(AttachedPart* part);
 
   void begin(Picoseconds now) {

@@ -80,7 +80,7 @@ class ImageSource {
   virtual const PictureRoll& pictures() const = 0;
 };
 
-/// The devices that were created before.
+/// The devices of the chip that already exist.
 class DeviceSource {
  public:
   virtual ~DeviceSource() = default;
@@ -128,7 +128,8 @@ class ChipHost : public DeviceHost,
                  public ConsolePort,
                  public ProgramEnd {};
 
-/// A device that collects the interrupts of others and has one line to the core. Its entry's `interrupt` is that line.
+/// A device that collects the interrupts of other devices and has one line to the core. The key `interrupt` of its
+/// entry names that line.
 class InterruptController {
  public:
   virtual ~InterruptController() = default;

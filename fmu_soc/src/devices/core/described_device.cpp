@@ -119,8 +119,8 @@ bool DescribedDevice::store(std::uint32_t offset, Picoseconds now, std::uint32_t
   return true;
 }
 
-/// Handles an access where the entry has no register. If the device's address range is larger than its registers, it
-/// has no effect.
+/// Handles an access where the entry has no register. If the device's address range is larger than its registers, the
+/// access has no effect.
 bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   if (entry_.span == 0) return false;
   if (std::ranges::find(warned_, offset) != warned_.end()) return true;

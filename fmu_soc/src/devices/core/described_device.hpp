@@ -47,7 +47,7 @@ class DescribedDevice final : public Device {
   Picoseconds next_event() const override { return done_at_; }
   bool interrupt() const override { return (status_ & kReady) != 0; }
   std::string_view state_name() const override;
-  /// Reports parameters that differ from their start values, and that the program never read.
+  /// Reports parameters that differ from their start values and that the program never read.
   void program_ended() override;
   void visit(state::Visitor& v) override;
 

@@ -30,7 +30,7 @@ std::unique_ptr<Device> make_of_entry(const BoardDevice& entry, ChipHost& host) 
   return std::make_unique<T>(entry, host);
 }
 
-/// GAP8's event unit of the fabric controller. With it, the controller has GAP8's interrupts.
+/// GAP8's event unit of the fabric controller. On a board with this unit, the controller has GAP8's interrupts.
 inline constexpr std::string_view kGap8EventUnitKind = "gap8_event_unit";
 /// Devices that the cluster creates itself; the board gives their addresses.
 inline constexpr std::string_view kEventUnitKind = "event_unit";
@@ -40,8 +40,8 @@ inline constexpr std::string_view kGap8ClusterKind = "gap8_cluster";
 /// The kinds that a board can name: built-in kinds, and those of its libraries.
 class Kinds {
  public:
-  /// Opens the board's libraries, which are next to its file or in one of `folders`. Throws Error if one is missing or
-  /// was built for another version of MEbots, and if two kinds have the same name.
+  /// Opens the board's libraries, which are next to its file or in one of `folders`. Throws Error if a library is
+  /// missing or was built for another version of MEbots, or if two kinds have the same name.
   Kinds(const BoardDescription& board, std::span<const std::filesystem::path> folders);
 
   /// Creates the device of an entry. Returns null for a device that is part of the cluster. Throws Error if the kind is

@@ -37,8 +37,8 @@ constexpr unsigned kPwmFirstEvent = 38;
 constexpr unsigned kPwmEventEnableShift = 16;
 constexpr unsigned kPwmEvents = 4;
 
-/// The operations of a channel: at its threshold; and, for combined ones, at the end of the period or at the threshold
-/// when counting down.
+/// The operations of a channel. It performs the first at its threshold. Combined operations also perform a second one:
+/// at the end of the period, or at the threshold while the counter counts down.
 enum PwmOperation : std::uint32_t {
   kPwmSet,
   kPwmToggleClear,
@@ -120,7 +120,8 @@ std::uint64_t AdvancedTimer::ticks_at(std::size_t timer, Picoseconds now) const 
   if (!counts(timer)) return counter.ticks;
   const auto passed = static_cast<double>(now - counter.since) * tick_hz(counter) / kPsPerS;
   const auto ticks = counter.ticks + static_cast<std::uint64_t>(counter.fraction + passed);
-  // This function and time_of() round. A tick has elapsed only from the time on that time_of() returns for it.
+  // Both this function and time_of() round. Their results must agree: a tick has elapsed only from the time on that
+  // time_of() returns for it.
   return ticks > counter.ticks && time_of(counter, ticks) > now ? ticks - 1 : ticks;
 }
 
@@ -170,7 +171,7 @@ bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t v
   }
   if (offset == kPwmEventConfig) {
     events_ = value;
-    // A channel without an event may have risen up to now.
+    // Outputs of channels without an event may have risen up to now.
     for (std::size_t i = 0; i < kTimers; ++i) counters_[i].raised = std::max(counters_[i].raised, ticks_at(i, now));
     return true;
   }
@@ -218,7 +219,7 @@ std::optional<std::size_t> AdvancedTimer::chosen(unsigned event) const {
   return events_ >> 4 * event & 0xfU;
 }
 
-/// Returns the first rising edge without an event yet, in ticks of its counter.
+/// Returns the first rising edge that has not raised its event yet, in ticks of its counter.
 std::optional<std::uint64_t> AdvancedTimer::next_rising_edge(unsigned event) const {
   const auto channel = chosen(event);
   if (!channel || !counts(*channel / kChannelsOfTimer)) return std::nullopt;

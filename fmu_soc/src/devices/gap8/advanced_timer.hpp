@@ -64,7 +64,8 @@ class AdvancedTimer final : public Device {
       v("is_fresh", is_fresh);
     }
   };
-  /// Ticks at which a channel's output rises: the first one and the period; nullopt if it does not rise.
+  /// Ticks at which a channel's output rises: the first tick and the period. The result is nullopt if the output does
+  /// not rise.
   struct RisingEdges {
     std::uint64_t first;
     std::uint64_t step;  // 0: once

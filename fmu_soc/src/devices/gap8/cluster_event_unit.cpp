@@ -22,7 +22,7 @@ BusReply load_only(std::uint32_t value, const std::uint32_t* stored) {
   return stored == nullptr ? BusReply::done(value) : BusReply{};
 }
 
-/// Accesses a mask, directly or through a register that clears or sets some of its bits.
+/// Accesses a mask, either directly or through a register that clears or sets some bits of the mask.
 BusReply mask_register(std::uint32_t& mask, std::uint32_t which, const std::uint32_t* stored) {
   if (stored == nullptr) return which == 0 ? BusReply::done(mask) : BusReply{};
   mask = which == 0 ? *stored : which == 4 ? mask & ~*stored : mask | *stored;
@@ -104,7 +104,7 @@ BusReply ClusterEventUnit::core_register(Core& core, std::uint32_t offset, const
   }
 }
 
-/// Returns the events that ended the wait. A load other than p.elw returns the present events.
+/// Returns the events that ended the wait of a p.elw. Other loads return the present events.
 BusReply ClusterEventUnit::wait(Core& core, Wait what, bool clear, bool event) {
   const auto events = core.buffer & core.event_mask;
   if (events == 0 && event) {
@@ -116,7 +116,8 @@ BusReply ClusterEventUnit::wait(Core& core, Wait what, bool clear, bool event) {
   return BusReply::done(events, event ? kEventLoadExtra : 0);
 }
 
-/// The three blocks have a word for each event: raise; raise and wait; raise, wait and clear.
+/// Each of the three blocks has a word for each event. They differ in the effect: raise; raise and wait; raise, wait
+/// and clear.
 BusReply ClusterEventUnit::software_event(unsigned core, std::uint32_t offset, const std::uint32_t* stored,
                                           bool event) {
   const auto number = offset % reg::kTriggerBytes / 4;
@@ -182,8 +183,8 @@ void ClusterEventUnit::open_if_complete(Barrier& barrier) {
   raise(barrier.targets, kBarrierEvent);
 }
 
-/// A load locks the mutex. A store unlocks it, with a message for the next owner: the waiting core with the lowest
-/// number.
+/// A load locks the mutex. A store unlocks it and passes a message to the next owner, which is the waiting core with
+/// the lowest number.
 BusReply ClusterEventUnit::mutex(unsigned core, const std::uint32_t* stored, bool event) {
   if (stored != nullptr) {
     mutex_message_ = *stored;

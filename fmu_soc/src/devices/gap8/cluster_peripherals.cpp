@@ -60,7 +60,7 @@ bool ClusterPeripherals::is_test_and_set(std::uint32_t address) const {
   return offset < l1_.size || offset + kAlias < l1_.size;
 }
 
-/// A store there is an ordinary store.
+/// A store to a test-and-set address is an ordinary store.
 BusReply ClusterPeripherals::test_and_set(std::uint32_t address, const std::uint32_t* stored) {
   const auto offset = address - (l1_.base + kTestAndSet);
   const auto place = l1_.base + (offset < l1_.size ? offset : offset + kAlias);
@@ -90,7 +90,7 @@ BusReply ClusterPeripherals::access_at(std::uint32_t offset, const ClusterAccess
   } else if (offset >= kEventUnit && offset < kEventUnit + kEventUnitBytes) {
     reply = events_.shared(offset - kEventUnit, access.stored);
   } else if (offset >= kCacheControl && offset < kCacheControl + kCacheControlBytes) {
-    // The cache is on from the start, and never differs from memory.
+    // The cache is always on here, and always agrees with memory, so commands have no effect.
     reply = BusReply::done(0);
   } else if (offset >= kDma && offset < kDma + kDmaBytes) {
     return mchan_.access(access.who, offset - kDma, access.stored, access.tick);
@@ -112,7 +112,7 @@ BusReply ClusterPeripherals::control(std::uint32_t offset, const std::uint32_t* 
   switch (offset) {
     case kFetchEnable:
       if (stored == nullptr) return BusReply::done(fetching_);
-      // A core that fetches already continues; it only stops with the cluster.
+      // A core whose fetch enable is already set continues. It stops only when the cluster stops.
       started_ |= *stored & ~fetching_ & ((1U << cores_) - 1);
       fetching_ |= started_;
       return BusReply::done();
@@ -136,7 +136,7 @@ BusReply ClusterPeripherals::timer(std::uint32_t offset, const ClusterAccess& ac
   return timer_.store(offset, access.tick, *access.stored) ? BusReply::done() : BusReply{};
 }
 
-/// Handles an access without a model. The reply of silicon is not known.
+/// Handles an access to registers that are not modelled. The reply of silicon is not known.
 BusReply ClusterPeripherals::pass_over(std::uint32_t offset, const ClusterAccess& access) {
   warn_once(offset, access, "this register, or this kind of access to it, is not modelled; it reads 0");
   return BusReply::done();

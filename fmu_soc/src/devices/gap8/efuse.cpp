@@ -12,8 +12,8 @@ namespace mebots::soc::gap8_devices {
 namespace {
 
 /// GAP8's fuses: 128 registers of eight bits, zero at the start. A programmed bit stays 1. A command selects the mode
-/// first: read, program or sleep. In program mode, a store into a register programs one bit of it. The time for a bit
-/// is not modelled. Source: archi/efuse/efuse_v1.h, hal/efuse/efuse_v1.h.
+/// first: read, program or sleep. In program mode, a store into a register programs one bit of it. The time that
+/// silicon needs to program a bit is not modelled. Source: archi/efuse/efuse_v1.h, hal/efuse/efuse_v1.h.
 class Efuse final : public Device {
  public:
   static constexpr std::size_t kFuses = 128;
@@ -104,7 +104,7 @@ bool Efuse::store(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t value
   return true;
 }
 
-/// Loads the low bytes of a fuse register. Other registers only serve words.
+/// Loads the low bytes of a fuse register. All other registers require accesses of a word.
 bool Efuse::load_narrow(std::uint32_t offset, Picoseconds now, std::uint32_t& value, unsigned /*size*/) {
   return fuse_at(offset) && offset % 4 == 0 && load(offset, now, value);
 }

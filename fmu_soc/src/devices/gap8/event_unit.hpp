@@ -23,7 +23,7 @@ class EventUnit {
   EventUnit(const EventUnit&) = delete;
   EventUnit& operator=(const EventUnit&) = delete;
 
-  /// Serve the core's own registers, 0x00 to 0x3F, and its software events at 0x100.
+  /// These functions serve the core's own registers, 0x00 to 0x3F, and its software events at 0x100.
   bool load(std::uint32_t offset, std::uint32_t& value);
   bool store(std::uint32_t offset, std::uint32_t value);
   /// Serves a p.elw.
@@ -35,9 +35,9 @@ class EventUnit {
   void queue_soc_event(unsigned event);
   /// Called when the core takes an interrupt.
   void acknowledge(unsigned line);
-  /// Returns the core's interrupt lines: only the highest pending one is up.
+  /// Returns the core's interrupt lines. Only the highest pending line is active.
   std::uint32_t lines() const;
-  /// Returns true, once, if a wait can be answered now.
+  /// Returns true once when a wait can be answered.
   bool take_wake();
 
   void visit(state::Visitor& v);
@@ -52,8 +52,8 @@ class EventUnit {
   std::vector<std::uint8_t> queue_;
 };
 
-/// Its registers on the fabric controller's peripheral bus: those of the core at 0, software events at 0x600, the queue
-/// of SoC events at 0x700.
+/// The registers of the event unit on the fabric controller's peripheral bus: those of the core at 0, software events
+/// at 0x600, and the queue of SoC events at 0x700.
 class EventUnitPort final : public Device {
  public:
   explicit EventUnitPort(Signals& signals) : unit_(signals) {}
@@ -67,7 +67,7 @@ class EventUnitPort final : public Device {
   EventUnit unit_;
 };
 
-/// The demultiplexed range of the same registers, which the core uses to wait.
+/// The same registers in the demultiplexed range, which the core uses to wait for events.
 class EventUnitDemux final : public Device {
  public:
   explicit EventUnitDemux(EventUnit& unit) : unit_(unit) {}

@@ -25,7 +25,7 @@ inline constexpr std::uint32_t kEventWait = 0x38;
 inline constexpr std::uint32_t kEventWaitClear = 0x3C;
 inline constexpr std::uint32_t kCoreBytes = 0x40;
 
-/// In the demultiplexed range of the core.
+/// Registers in the demultiplexed range of the core.
 inline constexpr std::uint32_t kDispatch = 0x80;
 inline constexpr std::uint32_t kDispatchTeam = 0x84;
 inline constexpr std::uint32_t kMutex = 0xC0;
@@ -33,7 +33,7 @@ inline constexpr std::uint32_t kTriggerSoftwareEvent = 0x100;  // eight words, o
 inline constexpr std::uint32_t kBarriers = 0x200;
 inline constexpr std::uint32_t kShortEnd = 0x400;
 
-/// On the peripheral bus.
+/// Registers on the peripheral bus.
 inline constexpr std::uint32_t kLongBarriers = 0x400;
 inline constexpr std::uint32_t kLongSoftwareEvents = 0x600;
 inline constexpr std::uint32_t kLongSocEvents = 0x700;
@@ -42,7 +42,7 @@ inline constexpr std::uint32_t kLongSocEvents = 0x700;
 inline constexpr std::uint32_t kTriggerBytes = 0x40;
 inline constexpr std::uint32_t kSoftwareEvents = 8;
 
-/// Of a barrier.
+/// Registers of a barrier.
 inline constexpr std::uint32_t kBarrierBytes = 0x20;
 inline constexpr std::uint32_t kBarrierTeam = 0x00;
 inline constexpr std::uint32_t kBarrierArrived = 0x04;

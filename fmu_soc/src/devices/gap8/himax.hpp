@@ -42,8 +42,8 @@ struct FrameFormat {
   void visit(state::Visitor& v);
 };
 
-/// HM01B0, the camera of AI-deck and GAPuino: 8-bit registers at 16-bit addresses over I2C, which keep their values,
-/// and frames as selected by MODE_SELECT. These registers have an effect:
+/// HM01B0, the camera of AI-deck and GAPuino. It has 8-bit registers at 16-bit addresses over I2C, and sends frames as
+/// MODE_SELECT says. These registers have an effect:
 ///
 ///   0x0100 mode                  0x0340 lines of a frame                    0x0390 binning: bit 0 rows, bit 1 columns
 ///   0x0101 orientation           0x0342 pixel clocks of a line              0x3010 window of 244 lines, not 324
@@ -51,10 +51,9 @@ struct FrameFormat {
 ///   0x0202 lines of integration
 ///
 /// In mode 1, frames follow each other until mode 0 is set. We assume that mode 0 acts at once: a frame in progress is
-/// lost. A reset also enters standby.
-/// In mode 3, the sensor takes as many frames as 0x3020 says (0: one, assumed), and then enters standby. The rows of
-/// the first frame are read out after their exposure; waking up takes no time (assumed). If mode 3 is set during mode
-/// 1, the count starts with the next frame that begins an integration later.
+/// lost. A reset also enters standby. In mode 3, the sensor takes as many frames as 0x3020 says (0: one, assumed), and
+/// then enters standby. The rows of the first frame are read out after their exposure; waking up takes no time
+/// (assumed). If mode 3 is set during mode 1, the count starts with the next frame that begins an integration later.
 ///
 /// Lines and clocks determine the frame rate (docs/chip/gap8-camera.md lists the highest rates). If a frame has fewer
 /// lines than rows, each row takes a line. Gain and integration do not change a picture.
@@ -68,7 +67,8 @@ class Himax final : public I2cDevice {
   static constexpr std::uint32_t kHeight = 324;
   static constexpr std::uint32_t kWindowHeight = 244;
 
-  /// `port`: the part of the board for the camera's energy. It is active while the camera streams.
+  /// `port` connects the part of the board that models the camera's energy. The part is active while the camera
+  /// streams.
   explicit Himax(PartPort port = {}) : port_(port) { reset(); }
 
   std::uint8_t address() const override { return 0x24; }
@@ -77,16 +77,16 @@ class Himax final : public I2cDevice {
   std::uint8_t read() override;
 
   bool streams() const { return streams_; }
-  /// Returns the start of read-out of the first frame at or after `time`; kNever if there is none. Only while the
-  /// camera streams.
+  /// Returns the start of read-out of the first frame at or after `time`; kNever if there is none. Must be called only
+  /// while the camera streams.
   Picoseconds frame_at(Picoseconds time) const;
-  /// Returns the time at which it enters standby without a command.
+  /// Returns the time at which the camera enters standby without a command.
   Picoseconds next_event() const { return streams_ ? ends_at_ : kNever; }
   void advance(Picoseconds now);
   /// Returns the time from the start of a frame to the end of this many lines.
   Picoseconds lines_time(std::uint32_t lines) const;
-  /// Returns the start of read-out of the first frame of the present stream. Each standby ends a stream. Only while the
-  /// camera streams.
+  /// Returns the start of read-out of the first frame of the present stream. Each standby ends a stream. Must be called
+  /// only while the camera streams.
   Picoseconds first_frame_at() const { return first_at_; }
   /// Returns the integration time of each line.
   Picoseconds exposure_time() const;

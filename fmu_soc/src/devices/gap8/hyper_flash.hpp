@@ -11,16 +11,17 @@ namespace mebots::soc::gap8_devices {
 
 /// A HyperFlash with the commands of its driver. Writes of 16-bit words are commands, each after a pair of unlock
 /// words, or data of a command. Programming changes ones to zeros within a line; erasing sets a whole sector to ones.
-/// It is ready at once: times of silicon are not modelled. Source of the commands: GreenWaves' gap_sdk, hyperflash.c.
+/// The flash is ready at once, because the times of silicon are not modelled. Source of the commands: GreenWaves'
+/// gap_sdk, hyperflash.c.
 class HyperFlash {
  public:
   static constexpr std::uint32_t kBytes = 64U << 20;         // of a GAPuino's S71KS512S
   static constexpr std::uint32_t kSectorBytes = 256U << 10;  // of the same chip
   static constexpr std::uint32_t kLineBytes = 512;           // maximum of one program command
 
-  /// It contains `image` at the start, followed by ones. The image must not move.
+  /// At first, the flash contains `image`, followed by ones. The image must not move.
   explicit HyperFlash(std::span<const std::uint8_t> image) : image_(image) {}
-  /// Replaces all its contents by another image.
+  /// Replaces the whole contents of the flash by another image.
   void set_image(std::span<const std::uint8_t> image);
 
   /// Writes bytes, all of which must be inside the flash. After an unknown command, returns false and resets the

@@ -23,7 +23,7 @@ constexpr std::size_t kMostWords = 4;
 constexpr std::uint32_t kRowMask = 0x7fff;
 constexpr unsigned kStrideShift = 16;
 
-/// A transfer's tag contains its bytes, flags and counter.
+/// A transfer's tag contains its number of bytes, its flags and its counter.
 constexpr std::uint32_t kTagFlags = kRaisesEvent | kRaisesInterrupt | kRaisesForAll;
 constexpr unsigned kTagCounterShift = 24;
 

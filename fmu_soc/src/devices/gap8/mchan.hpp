@@ -14,11 +14,11 @@ namespace mebots::soc::gap8_devices {
 /// Registers of GAP8's cluster DMA, MCHAN. A load of the queue register allocates one of 16 counters. Stores into it
 /// form a command (flags and size, address in L1, address in L2, and for 2D transfers step and length of rows). Its
 /// bytes are added to the requester's last counter. The status has bits for counters with open bytes and for allocated
-/// counters; a store frees counters. When a counter reaches 0, the requester of the last command gets event 8 or 9, as
-/// that command says.
+/// counters; a store frees counters. When a counter reaches 0, the requester of its last command gets event 8 or 9, as
+/// selected by that command.
 ///
-/// Silicon stalls a core that requests a counter while all are allocated, or that issues too many commands. Here the
-/// former is an access fault, and the latter never happens, because the queue is unlimited. Sources:
+/// Silicon stalls a core that requests a counter while all are allocated, or that issues too many commands. In this
+/// model, the first case is an access fault. The second case never occurs, because the queue is unlimited. Sources:
 /// archi/dma/mchan_v6.h; GVSoC's mchan_v6 for the order of words.
 class Mchan {
  public:

@@ -17,7 +17,7 @@ inline constexpr unsigned kTimerLowEvent = 10;
 inline constexpr unsigned kTimerHighEvent = 11;
 inline constexpr unsigned kSocEvent = 27;
 
-/// Events of the SoC: numbers in the queue of kSocEvent. Source: the same.
+/// Events of the SoC: numbers in the queue of kSocEvent. Source: as for the events above.
 inline constexpr unsigned kClusterPowerChanged = 31;
 inline constexpr unsigned kClusterClockChanged = 35;
 inline constexpr unsigned kScuOk = 37;
@@ -31,7 +31,8 @@ inline constexpr std::int64_t kReferenceClockHz = 32768;
 struct Signals {
   std::function<void(unsigned event)> raise_fabric_event = [](unsigned) {};
   std::function<void(unsigned event, Picoseconds now)> raise_soc_event = [](unsigned, Picoseconds) {};
-  /// Called before the fabric controller's clock changes. Each receiver calls the function that was set before.
+  /// Called before the fabric controller's clock changes. Each receiver must also call the function that was set before
+  /// its own.
   std::function<void(Picoseconds now)> clock_changes = [](Picoseconds) {};
   /// Settings that the FLLs and the power unit request; nullopt on a board without FLLs.
   std::optional<PowerSettings> power;

@@ -21,7 +21,7 @@ constexpr std::uint32_t kOneShot = 1U << 5;
 constexpr std::uint32_t kPrescaler = 1U << 6;
 constexpr std::uint32_t kPair = 1U << 31;
 
-// Pairs of registers: of the low counter, of the high counter.
+// Registers come in pairs: one of the low counter, one of the high counter.
 constexpr unsigned kConfig = 0;
 constexpr unsigned kCount = 1;
 constexpr unsigned kCompare = 2;
@@ -90,8 +90,8 @@ void TimerCounters::configure(unsigned index, std::uint32_t config) {
   }
 }
 
-/// Changes between a pair and two counters. Each register keeps its count: that of the high counter is the upper half
-/// of a pair's.
+/// Switches between one 64-bit counter (a pair) and two counters. Each register keeps its count: the high counter's
+/// register is the upper half of a pair's count.
 void TimerCounters::pair_or_split() {
   auto& low = counters_[0];
   auto& high = counters_[1];
@@ -128,7 +128,7 @@ bool TimerCounters::store(std::uint32_t offset, std::int64_t now, std::uint32_t 
   count(now);
   const auto index = offset / 4 % 2;
   auto& counter = counters_[index];
-  // In a pair, the low counter holds the value of both, and the match.
+  // In a pair, the low counter holds the 64-bit value and the match.
   const auto owner = is_pair() ? 0U : index;
   if (offset >= kSpan) return false;
   switch (offset / 8) {

@@ -40,7 +40,7 @@ class TimerCounters {
   TimerCounters(const TimerClock& clock, std::function<void(unsigned counter)> raise)
       : clock_(clock), raise_(std::move(raise)) {}
 
-  /// Return false if there is no such register.
+  /// load() and store() return false if there is no such register.
   bool load(std::uint32_t offset, std::int64_t now, std::uint32_t& value);
   bool store(std::uint32_t offset, std::int64_t now, std::uint32_t value);
   /// Updates the counts. Must be called before the clock changes; also called at a match.
@@ -126,7 +126,7 @@ class ClusterTimer : private TimerClock {
     return offset < 8 && (value & TimerCounters::kReferenceClock) != 0;
   }
   void advance(std::uint64_t tick) { counters_.advance(static_cast<std::int64_t>(tick)); }
-  /// Returns the tick of its next event; kNoTick if there is none.
+  /// Returns the tick of the timer's next event; kNoTick if there is none.
   std::uint64_t next_tick() const;
   void reset() { counters_.reset(); }
   void visit(state::Visitor& v) { counters_.visit(v); }

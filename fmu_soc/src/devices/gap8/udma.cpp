@@ -212,7 +212,7 @@ const double* Udma::output(std::string_view variable) const {
   return camera_.output(variable);
 }
 
-/// Loads the image of the parameter, once.
+/// Loads the image that the parameter names, once.
 void Udma::load_flash() {
   const auto refuse = [this](std::string_view why) {
     throw Error(fmt::format("flash.image = \"{}\": {}", flash_path_, why));

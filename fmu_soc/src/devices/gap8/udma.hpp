@@ -31,10 +31,10 @@ struct UdmaParts {
 /// transfer, or queues it. The end of a transfer is the channel's SoC event. Bytes are copied at the end of the
 /// transfer. The camera is on both I2C buses: a GAPuino has it on the second one, a PULP-Shield on the first.
 ///
-/// Its variables are those of its peripherals, and the parameter flash.image: path of an image that replaces the
-/// flash's initial content; empty = the image of the board.
+/// Its variables are those of its peripherals, and the parameter flash.image. This is the path of an image that
+/// replaces the flash's initial content; if it is empty, the image of the board is used.
 ///
-/// Channels of other peripherals are as in the entry. Source: archi/udma/udma_v2.h.
+/// Channels of other peripherals behave as their entry in the board file says. Source: archi/udma/udma_v2.h.
 class Udma final : public Device {
  public:
   static constexpr std::uint32_t kFlashBytes = UdmaHyperBus::kFlashBytes;

@@ -55,8 +55,8 @@ Picoseconds UdmaCamera::end_of_frame() const {
 
 Picoseconds UdmaCamera::end_time(const UdmaTransfer& /*transfer*/, Picoseconds start) {
   if (requested_at_ == kNever) requested_at_ = start;
-  // Called at every change of sensor and interface, so whether a frame is lost depends on their times only. A frame
-  // that was read out completely is kept: its picture may arrive after a standby.
+  // This function is called at every change of sensor and interface. Therefore only their times determine whether a
+  // frame is lost. A frame that was read out completely is kept, because its picture may arrive after a standby.
   const bool is_same_stream = is_on() && sensor_.first_frame_at() == first_frame_at_;
   if (frame_at_ != kNever && !is_same_stream && start < ends_at_) lose_frame();
   if (frame_at_ == kNever) {
@@ -182,7 +182,8 @@ void UdmaCamera::cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {
   forget();
 }
 
-/// Drops the frame. Pictures of the roll have no time, so a picture taken from the roll is kept for the next frame.
+/// Drops the frame. Pictures of the picture roll are not bound to a time, so a picture that was taken from it is kept
+/// for the next frame.
 void UdmaCamera::lose_frame() {
   frame_at_ = kNever;
   if (roll_.exists()) return;
@@ -239,8 +240,7 @@ void UdmaCamera::require_parameters() const {
                   host_.entry.name, frame_width_, frame_height_, Himax::kWidth, Himax::kWindowHeight));
 }
 
-/// Checks the number of bytes, which does not give the number of rows: with another width, the picture would be
-/// garbled.
+/// Checks the number of bytes. The rows do not follow from it: with another width, the picture would be garbled.
 void UdmaCamera::require_size(std::size_t bytes) const {
   const auto rows = static_cast<std::size_t>(frame_height_);
   if (rows == 0 || bytes == static_cast<std::size_t>(frame_width_) * rows) return;

@@ -31,7 +31,7 @@ struct InterfaceSettings {
 ///
 /// When the exposure of the frame's first row starts, its picture is requested, from the roll or from the world. A
 /// picture of the world arrives later, usually before the last line, and is copied at the end of the transfer. If steps
-/// are long and it arrives after the last line, the transfer ends at its arrival.
+/// are long and the picture arrives after the last line, the transfer ends at its arrival.
 ///
 /// Its variables are those of the entry: inputs camera.frame, .frame_id, .frame.base64, .frame_width and .frame_height,
 /// output camera.trigger, as for MEbots' own camera. A picture of another size ends the run. Rows have Himax::kWidth
@@ -53,7 +53,7 @@ class UdmaCamera final : public UdmaPeripheral {
   std::span<const std::uint8_t>* bytes_input(std::string_view variable) override;
   const double* output(std::string_view variable) const override;
   void begin_step(Picoseconds now) override;
-  /// True while a picture is requested. With a roll: while the roll has no picture left.
+  /// True while a picture is requested. On a board with a picture roll: true while the roll has no picture left.
   bool takes_picture() const override { return roll_.exists() ? waits_ : requested_at_ != kNever; }
 
   void visit(state::Visitor& v) override;

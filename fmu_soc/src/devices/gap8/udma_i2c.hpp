@@ -15,7 +15,7 @@ namespace mebots::soc::gap8_devices {
 /// line. Sources: archi/udma/i2c/udma_i2c_v1.h; GVSoC's udma_i2c_v2.
 class UdmaI2c final : public UdmaPeripheral {
  public:
-  /// `device` is the only one on the bus; null = none.
+  /// `device` is the only device on the bus; null if the bus has none.
   UdmaI2c(UdmaHost& host, std::uint32_t send_channel, I2cDevice* device)
       : host_(host), send_channel_(send_channel), device_(device) {}
 
@@ -43,8 +43,8 @@ class UdmaI2c final : public UdmaPeripheral {
     }
   };
 
-  /// Executes a byte of the commands. Returns the clocks of the SoC that it takes. Without `acts`, only computes the
-  /// time.
+  /// Executes a byte of the commands. Returns the clocks of the SoC that it takes. If `acts` is false, only computes
+  /// the time.
   double obey(Master& master, std::uint8_t byte, bool acts, Picoseconds now);
   double command(Master& master, std::uint8_t byte, bool acts);
   void write(Master& master, std::uint8_t byte, Picoseconds now);

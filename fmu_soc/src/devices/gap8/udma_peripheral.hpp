@@ -40,15 +40,16 @@ class UdmaPeripheral {
   UdmaPeripheral& operator=(const UdmaPeripheral&) = delete;
   virtual ~UdmaPeripheral() = default;
 
-  /// Returns the end of a transfer that begins at `start`. Returns kNever if it waits for another event; after that,
-  /// the function is called again.
+  /// Returns the end of a transfer that begins at `start`. Returns kNever if the transfer waits for another event;
+  /// after that event, the function is called again.
   virtual Picoseconds end_time(const UdmaTransfer& transfer, Picoseconds start) = 0;
   /// Ends a transfer: copies its bytes.
   virtual void end(const UdmaTransfer& transfer) = 0;
   /// Cancels a transfer that has begun. No byte is copied.
   virtual void cancel(const UdmaTransfer& /*transfer*/, Picoseconds /*now*/) {}
 
-  /// Access registers that the board's entry does not describe. Return false if there is no such register.
+  /// These functions access registers that the board's entry does not describe. They return false if there is no such
+  /// register.
   virtual bool load(std::uint32_t /*offset*/, std::uint32_t& /*value*/) { return false; }
   virtual bool store(std::uint32_t /*offset*/, Picoseconds /*now*/, std::uint32_t /*value*/) { return false; }
   /// Called after a store into a register that the entry describes.
@@ -66,7 +67,7 @@ class UdmaPeripheral {
   virtual void visit(state::Visitor& v) = 0;
 };
 
-/// Services of the uDMA for its peripherals. Outlives them.
+/// Services of the uDMA for its peripherals. Must outlive them.
 struct UdmaHost {
   const BoardDevice& entry;
   DeviceHost& host;

@@ -17,7 +17,8 @@ namespace mebots::soc::gap8_devices {
 /// archi/udma/spim/udma_spim_v2.h.
 ///
 /// Its variables are those of the entry that begin with its name, spim0 or spim1. .transactions counts transactions
-/// that sent data. .sent[0] to .sent[3] are the first 16-bit words of the last one, signed, low byte first.
+/// that sent data. .sent[0] to .sent[3] are the first 16-bit words of the last such transaction, signed, low byte
+/// first.
 class UdmaSpim final : public UdmaPeripheral {
  public:
   UdmaSpim(UdmaHost& host, std::string_view name, std::uint32_t send_channel, unsigned end_event)
@@ -44,7 +45,7 @@ class UdmaSpim final : public UdmaPeripheral {
   static constexpr std::size_t kWords = 4;  // number of words in variables
 
   bool fetch(const UdmaTransfer& transfer);
-  /// Executes fetched words. Returns the clocks of the SoC that they take. Without `acts`, only computes the time.
+  /// Executes fetched words. Returns the clocks of the SoC that they take. If `acts` is false, only computes the time.
   double obey(Master& master, bool acts, Picoseconds now);
   void publish_transaction(Picoseconds now);
 

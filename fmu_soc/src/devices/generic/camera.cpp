@@ -96,7 +96,7 @@ void Camera::offer(std::span<const std::uint8_t> picture, Picoseconds now) {
   state_.done_at = now + delay_ps_;
 }
 
-/// Computes times from lines. A frame's lines limit the rate of pictures, independent of the firmware.
+/// Computes times from numbers of lines. The lines of a frame limit the rate of pictures, whatever the firmware does.
 void Camera::time_lines(Picoseconds now) {
   const auto rows = frame_width_ > 0 ? static_cast<double>(picture_.size()) / frame_width_ : 0;
   if (rows > frame_lines_ || exposure_lines_ > frame_lines_ - kBlankLines) {
@@ -128,7 +128,7 @@ void Camera::finish() {
   state_.interrupt = true;
   const auto size = static_cast<std::uint32_t>(picture_.size());
   const auto width = static_cast<std::uint32_t>(frame_width_);
-  // The number of bytes does not give the number of rows: with another width, the picture would be garbled.
+  // The rows do not follow from the number of bytes: with another width, the picture would be garbled.
   if (const auto height = static_cast<std::uint32_t>(frame_height_); height != 0 && size != width * height) {
     state_.status |= kRefused;
     if (!state_.warned_of_format) {

@@ -20,7 +20,8 @@ class PowerManager final : public Device {
   void visit(state::Visitor& v) override;
 
   const PowerSettings& settings() const { return settings_; }
-  /// Called after the chip has woken from retention sleep, which must be requested again for the next sleep.
+  /// Called after the chip has woken from retention sleep. The firmware must request retention again for the next
+  /// sleep.
   void woken() { settings_.retention = 0; }
   bool exited() const { return exited_; }
   std::int32_t exit_code() const { return exit_code_; }

@@ -5,7 +5,8 @@
 
 namespace mebots::soc {
 
-/// Time since reset in nanoseconds, with one comparison: the interrupt line is up while time >= compare.
+/// A timer with the time since reset in nanoseconds and one comparison. The interrupt line is active while time >=
+/// compare.
 class Timer final : public Device {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;

@@ -7,8 +7,9 @@
 namespace mebots::soc {
 namespace {
 
-/// SiFive's test finisher: a store ends the program. Bits 15 to 0 select pass, fail or reset; bits 31 to 16 are the
-/// exit code of a failure. Source: QEMU 7.2, hw/misc/sifive_test.c; SiFive FU540-C000 device tree, "sifive,test0".
+/// SiFive's test finisher, a register whose store ends the program. Bits 15 to 0 select pass, fail or reset; bits 31 to
+/// 16 are the exit code of a failure. Source: QEMU 7.2, hw/misc/sifive_test.c; SiFive FU540-C000 device tree,
+/// "sifive,test0".
 class TestFinisher final : public Device {
  public:
   TestFinisher(DeviceHost& host, ProgramEnd& end) : host_(host), end_(end) {}

@@ -25,8 +25,8 @@ constexpr std::uint8_t kLoop = 0x10;           // MCR
 enum class Source : std::uint8_t { receive = 0x04, timeout = 0x0c, transmit = 0x02, modem = 0x00, none = 0x01 };
 
 /// UART 16550A with one byte per register. Transmission takes no time, as in QEMU. Input arrives at one byte per
-/// character time. If the FIFO is full, it waits, so that no byte is lost. The first byte arrives when the program
-/// first reads LSR or RBR, or enables the interrupt of received data.
+/// character time. If the FIFO is full, the input waits, so that no byte is lost. The first byte arrives when the
+/// program first reads LSR or RBR, or enables the interrupt of received data.
 class Uart16550 final : public Device {
  public:
   explicit Uart16550(ChipHost& host) : port_(host), lines_(host) {}
@@ -176,7 +176,7 @@ void Uart16550::clear_received(Picoseconds now) {
   resume_input(now);
 }
 
-/// Reads IIR, which clears the interrupt of an empty transmitter if it shows that one.
+/// Reads IIR, which clears the interrupt of an empty transmitter if IIR shows that interrupt.
 std::uint32_t Uart16550::take_source() {
   const auto shown = source();
   if (shown == Source::transmit) transmit_pending_ = false;
