@@ -28,7 +28,7 @@ int check_command(const CheckOptions& options) {
   bool clean = false;
   std::atomic<bool> given_up = false;
   try {
-    // The signal ends this process after the unpacked FMU has been deleted.
+    // After an interrupt, the unpacked FMU is deleted before the signal ends this process.
     const master::SignalGuard guard(given_up, master::SignalGuard::Afterwards::raise);
     check::Options how;
     how.half_step_tolerance = options.half_step_tolerance;

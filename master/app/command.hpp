@@ -51,13 +51,13 @@ std::filesystem::path write_report(const std::vector<std::filesystem::path>& fol
 /// Throws InputError if the folder of a file to be written does not exist.
 void require_folder_of(const std::filesystem::path& file);
 
-/// Calls `work` and returns 0. Prints exceptions and returns 2 for InputError, 1 for others.
+/// Calls `work` and returns 0. If it throws, prints the exception and returns 2 for InputError, 1 for all others.
 int guarded(const std::function<void()>& work);
 
 /// Prints "mebots: error: ..." to standard error.
 void print_error(const std::string& text);
 
-/// Writes a command's product to standard output, after earlier output. Throws Error if the output is closed or full.
+/// Writes a command's result to standard output, after earlier output. Throws Error if the output is closed or full.
 void print_product(std::string_view text);
 
 /// Returns the footer of a command's help: "Exit codes: ..." and "Examples: ...", one per line.
@@ -69,8 +69,8 @@ const CLI::Validator& positive();
 const CLI::Validator& not_empty();
 
 /// For commands written in Python: replaces this program by the interpreter, which calls `main()` of `module`
-/// ("mebots.exploration.command") with these words. `command` is the user's command in errors ("mebots sweep"). Returns
-/// only by an exception: InputError if the package or an interpreter is missing.
+/// ("mebots.exploration.command") with these words. `command` is the user's command for errors, such as "mebots sweep".
+/// Returns only by an exception: InputError if the package or an interpreter is missing.
 void become_python(const std::string& command, const std::string& module, const std::vector<std::string>& words);
 
 }  // namespace mebots::app

@@ -13,7 +13,7 @@
 namespace mebots::app {
 namespace {
 
-/// Limits the warnings and errors shown, so that an FMU with one per step does not hide everything else.
+/// Limits the warnings and errors shown, so that an FMU that logs one in each step does not hide everything else.
 constexpr int kShown = 20;
 
 constexpr std::string_view kClearLine = "\r\x1b[K";

@@ -21,7 +21,7 @@ class Console final {
 
   void message(const Message& message);
   void line(std::string_view text);
-  /// Prints a line even if quiet, because the user needs it.
+  /// Prints a line even in quiet mode, because the user needs it.
   void always(std::string_view text);
   void warning(std::string_view text);
   void error(std::string_view text);
@@ -30,7 +30,7 @@ class Console final {
   bool is_terminal() const { return terminal_; }
   /// Returns the present width of the terminal in characters.
   static std::size_t width();
-  /// Draws a line that the next one replaces. An empty text removes it.
+  /// Draws a line that the next drawn line replaces. An empty text removes it.
   void redraw(std::string_view text);
 
  private:

@@ -36,7 +36,7 @@ Words words_of(const DeployOptions& options) {
   add_word(words, "--crop", options.crop);
   add_number(words, "--percentile", options.percentile);
   add_number(words, "--input-scale", options.input_scale);
-  // With "=", because the value may begin with a minus.
+  // The option is joined with "=", because the value may begin with a minus.
   if (options.input_offset) words.push_back(fmt::format("--input-offset={}", *options.input_offset));
   add_number(words, "--pictures", options.pictures);
   add_number(words, "--vectors", options.vectors);

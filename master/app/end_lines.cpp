@@ -38,7 +38,7 @@ std::string unit_text(const Json& unit) {
   return unit.is_string() && unit != "1" ? " " + unit.get<std::string>() : "";
 }
 
-/// `intervals` are those of the values, under the same labels.
+/// Appends values. `intervals` contains the intervals of these values, under the same labels.
 void append_values(const Json& values, const Json& units, const Json& intervals, const std::string& prefix,
                    std::vector<std::string>& lines) {
   for (const auto& [label, value] : values.items()) {
@@ -132,7 +132,8 @@ class ValueLine {
   bool cut_ = false;
 };
 
-/// Writes values without a group on shared lines, then a line per group. The last line states what is left out.
+/// Writes values without a group on shared lines, and then a line per group. The last line states how many values are
+/// left out.
 void append_shared(const Json& values, const Json& units, const Json& intervals, std::vector<std::string>& lines) {
   std::vector<ValueLine> own;
   bool is_cut = false;
@@ -159,7 +160,7 @@ void append_shared(const Json& values, const Json& units, const Json& intervals,
   if (is_cut) lines.back() += "  (all values: --verbose)";
 }
 
-/// "1000 steps of 0.001 s", or the limits of a step that varies.
+/// Returns text such as "1000 steps of 0.001 s", or the limits of a step that varies.
 std::string steps_text(const master::SystemDescription& system) {
   if (const auto& control = system.step_control) {
     return fmt::format("steps of {} to {} s", master::time_text(system.length_of(control->min_steps)),
@@ -168,7 +169,7 @@ std::string steps_text(const master::SystemDescription& system) {
   return fmt::format("{} steps of {} s", system.grid().point_at(system.stop_time_ns), master::to_seconds(system.step));
 }
 
-/// The line of a run with drawn flights.
+/// Returns the line about the drawn flights of a run.
 std::string uncertainty_line(const Json& uncertainty) {
   std::vector<std::string> outcomes;
   for (const auto& [outcome, count] : uncertainty["outcomes"].items())

@@ -2,7 +2,8 @@
 #include "slave/isolation/child_process.hpp"
 
 #ifdef __SANITIZE_ADDRESS__
-/// LeakSanitizer stops the threads as a debugger does, which this process forbids even to itself.
+/// LeakSanitizer stops threads as a debugger does. This process forbids that, even to itself, so the check is turned
+/// off.
 extern "C" [[gnu::visibility("default")]] int __lsan_is_turned_off() {  // NOLINT: the library's name
   return 1;
 }

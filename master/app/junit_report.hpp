@@ -24,8 +24,8 @@ struct JunitCase {
 void write_junit(const std::filesystem::path& file, const std::string& classname, const std::vector<JunitCase>& cases);
 
 /// Writes the run as one test case of a JUnit file. It passed if it ended with one of the `expected` outcomes, or if
-/// there are none. Another outcome or an interrupt is a failure; if `error` is not empty, it is an error. If `run` is
-/// null, it could not be opened. Throws Error.
+/// there are none. Another outcome or an interrupt is a failure; if `error` is not empty, it is an error. `run` is null
+/// if the run could not be opened. Throws Error.
 void write_junit(const std::filesystem::path& file, const master::Run* run, const std::vector<std::string>& expected,
                  const std::string& error);
 

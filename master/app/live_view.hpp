@@ -35,7 +35,8 @@ class LiveView {
 
   /// Starts the run and steps it to its end.
   virtual void run() = 0;
-  /// If the page is to remain, keeps it until Ctrl-C; else until browsers have received the last rows.
+  /// Ends the view. If the page is to remain, keeps it until Ctrl-C; otherwise until browsers have received the last
+  /// rows.
   virtual void end(Console& console) = 0;
 };
 

@@ -20,14 +20,14 @@ namespace {
 
 using namespace mebots::app;
 
-/// In the order of the help.
+/// The commands, in the order of the help.
 constexpr AddCommand kCommands[] = {
     &add_run,     &add_resume,   &add_sweep,  &add_replay, &add_identify, &add_new_cell,      &add_link,
     &add_deploy,  &add_demo,     &add_report, &add_info,   &add_check,    &add_fmu_platforms, &add_test,
     &add_convert, &add_validate, &add_schema, &add_units,  &add_new_fmu,  &add_new_firmware,  &add_new_sensor};
 
-/// Opens closed standard streams (`>&-`). Otherwise the next opened file would get such a number, and receive the
-/// output.
+/// Opens standard streams that are closed (`>&-`). Otherwise, the next file that is opened would get the number of such
+/// a stream, and receive its output.
 void open_standard_streams() {
   for (int stream = 0; stream <= 2; ++stream) {
     if (fcntl(stream, F_GETFD) == -1 && open("/dev/null", O_RDWR) != stream) return;

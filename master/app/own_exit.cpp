@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Replaces functions that end, replace or copy the process. The dynamic linker prefers a program's functions to those
-// of the C library, so an FMU that calls one arrives here. Calls inside the C library, such as in exit() or system(),
-// do not.
+// of the C library, so an FMU that calls one arrives here. Calls that the C library makes itself, such as in exit() or
+// system(), do not arrive here.
 #include "fmi/call/exit_guard.hpp"
 
 #include <dlfcn.h>
@@ -20,7 +20,8 @@ namespace {
   for (;;) syscall(SYS_exit_group, status);
 }
 
-/// A function of the C library. Looked up when the program starts, because a forked process must not call the loader.
+/// Holds a function of the C library. It is looked up when the program starts, because a forked process must not call
+/// the loader.
 template <typename Target>
 class Original {
  public:

@@ -55,7 +55,8 @@ std::optional<std::string> Progress::reached(const master::Point& point) {
 void Progress::look(const master::Point& point) {
   const auto now = Clock::now();
   const double since_look_s = std::chrono::duration<double>(now - last_look_).count();
-  // Adapts the number of steps between two calls, so that about kLookEveryS pass between them for any cost of a step.
+  // Adapts the number of steps between two looks at the clock, so that about kLookEveryS pass between them, whatever a
+  // step costs.
   if (since_look_s < kLookEveryS / 2) stride_ = std::min(stride_ * 2, kLongestStride);
   if (since_look_s > kLookEveryS * 2) stride_ = std::max<std::int64_t>(stride_ / 2, 1);
   last_look_ = now;
@@ -83,7 +84,8 @@ void Progress::show(const master::Point& point, double elapsed_s) {
     console_->line(text);
     return;
   }
-  // A wrapped line could not be redrawn. The bar takes the space that the text leaves, then the text is truncated.
+  // A line that wraps could not be redrawn. The bar takes the space that the text leaves. If there is none, the text is
+  // truncated.
   const auto width = Console::width() - 1;
   const auto room = width > text.size() + 3 ? width - text.size() - 3 : 0;
   if (room < kNarrowestBar) {

@@ -22,7 +22,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// Prints the problem of the Python installation in one line, for example a version that cannot load the extension.
+/// Prints the problem of the Python installation in one line, such as a version that cannot load the extension.
 constexpr const char* kStart =
     "import sys\n"
     "try:\n"
@@ -33,8 +33,8 @@ constexpr const char* kStart =
     "    sys.exit(2)\n"
     "sys.exit(main())\n";
 
-/// Returns the folder that contains the package: in a build `python` next to `bin`; in an installation
-/// `lib/python3.x/site-packages`, or `lib/python3/dist-packages`, which Debian's Python searches. In a wheel the
+/// Returns the folder that contains the package. In a build, this is `python` next to `bin`. In an installation, it is
+/// `lib/python3.x/site-packages`, or `lib/python3/dist-packages`, which Debian's Python searches. In a wheel, the
 /// package contains `bin`.
 Path package_folder(const std::string& command) {
   std::vector<Path> places;
@@ -61,8 +61,8 @@ Path package_folder(const std::string& command) {
                   command, fmt::join(master::as_texts(places), ", ")));
 }
 
-/// Sets PATH if the environment has none. Without it Python does not find its own program, which a study starts for its
-/// missions.
+/// Sets PATH if the environment has none. Without PATH, Python does not find its own program, which a study starts for
+/// its missions.
 void ensure_path() {
   const char* path = std::getenv("PATH");
   if (path == nullptr || *path == '\0') setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);

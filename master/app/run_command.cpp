@@ -109,7 +109,7 @@ void fly_draws(Run& run, Console& console) {
   }
 }
 
-/// Runs the result of `open` and returns the exit code.
+/// Performs the run that `open` returns. Returns the exit code.
 int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptions& options) {
   Console console(options.quiet);
   try {

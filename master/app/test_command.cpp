@@ -33,7 +33,7 @@ JunitCase junit_case(const cases::CaseResult& result) {
   return {result.name, outcome, outcome == JunitOutcome::passed ? "" : result.text(), result.wall_s, ""};
 }
 
-/// Returns the exit code.
+/// Runs the cases. Returns the exit code.
 int run_cases(const TestOptions& options) {
   const auto file = cases::read_cases(options.files.back());
   const auto fmu = options.files.size() == 2 ? options.files.front() : cases::fmu_of(file);

@@ -42,7 +42,7 @@ using Path = std::filesystem::path;
 
 struct FileKind {
   std::string_view name;
-  /// Throws Error, usually data::Mistakes.
+  /// Reads a file of the kind. Throws Error, usually data::Mistakes.
   void (*read)(const Path& file);
 };
 
@@ -110,8 +110,8 @@ Likeness likeness(const master::Schema& schema, const data::Node& root) {
   });
 }
 
-/// Returns the kind whose schema has most of the keys; among equals, the one with the fewest others. Converters have
-/// distinct keys.
+/// Returns the kind whose schema has most of the file's keys. Of several such kinds, returns the one with the fewest
+/// other keys. Converters have distinct keys.
 std::string kind_by_content(const data::Node& root) {
   std::string best;
   Likeness most;

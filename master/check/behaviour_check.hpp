@@ -22,13 +22,14 @@ struct Probe {
 /// Returns probes that run, reset, save, halve steps, replay and count leaks. The second is a plain run: if it fails,
 /// the others are skipped.
 std::vector<Probe> life_probes(const Target& target, double half_step_tolerance);
-/// Detects an FMU that starts with a stop time only. It then gets one in all other experiments.
+/// Returns the probe that detects an FMU which starts only with a stop time. Such an FMU then gets a stop time in all
+/// other experiments.
 Probe start_probe();
-/// True if that probe found such an FMU.
+/// True if start_probe() has found such an FMU.
 bool says_stop_time_is_needed(const Check& check);
 /// Compares a run with a stop time with a run without.
 Probe stop_time_probe();
-/// Probes with calls that the standard forbids. The FMU must return an error.
+/// Returns probes with calls that the standard forbids. The FMU must return an error.
 std::vector<Probe> illegal_call_probes(const Target& target);
 
 /// Reference traces inside an FMU: `documentation/reference/<name>_in.csv` and `<name>_out.csv`, or the result named in
@@ -36,7 +37,8 @@ std::vector<Probe> illegal_call_probes(const Target& target);
 struct TraceFiles {
   std::filesystem::path inputs;  ///< empty if absent
   std::filesystem::path outputs;
-  /// The file serves the FMI 2.0 and 3.0 versions of a model: columns that this FMU lacks, or has as text, are ignored.
+  /// True if the file serves the FMI 2.0 and 3.0 versions of a model. Columns that this FMU lacks, or has as text, are
+  /// then ignored.
   bool of_many_versions = false;
 };
 

@@ -157,7 +157,7 @@ void check_machine(const fs::path& library, const modeldesc::Platform& expected,
       fmt::format("binaries/{}/{} is {}, but {} means {}", folder, library.filename().string(),
                   found.empty() ? "no library of a known platform" : fmt::format("for {}", found.front()->text), folder,
                   expected.text);
-  // FMI 2.0 has one folder for macOS, of the time before its ARM processors; some tools use it for both.
+  // FMI 2.0 has one folder for macOS, which was defined before macOS ran on ARM. Some tools use it for both processors.
   const bool is_only_mac = !found.empty() && found.front()->format == modeldesc::BinaryFormat::mach_o &&
                            expected.format == modeldesc::BinaryFormat::mach_o;
   if (is_only_mac)

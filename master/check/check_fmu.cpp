@@ -87,8 +87,8 @@ class FmuCheck {
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   }
 
-  /// Returns the version stated in the file: each standard has its own rules. A file that is not XML is checked by
-  /// those of FMI 2.0.
+  /// Returns the version that the file states, because each version has its own rules. A file that is not XML is
+  /// checked by the rules of FMI 2.0.
   std::string text_version() const {
     pugi::xml_document document;
     document.load_file((folder_.path() / "modelDescription.xml").c_str());
@@ -314,7 +314,7 @@ class FmuCheck {
     }
   }
 
-  /// True if the FMU starts with a stop time only, which is reported.
+  /// True if the FMU starts only with a stop time, which is reported.
   bool needs_stop_time(const Target& target) {
     const auto probe = start_probe();
     Check aside;
@@ -329,7 +329,7 @@ class FmuCheck {
     return true;
   }
 
-  /// Runs an experiment unless it is to be skipped. Returns false if it found an error.
+  /// Runs an experiment, unless it must be skipped. Returns false if it found an error.
   bool make(const Probe& probe, const Target& target, Check& check) const {
     check.skipped = probe.skipped.empty() && probe.level > options_.level
                         ? fmt::format("made at --level {}", to_string(probe.level))

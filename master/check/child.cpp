@@ -53,7 +53,7 @@ class SharedBox {
 
 BlackBox* signalled_box = nullptr;
 
-/// Records whether the crash is in our code, then lets it happen: SA_RESETHAND.
+/// Records whether the crash is in code of mebots. Then the crash takes its course, because of SA_RESETHAND.
 void on_signal(int signal) {
   const auto callback = master::current_callback();
   const char* name = callback.only_memory ? nullptr : callback.name;  // a bad pointer is the fault of the FMU that
@@ -131,8 +131,8 @@ class PipeWitness final : public Witness {
   _exit(0);  // skips the destructors of the parent's copy
 }
 
-/// The time that a child used of its deadline: seconds of computing and of sleeping. Waiting for a processor does not
-/// count.
+/// The part of its deadline that a child has used: seconds of computing and of sleeping. Waiting for a processor does
+/// not count.
 class SpentTime {
  public:
   /// `child` contains the child's number after its start.
@@ -180,8 +180,8 @@ bool is_given_up(const CrashRule& rule) {
   return rule.given_up != nullptr && *rule.given_up;
 }
 
-/// Reads until the child closes its end or ends; a process that it leaves behind may keep the pipe open. Returns false
-/// if the deadline passes or the user cancels first.
+/// Reads until the child closes its end of the pipe or the child ends. A process that it leaves behind may keep the
+/// pipe open, so both are checked. Returns false if the deadline passes or the user cancels first.
 bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule, std::string& text) {
   constexpr int kLook_ms = 50;
   SpentTime spent(box.child);
@@ -267,7 +267,7 @@ std::string crash_text(const ChildEnd& end) {
                      strsignal(signal), end.doing);
 }
 
-/// Decides who caused a crash in a callback.
+/// Decides whether the FMU or mebots caused a crash in a callback.
 void judge(const CrashRule& rule, Findings& findings, const ChildEnd& end, const std::function<void(Witness&)>& work) {
   Check dropped;  // the first run has already reported its findings
   Findings dropped_findings(dropped);

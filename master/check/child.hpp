@@ -22,13 +22,13 @@ class Witness {
   virtual void doing(std::string_view what) = 0;
 };
 
-/// The user cancelled the check.
+/// Thrown if the user cancels the check.
 class Interrupted final : public std::exception {
  public:
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// How to rate a crash, an exit or a hang of the child, and what to advise.
+/// States how to rate a crash, an exit or a hang of the child, and what to advise.
 struct CrashRule {
   Severity severity = Severity::error;
   std::string way_out = "run it under a debugger or with -fsanitize=address";
@@ -46,10 +46,10 @@ struct ChildProbe {
 
 /// Runs foreign code safely: in a forked child with a deadline and without standard output. The child's findings so far
 /// always arrive; a crash, an exit or a hang becomes a finding too. Afterwards the child and all its descendants have
-/// ended; they also end with this process. After a crash in a callback of ours, a second run uses callbacks that do
-/// nothing: if it crashes again, the FMU is the cause, otherwise our callback. The calling process must have one thread
-/// only. Throws mebots::Error if no child can be created or a callback of ours failed; Interrupted if the user
-/// cancelled, after the child has ended.
+/// ended; they also end with this process. If a callback of mebots crashes, a second run uses callbacks that do
+/// nothing. If that run crashes, too, the FMU is the cause; otherwise the callback is. The calling process must have
+/// one thread only. Throws mebots::Error if no child can be created or a callback of mebots failed. If the user
+/// cancelled, throws Interrupted after the child has ended.
 void run_in_child(const CrashRule& rule, Findings findings, const std::function<void(Witness&)>& work);
 
 }  // namespace mebots::check

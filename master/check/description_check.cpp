@@ -41,7 +41,7 @@ std::string quoted(const Variable& variable) {
   return fmt::format("\"{}\"", variable.name);
 }
 
-/// FMI 2.0.4, section 2.2.7: the variabilities permitted with each causality.
+/// Returns the variabilities permitted with a causality (FMI 2.0.4, section 2.2.7).
 std::vector<Variability> legal_variabilities(Causality causality) {
   using V = Variability;
   switch (causality) {
@@ -63,7 +63,7 @@ std::vector<Variability> legal_variabilities(Causality causality) {
   return {};
 }
 
-/// Returns an empty list if `initial` must not be given.
+/// Returns the permitted values of `initial`; an empty list if `initial` must not be given.
 std::vector<Initial> legal_initials(Causality causality, Variability variability) {
   using I = Initial;
   if (causality == Causality::input || causality == Causality::independent) return {};
@@ -174,7 +174,7 @@ void check_experiment(const modeldesc::DefaultExperiment& experiment, Findings& 
   positive(experiment.tolerance, "tolerance");
 }
 
-/// Parses structured names: FMI 2.0.4, section 2.2.9, with one function per rule of the grammar.
+/// Parses structured names (FMI 2.0.4, section 2.2.9). Each rule of the grammar has one function.
 class NameReader {
  public:
   explicit NameReader(std::string_view text) : text_(text) {}

@@ -14,7 +14,7 @@ constexpr const char* kPassStopTime =
 
 using master::Experiment;
 
-/// True if the FMU can be initialised and stepped once with these arguments; else `why` contains its error.
+/// True if the FMU can be initialised and stepped once with these arguments; otherwise, `why` contains the error.
 bool starts(const Library& library, const Experiment& experiment, std::string& why) {
   try {
     Instance instance(library, "experiment");

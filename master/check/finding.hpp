@@ -63,7 +63,7 @@ std::vector<std::string> level_names();
 /// Throws mebots::Error for an unknown name.
 Level level_named(std::string_view name);
 
-/// Collects the findings of one check.
+/// Collects findings of one check.
 class Findings {
  public:
   Findings(Check& check) : check_(&check), level_(check.level) {}  // NOLINT(google-explicit-constructor)

@@ -26,7 +26,7 @@ using modeldesc::Variability;
 constexpr std::int64_t kPlainStep_ns = 10'000'000;
 constexpr int kPlainSteps = 20;
 
-/// Throws SlaveError if an output is not finite.
+/// Reads all outputs. Throws SlaveError if one of them is not finite.
 void read_finite_outputs(master::Slave& slave) {
   for (const auto& variable : slave.description().variables) {
     if (variable.causality != Causality::output || variable.type != modeldesc::Type::real) continue;

@@ -16,7 +16,7 @@ void check_fmi1_variables(const modeldesc::ModelDescription& model, Findings fin
 void check_fmi1_symbols(const modeldesc::ModelDescription& model, const std::filesystem::path& library,
                         Findings findings);
 /// Runs `instances` instances of the FMU that is unpacked in `folder` for a few steps, as the master does, and reads
-/// all outputs. Only inside a child process.
+/// all outputs. Must be called inside a child process only.
 void run_fmi1_plainly(const std::filesystem::path& archive, const std::filesystem::path& folder, int instances,
                       Witness& witness);
 

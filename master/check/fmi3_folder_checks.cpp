@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Platforms that the standard does not list are named <architecture>-<system>{-<ABI>}. Returns the platform without
-/// its ABI; null if the name is not one.
+/// Returns the platform of a folder name, without its ABI; null if the name is not that of a platform. Platforms that
+/// the standard does not list are named <architecture>-<system>{-<ABI>}.
 const modeldesc::Platform* platform_named(std::string_view name) {
   const auto system = name.find('-') + 1;
   const auto platforms = modeldesc::platforms();

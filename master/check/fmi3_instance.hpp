@@ -16,13 +16,13 @@
 
 namespace mebots::check {
 
-/// The FMU rejected a call that it must accept.
+/// Thrown if the FMU rejects a call that it must accept.
 class Fmi3Refused : public Error {
  public:
   using Error::Error;
 };
 
-/// The loaded library. Use it inside a child process only.
+/// The loaded library of the FMU. Must be used inside a child process only.
 class Fmi3Library {
  public:
   /// Throws Fmi3Refused if the library cannot be loaded.
@@ -35,7 +35,7 @@ class Fmi3Library {
   Function* find(const char* name) const {
     return reinterpret_cast<Function*>(address(name));
   }
-  /// Step and start time of a run, from the description.
+  /// Return the step and the start time of a run, from the description.
   double step_s() const { return step_s_; }
   double start_s() const { return start_s_; }
 
@@ -56,7 +56,7 @@ struct Fmi3Value {
 };
 using Fmi3Values = std::vector<Fmi3Value>;
 
-/// An instance, freed by the destructor. Each call is reported to the witness first.
+/// An instance, which the destructor frees. Each call is reported to the witness before it is made.
 class Fmi3Instance {
  public:
   /// Instantiates for co-simulation. Throws Fmi3Refused if that fails.

@@ -16,7 +16,7 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
   return std::ranges::find(words, word) != words.end();
 }
 
-/// FMI 3.0.2, section 2.4.7.4: the variabilities permitted with a causality.
+/// True if the variability is permitted with the causality (FMI 3.0.2, section 2.4.7.4).
 bool go_together(const Fmi3Declared& variable) {
   const std::string_view variability = variable.variability;
   if (variable.causality == "independent") return variability == "continuous";

@@ -19,7 +19,7 @@ constexpr const char* kAnswerError = "check state and arguments at the start of 
 
 void ignore_message(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...) {}
 
-/// Reports an illegal call that succeeds.
+/// Reports an illegal call that the FMU accepts.
 void expect_refusal(const Library& library, const std::string& call, fmi2Status status) {
   if (status != fmi2OK && status != fmi2Warning) return;
   library.witness().warning(fmt::format("{} returned {}", call, fmi2::status_name(status)), kAnswerError);
@@ -175,7 +175,8 @@ class Probes {
     add(
         "fmi2SetReal with null arrays", [](Instance&) {},
         [](Instance& i) { return i.functions().set_real(i.component(), nullptr, 1, nullptr); });
-    // The standard does not define calls with a null instance, but a tool that lost its instance should get an error.
+    // The standard does not define calls with a null instance, but a tool that passes one by mistake should get an
+    // error.
     const double h = h_;
     add(
         "fmi2DoStep of a null instance", started,

@@ -231,7 +231,7 @@ void check_serialization(const Library& library) {
     instance.require("fmi2SerializeFMUstate", f.serialize_fmu_state(instance.component(), state, bytes.data(), size));
     instance.require("fmi2FreeFMUstate", f.free_fmu_state(instance.component(), &state));
   }
-  // The instance that wrote the state is freed: its bytes must not contain its addresses.
+  // The instance that wrote the state is freed before, because the bytes of the state must not contain its addresses.
   Instance instance(library, "reader");
   instance.setup();
   instance.enter();
@@ -247,7 +247,7 @@ void check_serialization(const Library& library) {
   instance.require("fmi2FreeFMUstate", f.free_fmu_state(instance.component(), &state));
 }
 
-/// Records the largest magnitude of each Real output, the scale of differences.
+/// Records the largest magnitude of each Real output. Differences are compared with it.
 void widen(std::vector<double>& magnitudes, const Outputs& outputs) {
   for (std::size_t i = 0; i < magnitudes.size(); ++i)
     magnitudes[i] = std::max(magnitudes[i], std::abs(outputs.reals[i]));
@@ -345,7 +345,8 @@ void check_growth(const Library& library) {
     instance.terminate();
   };
   for (int i = 0; i < kWarmUp; ++i) cycle();
-  // Two rounds, of which the smaller growth counts: caches of the allocator grow once, a leak always.
+  // The check has two rounds and uses the smaller growth: caches of the allocator grow once, a leak grows in each
+  // round.
   const auto first = holdings();
   for (int i = 0; i < kCycles; ++i) cycle();
   const auto second = holdings();

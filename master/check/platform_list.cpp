@@ -26,7 +26,7 @@ using modeldesc::BinaryFormat;
 /// Major and minor version of glibc.
 using Version = std::pair<int, int>;
 
-/// Returns the version in "GLIBC_2.34"; {0, 0} for other names.
+/// Returns the version in a name such as "GLIBC_2.34"; {0, 0} for other names.
 Version glibc_version(std::string_view name) {
   constexpr std::string_view kStart = "GLIBC_";
   Version version{0, 0};

@@ -16,10 +16,10 @@ struct PlatformNeeds {
 };
 
 /// Reads the headers of all libraries of an unpacked FMU, for all platforms; sorted by folder. A library that cannot be
-/// read counts as without needs.
+/// read counts as a library without needs.
 std::vector<PlatformNeeds> list_platforms(const std::filesystem::path& fmu);
 
-/// Returns a line for people, without the folder: "x86-64 Linux, glibc 2.34 or newer, needs libccd.so.2".
+/// Returns a line for people without the folder, such as "x86-64 Linux, glibc 2.34 or newer, needs libccd.so.2".
 std::string to_text(const PlatformNeeds& needs);
 
 }  // namespace mebots::check

@@ -56,7 +56,7 @@ class SchemaCheck {
 
  private:
   void check_bytes() {
-    // Non-ASCII text must be UTF-8; XML 1.0 does not permit control characters.
+    // Characters outside ASCII must be UTF-8. XML 1.0 does not permit control characters.
     for (std::size_t i = 0; i < text_.size();) {
       const auto byte = static_cast<unsigned char>(text_[i]);
       if (byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r') {

@@ -12,7 +12,7 @@
 namespace mebots::check {
 namespace {
 
-// FMI 2.0.4, sections 2.2 and 4.3.1, derived from the text of the standard.
+// The grammar of FMI 2.0.4, sections 2.2 and 4.3.1, derived from the text of the standard.
 constexpr RuleRow kRows[] = {
     {"fmiModelDescription",
      "fmiVersion! modelName! guid! description author version copyright license generationTool "

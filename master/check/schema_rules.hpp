@@ -50,15 +50,15 @@ struct ElementRule {
 
 /// A row of a grammar as text. Attributes are `name` or `name:form`, with `!` if required. Children are names of
 /// elements, or `name=rule` if an element's rule depends on its place; `?` means at most once, `+` at least once, `*`
-/// any number, otherwise exactly once. `|` before the children means exactly one of them; `&` at least one, in any
-/// order.
+/// any number, otherwise exactly once. `|` before the children means exactly one of them; `&` means at least one, in
+/// any order.
 struct RuleRow {
   std::string_view rule;
   std::string_view attributes;
   std::string_view children;
 };
 
-/// The grammars of FMI 1.0 for co-simulation, and of FMI 3.0.
+/// Return the grammars of FMI 1.0 for co-simulation, and of FMI 3.0.
 std::span<const RuleRow> fmi1_rule_rows();
 std::span<const RuleRow> fmi3_rule_rows();
 

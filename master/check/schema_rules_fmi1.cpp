@@ -4,7 +4,8 @@
 namespace mebots::check {
 namespace {
 
-// FMI 1.0 for co-simulation, section 4, and for model exchange, section 3, derived from the text of the standards.
+// The grammars of FMI 1.0 for co-simulation (section 4) and for model exchange (section 3), derived from the text of
+// the standards.
 constexpr RuleRow kFmi1Rows[] = {
     {"fmiModelDescription",
      "fmiVersion! modelName! modelIdentifier! guid! description author version generationTool "

@@ -4,7 +4,7 @@
 namespace mebots::check {
 namespace {
 
-// Attributes of all variables, of all except clocks, and of floating-point numbers; children of most variables.
+// Attributes of all variables, of all except clocks, and of floating-point numbers, and the children of most variables.
 #define MEBOTS_EACH                                                                       \
   "name! valueReference:count! description causality:causality3 variability:variability " \
   "canHandleMultipleSetPerTimeInstant:flag clocks:counts "
@@ -14,7 +14,7 @@ namespace {
   "start:numbers derivative:count reinit:flag"
 #define MEBOTS_INSIDE "Annotations? Dimension* Alias*"
 
-// FMI 3.0.2, sections 2.2.3, 2.4 and 3 to 5, derived from the text of the standard.
+// The grammar of FMI 3.0.2, sections 2.2.3, 2.4 and 3 to 5, derived from the text of the standard.
 constexpr RuleRow kFmi3Rows[] = {
     {"fmiModelDescription",
      "fmiVersion:fmi3! modelName! instantiationToken! description author version copyright license generationTool "

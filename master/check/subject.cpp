@@ -44,7 +44,7 @@ bool is_standard_category(std::string_view name) {
   return std::ranges::find(kNames, name) != std::end(kNames);
 }
 
-// Global, because the C interface passes no context; a child process has one witness.
+// The witness is global, because the C interface passes no context. A child process has one witness.
 Witness* current_witness = nullptr;
 
 struct GivenMemory {
@@ -65,8 +65,8 @@ void* allocate(std::size_t count, std::size_t size) {
   return memory;
 }
 
-/// Memory that was not allocated here is not passed to the C library, which would abort the process without naming the
-/// cause.
+/// Memory that was not allocated here is not passed to the C library, because free() would abort the process without
+/// naming the cause.
 void give_back(void* memory) {
   if (memory == nullptr) return;
   {

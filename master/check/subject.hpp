@@ -20,13 +20,14 @@
 #include <string>
 #include <vector>
 
-/// The FMU under test, called through its C interface as in an importing tool. Use it inside a child process only.
+/// The FMU under test, called through its C interface as in an importing tool. It must be used inside a child process
+/// only.
 namespace mebots::check {
 
 using modeldesc::ModelDescription;
 using modeldesc::Variable;
 
-/// The data of the probes that exist before any of the FMU's code runs.
+/// The data that the probes share. They are complete before any of the FMU's code runs.
 struct Target {
   const ModelDescription* model;
   std::filesystem::path folder;        ///< the unpacked FMU
@@ -35,11 +36,11 @@ struct Target {
   int steps;                           ///< number of steps in a probe
   master::Experiment experiment = {};  ///< arguments of fmi2SetupExperiment, as in a run
 
-  /// Returns the end of a plain run.
+  /// Returns the time at which a plain run ends.
   std::int64_t end_ns() const { return std::llround(step_s * steps * 1e9); }
 };
 
-/// The FMU rejected a call that it must accept. The message contains call, status and the FMU's log.
+/// Thrown if the FMU rejects a call that it must accept. The message contains call, status and the FMU's log.
 class Refused : public Error {
  public:
   using Error::Error;
@@ -67,7 +68,7 @@ class Surroundings {
   std::optional<master::ProcessState> process_{std::in_place};
 };
 
-/// The loaded library.
+/// The loaded library of the FMU.
 class Library {
  public:
   /// Throws Error if the library cannot be loaded.
@@ -77,12 +78,12 @@ class Library {
   Witness& witness() const { return *witness_; }
   const fmi2::Functions& functions() const { return functions_; }
   std::string resource_uri() const;
-  /// Returns the process-wide changes by loading, which were reverted.
+  /// Returns the changes that loading the library made to the process. They were reverted.
   const std::vector<std::string>& changes_at_load() const { return changes_at_load_; }
 
   /// Returns the output variables of a type in the order of Outputs::reals and so on.
   const std::vector<const Variable*>& output_variables(modeldesc::Type type) const;
-  /// Returns the first difference, "cell.voltage: 3.7 instead of 3.6"; empty if there is none.
+  /// Returns the first difference, such as "cell.voltage: 3.7 instead of 3.6"; empty if there is none.
   std::string difference(const Outputs& found, const Outputs& wanted) const;
 
  private:
@@ -93,7 +94,7 @@ class Library {
   std::vector<const Variable*> reals_, integers_, booleans_, strings_;
 };
 
-/// An instance, freed by the destructor. Each call is reported to the witness first.
+/// An instance, which the destructor frees. Each call is reported to the witness before it is made.
 class Instance final : private master::CallbackListener {
  public:
   /// Throws Refused if instantiation fails.
@@ -115,7 +116,7 @@ class Instance final : private master::CallbackListener {
   /// Sets up the experiment, enters and exits initialisation.
   void start() { start(library_->target().experiment); }
   void start(const master::Experiment& experiment);
-  /// Takes a step. Throws Refused if the FMU rejects it. The FMU may end the run: fmi2Discard, and fmi2Terminated is
+  /// Takes a step. Throws Refused if the FMU rejects it. The FMU may end the run by fmi2Discard with fmi2Terminated =
   /// true.
   void step(double point_s, double step_s);
   bool ended() const { return ended_; }
@@ -124,7 +125,7 @@ class Instance final : private master::CallbackListener {
   Outputs outputs();
   void set_state(fmi2FMUstate state);
   void reset();
-  /// No effect if the FMU ended the run.
+  /// Terminates the instance. Has no effect if the FMU has ended the run.
   void terminate();
 
   /// Reports the call to the witness, makes it, and throws Refused unless it returns fmi2OK or fmi2Warning.

@@ -25,7 +25,7 @@ struct Trace {
   std::vector<std::vector<double>> rows;
 };
 
-/// Returns the number in a cell; XML Schema's words for Booleans are 0 and 1.
+/// Returns the number in a cell. XML Schema's words for Booleans count as 0 and 1.
 double value_of(const data::CsvReader& reader, std::size_t column) {
   const auto text = data::trimmed(reader.cell(column));
   if (text == "true" || text == "false") return text == "true" ? 1 : 0;

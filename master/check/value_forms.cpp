@@ -27,7 +27,7 @@ bool is_one_of(std::string_view text) {
   return std::ranges::find(kWords, text) != std::end(kWords);
 }
 
-/// Returns "a, b or c".
+/// Returns a list such as "a, b or c".
 std::string either(std::span<const std::string_view> words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -43,7 +43,7 @@ bool is_number(std::string_view text) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-/// XML Schema writes INF and NaN, and accepts no other spelling.
+/// Accepts numbers as XML Schema writes them, with INF and NaN in no other spelling.
 bool is_real(std::string_view text) {
   static constexpr std::string_view kNotFinite[] = {"INF", "-INF", "NaN"};
   return is_one_of<kNotFinite>(text) || (is_number<double>(text) && text.find_first_of("iInN") == std::string::npos);
@@ -56,8 +56,8 @@ std::size_t take_digits(std::string_view& text) {
   return end;
 }
 
-/// Accepts 2024-05-01T12:00:00 with an optional fraction and zone. Does not use std::regex, which recurses for every
-/// character.
+/// Accepts times such as 2024-05-01T12:00:00, with an optional fraction and zone. Does not use std::regex, which
+/// recurses for every character.
 bool is_date(std::string_view text) {
   const auto take = [&](std::string_view shape) {
     if (text.size() < shape.size()) return false;
@@ -91,7 +91,7 @@ bool is_hexadecimal(std::string_view text) {
   return text.size() % 2 == 0 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
-/// Accepts 3.0, 3.0.2 or 3.1-alpha.1: a major version of 3 without leading zeros.
+/// Accepts 3.0, 3.0.2 or 3.1-alpha.1: versions whose major number is 3, without leading zeros.
 bool is_fmi3_version(std::string_view text) {
   if (!text.starts_with("3.")) return false;
   text.remove_prefix(2);

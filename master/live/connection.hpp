@@ -14,7 +14,7 @@ namespace mebots::live {
 
 class Connection;
 
-/// The open connections of a server, with a limit of their number. From any thread.
+/// The open connections of a server, whose number is limited. Its functions may be called from any thread.
 class Connections {
  public:
   /// The maximum of connections served at the same time.
@@ -22,10 +22,10 @@ class Connections {
 
   /// Adds an accepted connection. If there are more than kMost, closes the oldest one whose request is not complete.
   void accept();
-  /// Ends what accept() started.
+  /// Reports that the connection of an accept() has ended.
   void finish() { --accepted_; }
-  /// Closes all connections whose request is not complete, and each later one immediately. Running answers have
-  /// kLastAnswerTime.
+  /// Closes all connections whose request is not complete, and each later one immediately. Answers that are being sent
+  /// get kLastAnswerTime.
   void close_all();
   /// Returns the time of close_all(); the largest time if it was not called.
   std::chrono::steady_clock::time_point closed_at() const { return closed_at_; }
@@ -44,8 +44,8 @@ class Connections {
 /// A connection of a client. Limits its whole request by time (kRequestTime from its first byte) and size
 /// (kRequestBytes), so that a client that sends a byte per second is disconnected. The first byte must arrive within
 /// kIdleTime, because browsers connect before they send requests. The client must receive the answer within
-/// kAnswerTime. If other connections wait, the whole request must arrive within kCrowdedTime. For one thread, except
-/// shut_down().
+/// kAnswerTime. If other connections wait, the whole request must arrive within kCrowdedTime. All functions except
+/// shut_down() are for one thread.
 class Connection final : public httplib::Stream {
  public:
   static constexpr std::chrono::milliseconds kIdleTime{30000};
@@ -74,9 +74,9 @@ class Connection final : public httplib::Stream {
   void get_local_ip_and_port(std::string& ip, int& port) const override;
   socket_t socket() const override { return socket_; }
 
-  /// True until the request is complete. From any thread.
+  /// True until the request is complete. May be called from any thread.
   bool is_reading() const { return is_reading_; }
-  /// Ends the connection: a thread that waits for the client returns immediately. From any thread.
+  /// Ends the connection. A thread that waits for the client returns immediately. May be called from any thread.
   void shut_down();
 
  private:

@@ -88,8 +88,7 @@ LiveRun::~LiveRun() {
 
 void LiveRun::run() {
   run_->start();
-  // A scenario entry at t = 0 would also affect initialisation; values set by hand come later, so that a scenario can
-  // repeat them.
+  // Values set by hand are stored with times after t = 0: a scenario entry at t = 0 would also affect initialisation.
   set_pace(pace_);
   if (run_->step()) step_until_the_end();
   ended_ = true;

@@ -25,13 +25,13 @@ class Mailbox {
  public:
   using Question = std::function<std::string()>;
 
-  /// From any thread. Runs `question` in the run's thread and returns its result or throws its exception. Throws
-  /// std::exception if no answer arrives within `patience`, and after close().
+  /// Runs `question` in the run's thread, and returns its result or throws its exception. May be called from any
+  /// thread. Throws std::exception if no answer arrives within `patience`, and after close().
   std::string ask(Question question, std::chrono::milliseconds patience);
 
-  /// From the run's thread. Answers all waiting queries. Costs one atomic read if there are none.
+  /// Answers all waiting queries. Must be called from the run's thread. Costs one atomic read if there are no queries.
   void answer_all();
-  /// As answer_all(), after waiting at most `patience` for a query.
+  /// Waits at most `patience` for a query, and then acts as answer_all().
   void wait_and_answer(std::chrono::milliseconds patience);
   /// Ends all queries: each waiting thread gets an exception.
   void close();
@@ -59,8 +59,8 @@ struct LiveOptions {
 /// scenario (live_scenario.json in the results folder), which repeats the run.
 class LiveRun {
  public:
-  /// `run` must not be started; it must have a folder and keep its rows in memory (RunOptions::in_memory), and outlive
-  /// this object. Throws InputError if the port is in use, Error if mebots was built without pages.
+  /// Binds the port. `run` must not be started. It must have a folder, keep its rows in memory (RunOptions::in_memory),
+  /// and outlive this object. Throws InputError if the port is in use, and Error if mebots was built without pages.
   LiveRun(master::Run& run, const LiveOptions& options);
   ~LiveRun();
   LiveRun(const LiveRun&) = delete;
@@ -78,7 +78,7 @@ class LiveRun {
   class Server;
 
  private:
-  /// The data that a browser has already received; zeros for a new one.
+  /// The data that a browser has already received; all zero for a new browser.
   struct Known {
     std::size_t rows = 0;
     std::size_t pictures = 0;  // of each camera

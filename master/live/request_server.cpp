@@ -19,7 +19,7 @@ namespace {
 constexpr int kBacklog = 128;
 constexpr std::size_t kLargestBody = std::size_t{1} << 16;
 
-/// The server's threads. An accepted connection counts immediately, before a thread is free.
+/// The server's threads. An accepted connection counts at once, even if no thread is free for it.
 class Threads final : public httplib::TaskQueue {
  public:
   explicit Threads(Connections& connections) : connections_(&connections) {}
@@ -46,7 +46,8 @@ bool same(const std::string& a, const std::string& b) {
   return difference == 0;
 }
 
-/// Scripts of other pages may send requests to this port. Their requests have another host or another origin.
+/// True for requests of MEbots' own page. Scripts of other pages may send requests to this port, but these have another
+/// host or another origin.
 bool is_ours(const httplib::Request& request, int port) {
   const auto local = [&](const std::string& name) {
     return name == fmt::format("127.0.0.1:{}", port) || name == fmt::format("localhost:{}", port);

@@ -21,7 +21,7 @@ std::filesystem::path new_fmu(const std::filesystem::path& description, std::fil
 
 }  // namespace mebots::new_fmu
 
-/// The plan of the new model's behaviour. It is made once and used by all writers.
+/// The plan of the new model's behaviour. It is made once, and all writers use it.
 namespace mebots::new_fmu {
 
 /// A Real output that follows its inputs.

@@ -7,18 +7,19 @@
 #include <vector>
 
 /// Creates folders from the templates/ of the build or installation. Each builds and runs unchanged with an installed
-/// MEbots. All functions throw Error for an invalid name, and for an existing folder, so nothing is overwritten.
+/// MEbots. All functions throw Error for an invalid name. They also throw it for an existing folder, so that nothing is
+/// overwritten.
 namespace mebots::new_folder {
 
-/// Writes a bare-metal program for the chip: main.c, CMakeLists.txt, README.md. If `folder` is empty, it is the name in
-/// the working folder. Returns the folder.
+/// Writes a bare-metal program for the chip: main.c, CMakeLists.txt, README.md. If `folder` is empty, writes into the
+/// folder of this name in the working folder. Returns the folder.
 std::filesystem::path new_firmware(const std::string& name, std::filesystem::path folder);
 
 struct Sensor {
   std::string name;
   /// The measured variable of the mission: a Real output of its instances world, motors or battery.
   std::string senses = "world.range.down";
-  /// The board that gets the sensor; empty = GAP8 without other devices.
+  /// The board that gets the sensor. If it is empty, this is GAP8 without other devices.
   std::filesystem::path board;
   /// Adds a device model in C++ to the states in the board file.
   bool with_code = false;

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The instances in the template's mission.json whose outputs a sensor can measure.
+/// The instances in the template's mission.json whose outputs a sensor can measure, by name and FMU.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSensed = {
     {{"world", "fmu_world"}, {"motors", "fmu_motors"}, {"battery", "fmu_battery"}}};
 

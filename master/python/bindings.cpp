@@ -44,7 +44,7 @@ py::bytes bytes_of(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }
 
-/// Throws InputError if the type cannot represent the value.
+/// Converts a number. Throws InputError if the type cannot represent the value.
 template <typename T>
 T held_by(const py::object& value, const char* what) {
   try {
@@ -71,8 +71,9 @@ const char* name_of(Severity severity) {
   return severity == Severity::warning ? "warning" : "error";
 }
 
-/// Steps without the interpreter's lock. Ctrl-C ends the run between two calls to FMUs, with its reports written. Then
-/// the signal is raised for its previous handler: Python's, whose KeyboardInterrupt this throws.
+/// Steps without the interpreter's lock. Ctrl-C ends the run between two calls to FMUs and writes its reports.
+/// Afterwards, the signal is raised for its previous handler. This is Python's handler, whose KeyboardInterrupt is
+/// thrown here.
 template <typename Work>
 auto stepping(Mission& mission, Work work) {
   const auto result = [&] {
@@ -84,8 +85,8 @@ auto stepping(Mission& mission, Work work) {
   return result;
 }
 
-/// Steps until `time_s` even if a signal arrives, which is raised for its previous handler afterwards. A second signal
-/// has its default effect.
+/// Steps until `time_s`, even if a signal arrives. Such a signal is raised afterwards for its previous handler. A
+/// second signal has its default effect.
 void run_through(Mission& mission, double time_s) {
   {
     const py::gil_scoped_release release;
@@ -113,7 +114,8 @@ void on_point(Mission& mission, const std::function<void(double)>& listener) {
   });
 }
 
-/// Returns the rows of a CSV file, header first. `errors` is Python's treatment of bytes that are not UTF-8.
+/// Returns the rows of a CSV file, header first. `errors` is Python's word for the treatment of bytes that are not
+/// UTF-8.
 py::list read_csv(const std::filesystem::path& file, const std::string& errors) {
   const auto text = mebots::master::input_text(file);
   const auto decoded = [&](std::string_view cell) {
@@ -143,7 +145,7 @@ void raise_as(const char* type, const mebots::Error& error) {
   PyErr_SetObject(kind.ptr(), raised.ptr());
 }
 
-// pybind11 passes it by value.
+// pybind11 passes the exception by value.
 void translate(std::exception_ptr thrown) {  // NOLINT(performance-unnecessary-value-param)
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -240,7 +242,7 @@ PYBIND11_MODULE(_mebots, module) {
         return py::make_tuple(series.unit, bytes_of(series.values));
       });
 
-  // For the pytest plug-in.
+  // Functions for the pytest plug-in.
   namespace cases = mebots::master::cases;
   module.def("case_names", [](const std::filesystem::path& file) {
     std::vector<std::string> names;
@@ -249,7 +251,7 @@ PYBIND11_MODULE(_mebots, module) {
   });
   module.def("run_case", &cases::run_case_as_json, py::call_guard<py::gil_scoped_release>());
 
-  // For mebots.flight: texts are JSON.
+  // Functions for mebots.flight. Texts are JSON.
   namespace flight = mebots::master::flight;
   module.def("read_airframe", [](const std::filesystem::path& file) {
     return mebots::master::refused_as_input([&] { return flight::read_airframe(file); }).dump();
@@ -267,7 +269,7 @@ PYBIND11_MODULE(_mebots, module) {
     return mebots::master::refused_as_input([&] { return flight::log_unit_factor(from, to); });
   });
 
-  // For mebots.sweep: texts are JSON.
+  // Functions for mebots.sweep. Texts are JSON.
   namespace study = mebots::master::study;
   module.def("read_study", [](const std::filesystem::path& file) {
     return mebots::master::refused_as_input([&] { return study::read(file); }).dump();

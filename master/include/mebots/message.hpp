@@ -8,7 +8,7 @@ namespace mebots {
 
 enum class Severity { info, warning, error };
 
-/// A message of an FMU or of the run itself. Its texts are valid only during the call that delivers it.
+/// A message of an FMU or of the run itself. Its texts are valid only during the call that delivers the message.
 struct Message {
   std::string_view instance;  ///< empty: a message of the run itself
   Severity severity = Severity::info;

@@ -110,10 +110,10 @@ class Mission {
   double stop_time_s() const;
   /// True if the run has ended or failed.
   bool ended() const;
-  /// Returns the config's outcome at the last point, or "completed" if none of its conditions holds. After an
-  /// interrupt, a close or a failure: "interrupted", "closed" or "failed". Empty before the start.
+  /// Returns the outcome that the config defines for the last point, or "completed" if none of its conditions holds.
+  /// After an interrupt, a close or a failure: "interrupted", "closed" or "failed". Empty before the start.
   std::string outcome() const;
-  /// Empty before the end.
+  /// Returns the reason for the end; empty before the end.
   std::optional<EndReason> end_reason() const;
   /// Returns a sentence with the reason for the end; empty before the end.
   std::string end_text() const;
@@ -132,7 +132,7 @@ class Mission {
   /// the hash of the inputs does not include them.
   void write(std::string_view variable, double value);
 
-  // Recorded values, available with `in_memory`. Texts are not kept in memory.
+  // Functions for recorded values, available with `in_memory`. Texts are not kept in memory.
 
   /// Returns the names of the recorded variables in the order of the columns.
   std::vector<std::string> variables();
@@ -149,9 +149,9 @@ class Mission {
   std::unique_ptr<Impl> impl_;
 };
 
-/// During its lifetime, the first SIGINT, SIGTERM or SIGHUP interrupts the mission, and all others with such an object.
-/// The second ends the process immediately. The destructor restores the previous handlers; with `raise_again` it raises
-/// the received signal for them.
+/// During the lifetime of such an object, the first SIGINT, SIGTERM or SIGHUP interrupts its mission, and the missions
+/// of all other such objects. A second signal ends the process immediately. The destructor restores the previous
+/// handlers; with `raise_again`, it then raises the received signal again.
 class InterruptOnSignals {
  public:
   /// `mission` must outlive this object and must not be moved during its lifetime.
@@ -160,7 +160,7 @@ class InterruptOnSignals {
   InterruptOnSignals(const InterruptOnSignals&) = delete;
   InterruptOnSignals& operator=(const InterruptOnSignals&) = delete;
 
-  /// Returns the received signal; 0 = none.
+  /// Returns the received signal; 0 if there was none.
   int signal() const noexcept;
 
  private:

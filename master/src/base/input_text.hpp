@@ -6,7 +6,7 @@
 
 namespace mebots::master {
 
-/// Returns the result of `read`; converts its exceptions to InputError.
+/// Calls `read` and returns its result. Converts its exceptions to InputError.
 template <typename Read>
 auto refused_as_input(const Read& read) {
   try {

@@ -19,10 +19,10 @@
 /// | somebody's own program      | anywhere                                | those of the `mebots` in PATH  |
 namespace mebots::master {
 
-/// Returns the possible paths of a file or folder of the data, best first; they need not exist.
+/// Returns the possible paths of a file or folder of the data, the preferred one first. The paths need not exist.
 std::vector<std::filesystem::path> data_places(std::string_view name);
 
-/// Returns the possible paths of another program of MEbots, best first; they need not exist.
+/// Returns the possible paths of another program of MEbots, the preferred one first. The paths need not exist.
 std::vector<std::filesystem::path> program_places(std::string_view name);
 
 /// Converts the paths to texts for an error.

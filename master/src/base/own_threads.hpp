@@ -21,7 +21,8 @@ class OwnThread {
 /// They must not call FMUs.
 void mark_own_family();
 
-/// Call it before calling an FMU: if the process is a fork, its present threads belong to the program.
+/// Must be called before a call to an FMU. In a fork of the process, marks the present threads as mebots' own, because
+/// they belong to the program.
 void adopt_threads_of_fork();
 
 /// Returns the kernel's numbers of the threads of this process that are not mebots' own.

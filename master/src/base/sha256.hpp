@@ -11,7 +11,7 @@ namespace mebots::master {
 
 /// Returns the SHA-256 as 64 hexadecimal digits.
 std::string sha256(std::string_view bytes);
-/// Throws InputError if the file cannot be read.
+/// Returns the SHA-256 of a file. Throws InputError if the file cannot be read.
 std::string sha256_of_file(const std::filesystem::path& file);
 
 /// Computes the SHA-256 of the start of a growing file; reads no byte twice.

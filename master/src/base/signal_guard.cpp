@@ -37,7 +37,7 @@ void on_signal(int signal) {
 void install() {
   struct sigaction action {};
   action.sa_handler = on_signal;
-  // The second signal has the default effect, which helps if an FMU's call does not return.
+  // A second signal has its default effect, which helps if an FMU's call does not return.
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
   for (std::size_t i = 0; i < kSignals.size(); ++i) {

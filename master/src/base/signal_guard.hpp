@@ -33,7 +33,7 @@ class SignalGuard {
   SignalGuard(const SignalGuard&) = delete;
   SignalGuard& operator=(const SignalGuard&) = delete;
 
-  /// Returns the signal received during this guard's life; 0 = none.
+  /// Returns the signal received during this guard's life; 0 if there was none.
   int signal() const noexcept;
 
  private:
@@ -44,7 +44,7 @@ class SignalGuard {
 /// An interrupt by the user. Ends the run at the last communication point that all instances reached.
 class InterruptedError : public Error {
  public:
-  /// `what_else`: further effects of the interrupt, such as a killed process of an instance.
+  /// `what_else` names further effects of the interrupt, such as a killed process of an instance.
   explicit InterruptedError(const std::string& what_else = "") : Error(ErrorCode::interrupted, what_else) {}
 };
 

@@ -86,7 +86,8 @@ std::optional<std::int64_t> to_nanoseconds(double seconds) {
   if (!std::isfinite(seconds) || std::abs(seconds) > kLongestTimeS) return std::nullopt;
   const double scaled = seconds * 1e9;
   const double whole = std::round(scaled);
-  // Reading the decimal and multiplying by 1e9 each round once: an error of at most two units in the last place.
+  // Reading the decimal number and multiplying it by 1e9 each round once. Together, the error is at most two units in
+  // the last place.
   const double rounding = 2 * std::numeric_limits<double>::epsilon() * std::abs(scaled);
   if (std::abs(scaled - whole) > rounding + 1e-9) return std::nullopt;
   return static_cast<std::int64_t>(whole);
@@ -145,7 +146,7 @@ double nearest_double(WideInteger numerator, std::int64_t denominator) {
     return static_cast<double>(static_cast<std::int64_t>(numerator)) / static_cast<double>(denominator);
   }
   // The quotient of the shifted numerator has at least 66 bits. Its lowest bit is far below the precision of a double,
-  // so it can record that there is a remainder; the conversion to a double then rounds once.
+  // so this bit can record that there is a remainder. The conversion to a double then rounds only once.
   MEBOTS_ASSERT(bit_width(static_cast<WideUnsigned>(size)) <= 126);
   const int shift = 127 - bit_width(static_cast<WideUnsigned>(size));
   const auto shifted = static_cast<WideUnsigned>(size) << shift;

@@ -36,9 +36,9 @@ struct ExactTime {
 /// 0.002), but no fraction of a nanosecond.
 std::optional<std::int64_t> to_nanoseconds(double seconds);
 
-/// Returns the exact time that a decimal number of seconds represents: whole nanoseconds as in to_nanoseconds(), else
-/// the ratio with a denominator up to kLargestDenominator within 1e-15 of the number (relative). Empty if there is
-/// neither.
+/// Returns the exact time that a decimal number of seconds represents: whole nanoseconds as in to_nanoseconds(), else a
+/// ratio. The ratio has a denominator up to kLargestDenominator and differs from the number by at most 1e-15
+/// (relative). Returns empty if there is neither.
 std::optional<ExactTime> exact_time(double seconds);
 
 /// Reads a ratio of whole numbers such as "1/60" or "-1/3". Empty for any other text, for a denominator above 1e9, and
@@ -48,7 +48,7 @@ std::optional<ExactTime> read_ratio(std::string_view text);
 ExactTime exact_time_of(std::int64_t time_ns);
 
 /// Returns a time from a program, rounded to nanoseconds. If it is neither a whole number of nanoseconds nor a ratio as
-/// in exact_time(), throws InputError that names it `what`.
+/// in exact_time(), throws InputError, in which `what` is the name of the time.
 std::int64_t nanoseconds_of(double seconds, std::string_view what);
 /// Does the same as nanoseconds_of() for a duration, which must be greater than 0.
 std::int64_t duration_of(double seconds, std::string_view what);

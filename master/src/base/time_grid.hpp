@@ -8,8 +8,9 @@
 namespace mebots::master {
 
 /// The communication points of a run: t_k = t_0 + k p / q exactly, never a running sum. t_0 is a whole number of
-/// nanoseconds, p / q the step. Internal time is t_k rounded to nanoseconds, ties to even; it identifies the point,
-/// because no two points share one. An FMU receives the doubles nearest to t_k and to the step.
+/// nanoseconds, and p / q is the step. The internal time of a point is t_k rounded to nanoseconds, ties to even. It
+/// identifies the point, because no two points have the same internal time. An FMU receives the doubles nearest to t_k
+/// and to the step.
 class TimeGrid {
  public:
   /// The shortest step that is not a whole number of nanoseconds.
@@ -17,7 +18,7 @@ class TimeGrid {
 
   /// Starts at 0 with a step of one nanosecond.
   TimeGrid() = default;
-  /// The step must be above 0, and at least kShortestRatioNs unless it is whole.
+  /// The step must be above 0. A step that is not a whole number of nanoseconds must be at least kShortestRatioNs.
   TimeGrid(std::int64_t start_ns, const ExactTime& step);
 
   /// Returns the internal time of the point t_k.

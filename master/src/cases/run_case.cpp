@@ -30,7 +30,7 @@ struct Expected {
   std::shared_ptr<const Signal> signal;
 };
 
-/// Finds "y" or, in the notation of results.csv, "instance.y".
+/// Finds a variable by a name such as "y" or, in the notation of results.csv, "instance.y".
 const Variable* find_variable(const modeldesc::ModelDescription& model, const std::string& instance,
                               const std::string& title) {
   if (const auto* variable = model.find(title)) return variable;
@@ -85,7 +85,7 @@ class Results {
     }
   }
 
-  /// Steps to the end.
+  /// Steps to the end of the run.
   void fly() {
     run_->start();
     do {
@@ -130,7 +130,7 @@ class Results {
   std::vector<std::vector<std::string>> texts_;  // by point
 };
 
-/// Returns how a value differs from the expected one; empty if it is within the tolerance.
+/// Returns how a value differs from the expected value; empty if it is within the tolerance.
 std::optional<Divergence> compared(const Expected& column, const Signal::Value& expected, const Results& results,
                                    std::int64_t time_ns, const Tolerance& tolerance) {
   Divergence divergence;

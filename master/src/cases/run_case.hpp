@@ -36,7 +36,7 @@ struct CaseResult {
   std::size_t variables = 0;
   double wall_s = 0;
 
-  /// Returns a line: why the case did not pass, or what was compared.
+  /// Returns a line with the reason why the case did not pass, or with what was compared.
   std::string text() const;
 };
 

@@ -29,8 +29,8 @@ double tolerance_of(const ResolvedSystem& system, const std::vector<std::size_t>
   return smallest.value_or(kUsualTolerance);
 }
 
-/// Returns the inputs on which an output depends directly, according to ModelStructure; nullopt if it may be
-/// all of them.
+/// Returns the inputs on which an output depends directly, according to ModelStructure; nullopt if it may depend on all
+/// inputs.
 std::optional<std::vector<ValueReference>> dependencies_of(const modeldesc::ModelDescription& model,
                                                            const modeldesc::Variable& output) {
   const auto index = static_cast<std::size_t>(&output - model.variables.data());
@@ -96,7 +96,8 @@ void ContinuousGroups::connect() {
   for (std::size_t s = 0; s < groups_.size(); ++s) groups_[s]->connect(std::move(wires_[s]), std::move(links_[s]));
 }
 
-/// Continuous Reals are evaluated inside the right-hand side; all others change in events only.
+/// True for a connection of continuous Reals. The solver evaluates these within the right-hand side; all other
+/// connections transfer values in events only.
 bool ContinuousGroups::is_wire(const ResolvedConnection& connection) const {
   return kind_of(connection.from.variable->type) == ValueKind::real &&
          kind_of(connection.to.variable->type) == ValueKind::real &&

@@ -13,7 +13,8 @@
 namespace mebots::master {
 namespace {
 
-/// Returns 1 / number. A table avoids divisions for small numbers, which are most of an integral's cost.
+/// Returns 1 / number. For small numbers, a table avoids the division, because divisions are the largest cost of an
+/// integral.
 double reciprocal(std::size_t number) {
   constexpr std::array kKnown = {0.0, 1.0, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7, 1.0 / 8};
   return number < kKnown.size() ? kKnown[number] : 1 / static_cast<double>(number);
@@ -63,7 +64,7 @@ std::string product_text(const std::string& one, const std::string& other) {
   return one.empty() || other.empty() ? "" : fmt::format("{}.{}.s", one, other);
 }
 
-/// Returns the connection to the input that a bond names.
+/// Returns the connection to one of the two inputs that a bond names.
 const ResolvedConnection& half(const ResolvedSystem& system, const VariableName& input, const std::string& place) {
   const auto variable = system.find(input, place);
   const auto connection = std::ranges::find(system.connections, variable, &ResolvedConnection::to);
@@ -88,7 +89,7 @@ const ResolvedConnection& half(const ResolvedSystem& system, const VariableName&
 std::array<double, 3> OutputCourse::coefficients(double length_s) const {
   const double rise = last - first;
   if (!before) return {first, rise / length_s, 0};
-  // Uses ratios of lengths, so that equal lengths give a factor of exactly 1.
+  // The formula uses ratios of lengths, so that equal lengths give a factor of exactly 1.
   const double both_s = length_s + before_length_s;
   const double longer = length_s / before_length_s;
   const double earlier_rise = first - *before;
@@ -171,7 +172,7 @@ std::optional<PowerBond::Energy> PowerBond::energy(const Point& point, const Tim
   const double length_s = grid.length_s(*effort_.start_ns(), point.time_ns);
   const auto efforts = effort_.course().coefficients(length_s);
   const auto flows = flow_.course().coefficients(length_s);
-  // Computes in the units of the effort's input and of the flow's output. With p the polynomial of the input:
+  // The integrals are in the units of the effort's input and of the flow's output. p is the polynomial of an input:
   //   taken = integral p_e f,  given = integral (c_e e + o_e) (p_f - o_f) / c_f
   auto efforts_as_input = efforts;
   for (auto& coefficient : efforts_as_input) coefficient *= effort_.factor();

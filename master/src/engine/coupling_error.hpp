@@ -14,8 +14,9 @@
 /// derivatives are known), while the output y of its source changes differently. No FMU can detect the difference.
 namespace mebots::master {
 
-/// An output over one step: a parabola through both ends and the previous end; in the first step a line. It does not
-/// use the FMU's derivatives, because their order equals that of the coupling error.
+/// The course of an output over one step: a parabola through its values at both ends of the step and at the end before.
+/// In the first step, it is a line. It does not use the FMU's derivatives, because their order equals that of the
+/// coupling error.
 struct OutputCourse {
   std::optional<double> before = {};  ///< the value one step before `first`
   double before_length_s = 0;         ///< of that step

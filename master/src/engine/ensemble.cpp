@@ -27,7 +27,7 @@ namespace {
 using modeldesc::Type;
 using modeldesc::Variable;
 
-/// Before t = 0, an error of a slave is an error of its inputs: its files, parameters or start values.
+/// Before t = 0, an error of a slave is reported as an error of its inputs: files, parameters or start values.
 template <typename Work>
 auto as_input(Work work) {
   try {
@@ -162,7 +162,8 @@ void Ensemble::for_each_input_list(Member& member, Action action) {
   action(member.range_checks);
 }
 
-/// After initialisation, continuous systems evaluate the connections between their members. These were added last.
+/// After initialisation, continuous systems evaluate the connections between their members. These connections were
+/// added last.
 void Ensemble::drop_inner_connections() {
   for (auto& member : members_) {
     auto size = member.outer_sizes.begin();
@@ -276,7 +277,7 @@ void Ensemble::connect(const ResolvedConnection& connection) {
 void Ensemble::connect_real(const ResolvedConnection& connection, SignalId from, std::size_t to) {
   auto& target = members_[connection.to.instance];
   if (connection.sum) {
-    // The connections of a sum are consecutive. The input is held within a step: a sum has no derivatives here.
+    // The connections of a sum are consecutive. The input is held within a step, because a sum gets no derivatives.
     const bool add = !target.conversions.empty() && target.conversions.back().to == to;
     target.conversions.push_back({from, to, connection.factor, connection.offset, add});
     return;
@@ -369,7 +370,8 @@ void Ensemble::order_steps() {
     if (readers_left[i] == 0) free.insert(free.end(), i);
   }
   while (!left.empty()) {
-    // If buffers form a ring, no instance is free. Their owners keep two buffers, as OSMP requires.
+    // If the readers and owners of buffers form a ring, no instance is free, and any order is allowed: the owners keep
+    // two buffers, as OSMP requires.
     const auto next = free.empty() ? *left.begin() : *free.begin();
     free.erase(next);
     left.erase(next);
@@ -526,7 +528,8 @@ void Ensemble::read_outputs(std::size_t instance, std::int64_t time_ns) {
     member.slave->get_binaries(outputs.binaries.references, outputs.binaries.values);
 }
 
-/// FMI requires UTF-8. Gives one notice per instance: its connected inputs receive the bytes, the results do not.
+/// FMI requires UTF-8. If a text is not UTF-8, sends one notice per instance. Connected inputs receive the bytes, but
+/// the results do not contain them.
 void Ensemble::check_texts(Member& member, std::int64_t time_ns) {
   if (member.reported_texts) return;
   const auto& bank = member.outputs.strings;
@@ -626,7 +629,7 @@ namespace {
 
 constexpr double kLargestFloat = std::numeric_limits<float>::max();
 
-/// Returns the nearest value of a type of whole numbers. `is_unsigned`: the 64 bits are those of a UInt64.
+/// Returns the nearest value of a type of whole numbers. `is_unsigned` is true if the 64 bits are those of a UInt64.
 std::int64_t nearest_in(Type type, std::int64_t value, bool is_unsigned) {
   const auto [low, high] = fmi::limits_of(type);
   if (is_unsigned || value >= 0) return static_cast<std::int64_t>(std::min(static_cast<std::uint64_t>(value), high));
@@ -677,7 +680,7 @@ double Ensemble::line_slope(const DerivativeLink& link) const {
   return (real(link.from) - source.earlier_reals[link.from.slot]) / length_s;
 }
 
-/// If a source has stepped before (Gauss-Seidel), it is at a later time and its value at the step's end is known. The
+/// If a source has already stepped (Gauss-Seidel), it is at a later time, and its value at the step's end is known. The
 /// input then follows a line from its value at the step's start to that value. Holding the later value would reduce the
 /// order by one.
 void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
@@ -696,8 +699,8 @@ void Ensemble::read_derivatives(Member& member, std::int64_t time_ns) const {
   member.slave->get_output_derivatives(derivatives.references, derivatives.orders, derivatives.values);
 }
 
-/// Finds derivatives of the input, of orders 1 and up. Unknown ones are 0: the value is held. Returns false if none are
-/// known yet.
+/// Finds derivatives of the input, of orders 1 and up. An unknown derivative is 0, so the value is held. Returns false
+/// if none are known yet.
 bool Ensemble::find_derivatives(DerivativeLink& link, std::int64_t time_ns, std::span<double> values) {
   MEBOTS_ASSERT(values.size() == link.orders && link.orders > 0, "link_derivatives() makes no empty ones");
   const auto& source = members_[link.from.instance];

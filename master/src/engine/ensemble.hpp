@@ -46,8 +46,8 @@ struct SignalId {
   std::size_t slot = 0;
 };
 
-/// The value of a connected Real input within a step of its slave: a polynomial in the time since the step's start.
-/// Addresses are valid as long as the ensemble.
+/// The value of a connected Real input within a step of its slave: a polynomial in the time since the step's start. The
+/// addresses are valid during the life of the ensemble.
 struct InputCourse {
   const std::int64_t* start_ns = nullptr;
   const double* value = nullptr;
@@ -55,13 +55,13 @@ struct InputCourse {
 };
 
 /// The slaves and the values transferred between them: one read and one write per slave, type and communication point,
-/// on arrays that are laid out before the first step. Independent of the order of steps.
+/// on arrays that are laid out before the first step. The layout does not depend on the order of steps.
 class Ensemble {
  public:
   /// Creates the slaves in the order of the config. `system` and `messages` must outlive the ensemble.
   Ensemble(const ResolvedSystem& system, MessageSink& messages, const SlaveOptions& options = {});
 
-  /// Registers a variable to be read at every communication point. Only before initialize().
+  /// Registers a variable to be read at every communication point. Must be called before initialize().
   SignalId watch(const ResolvedVariable& variable);
 
   /// Sets start values, enters initialisation mode, propagates initial values along the connections, and reads the
@@ -69,7 +69,7 @@ class Ensemble {
   /// NotFiniteError for NaN or infinity in an initial value, Error if a loop of connections does not converge.
   void initialize(std::int64_t stop_ns);
   void terminate();
-  /// Frees the instances; none is called afterwards. Returns an error text per failed instance.
+  /// Frees the instances. No call of an instance may follow. Returns an error text for each instance that failed.
   std::vector<std::string> free_instances();
 
   std::size_t size() const { return members_.size(); }
@@ -81,12 +81,12 @@ class Ensemble {
   void read_outputs(std::size_t instance, std::int64_t time_ns);
   /// Sets a slave's connected inputs to the values last read from their sources. `time_ns` is the start of its step. If
   /// the slave accepts time derivatives of inputs and a source provides them, sets these too. If a source is already at
-  /// a later time, uses the line between its last two values. Throws NotFiniteError if a conversion overflows, Error if
-  /// an Integer is not an item of the Enumeration that it is connected to.
+  /// a later time, uses the line between its last two values. Throws NotFiniteError if a conversion overflows. Throws
+  /// Error if an Integer is not an item of the Enumeration to which it is connected.
   void write_inputs(std::size_t instance, std::int64_t time_ns);
 
-  /// Return the last read value of a signal. The references are valid from initialize() until the ensemble is
-  /// destroyed.
+  /// These functions return the last read value of a signal. The references are valid from initialize() until the
+  /// ensemble is destroyed.
   const double& real(SignalId id) const { return members_[id.instance].outputs.reals.values[id.slot]; }
   const std::int64_t& integer(SignalId id) const {
     const auto& outputs = members_[id.instance].outputs;
@@ -123,7 +123,7 @@ class Ensemble {
     T* to = nullptr;
   };
 
-  /// A Real input that is set to factor * value + offset, or to which this is added.
+  /// A Real input that is set to factor * value + offset, or to which this value is added.
   struct Conversion {
     SignalId from;
     std::size_t to;
@@ -183,7 +183,7 @@ class Ensemble {
     std::vector<std::int64_t> items;
   };
 
-  /// An input whose type may not include all values of the output.
+  /// An input whose type may lack some values of the output's type.
   struct RangeCheck {
     const ResolvedConnection* connection;
     std::size_t slot;  // among the Real or the Integer inputs
@@ -191,8 +191,9 @@ class Ensemble {
 
   struct Member {
     std::unique_ptr<Slave> slave;
-    // Summaries: which banks are not empty, and whether inputs are only copies of Reals. Checking them replaces a check
-    // of each list in the loop at every point, over more instances than a cache holds.
+    // Summaries: which banks are not empty, and whether inputs are only copies of Reals. A check of these members
+    // replaces a check of each list. This is faster at every point, because a cache does not hold the lists of all
+    // instances.
     KindSet output_kinds = 0;
     KindSet input_kinds = 0;
     bool takes_reals_as_they_are = false;
@@ -242,7 +243,7 @@ class Ensemble {
   void hand_inputs(std::size_t instance);
   void check_items(const Member& member, std::int64_t time_ns) const;
   void check_ranges(const Member& member, std::int64_t time_ns) const;
-  /// Limits inputs to their range: before initial values have converged, they may have any value.
+  /// Limits inputs to their ranges. Before the initial values have converged, an input may have any value.
   static void keep_in_ranges(Member& member);
   void start_on_lines(Member& member, std::int64_t time_ns) const;
   void write_derivatives(Member& member, std::int64_t time_ns);
@@ -265,8 +266,8 @@ class Ensemble {
   std::vector<std::size_t> step_order_;
 };
 
-/// Returns inputs of connections. If they are held fixed, connections and direct dependencies of initial values contain
-/// no loop; there is at least one per loop.
+/// Returns inputs of connections that cut all loops: if these inputs are held fixed, connections and direct
+/// dependencies of initial values contain no loop. Each loop has at least one of them.
 std::vector<ResolvedVariable> torn_inputs(const ResolvedSystem& system);
 
 /// Returns a loop among connections and direct dependencies of initial values, as "a.y -> b.u -> b.y -> a.u -> a.y";

@@ -147,8 +147,8 @@ class Search {
     for (const auto& outputs : graph.outputs_of_all) shared_.emplace_back(outputs);
   }
 
-  /// Calls back(from, to) for edges that close a loop: for each such edge of an output, and for the first one of an
-  /// input. path() then leads from `to` to `from` at its end. Stops if `back` returns false.
+  /// Calls back(from, to) for edges that close a loop: for each such edge that starts at an output, and for the first
+  /// one that starts at an input. path() then leads from `to` to `from` at its end. Stops if `back` returns false.
   template <typename Back>
   void run(Back back) {
     for (std::size_t start = 0; start < graph_.nodes.size(); ++start) {
@@ -200,7 +200,7 @@ class Search {
     path_.pop_back();
   }
 
-  /// Returns the next follower of the path's end, in ascending order for an input; kNone after the last.
+  /// Returns the next follower of the path's last node, in ascending order for an input; kNone after the last follower.
   std::size_t next() {
     auto& visit = path_.back();
     const auto& listed = graph_.followers[visit.node];

@@ -15,12 +15,13 @@
 namespace mebots::master {
 namespace {
 
-/// The number of sweeps, in addition to the longest chain of connections, in which a loop may converge without Newton's
-/// method.
+/// The number of sweeps, in addition to the longest chain of connections, after which Newton's method is used for a
+/// loop.
 constexpr int kLoopSweeps = 200;
 constexpr int kNewtonSteps = 50;
 constexpr int kHalvings = 12;
-/// Relative change below which a value counts as converged; a value near zero is compared with kSmall.
+/// If a value changes by less than this, relative to itself, it counts as converged. A value near zero is compared with
+/// kSmall.
 constexpr double kStill = 1e-12;
 constexpr double kSmall = 1e-9;
 /// If a loop's values exceed this, Newton's method replaces the sweeps before numbers overflow.
@@ -133,8 +134,8 @@ bool InitialValues::sweep(int sweeps, bool hold_cuts) {
   return false;
 }
 
-/// Reads the instance's outputs and compares those connected to an input. Others may change at each call, such as the
-/// FMU's own clock.
+/// Reads the instance's outputs, and compares those that are connected to an input. Other outputs may change at each
+/// call, such as the FMU's own clock.
 void InitialValues::read(std::size_t instance, Change& change) {
   const auto& outputs = ensemble_.members_[instance].outputs;
   const OutputValues before(outputs);
@@ -173,8 +174,8 @@ std::vector<double> InitialValues::cut_values() const {
   return values;
 }
 
-/// Returns G(x) - x, with x at the cuts. Empty if a value is NaN or infinite, or if the values that depend on x do not
-/// converge.
+/// Returns G(x) - x, where x are the values at the cuts. Returns empty if a value is NaN or infinite, or if the values
+/// that depend on x do not converge.
 std::optional<std::vector<double>> InitialValues::residual(const std::vector<double>& x) {
   held_ = x;
   try {
@@ -222,7 +223,7 @@ bool InitialValues::newton() {
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(jacobian);
     if (!lu.isInvertible()) return false;
     const Eigen::VectorXd direction = lu.solve(-Eigen::Map<const Eigen::VectorXd>(r->data(), n));
-    // Halves the step if the whole one increases the residual.
+    // The step is halved as long as it increases the residual.
     double length = 1;
     bool better = false;
     for (int halving = 0; halving < kHalvings && !better; ++halving, length /= 2) {

@@ -12,7 +12,7 @@ namespace mebots::master {
 /// outputs of the instances whose inputs the previous sweep changed, and then sets the connected inputs. Without a
 /// loop, the number of sweeps is the length of the longest chain. A loop of Reals x = G(x) that does not converge is
 /// solved by Newton's method with finite differences. The loop is cut at as few inputs as a depth-first search finds
-/// (the tearing method of equation-based tools); all other values follow from these.
+/// (the tearing method of equation-based tools); all other values follow from the values there.
 class InitialValues {
  public:
   explicit InitialValues(Ensemble& ensemble);

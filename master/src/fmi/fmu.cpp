@@ -65,7 +65,7 @@ bool has_loaded_from(const std::filesystem::path& folder) {
                              [&](const auto& library) { return library.file.native().starts_with(start); });
 }
 
-/// `file` is the missing library of the FMU that is unpacked in `folder`.
+/// Throws the error for a missing library. `file` is the library of the FMU that is unpacked in `folder`.
 [[noreturn]] void fail_without_binary(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                       const std::filesystem::path& file, const std::filesystem::path& for_windows) {
   auto found = binaries(folder);
@@ -217,7 +217,7 @@ void Fmu::load() {
   files_of_others_ = open_files();
   threads_of_others_ = foreign_threads();
   const ProcessState before(files_of_others_);
-  // Libraries built with -ffast-math change it for the thread that loads them.
+  // Libraries built with -ffast-math change the floating-point environment of the thread that loads them.
   const auto floats = FloatEnvironment::now();
   library_ = call_library(archive_, "loaded", [&] { return dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); });
   if (const auto found = FloatEnvironment::now(); found != floats) {

@@ -50,11 +50,11 @@ class Fmu {
   /// Returns the description for these values of structural parameters, with each array of FMI 3.0 replaced by its
   /// elements. Returns the same object for the same values while it is in use. Must not outlive the FMU.
   std::shared_ptr<const modeldesc::ModelDescription> model(const modeldesc::StructuralValues& values = {});
-  /// Loads the shared library; no effect the second time. Throws InputError with the name of a missing library or
+  /// Loads the shared library. Has no effect the second time. Throws InputError with the name of a missing library or
   /// function.
   void require_library();
-  /// Returns the functions of the FMU's library. `Functions` is the table of its version. Throws as require_library()
-  /// does.
+  /// Returns the functions of the FMU's library. `Functions` is the table of its version. Throws the same errors as
+  /// require_library().
   template <typename Functions>
   const Functions& functions() {
     require_library();
@@ -108,7 +108,7 @@ class Fmu {
   void set_difference_elsewhere(std::string text);
 
   /// Returns the floating-point environment that the library set when it was loaded; empty if it changed nothing. The
-  /// thread's environment was restored.
+  /// thread's environment was restored after the load.
   const std::optional<FloatEnvironment>& floats_at_load() const { return floats_at_load_; }
   /// Returns true in the first call only: that caller reports this FMU's floating-point environment. From any thread.
   bool claim_float_report() { return !floats_reported_.exchange(true); }
@@ -158,7 +158,8 @@ class Fmu {
 class FmuLibrary {
  public:
   /// Returns the FMU in the state of the file when it was first opened, even if the file has changed. After a fatal
-  /// status, opens it again. The two kinds of an archive may have different libraries, so they are two FMUs.
+  /// status, opens the archive again. The two kinds of an archive may have different libraries, so each kind is an FMU
+  /// of its own.
   std::shared_ptr<Fmu> open(const std::filesystem::path& archive, std::optional<FmuKind> wish = {});
   /// Drops the used FMUs that are not clean, so that open() unpacks and loads them again.
   void forget_changed();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unpacks FMUs. The host process of an FMU gets it unpacked, so it does not contain this code and its libraries.
+// Unpacks FMUs. This code has its own file because the host process gets its FMU unpacked, and so needs neither this
+// code nor its libraries.
 #include "io/fmu_archive.hpp"
 #include "fmi/fmu.hpp"
 #include "fmi/windows_library.hpp"

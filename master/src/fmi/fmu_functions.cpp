@@ -21,7 +21,7 @@ std::string shown_text(const std::optional<std::string>& text, const char* addre
   return address == nullptr ? "nothing" : "an address where nothing can be read";
 }
 
-/// The text that a function of the library must return.
+/// A text that a function of the library must return.
 struct Expected {
   const char* function;
   const char* doing;  ///< for crash messages: "the library was ..."

@@ -82,7 +82,7 @@ std::vector<std::string> environment_folders() {
 }
 
 /// Resolves needed libraries as ld.so(8) does, with one exception: the FMU's own libraries precede loaded ones. Callers
-/// look for that difference.
+/// look for the difference that this makes.
 class NeedsReader {
  public:
   NeedsReader(const fs::path& folder, const std::vector<LoadedLibrary>& loaded)

@@ -126,8 +126,8 @@ bool is_exception_pool(std::span<const std::uintptr_t> words, std::size_t at) {
   return first || second;
 }
 
-/// Calls `visit` with copies of the blocks of a memory range until it returns false. The kernel copies, because a
-/// sanitizer may forbid reading between an FMU's variables. Returns the result of the last call.
+/// Calls `visit` with copies of the blocks of a memory range until it returns false. The kernel copies the blocks,
+/// because a sanitizer may forbid reading between an FMU's variables. Returns the result of the last call.
 bool for_each_block(std::uintptr_t address, std::size_t size,
                     const std::function<bool(std::span<const std::byte>)>& visit) {
   constexpr std::size_t kBlock = std::size_t{1} << 16;
@@ -144,7 +144,7 @@ bool for_each_block(std::uintptr_t address, std::size_t size,
   return true;
 }
 
-/// If a block equals itself shifted by a byte, all its bytes are equal.
+/// Compares the block with itself, shifted by a byte: if both are equal, all bytes are equal.
 bool is_zero(std::span<const std::byte> block) {
   return block.empty() ||
          (block[0] == std::byte{0} && std::memcmp(block.data(), block.data() + 1, block.size() - 1) == 0);

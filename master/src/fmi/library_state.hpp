@@ -27,7 +27,8 @@ struct LibraryImports {
   bool opens_libraries = false;      ///< imports dlopen()
   ProcessReach reach = ProcessReach::nothing;
 
-  /// Returns "it imports srand(), which changes random numbers"; empty if the libraries do not change the process.
+  /// Returns text such as "it imports srand(), which changes random numbers"; empty if the libraries do not change the
+  /// process.
   std::optional<std::string> reason() const;
 };
 
@@ -46,18 +47,19 @@ std::vector<std::filesystem::path> libraries_of(const std::filesystem::path& fol
 /// calling thread's copy of their thread-local variables.
 ///
 /// An FMU is clean under three conditions: its libraries import no function that changes the process, their static
-/// objects own no heap memory, and their memory after all instances were freed equals that directly after loading. Then
-/// the next run in the process starts as in a new process.
+/// objects own no heap memory, and after all instances were freed, their memory is the same as directly after loading.
+/// Then the next run in the process starts as in a new process.
 class LibraryState {
  public:
   /// Copies the memory of the loaded libraries of this folder.
   explicit LibraryState(const std::filesystem::path& folder);
 
   const LibraryImports& imports() const { return imports_; }
-  /// Returns "static objects of libgain.so.1 own memory, which a run may change"; empty if they own none, or if the
-  /// library exports kKeepsNoState.
+  /// Returns text such as "static objects of libgain.so.1 own memory, which a run may change"; empty if they own none,
+  /// or if the library exports kKeepsNoState.
   const std::optional<std::string>& owned_memory() const { return owned_memory_; }
-  /// Returns "static variables of libgain.so.1 changed"; empty if all memory is unchanged. No instance may exist.
+  /// Returns text such as "static variables of libgain.so.1 changed"; empty if all memory is unchanged. No instance may
+  /// exist.
   std::optional<std::string> difference() const {
     return difference_in([](const Object&) { return true; });
   }
@@ -136,7 +138,7 @@ struct LibraryNeeds {
 LibraryNeeds read_library_needs(const std::filesystem::path& file, const std::filesystem::path& folder,
                                 const std::vector<modeldesc::LoadedLibrary>& loaded);
 
-/// The loader's names for a library: its SONAME and the name of its file.
+/// True if the loader knows a library by this name: its SONAME or the name of its file.
 bool has_name(const modeldesc::LoadedLibrary& library, const std::string& name);
 
 /// True for parts of the C library, which every process has exactly once.

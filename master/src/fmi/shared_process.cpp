@@ -152,7 +152,7 @@ class ProcessComparison {
     return std::nullopt;
   }
 
-  /// Names of libraries in the archive that the other FMU may load while it runs.
+  /// Returns the names of libraries in the archive that the other FMU may load while it runs.
   static std::set<std::string_view> mentioned(const LibraryNeeds& other,
                                               const std::map<std::string, fs::path>& brought) {
     if (!other.loads_libraries || brought.empty()) return {};

@@ -56,7 +56,7 @@ modeldesc::TemporaryFolder make_folder() {
       free.paths.pop_back();
     }
   }
-  // TMPDIR may have changed, or another process may have created a folder of this name.
+  // The path may be unusable: TMPDIR may have changed, or another process may have created a folder of this name.
   std::error_code error;
   if (!path.empty() && path.parent_path() == std::filesystem::temp_directory_path(error)) {
     if (auto folder = modeldesc::TemporaryFolder::at(path)) return std::move(*folder);

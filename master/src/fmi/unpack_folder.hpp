@@ -16,8 +16,8 @@ class UnpackFolder {
   UnpackFolder(const UnpackFolder&) = delete;
   UnpackFolder& operator=(const UnpackFolder&) = delete;
 
-  /// Releases the path for a later folder of this process, once no library is loaded from it. Reusing paths saves
-  /// memory, because the loader keeps every path that it has searched.
+  /// Releases the path for a later folder of this process. No library may be loaded from it any more. Reusing paths
+  /// saves memory, because the loader keeps every path that it has searched.
   void release_path();
 
   /// Returns the folder to unpack into.

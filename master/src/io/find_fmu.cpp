@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".fmu";
 
-// Searching all folders, and the nearest of many names, is slow; do it only for the problems that are shown.
+// Searching all folders, and the nearest of many names, is slow, so it is done only for the problems that are shown.
 constexpr std::size_t kFullyAnswered = 20;
 
 void append_search_path(std::string_view search_path, std::vector<fs::path>& folders) {

@@ -29,7 +29,7 @@ class FmuSearch {
  public:
   explicit FmuSearch(std::filesystem::path beside) : beside_(std::move(beside)) {}
 
-  /// Exactly one of the two members is set.
+  /// The result of a search. Exactly one of the two members is set.
   struct Answer {
     std::filesystem::path path;  // canonical
     std::string problem;         // the searched places; in the first problems also the FMUs with similar names

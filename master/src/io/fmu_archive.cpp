@@ -74,7 +74,7 @@ modeldesc::ModelDescription read_fmu_description(const std::filesystem::path& ar
   } catch (const Error& error) {
     throw_as_input(error, archive, kDescription);
   }
-  // The error message depends on the names of the other files.
+  // The whole archive is unpacked, because the error message depends on the names of the other files.
   const modeldesc::TemporaryFolder folder("mebots");
   std::vector<std::string> notices;
   return unpack_fmu(archive, folder.path(), notices);

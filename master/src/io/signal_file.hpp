@@ -28,8 +28,8 @@ struct WantedSignal {
 /// "speed [km/h]". Values of continuous Reals are interpolated between rows; all others are held until the next row.
 class SignalFile {
  public:
-  /// Reads the header. Errors name the file by `name`. If `time_column` is empty, the time column is the one named time
-  /// or t, in upper or lower case. Its unit is the second unless its title has another. Throws InputError.
+  /// Reads the header. `name` is the file's name in errors. If `time_column` is empty, the time column is the one named
+  /// time or t, in upper or lower case. Its unit is the second unless its title has another. Throws InputError.
   SignalFile(const std::filesystem::path& file, std::string name, const std::string& time_column);
   SignalFile(const SignalFile&) = delete;
   SignalFile& operator=(const SignalFile&) = delete;
@@ -40,8 +40,8 @@ class SignalFile {
   /// Returns the column with this name, with or without its unit.
   std::optional<std::size_t> find(std::string_view title) const;
 
-  /// Reads all rows; call it once. Throws InputError with line, column and value if a time is invalid or not ascending,
-  /// or if the variable cannot have the value.
+  /// Reads all rows. Must be called once. Throws InputError with line, column and value if a time is invalid or not
+  /// ascending, or if the variable cannot have the value.
   std::vector<std::shared_ptr<const Signal>> read(std::span<const WantedSignal> wanted);
 
  private:

@@ -46,7 +46,7 @@ class MessageHub final : public MessageSink {
     }
   }
 
-  /// Throws the exception of a listener since the last call. For the stepping thread, between two calls to FMUs.
+  /// Throws the exception of a listener since the last call. The stepping thread calls it between two calls to FMUs.
   void rethrow() {
     if (!failed_.load(std::memory_order_relaxed)) return;
     const std::lock_guard lock(mutex_);

@@ -22,7 +22,7 @@ constexpr std::string_view element_of(FmuKind kind) {
   return kind == FmuKind::co_simulation ? "CoSimulation" : "ModelExchange";
 }
 
-/// Returns the FMU's declaration for a kind, or null if it does not offer it.
+/// Returns the FMU's declaration for a kind; null if the FMU does not offer the kind.
 inline const modeldesc::Implementation* implementation_of(const modeldesc::ModelDescription& model, FmuKind kind) {
   if (kind == FmuKind::co_simulation) return model.co_simulation ? &*model.co_simulation : nullptr;
   return model.model_exchange ? &*model.model_exchange : nullptr;

@@ -17,7 +17,7 @@ struct PictureSide {
   std::int32_t pixels = 0;
 };
 
-/// Returns the width of the pictures from `frame`; empty if the FMU does not declare it.
+/// Returns the width of the pictures in `frame`; empty if the FMU does not declare it.
 std::optional<PictureSide> picture_width(const ResolvedSystem& system, const VariableName& frame);
 
 /// Throws InputError if both ends of a connection declare the size of its pictures, and the sizes differ. 0 means any

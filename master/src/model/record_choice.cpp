@@ -36,7 +36,7 @@ class Patterns {
 
   enum class Fit { none, pattern, outright };
 
-  /// Returns `outright` if a pattern equals the name, `pattern` if a pattern only matches it.
+  /// Returns `outright` if a pattern equals the name, `pattern` if the name only matches a pattern.
   Fit fit(std::string_view name) const {
     auto best = Fit::none;
     for_each_fitting(name, [&](std::size_t i) {

@@ -18,7 +18,7 @@
 #include <string_view>
 #include <vector>
 
-/// The system with all names resolved and all checks done that are possible before the first step.
+/// The system after all names were resolved and all checks were done that are possible before the first step.
 namespace mebots::master {
 
 class Fmu;
@@ -38,7 +38,7 @@ struct StartValue {
   modeldesc::Value value;
 };
 
-/// Maps an Integer, Enumeration (by number) or Boolean (0, 1) to the value of the input.
+/// Maps a value of an Integer, Enumeration (by number) or Boolean (0, 1) to the value of the input.
 struct ValuePair {
   std::int64_t from = 0;
   std::int64_t to = 0;
@@ -46,9 +46,9 @@ struct ValuePair {
   bool operator==(const ValuePair&) const = default;
 };
 
-/// A scalar connection. A connection of OSMP binaries becomes three, and so does one from a Binary to an OSMP binary.
-/// The input is factor * value + offset, conversion of units included; other factors than 1 and offsets than 0 occur
-/// for Reals only.
+/// A scalar connection. A connection of OSMP binaries becomes three scalar connections, and so does a connection from a
+/// Binary to an OSMP binary. The input is factor * value + offset, which includes the conversion of units. Only Reals
+/// have factors other than 1 or offsets other than 0.
 struct ResolvedConnection {
   ResolvedVariable from;
   ResolvedVariable to;
@@ -65,8 +65,8 @@ struct ResolvedConnection {
   bool changes_value() const { return factor != 1 || offset != 0; }
   /// True if the connection transfers a Real at communication points, and its input has no other source.
   bool moves_real() const;
-  /// True for moves_real() between continuous variables: then the deviation of the input from its source can be
-  /// measured.
+  /// True if moves_real() is true and both variables are continuous. Only then can the deviation of the input from its
+  /// source be measured.
   bool is_continuous() const;
 };
 
@@ -104,8 +104,8 @@ struct ResolvedContinuousSystem {
   const SolverDescription* solver = nullptr;
 };
 
-/// Co-simulation instances whose clocks are connected, or a single one with clocks. They step from tick to tick
-/// together.
+/// Co-simulation instances whose clocks are connected, or one instance with clocks. They step together from tick to
+/// tick.
 struct ResolvedClockGroup {
   std::vector<std::size_t> members;             ///< in the order of the config
   std::vector<ResolvedConnection> connections;  ///< between clocks, and between clocked variables
@@ -142,9 +142,9 @@ struct ResolvedSystem {
   std::vector<std::shared_ptr<const Signal>> scenario_signals;  ///< one per scenario entry; null for other actions
   std::vector<std::string> notices;                             ///< notices for the user, such as unconnected inputs
 
-  /// Returns the signal that is the source of an input, or null.
+  /// Returns the signal that is the source of an input; null if there is none.
   const InputSignal* input_signal(const ResolvedVariable& input) const;
-  /// Looks up a variable. Throws InputError with the nearest names; `place` is where the name was written.
+  /// Looks up a variable. Throws InputError with the nearest names; `place` is the place at which the name was written.
   ResolvedVariable find(const VariableName& name, const std::string& place) const;
   std::string text(const ResolvedVariable& variable) const;
 };
@@ -161,7 +161,7 @@ std::string why_not_settable(const modeldesc::Variable& variable);
 modeldesc::Value typed_value(const modeldesc::ModelDescription& description, const modeldesc::Variable& variable,
                              const WrittenValue& written, const std::string& place);
 
-/// Returns "1.5e+08", "true", "lipol_350": the shortest form that reads back to the same bits.
+/// Returns the shortest text that reads back to the same bits, such as "1.5e+08", "true" or "lipol_350".
 std::string value_text(const modeldesc::Value& value);
 
 /// Returns the variables recorded in every row, in the order of instances and descriptions. Throws InputError if a

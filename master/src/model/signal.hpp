@@ -31,9 +31,9 @@ class SignalTimes {
   std::size_t size() const { return times_s_.size(); }
   double s(std::size_t row) const { return times_s_[row]; }
   std::int64_t ns(std::size_t row) const;
-  /// Returns the row whose value applies at this time: the last one that is not later or, on the side before a jump,
-  /// the first one with this time. kNone before the first row. `near` is the result of an earlier call. If time
-  /// advances in small steps, the cost does not depend on the number of rows.
+  /// Returns the row whose value applies at this time: the last row that is not later. On the side before a jump, this
+  /// is the first row with this time. Returns kNone before the first row. `near` is the result of an earlier call. If
+  /// time advances in small steps, the cost does not depend on the number of rows.
   std::size_t row_at(std::int64_t time_ns, SignalSide side, std::size_t near) const;
 
  private:
@@ -47,14 +47,14 @@ class Signal {
   using Values = std::variant<std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>>;
   using Value = std::variant<double, std::int64_t, std::string>;
 
-  /// `values` has one value per time. If `linear`, Reals are interpolated between rows; else each value is held until
-  /// the next row.
+  /// `values` has one value per time. If `linear` is true, Reals are interpolated between rows; otherwise each value is
+  /// held until the next row.
   Signal(std::shared_ptr<const SignalTimes> times, Values values, bool linear)
       : times_(std::move(times)), values_(std::move(values)), linear_(linear) {}
 
   const SignalTimes& times() const { return *times_; }
   bool linear() const { return linear_; }
-  /// True if two rows have different values.
+  /// True if the values in two rows differ.
   bool differ(std::size_t row, std::size_t other) const;
   /// Returns the value at a time. `near` belongs to the caller and starts at 0.
   Value at(const SignalTime& time, SignalSide side, std::size_t& near) const;

@@ -13,7 +13,7 @@ enum class SolverMethod : std::uint8_t {
   adams,  ///< orders 1 to 12, for systems that are not stiff
 };
 
-/// How a continuous system is integrated. The defaults of absent values are in docs/master/model-exchange.md.
+/// Describes how a continuous system is integrated. docs/master/model-exchange.md lists the defaults.
 struct SolverDescription {
   SolverMethod method = SolverMethod::bdf;
   std::optional<double> relative_tolerance = {};

@@ -27,8 +27,8 @@ enum class Rollback {
   required,
 };
 
-/// How the length of the communication step follows the coupling's error. Lengths are in steps of the system. The
-/// defaults of the controller are those of ECCO (Sadjina, Kyllingstad, Skjong, Pedersen 2017).
+/// Describes how the length of the communication step follows the coupling error. Lengths are in steps of the system.
+/// The defaults of the controller are those of ECCO (Sadjina, Kyllingstad, Skjong, Pedersen 2017).
 struct StepControlDescription {
   std::int64_t min_steps = 1;
   std::int64_t max_steps = 1;

@@ -19,7 +19,7 @@ struct StepStatistics {
   double largest_error = 0;
   std::vector<std::int64_t> worst;  ///< number of steps in which an input or bond had the largest error
 
-  /// Adds a step that counts.
+  /// Adds a step that was not repeated.
   void add(std::int64_t length, double error);
 
   void visit(state::Visitor& v) {

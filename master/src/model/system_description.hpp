@@ -19,8 +19,8 @@
 #include <unordered_map>
 #include <vector>
 
-/// The user's description of a system, before any FMU is opened: instances, connections, and the use of the results.
-/// Independent of the file format: a config is one of several.
+/// The user's description of a system, before any FMU is opened: instances, connections, and the use of the results. It
+/// does not depend on the file format; a config is one of several formats.
 namespace mebots::master {
 
 /// A variable of an instance, written as "instance.variable". Both parts may contain dots.
@@ -57,7 +57,7 @@ struct SandboxDescription {
   std::vector<std::string> may_lack;  ///< mechanisms that may be missing
 };
 
-/// The process of an instance, and the limits of its failures.
+/// The process of an instance, and the limits for its failures.
 struct IsolationDescription {
   std::optional<ProcessKind> process;         ///< as written
   std::optional<double> deadline_s;           ///< of each call, in wall time
@@ -68,7 +68,7 @@ struct IsolationDescription {
   static constexpr std::uint64_t kDefaultMemoryBytes = std::uint64_t{1024} << 20;
   static constexpr std::uint64_t kNoMemoryLimit = 0;
 
-  /// True if the instance runs in a separate process, because this or an option that needs it is requested.
+  /// True if the instance runs in a separate process, because the config requests this or another option that needs it.
   bool alone() const {
     return process ? *process != ProcessKind::shared : deadline_s.has_value() || memory_bytes.has_value();
   }
@@ -132,8 +132,8 @@ inline constexpr AlgorithmKind kAlgorithms[] = {
     {.type = AlgorithmType::gauss_seidel, .name = "gauss-seidel", .takes_order = true},
 };
 
-/// Returns the named algorithm. Throws InputError without a place, with the nearest names, if there is none, or if an
-/// order is given that it does not accept.
+/// Returns the named algorithm. Throws InputError with the nearest names if there is none, and InputError if the
+/// description has an order that the algorithm does not accept. The error contains no place.
 const AlgorithmKind& find_algorithm(const AlgorithmDescription& description);
 
 enum class Comparison { equals, above, below };
@@ -226,7 +226,7 @@ struct SummaryEntry {
   std::vector<GroupMember> group = {};  ///< if not empty, the values, with statistics; `variable` is not used
 };
 
-/// `*` matches any characters, `?` one.
+/// A pattern for names: `*` matches any characters, `?` matches one.
 struct RecordPattern {
   std::string pattern;
   std::string place;
@@ -296,7 +296,7 @@ struct CouplingDescription {
   std::vector<BondDescription> bonds;
 };
 
-/// The log categories of an instance whose ordinary messages are shown; "*" = all.
+/// The log categories of an instance whose ordinary messages are shown; "*" means all.
 struct LogDescription {
   std::string instance;
   std::vector<std::string> categories;
@@ -305,7 +305,8 @@ struct LogDescription {
 /// Categories shown if the config has no other setting for an instance.
 inline constexpr std::string_view kDefaultLogCategories[] = {"console", "events", "faults", "observe"};
 
-/// Value of SystemDescription::threads: the number of threads that the machine runs at the same time.
+/// The value of SystemDescription::threads that stands for the number of threads that the machine runs at the same
+/// time.
 inline constexpr unsigned kAutomaticThreads = 0;
 
 /// Finds instances by name. Indexes the names at the first search; they must not change afterwards.
@@ -354,11 +355,11 @@ struct SystemDescription {
   InstanceIndex index;
 
   TimeGrid grid() const { return {start_time_ns, step}; }
-  /// The length of `count` steps.
+  /// Returns the length of `count` steps.
   ExactTime length_of(std::int64_t count) const;
-  /// The step of an instance.
+  /// Returns the step of an instance.
   ExactTime step_of(const InstanceDescription& instance) const;
-  /// Returns the index in `instances`. Like all name searches, for one thread at a time.
+  /// Returns the index in `instances`. As all searches of names, it is not for use by two threads at once.
   std::optional<std::size_t> index_of(std::string_view instance_name) const;
   const InstanceDescription* find_instance(std::string_view instance_name) const;
   std::vector<std::string> instance_names() const;
@@ -377,7 +378,7 @@ struct LocatedSetting {
   Assignment assignment;
 };
 
-/// Throws InputError with the nearest names if the system has no such instance.
+/// Finds the instance of a setting. Throws InputError with the nearest names if the system has no such instance.
 LocatedSetting locate(SystemDescription& system, const Setting& setting);
 
 /// Returns the reason why the run cannot end at this time; empty if it can. The time from the start must be a multiple

@@ -60,7 +60,7 @@ std::optional<std::int64_t> signed_value(const WrittenValue& written) {
   return std::nullopt;
 }
 
-/// Checks the range of the variable's type. A UInt64 of 2^63 and more is stored by its bits.
+/// Checks the range of the variable's type. The bits of a UInt64 of 2^63 or more are stored as a signed number.
 std::int64_t whole_value(Type type, const WrittenValue& written, const Complaint& complaint) {
   const auto value = signed_value(written);
   if (const auto* text = std::get_if<UntypedText>(&written); text != nullptr && !value && type == Type::uint64) {

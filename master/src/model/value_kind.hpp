@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-/// How the master and FMUs exchange values.
+/// The forms in which the master and FMUs exchange values.
 namespace mebots::master {
 
 /// FMI's handle of a variable.
@@ -52,7 +52,7 @@ inline bool is_clocked(const modeldesc::Variable& variable) {
   return variable.type == modeldesc::Type::clock || !variable.fmi3->clocks.empty();
 }
 
-/// Returns the text of a whole number; UInt64 unsigned.
+/// Returns the text of a whole number. The bits of a UInt64 are read as unsigned.
 std::string whole_text(modeldesc::Type type, std::int64_t value);
 
 /// One bit per ValueKind.

@@ -12,11 +12,12 @@
 #include <string>
 #include <vector>
 
-/// The errors that the coupling of a run caused.
+/// Measures the errors that the coupling of a run causes.
 namespace mebots::master {
 
-/// The deviation of one continuous Real input from its source, in the input's unit. It is p - y at all points that the
-/// source reached in a step of the reader, and at the step's start.
+/// Measures the deviation of one continuous Real input from its source, in the input's unit. The deviation is p - y at
+/// all points that the source reached in a step of the reader, and at the step's start. p is the input's course, and y
+/// is the source's value.
 class InputDeviation {
  public:
   InputDeviation(const ResolvedSystem& system, Ensemble& ensemble, const ResolvedConnection& connection);
@@ -48,10 +49,10 @@ class InputDeviation {
   std::int64_t largest_at_ns_ = 0;
 };
 
-/// The energy that the coupling created in one power bond.
+/// Measures the energy that the coupling created in one power bond.
 class BondEnergy {
  public:
-  /// Throws as PowerBond does.
+  /// Throws the same errors as PowerBond.
   BondEnergy(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description)
       : bond_(system, ensemble, description) {}
 

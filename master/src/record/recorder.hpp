@@ -15,14 +15,14 @@
 
 namespace mebots::master {
 
-/// Records rows: one per communication point (or recording interval), the first at t = 0 and the last at the end. The
-/// simulation only copies numbers; another thread writes the files.
+/// Records rows: one per communication point (or recording interval). The first row is at t = 0, and the last row is at
+/// the end.. The simulation only copies numbers; another thread writes the files.
 class Recorder final : public Observer {
  public:
   /// Chooses the columns. Throws InputError if a pattern matches nothing.
   Recorder(const ResolvedSystem& system, Ensemble& ensemble);
 
-  /// Adds a sink for the rows. Before the first point.
+  /// Adds a sink for the rows. Must be called before the first point.
   void add(std::unique_ptr<RowSink> sink);
 
   std::optional<std::string> reached(const Point& point) override;
@@ -65,11 +65,11 @@ class Recorder final : public Observer {
   std::int64_t last_step_ = -1;
 };
 
-/// Reads the recorded parameters from the slaves. After their initialisation.
+/// Reads the recorded parameters from the slaves. Must be called after their initialisation.
 std::vector<ParameterValue> read_parameters(const ResolvedSystem& system, Ensemble& ensemble);
 
-/// Writes parameters.csv at t = 0: a row per parameter with name, unit and value. A separate file, because a column
-/// would repeat the value in every row.
+/// Writes parameters.csv at t = 0: a row per parameter with name, unit and value. The file is separate, because a
+/// column would repeat the value in every row.
 class ParameterRecorder final : public Observer {
  public:
   /// Throws InputError if a pattern matches nothing.

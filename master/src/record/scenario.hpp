@@ -17,14 +17,14 @@
 
 namespace mebots::master {
 
-/// Starts the overrides of a system whose conditions hold. A started override affects inputs from that communication
-/// point, and outputs from the next one.
+/// Starts overrides when their conditions hold. A started override affects inputs from that communication point on, and
+/// outputs from the next one.
 class Scenario final : public Observer {
  public:
-  /// Throws what OverrideSchedule throws.
+  /// Throws the same errors as OverrideSchedule.
   explicit Scenario(const ResolvedSystem& system);
 
-  /// Looks up the variables of the conditions. Before the ensemble is initialised.
+  /// Looks up the variables of the conditions. Must be called before the ensemble is initialised.
   void watch(const ResolvedSystem& system, Ensemble& ensemble);
 
   const OverrideSchedule& schedule() const { return schedule_; }

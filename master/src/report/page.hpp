@@ -12,8 +12,8 @@ namespace mebots::master::report {
 /// Reads the parts of the page of runs. Throws Error for an installation that was built without them (MEBOTS_PAGES).
 PageParts read_page_parts();
 
-/// Reads the parts of the page that shows the data of `make_data_page`: a study, or a replayed flight. Throws as
-/// `read_page_parts`.
+/// Reads the parts of the page that shows the data of `make_data_page`: a study, or a replayed flight. Throws the same
+/// errors as `read_page_parts`.
 PageParts read_data_page_parts();
 
 /// Returns an HTML document that shows the first run in full and compares the others with it.

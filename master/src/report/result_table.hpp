@@ -30,19 +30,19 @@ struct ResultTable {
   std::size_t span = 1;            ///< rows that a Thinner reduces to two
   std::vector<TimeSpan> whole;     ///< spans in which every row is kept
 
-  /// The maximum of numbers in a page, so that it can still be mailed. Longer tables are thinned out.
+  /// The maximum of numbers in a page, so that the page can be sent by mail. Longer tables are thinned out.
   static constexpr std::size_t kMostValues = 600'000;
   /// Returns the span for a table of this size. `columns` includes the time.
   static std::size_t span_of(std::size_t rows, std::size_t columns);
 };
 
-/// Reads results.csv. Within the spans `whole`, every row is kept. Skips an incomplete last line, left by a killed run.
-/// Throws InputError if the file is not such a table.
+/// Reads results.csv. Within the spans `whole`, every row is kept. Skips an incomplete last line, which a killed run
+/// leaves. Throws InputError if the file is not such a table.
 ResultTable read_results(const std::filesystem::path& file, const std::vector<TimeSpan>& whole = {});
 
-/// Thins out rows and keeps extremes: every `span` consecutive rows become two, at the times of the first and the last
-/// of them. Each column contains its least and its greatest number of the span, in their original order. Therefore
-/// monotonic columns, such as energy counters, keep their exact values at both times.
+/// Thins out rows and keeps extremes: every `span` consecutive rows become two rows, which have the times of the first
+/// and of the last row. Each column contains its least and its greatest number of the span, in their original order.
+/// Therefore monotonic columns, such as energy counters, keep their exact values at both times.
 class Thinner {
  public:
   /// `span` is the number of rows that become one group; with 1, every row is kept. The first column is the time.

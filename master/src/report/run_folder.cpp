@@ -59,7 +59,7 @@ PictureSeries read_series(const fs::path& folder, std::size_t known) {
   return series;
 }
 
-/// Reads profiles in the folder; fmu_soc writes them to the place in its parameter.
+/// Reads profiles in the folder. fmu_soc writes them there if its parameter names a file in this folder.
 std::vector<Json> read_profiles(const fs::path& folder) {
   std::vector<Json> profiles;
   for (const auto& file : sorted_entries(folder)) {

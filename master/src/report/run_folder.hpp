@@ -26,7 +26,7 @@ struct PictureSeries {
   std::size_t every = 1;  ///< 1 means that all pictures were kept, n that every n-th was
 };
 
-/// The maximum of bytes of pictures in a page, so that it can still be mailed.
+/// The maximum of bytes of pictures in a page, so that the page can be sent by mail.
 inline constexpr std::size_t kMostPictureBytes = 1'500'000;
 
 /// Reduces the pictures to the size of a page: first their resolution, by averaging 2 x 2 pixels to not less than 128

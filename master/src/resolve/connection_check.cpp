@@ -152,8 +152,8 @@ class ConnectionCheck {
     }
   }
 
-  /// True if the input's type includes all values of the output's type. A whole number may not be an item of an
-  /// enumeration: Ensemble checks that in every step.
+  /// True if the input's type includes all values of the output's type. Even then, a whole number may not be an item of
+  /// an enumeration; Ensemble checks this in every step.
   bool widens() const {
     const bool from_whole = fmi::is_whole(from_.type) || from_.type == Type::boolean;
     if (fmi::is_float(to_.type)) {
@@ -219,7 +219,7 @@ class ConnectionCheck {
     return unit;
   }
 
-  /// If a variable has no unit, numbers are not converted. Otherwise they are.
+  /// Checks the units of both ends. If both variables have a unit, numbers are converted.
   void check_units() {
     if (!description_.convert_units || from_.unit.empty() || to_.unit.empty()) return;
     constexpr const char* kRemedy =
@@ -285,8 +285,9 @@ bool is_scalar(const ResolvedSystem& system, const VariableName& name) {
   return instance && system.instances[*instance].model->find(name.variable) != nullptr;
 }
 
-/// A buffer is valid until its owner's next step ends. If the reader steps less often than the owner, it reads at the
-/// start of its own step, when the buffer is new. If it steps more often, it would read an old buffer.
+/// A buffer is valid until the next step of its owner ends. A reader that steps less often than the owner reads at the
+/// start of its own step, when the buffer is new. A reader that steps more often would read a buffer that is no longer
+/// valid.
 void check_buffer_lives(const ResolvedSystem& system, const ResolvedConnection& connection, const std::string& place) {
   const auto& owner = *system.instances[connection.from.instance].description;
   const auto& reader = *system.instances[connection.to.instance].description;
@@ -402,7 +403,8 @@ std::vector<ResolvedConnection> scalars_of(const ResolvedSystem& system, const C
 
 namespace {
 
-/// Orders by target, so that the order in the config has no effect; the parts of a sum by their sources and numbers.
+/// Returns the key for sorting. Connections are sorted by target, and the parts of a sum by their sources and numbers,
+/// so that the order in the config has no effect.
 auto order_of(const ResolvedConnection& connection) {
   return std::tuple(connection.to.instance, connection.to.variable, connection.from.instance, connection.from.variable,
                     connection.factor, connection.offset);

@@ -49,8 +49,9 @@ class Grouping {
   }
 
  private:
-  /// A connection is inner if both ends are of model exchange and no override changes them. An override acts at
-  /// communication points, so it holds the input between them. A sum must be evaluated as a whole.
+  /// A connection is inner if both ends belong to model exchange instances and no override changes them. An overridden
+  /// input is held between communication points, so its connection is not inner. A sum is evaluated as a whole: its
+  /// connections are either all inner or none is.
   void mark_inner_connections() {
     const auto overridden = overridden_variables(system_);
     std::map<ResolvedVariable, bool> inner_sums;
@@ -69,7 +70,7 @@ class Grouping {
     }
   }
 
-  /// Returns the single solver that members name, else that of the whole system.
+  /// Returns the one solver that the members name; if they name none, the solver of the whole system.
   const SolverDescription* solver_of(const std::vector<std::size_t>& members) const {
     const InstanceDescription* namer = nullptr;
     for (const auto member : members) {

@@ -25,15 +25,15 @@ using modeldesc::Type;
   throw InputError(code, fmt::format("{}: {}", place, what));
 }
 
-/// Determines the conversion from a column's unit to a variable: the FMU's own units, display units included, take
-/// precedence over the units of mebots.
+/// Determines the conversion from a column's unit to a variable: the units of the FMU, including display units, take
+/// precedence over those of mebots.
 class ColumnUnit {
  public:
   ColumnUnit(const modeldesc::ModelDescription& model, const modeldesc::Variable& variable, std::string unit,
              std::string place)
       : model_(model), variable_(variable), unit_(std::move(unit)), place_(std::move(place)) {}
 
-  /// value in the variable's unit = factor * cell + offset
+  /// Returns the conversion: value in the variable's unit = factor * cell + offset.
   modeldesc::UnitConversion conversion() const {
     if (!fmi::is_float(variable_.type))
       refuse(fmt::format("a variable of type {} has no unit", to_string(variable_.type)));
@@ -76,7 +76,7 @@ class ColumnUnit {
   std::string place_;
 };
 
-/// Opens the files of a system and collects the signals wanted from each, so that each is read once.
+/// Opens the files of a system and collects the signals that are needed from each file, so that each file is read once.
 class SignalReader {
  public:
   explicit SignalReader(ResolvedSystem& system) : system_(system) {}

@@ -17,8 +17,8 @@ class InstanceGroups {
   explicit InstanceGroups(std::size_t instances);
 
   void join(std::size_t one, std::size_t other);
-  /// Returns the groups of the instances that `belongs` selects, ordered by their first members; members in ascending
-  /// order.
+  /// Returns the groups of the instances that `belongs` selects, ordered by their first members; the members are in
+  /// ascending order.
   std::vector<std::vector<std::size_t>> of(const std::function<bool(std::size_t)>& belongs) const;
 
  private:

@@ -30,7 +30,7 @@ bool demands_shared(const ResolvedInstance* instance) {
   return instance->description->isolation.process == ProcessKind::shared;
 }
 
-/// Sorts FMUs with many instances first: if two cannot share a process, the other one is moved.
+/// Sorts FMUs by falling number of instances. If two FMUs cannot share a process, the second one is moved.
 std::vector<Group> groups_by_size(ResolvedSystem& system) {
   std::vector<Group> groups;
   std::map<const Fmu*, std::size_t> places;

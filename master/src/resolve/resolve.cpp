@@ -52,8 +52,8 @@ std::vector<std::string> log_categories(const LogSections& sections, const Insta
   return {std::begin(kDefaultLogCategories), std::end(kDefaultLogCategories)};
 }
 
-/// Gives a notice for each category that the FMU does not declare. It is not an error, because not every FMU declares
-/// all of its categories.
+/// Sends a notice for each category that the FMU does not declare. This is not an error, because some FMUs do not
+/// declare all of their categories.
 void note_unknown_categories(ResolvedSystem& system) {
   for (const auto& log : system.description->log) {
     const auto instance = system.description->index_of(log.instance);
@@ -72,8 +72,8 @@ void note_unknown_categories(ResolvedSystem& system) {
   }
 }
 
-/// Sets the config's tolerance, else the FMU's default. Gives a notice for a default that is not above 0, which is not
-/// passed.
+/// Sets the tolerance of the config; if it has none, the FMU's default. A default that is not above 0 is not used, and
+/// causes a notice.
 void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& notices) {
   const auto& description = *instance.description;
   if (!description.pass_tolerance) return;
@@ -87,8 +87,8 @@ void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& not
   }
 }
 
-/// Gives a notice of the parts of modelDescription.xml that the reader left out: only of the first, because a file may
-/// have any number.
+/// Sends a notice about parts of modelDescription.xml that the reader left out. It names only the first part, because a
+/// file may have any number of them.
 void note_structure_faults(const ResolvedInstance& instance, std::vector<std::string>& notices) {
   const auto& faults = instance.model->structure_faults;
   if (faults.empty()) return;
@@ -107,7 +107,8 @@ void note_archives(ResolvedSystem& system) {
   }
 }
 
-/// Repeating a step in parts requires an FMU that can restore its state and take steps of any length.
+/// Checks an instance whose steps may be repeated in parts. Its FMU must be able to restore its state and to take steps
+/// of any length.
 void check_division(const ResolvedInstance& instance) {
   if (!instance.description->divide_discarded || instance.kind == FmuKind::model_exchange) return;
   const auto& flags = *instance.model->co_simulation;
@@ -119,7 +120,7 @@ void check_division(const ResolvedInstance& instance) {
                   flags.can_get_and_set_fmu_state ? "canHandleVariableCommunicationStepSize" : "canGetAndSetFMUstate"));
 }
 
-/// Returns the name of the binary variable to which an Integer belongs, else the variable's own name.
+/// Returns the name of the binary variable to which an Integer belongs; otherwise the variable's own name.
 std::string whole_name(const modeldesc::ModelDescription& description, const Variable& variable) {
   if (!is_osmp_part(description, variable)) return variable.name;
   for (const std::string_view ending : kOsmpEndings) {
@@ -128,7 +129,8 @@ std::string whole_name(const modeldesc::ModelDescription& description, const Var
   return variable.name;
 }
 
-/// `x.base64` is an alternative to the binary `x`: if `x` is connected, it need not be.
+/// True if a connection provides an input in another form: `x.base64` is an alternative to the binary `x`. If one of
+/// them is connected, the other need not be.
 bool has_connected_alternative(const modeldesc::ModelDescription& description, const Variable& variable,
                                const std::set<const Variable*>& served) {
   constexpr std::string_view kEnding = ".base64";

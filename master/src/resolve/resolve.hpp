@@ -21,7 +21,7 @@ ResolvedSystem resolve(const SystemDescription& description, FmuLibrary& library
 /// instance.
 std::shared_ptr<Fmu> open_fmu(const InstanceDescription& instance, FmuLibrary& library);
 
-/// Calls `work`; adds the place of the FMU in the config to its InputErrors.
+/// Calls `work`, and adds the place of the FMU in the config to the InputErrors that it throws.
 void with_place_of_fmu(const InstanceDescription& instance, const std::function<void()>& work);
 
 /// Returns the values that an instance's description sets for its structural parameters (FMI 3.0). Throws InputError.

@@ -48,12 +48,12 @@ void resolve_connections(ResolvedSystem& system, const std::atomic<bool>& interr
 /// Reads the signal files that a system names under `inputs` and in its scenario, each once. Fills `inputs` and
 /// `scenario_signals`. Notices list converted units, times at which values are held outside of a file's rows, and
 /// changes between communication points. Throws InputError for files, columns, units and values that do not fit, and
-/// for inputs that have another source. After the connections.
+/// for inputs that have another source. Must be called after resolve_connections().
 void resolve_signals(ResolvedSystem& system);
 
 /// Groups the model exchange instances into `system.continuous_systems`, and marks the connections within one. Throws
-/// InputError for settings that such instances, or members of one system, cannot have. After the connections and
-/// signals.
+/// InputError for settings that such instances, or members of one system, cannot have. Must be called after
+/// resolve_connections() and resolve_signals().
 void resolve_continuous_systems(ResolvedSystem& system);
 
 /// Loads the FMUs that share this process. If an FMU cannot share it, its instances get separate processes, and

@@ -20,7 +20,8 @@ std::string instance_text(const ResolvedInstance& instance) {
   return fmt::format("'{}' ({})", instance.description->name, instance.model->model_name);
 }
 
-/// True also for an instance with its own longer step, and for model exchange, whose solver reaches any time.
+/// True if the control may change the step of the instance. This includes instances with their own longer step, and
+/// model exchange, because the solver reaches any time.
 bool takes_variable_steps(const ResolvedInstance& instance) {
   return instance.description->steps > 1 || instance.kind == FmuKind::model_exchange ||
          instance.model->co_simulation->can_handle_variable_communication_step_size;
@@ -84,7 +85,8 @@ class MeasuredChoice {
                                named.place, named.name, suggest(named.name, names)));
 }
 
-/// Lists bonds, then inputs. All bonds and all continuous inputs are measured unless a tolerance excludes them.
+/// Lists the bonds and then the inputs to measure. All bonds and all continuous inputs are measured unless a tolerance
+/// excludes them.
 void find_measured(ResolvedSystem& system) {
   const auto& control = *system.description->step_control;
   MeasuredChoice choice(control);

@@ -118,7 +118,7 @@ void Checkpointer::continues(const Point& point) {
   const auto state = simulation_->save_state();  // makes the recorder write its rows to the file
   checkpoint_.simulation = simulation_->serialize(state);
   checkpoint_.time_ns = point.time_ns;
-  // Files to which the checkpoint refers must be on the disk first.
+  // The files to which the checkpoint refers must be on the disk before the checkpoint.
   results_->sync();
   log_->sync();
   checkpoint_.results_bytes = results_->size();

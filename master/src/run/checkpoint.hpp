@@ -46,24 +46,25 @@ struct Checkpoint {
   }
 };
 
-/// Makes every path absolute: a checkpoint must be valid from any working folder.
+/// Makes every path absolute, because a checkpoint must be valid from any working folder.
 RunOptions with_absolute_paths(RunOptions options);
 
 /// Replaces the checkpoint file atomically. Throws Error.
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint);
 
-/// Throws InputError if there is no checkpoint, or if it is damaged or of another version.
+/// Reads the checkpoint in a folder. Throws InputError if there is no checkpoint, or if it is damaged or of another
+/// version.
 Checkpoint read_checkpoint(const std::filesystem::path& folder);
 
 /// Throws InputError with the instances whose FMUs cannot serialize their state.
 void check_can_checkpoint(const ResolvedSystem& system);
 
-/// Throws InputError that lists the changes since `what` ("the checkpoint") was written.
+/// Throws InputError that lists the changes of the inputs since `what` ("the checkpoint") was written.
 void check_inputs(const std::string& inputs_then, const std::string& inputs_now, std::string_view what);
 
 /// Writes a checkpoint at t = 0 and then at the first communication point after each interval of simulated time, but
-/// not at the end of the run: a run resumed there would step beyond it. All observers have written their data of the
-/// point to their files before.
+/// not at the end of the run, because a run resumed there would step beyond the end. It must be the last observer: all
+/// others have then written their data of the point.
 class Checkpointer final : public Observer {
  public:
   /// `blank` contains everything that does not change during the run. All other arguments must outlive the

@@ -21,7 +21,7 @@ using modeldesc::Causality;
 constexpr std::string_view kPrefix = "calibration.";
 
 /// Widens each interval in `intervals` to include the number in `values` at the same place. Values that are not numbers
-/// have no intervals.
+/// get no intervals.
 void widen(Json& intervals, const Json& values) {
   for (const auto& [label, value] : values.items()) {
     if (value.is_object()) {

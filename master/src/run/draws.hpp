@@ -29,16 +29,16 @@ std::vector<std::string> calibration_parameters(const std::filesystem::path& con
 /// Runs of the same system with drawn parameters.
 class DrawnFlights {
  public:
-  /// With 19 draws, a further draw of a quantity lies between their least and greatest value with a probability of
-  /// 18/20: its rank among the 20 is uniform for any distribution.
+  /// With 19 draws of a quantity, a further draw lies between the least and the greatest of them with a probability of
+  /// 18/20, because its rank among the 20 is uniform for any distribution.
   static constexpr int kFlights = 19;
   static constexpr double kLevel = 0.9;
   static constexpr std::int64_t kSeed = 0;
 
-  /// Called before each run with its number from 1.
+  /// Called before each run with the number of the run, from 1 on.
   using Progress = std::function<void(int flight)>;
 
-  /// `run` must have ended. Throws InputError if no FMU has calibration parameters.
+  /// Prepares the runs. `run` must have ended. Throws InputError if no FMU has calibration parameters.
   explicit DrawnFlights(Run& run);
   /// Performs all runs. A failed run counts as an outcome. Returns false if a signal, or the interrupt flag of the
   /// original run, interrupted it.
@@ -64,8 +64,9 @@ class DrawnFlights {
 /// True if the options or the config request drawn runs and `run` has ended without an interrupt.
 bool wants_draws(const Run& run);
 
-/// If requested, performs the drawn runs and adds them to the summary of a run that has ended. They start at t = 0 from
-/// the settings alone, so there are none if a program wrote variables or used start_from().
+/// Performs the drawn runs of a run that has ended, if they are requested, and adds them to its summary. The drawn runs
+/// start at t = 0 from the settings alone. Therefore none are performed if a program wrote variables or used
+/// start_from().
 void add_draws(Run& run);
 
 }  // namespace mebots::master

@@ -23,8 +23,8 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder)
   return files;
 }
 
-/// Returns whether a text parameter names a folder of `mebots deploy`. Of other parameters, only files count: the name
-/// of something inside an FMU may be that of a folder, too.
+/// Returns whether a text parameter names a folder of `mebots deploy`. For all other text parameters, only files count,
+/// because a name that has a meaning inside an FMU may also be the name of a folder.
 bool names_network(const std::string& variable, const std::string& text) {
   return variable == "network" && is_file(std::filesystem::path(text) / "network.json");
 }

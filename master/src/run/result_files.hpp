@@ -24,7 +24,7 @@ namespace mebots::master {
 class ResultFiles {
  public:
   /// Creates the folder and the files that every run has, or opens those of the run that `resumed` continues. Throws
-  /// InputError if that fails. `system` and `resumed` must outlive this object; null = a new run.
+  /// InputError if that fails. `system` and `resumed` must outlive this object. If `resumed` is null, the run is new.
   ResultFiles(const std::filesystem::path& folder, const ResolvedSystem& system, const Checkpoint* resumed);
 
   const std::filesystem::path& folder() const { return folder_.path(); }
@@ -33,9 +33,10 @@ class ResultFiles {
   /// Returns the path of the rows, for messages.
   std::filesystem::path rows_file() const;
 
-  /// Gives the recorder its sinks. Call it before the first point.
+  /// Gives the recorder its sinks. Must be called before the first point.
   void add_sinks(Recorder& recorder);
-  /// Returns observers, each for one file, in order. Before the first point; valid as long as this object.
+  /// Creates the observers that each write one file, and returns them in order. Must be called before the first point.
+  /// They are valid as long as this object.
   std::vector<Observer*> make_observers(Ensemble& ensemble);
   /// Returns the observer that writes checkpoints; it must be the last.
   Observer& make_checkpointer(Simulation& simulation, const RunOptions& options, const std::string& inputs);

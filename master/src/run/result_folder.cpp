@@ -83,7 +83,7 @@ void ResultFolder::keep(std::span<const std::string_view> outdated) {
 
 namespace {
 
-/// True if this path still names the opened file. Its last owner removes it.
+/// True if this path still names the opened file. The last owner of a folder removes the file.
 bool is_still(const std::filesystem::path& file, int descriptor) {
   struct stat named {};
   struct stat opened {};
@@ -97,7 +97,8 @@ std::string owner_of(int descriptor) {
   return size > 0 ? std::string(text.data(), static_cast<std::size_t>(size)) : "unknown";
 }
 
-/// True if no process has this number. A child process that a killed run was just starting keeps the lock for a moment.
+/// True if no process has this number. If a run is killed while it starts a child process, the child keeps the lock for
+/// a moment.
 bool is_gone(const std::string& owner) {
   pid_t number = 0;
   const auto* const end = owner.data() + owner.size();
@@ -132,7 +133,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / ".m
     if (is_still(file_, descriptor_)) break;
     ::close(descriptor_);
   }
-  // If this fails, the lock is still valid; only the other run's message lacks the number.
+  // If writing the number fails, the lock is still valid; only the message of the other run lacks the number.
   const auto own = std::to_string(::getpid());
   static_cast<void>(::ftruncate(descriptor_, 0) == 0 && ::pwrite(descriptor_, own.data(), own.size(), 0) > 0);
 }

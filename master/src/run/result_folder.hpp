@@ -31,22 +31,22 @@ class FolderLock {
 /// written under other names, and renamed by keep().
 class ResultFolder {
  public:
-  /// Creates the folder if it is absent. Throws InputError if that fails, or if another run writes into it.
+  /// Creates the folder if it does not exist. Throws InputError if that fails, or if another run writes into it.
   explicit ResultFolder(std::filesystem::path path);
   /// If keep() was not called, removes the new files. Other files stay unchanged.
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
-  /// Creates a file of this name; valid as long as this object. Throws InputError.
+  /// Creates a file of this name. The result is valid as long as this object. Throws InputError.
   OutputFile& create(std::string_view name);
   /// Returns the path of a new file that another component writes; keep() renames it too.
   std::filesystem::path reserve(std::string_view name);
   /// Opens an earlier run's file to append to it. Throws InputError.
   OutputFile& reopen(std::string_view name);
 
-  /// Makes the results this run's: renames the new files to their final names, and deletes an earlier run's files in
-  /// `outdated`. Throws InputError.
+  /// Replaces an earlier run's results by those of this run: renames the new files to their final names, and deletes
+  /// the files in `outdated`. Throws InputError.
   void keep(std::span<const std::string_view> outdated);
 
   /// Releases the folder for other runs.

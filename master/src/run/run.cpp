@@ -43,7 +43,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// A single FMU and an SSP may lack both times; a config has its own.
+/// Returns the times that the options give. A single FMU and an SSP may lack both times; a config has its own.
 GivenTimes given_times(const std::filesystem::path& config, const RunOptions& options) {
   GivenTimes times;
   times.step = options.step_s;
@@ -197,7 +197,8 @@ void Run::record(const std::vector<std::string>& patterns) {
   options_.record = patterns;
 }
 
-/// Returns the changes to the config. The text does not depend on the interface used or on their order.
+/// Returns the changes to the config. The text does not depend on the order of the changes, nor on the interface that
+/// made them.
 std::vector<std::string> Run::changes() const {
   std::vector<std::string> texts;
   if (options_.step_s) texts.push_back(fmt::format("step {}", time_text(*options_.step_s)));
@@ -414,7 +415,7 @@ void Run::initialise() {
   } else {
     simulation_->initialize();
   }
-  // Logged before the log is continued, so that the finished log equals that of an uninterrupted run.
+  // This line is logged before the log is continued, so that the finished log equals that of an uninterrupted run.
   if (checkpoint_) say(Severity::info, "notice", fmt::format("resumed at {} s", to_seconds(time_ns())));
   if (files_) files_->started(ensemble);
 }
@@ -432,7 +433,7 @@ void Run::note_slaves(Ensemble& ensemble) {
 /// Checks the process in the first, second, fourth ... step of this call and at its end. Detects a changed signal mask
 /// earlier, because it would block interrupts.
 void Run::step_until(std::int64_t until_ns) {
-  // Checking the process costs more than a step.
+  // The check has intervals, because checking the process costs more than a step.
   std::optional<ProcessWatch> watch;
   if (!has_foreign_ && until_ns > next_point_ns()) watch.emplace(resolved_, messages_);
   auto seen_ns = time_ns();
@@ -519,7 +520,7 @@ void Run::finish() {
   try {
     simulation_->terminate();
   } catch (const Error& error) {
-    // If an interrupt ended the call of an instance, the message about the end of the run already contains this.
+    // If an interrupt ended the call of an instance, the message about the end of the run already contains the error.
     if (end.reason != EndReason::interrupted) {
       report_.notices.push_back(fmt::format("after the end: {}", error.what()));
       say(Severity::warning, "notice", report_.notices.back());
@@ -551,7 +552,7 @@ void Run::report_fault(const std::string& text) {
   say(Severity::error, "notice", report_.notices.back());
 }
 
-/// The results are on the disk first, so a crash here loses nothing.
+/// The results are on the disk by then, so a crash here loses no data.
 void Run::free_fmus(bool unloads) {
   if (freed_ || !simulation_) return;
   freed_ = true;

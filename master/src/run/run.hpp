@@ -48,7 +48,7 @@ namespace mebots::master {
 class Run {
  public:
   /// Reads the config and applies the options. Creates no files. Throws InputError. If `library` is that of an earlier
-  /// run, FMUs that it has opened are not opened again.
+  /// run, FMUs that this run opened are not opened again.
   explicit Run(const std::filesystem::path& config, RunOptions options = {},
                std::shared_ptr<FmuLibrary> library = std::make_shared<FmuLibrary>());
   /// Returns the run of the checkpoint in this folder; start() restores its state. Throws InputError.
@@ -71,7 +71,7 @@ class Run {
   void set_stop_time(std::int64_t stop_time_ns, const std::string& place);
   /// Records these variables (patterns with * and ?) in place of the config's `variables` and `exclude`.
   void record(const std::vector<std::string>& patterns);
-  /// The observer must outlive the run's last step.
+  /// Adds an observer, which must outlive the run's last step.
   void add(Observer& observer);
   /// Adds an observer of the embedding program, which may change the process itself. Changes of the process by FMUs are
   /// then checked less often.
@@ -90,8 +90,8 @@ class Run {
   /// Opens the FMUs, makes all checks, and initialises to t = 0 or to the checkpoint. No effect if already done. Throws
   /// InputError and Error.
   void start();
-  /// Takes one communication step. Returns false if the end was reached before, or in this step without a new point (an
-  /// FMU ended the run, or an interrupt). Starts the run if necessary.
+  /// Takes one communication step. Starts the run if necessary. Returns false if the end was reached before. Also
+  /// returns false if the run ends in this step without a new point, because an FMU ended it or after an interrupt.
   bool step();
   /// Steps until `time_ns` or the end, whichever is earlier.
   void run_until(std::int64_t time_ns);
@@ -111,7 +111,7 @@ class Run {
   /// Returns the state between two steps, for start_from(). Throws InputError if the run has ended or writes files, and
   /// Error if an FMU cannot serialize its state.
   std::vector<std::byte> save_state();
-  /// Calls `work`, in which variables may be read. For observers of add().
+  /// Calls `work`, in which variables may be read. For the observers that add() has added.
   void at_point(const std::function<void()>& work);
   /// True if the run started with start_from() instead of at t = 0.
   bool began_later() const { return past_.has_value(); }
@@ -126,25 +126,25 @@ class Run {
   const std::shared_ptr<FmuLibrary>& library() const { return library_; }
   const SystemDescription& system() const { return system_; }
   std::int64_t time_ns() const { return simulation_ ? simulation_->time_ns() : system_.start_time_ns; }
-  /// Returns the double nearest to the communication point.
+  /// Returns the double nearest to the time of the communication point.
   double time_s() const { return system_.grid().time_s(time_ns()); }
   /// Returns the config's outcome at the last point ("completed" if none applies), or "interrupted" or "failed". Empty
   /// before the start.
   std::string outcome() const;
   /// Returns the results so far; complete after the end.
   const RunReport& report() const { return report_; }
-  /// Returns the content of summary.json so far. After the start.
+  /// Returns the content of summary.json so far. Must be called after the start.
   nlohmann::ordered_json summary() const;
   const Statistics& statistics() const { return statistics_; }
   /// Returns the statistics of the solvers of model exchange; empty if there are none.
   const std::vector<SolverStatistics>& solvers() const { return solvers_; }
   /// Returns counts of the communication steps under step control; null without step control, and before the start.
   const StepStatistics* step_statistics() const { return simulation_ ? simulation_->step_statistics() : nullptr; }
-  /// Returns the values that the config requests under `summary`. Exists after the start.
+  /// Returns the values that the config requests under `summary`. Must be called after the start.
   const SummaryValues& values() const { return *values_; }
   /// Returns the instances that failed while the others continued.
   std::vector<InstanceLoss> losses() const;
-  /// Returns null if the run writes no files.
+  /// Returns the files of the run; null if it writes none.
   const ResultFiles* files() const { return files_ ? &*files_ : nullptr; }
   /// Returns the number of columns without the time.
   std::size_t columns() const { return recorder_ ? recorder_->columns().size() : 0; }
@@ -152,8 +152,8 @@ class Run {
   // Functions to call after the start. Before it and after a failure they throw InputError.
 
   const ResolvedSystem& resolved() const;
-  /// Calls `work`, which reads or sets variables of an instance. An error of the FMU fails the run. From a listener:
-  /// only at a point.
+  /// Calls `work`, which reads or sets variables of an instance. An error of the FMU makes the run fail. A listener may
+  /// call it only at a point.
   void call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work);
   /// Adds the intervals of drawn runs to the summary after the end.
   void report_uncertainty(const nlohmann::ordered_json& uncertainty);

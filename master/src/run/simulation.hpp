@@ -37,14 +37,15 @@ class Simulation {
   Ensemble& ensemble() { return ensemble_; }
   const Ensemble& ensemble() const { return ensemble_; }
 
-  /// Adds an observer, which is called at every communication point in the order of addition. Call it before
+  /// Adds an observer, which is called at every communication point in the order of addition. Must be called before
   /// initialize(). The observer must outlive the simulation's last step.
   void add(Observer& observer) { observers_.push_back(&observer); }
 
-  /// Advances to the start time. Throws what Ensemble::initialize throws, and InterruptedError.
+  /// Advances to the start time. Throws the errors of Ensemble::initialize, and InterruptedError.
   void initialize();
 
-  /// Replaces initialize(): restores the state of serialize(), from this process or another. Throws what both throw.
+  /// Restores a state that serialize() wrote in this process or another, in place of initialize(). Throws the errors of
+  /// both.
   void resume(std::span<const std::byte> bytes);
 
   /// Takes one communication step. Returns false and stays at the same point if the end was reached before, or if the
@@ -61,18 +62,18 @@ class Simulation {
 
   /// Terminates the slaves that have not failed.
   void terminate() { ensemble_.terminate(); }
-  /// Frees the instances; no slave is called afterwards. Returns an error text per failed slave.
+  /// Frees the instances. No slave may be called afterwards. Returns an error text for each slave that failed.
   std::vector<std::string> free_instances() { return ensemble_.free_instances(); }
 
   /// Returns the number of communication steps so far.
   std::int64_t steps_done() const { return control_ ? control_->statistics().steps : step_; }
   /// The place of the point on the grid.
   std::int64_t grid_point() const { return step_; }
-  /// Null if every step has the same length.
+  /// Returns the statistics of step control; null if every step has the same length.
   const StepStatistics* step_statistics() const { return control_ ? &control_->statistics() : nullptr; }
   std::int64_t time_ns() const { return grid_.time_ns(step_); }
 
-  /// Throws Error if a slave cannot save its state.
+  /// Returns the state. Throws Error if a slave cannot save its state.
   SimulationState save_state();
   /// Visits the master's own part of save_state(): last values and observers.
   void visit(state::Visitor& v);

@@ -21,7 +21,7 @@ namespace mebots::master {
 /// The final values that the config requests under `summary`, at the last point.
 class SummaryValues final : public Observer {
  public:
-  /// Throws InputError for an unknown variable or for a label that summary.json itself uses.
+  /// Looks up the variables. Throws InputError for an unknown variable, or for a label that summary.json itself uses.
   SummaryValues(const ResolvedSystem& system, Ensemble& ensemble);
 
   std::optional<std::string> reached(const Point& point) override;
@@ -100,7 +100,8 @@ struct RunReport {
   double real_time_factor() const;
 };
 
-/// Returns the content of summary.json. All except `real_time_factor` and `wall_clock` is equal for equal inputs.
+/// Returns the content of summary.json. All values except `real_time_factor` and `wall_clock` are equal for equal
+/// inputs.
 nlohmann::ordered_json summary_json(const ResolvedSystem& system, const InputHash& hash, const RunReport& report,
                                     const SummaryValues& values);
 

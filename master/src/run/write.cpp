@@ -74,7 +74,7 @@ ResolvedVariable find_variable(const Run& run, std::string_view name) {
 modeldesc::Value write_variable(Run& run, std::string_view name, double value, const std::string& place) {
   const auto target = find_variable(run, name);
   check_settable(run, target, name);
-  // The rules are those for values of a config: type, limits, items.
+  // The same rules apply as for values of a config: type, limits, items.
   const auto& model = *run.resolved().instances[target.instance].model;
   auto typed = typed_value(model, *target.variable, as_written(*target.variable, value), place);
   const ValueReference reference[] = {target.variable->value_reference};

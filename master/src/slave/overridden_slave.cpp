@@ -101,8 +101,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Layer& layer, const Value& value, 
     case OverrideAction::freeze:
       return layer.found;
     case OverrideAction::signal:
-      // At a jump at the start, initialisation gets the value before it and the first step the value after it, as in
-      // FMPy.
+      // If the signal jumps at the start, initialisation gets the value before the jump and the first step the value
+      // after it, as in FMPy.
       return override.signal->at(signal_time(time_ns_), initialising_ ? SignalSide::before : SignalSide::after,
                                  layer.row);
     case OverrideAction::offset:
@@ -130,8 +130,8 @@ OverriddenSlave::Value OverriddenSlave::apply(Target& target, const Value& value
       continue;
     }
     target.acted = true;
-    // Stores the first value at the override's first point. If there are several at one point, as in initialisation,
-    // the last counts.
+    // Stores the first value at the override's first point. If several values are set at one point, as in
+    // initialisation, the last value counts.
     if (!layer.found_at_ns || layer.found_at_ns == time_ns_) {
       layer.found_at_ns = time_ns_;
       layer.found = result;
@@ -238,7 +238,7 @@ StepResult OverriddenSlave::step(std::int64_t start_ns, std::int64_t duration_ns
   return result;
 }
 
-/// Returns what one layer leaves of a derivative of this order (from 1).
+/// Applies one layer to a derivative of this order (from 1). Returns the result.
 double OverriddenSlave::apply(Layer& layer, std::int32_t order, double derivative, std::int64_t since_ns) {
   const auto& override = schedule_->overrides()[layer.override];
   const auto& description = *override.description;

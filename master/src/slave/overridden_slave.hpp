@@ -33,7 +33,7 @@ class OverriddenSlave final : public AccessSlave {
   std::vector<std::byte> serialize(const SlaveState& state) override;
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
-  /// Visits the state of the overrides, which is additional to that of the wrapped slave.
+  /// Visits the state of the overrides. The state of the wrapped slave is stored separately.
   void visit(state::Visitor& v);
 
  private:

@@ -46,7 +46,7 @@ ProcessWatch::ProcessWatch(const ResolvedSystem& system, MessageSink& messages)
   begin();
 }
 
-/// Watches the standard descriptors only, because mebots itself opens and closes others.
+/// Starts the watch. Only the standard descriptors are watched, because mebots itself opens and closes others.
 void ProcessWatch::begin() {
   before_.reset();
   if (reach_ != ProcessReach::nothing) before_.emplace(standard_files(), reach_);

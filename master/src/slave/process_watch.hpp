@@ -21,7 +21,8 @@ class ProcessWatch {
   /// must outlive the watch.
   ProcessWatch(const ResolvedSystem& system, MessageSink& messages);
 
-  /// Compares the process with its previous state. `during` completes "changed the process for all, ...".
+  /// Compares the process with its previous state, and reports changes. `during` is the end of the message "changed the
+  /// process for all, ...".
   void look(const std::string& during, std::int64_t time_ns);
   /// True if the calling thread's signal mask changed. Costs one system call.
   bool is_mask_changed() const { return before_ && before_->is_mask_changed(); }

@@ -41,7 +41,7 @@ struct StepResult {
   std::string messages;                     ///< not done: the FMU's log messages about it
 };
 
-/// The state of a slave at one moment; the slave stores it. Must not outlive the slave.
+/// The state of a slave at one moment. The slave stores the data, so this object must not outlive the slave.
 class SlaveState {
  public:
   virtual ~SlaveState() = default;
@@ -71,13 +71,13 @@ class Slave {
   virtual std::optional<std::string> free_instance() = 0;
 
   virtual void get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;
-  /// Also for enumerations.
+  /// Also returns enumerations.
   virtual void get_integers(std::span<const ValueReference> references, std::span<std::int64_t> values) = 0;
-  /// Returns 0 or 1, whatever number the FMU uses for true.
+  /// Returns 0 or 1, even if the FMU uses another number for true.
   virtual void get_booleans(std::span<const ValueReference> references, std::span<std::int64_t> values) = 0;
   /// Returns the FMU's bytes, which need not be UTF-8.
   virtual void get_strings(std::span<const ValueReference> references, std::span<std::string> values) = 0;
-  /// For FMI 3.0 only; others throw Error.
+  /// For FMI 3.0 only. Slaves of other versions throw Error.
   virtual void get_binaries(std::span<const ValueReference> references, std::span<std::string> values);
 
   virtual void set_reals(std::span<const ValueReference> references, std::span<const double> values) = 0;
@@ -87,14 +87,14 @@ class Slave {
   virtual void set_strings(std::span<const ValueReference> references, std::span<const std::string> values) = 0;
   virtual void set_binaries(std::span<const ValueReference> references, std::span<const std::string> values);
 
-  /// Returns the highest order of output derivatives that the FMU provides; 0 = none.
+  /// Returns the highest order of output derivatives that the FMU provides; 0 if it provides none.
   virtual std::uint32_t output_derivative_order() const { return 0; }
   /// True if the FMU uses time derivatives of its inputs.
   virtual bool takes_input_derivatives() const { return false; }
-  /// The time of the next event that is known, such as the tick of a clock [s]; nothing if none is in sight. Others see
-  /// what the event changes at the first communication point from then on.
+  /// Returns the time of the next known event, such as the tick of a clock [s]; nothing if no event is known. Other
+  /// instances see the changes of the event from the next communication point on.
   virtual std::optional<double> next_event_s() const { return std::nullopt; }
-  /// Returns what the user should know about where this instance runs, such as a part that its sandbox lacks.
+  /// Returns notices for the user about the place where this instance runs, such as a mechanism that its sandbox lacks.
   virtual std::vector<std::string> notices() const { return {}; }
   /// Returns derivatives of Real outputs at the end of the last step. `orders` (from 1) has one entry per reference.
   /// The values are not checked and may be NaN.
@@ -104,12 +104,12 @@ class Slave {
   virtual void set_input_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,
                                      std::span<const double> values);
 
-  /// Throws Error if the FMU cannot save its state (canGetAndSetFMUstate is false). While a saved state exists, every
-  /// step says that the FMU may be set back; otherwise, that it will not be.
+  /// Saves the state. Throws Error if the FMU cannot save it (canGetAndSetFMUstate is false). While a saved state
+  /// exists, every step passes noSetFMUStatePriorToCurrentPoint = false to the FMU, because it may be set back.
   virtual std::unique_ptr<SlaveState> save_state() = 0;
-  /// Throws Error if the state is older than a step that was taken while no saved state existed.
+  /// Restores a state. Throws Error if a step was taken since then while no saved state existed.
   virtual void restore_state(const SlaveState& state) = 0;
-  /// Throws Error if the FMU cannot serialize its state (canSerializeFMUstate is false).
+  /// Serializes a state. Throws Error if the FMU cannot do that (canSerializeFMUstate is false).
   virtual std::vector<std::byte> serialize(const SlaveState& state) = 0;
   virtual std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) = 0;
 };

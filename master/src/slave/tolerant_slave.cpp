@@ -115,7 +115,7 @@ void TolerantSlave::visit(state::Visitor& v) {
   v("strings", strings_);
   v("binaries", binaries_);
   if (!v.restores()) return;
-  // Pointers are not part of a state, and the lost slave cannot provide new ones.
+  // Pointers are not part of a state. They become null, because the lost slave cannot provide new ones.
   for (const auto& triple : osmp_triples(description())) {
     for (auto& kept : integers_) {
       if (const auto places = places_of(triple, kept.references)) {

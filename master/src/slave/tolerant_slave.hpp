@@ -8,8 +8,8 @@
 
 namespace mebots::master {
 
-/// Keeps the run alive if the wrapped slave fails in or after its first step. Then its outputs keep their last values,
-/// and its inputs are ignored.
+/// Keeps the run alive if the wrapped slave fails in or after its first step. After the failure, its outputs keep their
+/// last values, and its inputs are ignored.
 class TolerantSlave final : public AccessSlave {
  public:
   /// Reports the loss to `messages` and records it in `loss`; both must outlive the slave.
@@ -19,7 +19,7 @@ class TolerantSlave final : public AccessSlave {
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns) override;
   StepResult finish_step(const std::atomic<bool>& cancel) override;
   void terminate() override;
-  /// Frees the slave and returns empty: an error was logged, and does not affect the run.
+  /// Frees the slave. Returns empty even after an error, because the error was logged and does not affect the run.
   std::optional<std::string> free_instance() override;
   /// Returns zeros for a lost slave, because its outputs are constant.
   void get_output_derivatives(std::span<const ValueReference> references, std::span<const std::int32_t> orders,

@@ -60,7 +60,8 @@ class ContinuousInstance {
   virtual bool has_directional_derivatives() const { return false; }
   virtual std::span<const ValueReference> state_references() const { return {}; }
   virtual std::span<const ValueReference> derivative_references() const { return {}; }
-  /// Computes the change of `unknowns` caused by the change `seed` of `knowns`. Only if has_directional_derivatives().
+  /// Computes the change of `unknowns` caused by the change `seed` of `knowns`. Must be called only if
+  /// has_directional_derivatives() is true.
   virtual void directional_derivatives(std::span<const ValueReference> /*unknowns*/,
                                        std::span<const ValueReference> /*knowns*/, std::span<const double> /*seed*/,
                                        std::span<double> /*change*/) {}

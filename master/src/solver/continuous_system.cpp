@@ -20,8 +20,8 @@ namespace {
 constexpr int kMostUpdates = 1000;
 /// The maximum of transfers over discrete links between two updates.
 constexpr int kMostTransfers = 1000;
-/// If this number of consecutive events occurs within this share of a communication step, the sequence is treated as
-/// infinite.
+/// If this number of consecutive events occurs within this share of a communication step, the sequence of events is
+/// treated as infinite.
 constexpr std::size_t kZenoEvents = 20;
 constexpr double kZenoShare = 1e-7;
 /// Absolute tolerance divided by relative tolerance, for a nominal value of 1, as the FMI standard suggests.
@@ -142,7 +142,8 @@ Evaluation ContinuousSystem::jacobian(double time_s, std::span<const double> sta
 }
 
 /// Compares the signs of the event indicators with those after the last event, and records the members whose signs
-/// changed. FMI distinguishes z > 0 from z <= 0; CVODE does not detect a function that leaves zero.
+/// changed. This check is necessary because FMI distinguishes z > 0 from z <= 0, and CVODE does not detect a function
+/// that leaves zero.
 bool ContinuousSystem::has_crossed() {
   if (indicators_.empty()) return false;
   if (roots(time_s_, states_, indicators_) != Evaluation::ok) {
@@ -340,7 +341,7 @@ std::string ContinuousSystem::causes() const {
   return fmt::format("'{}'", fmt::join(names, "', '"));
 }
 
-/// Updates the discrete states of all members until none needs another update and no connection changes a value.
+/// Updates the discrete states of all members until no member needs another update and no connection changes a value.
 void ContinuousSystem::iterate_event() {
   propagate_in_event();
   for (int update = 0; update < kMostUpdates; ++update) {

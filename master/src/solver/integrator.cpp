@@ -33,7 +33,7 @@ class Integrator::Cvode {
  public:
   Cvode(Equations& equations, SolverMethod method) : equations_(&equations), method_(method) {
     check(SUNContext_Create(nullptr, &context_), "SUNContext_Create");
-    // CVODE requires a state: a system without states gets one that stays 0.
+    // CVODE requires at least one state, so a system without states gets one that stays 0.
     const auto count = static_cast<sunindextype>(std::max<std::size_t>(1, equations.state_count()));
     y_ = N_VNew_Serial(count, context_);
     tolerances_ = N_VNew_Serial(count, context_);
@@ -74,7 +74,7 @@ class Integrator::Cvode {
   }
 
   Reached advance() {
-    // A step that does not change the time would not end; CVODE fails below this step size.
+    // A step that does not change the time would never end. Below this step size, CVODE fails.
     const double shortest_s = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(time_s_), scale_s_);
     check(CVodeSetMinStep(memory_, shortest_s), "CVodeSetMinStep");
     // In this mode CVODE uses the first argument only for the size of the first step.

@@ -21,7 +21,7 @@ struct Columns {
   std::span<double> column(std::size_t j) const { return {data + j * rows, rows}; }
 };
 
-/// x' = f(t, x), with functions whose sign changes are events. Exceptions pass through the integrator.
+/// The equations x' = f(t, x), with functions whose sign changes are events. Exceptions pass through the integrator.
 class Equations {
  public:
   virtual ~Equations() = default;
@@ -34,7 +34,7 @@ class Equations {
   virtual Evaluation jacobian(double /*time_s*/, std::span<const double> /*states*/, const Columns& /*jacobian*/) {
     return Evaluation::recoverable;
   }
-  /// Returns the reason of the last recoverable failure; empty if unknown.
+  /// Returns the reason of the last recoverable failure; empty if the reason is unknown.
   virtual std::string failure() const { return {}; }
   /// Names the equations, for messages.
   virtual std::string subject() const = 0;

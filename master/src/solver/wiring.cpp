@@ -112,7 +112,8 @@ class Wiring::Builder {
     calls.back().references.push_back(variable.reference);
   }
 
-  /// Returns a loop among the remaining outputs, "a.y -> b.u -> b.y -> a.u -> a.y", found by following wires backwards.
+  /// Returns the path of a loop among the remaining outputs, such as "a.y -> b.u -> b.y -> a.u -> a.y". Finds it by
+  /// following wires backwards.
   std::string path() const {
     std::vector<MemberVariable> walk;
     auto output = waits_for_.begin()->first;

@@ -19,14 +19,14 @@ struct MemberVariable {
   auto operator<=>(const MemberVariable&) const = default;
 };
 
-/// Connects a Real output of one member to a continuous Real input of another: the input is factor * value + offset, or
-/// the sum of this over its wires.
+/// Connects a Real output of one member to a continuous Real input of another: the input is factor * value + offset. An
+/// input with several wires is the sum of these terms.
 struct Wire {
   MemberVariable from;
   MemberVariable to;
   double factor = 1;
   double offset = 0;
-  /// The inputs on which the output depends directly; empty if it may depend on all.
+  /// The inputs on which the output depends directly; empty if it may depend on all inputs.
   std::optional<std::vector<ValueReference>> dependencies = {};
   std::string from_name = {};  ///< "instance.variable", for messages
   std::string to_name = {};
@@ -52,7 +52,7 @@ class Wiring {
   void set_loop_start(std::span<const double> inputs) { loop_start_.assign(inputs.begin(), inputs.end()); }
 
   /// Computes the change of all derivatives if one state of a member changes by 1. The derivatives of a member start at
-  /// its index in `first_states`. Only if there is no loop and all members have directional derivatives.
+  /// its index in `first_states`. Must be called only if there is no loop and all members have directional derivatives.
   void propagate(std::size_t member, std::size_t state, std::span<const std::size_t> first_states,
                  std::span<double> derivatives);
 
@@ -73,7 +73,7 @@ class Wiring {
     std::vector<Read> reads = {};
     std::vector<Write> writes = {};
   };
-  /// input += factor * output + offset
+  /// A term of an input: input += factor * output + offset.
   struct Term {
     std::size_t output;
     double factor;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sensor's behaviour, in C++ because states alone cannot say it: it resolves hundredths only. Registers, states,
-// currents, delays and variables are those of board.json, which names the kind and the library that this becomes.
+// The sensor's behaviour, in C++ because states alone cannot describe it: the sensor resolves hundredths only.
+// Registers, states, currents, delays and variables are those of board.json, which names the kind and the library that
+// are built from this file.
 #include "mebots/soc/device_kind.hpp"
 #include "mebots/soc/fixed_point.hpp"
 
@@ -61,7 +62,7 @@ class MySensor final : public Device {
     return true;
   }
 
-  /// The measurement is over.
+  /// Ends the measurement.
   void advance(Picoseconds now) override {
     if (now < done_at_) return;
     value_ = to_register(std::round(sensed_ / kResolution) * kResolution, kMilli);
@@ -92,7 +93,7 @@ class MySensor final : public Device {
     change(now, now + std::llround(entry_.state("measuring").delay_s * kPsPerS));
     status_ |= kBusy;
   }
-  /// Counts what the state up to now has drawn.
+  /// Adds the charge of the present state up to now.
   void change(Picoseconds now, Picoseconds done_at) {
     energy_j_ = energy_j(now);
     since_ = now;

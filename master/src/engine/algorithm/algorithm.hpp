@@ -21,10 +21,10 @@ class Algorithm {
  public:
   virtual ~Algorithm() = default;
 
-  /// Performs one communication step. Afterwards the ensemble's outputs are those of its end, and nothing is returned.
-  /// If a slave ends the simulation, returns an end; after an interrupt, throws InterruptedError. In both cases the
-  /// outputs are still those of the step's start, the last point that all slaves reached. Also throws the slaves'
-  /// exceptions.
+  /// Performs one communication step. Afterwards, the ensemble's outputs are those at the end of the step. Returns
+  /// nothing if the run continues. If a slave ends the simulation, returns an end; after an interrupt, throws
+  /// InterruptedError. In these two cases, the outputs are still those at the start of the step, the last point that
+  /// all slaves have reached. Also throws the slaves' exceptions.
   virtual std::optional<End> step(const GridStep& span) = 0;
 };
 

@@ -15,7 +15,8 @@ namespace mebots::master {
 namespace {
 
 /// Returns groups of instances, each of which steps on one thread. The reader of a buffer must finish before its owner
-/// steps, so both are in one group, in their order. So are the members of a continuous system or a clock group.
+/// steps, so both are in one group, in this order. The members of a continuous system or a clock group are in one
+/// group, too.
 std::vector<std::vector<std::size_t>> groups_of(const ResolvedSystem& system, const Ensemble& ensemble) {
   std::vector<std::size_t> group(ensemble.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
@@ -63,7 +64,7 @@ class Jacobi final : public Algorithm {
         if (slaves_->begins_step(i, span.from)) take(i, slaves_->step(i, span));
       }
     }
-    // Pending steps run concurrently: all are started before the first is waited for.
+    // Steps that are pending run concurrently, because all are started before the loop waits for the first one.
     for (auto& [i, result] : unfinished_) result = slaves_->finish(i, span, std::move(result));
     if (policy_) policy_->stepped();
     if (auto end = end_at(span.from)) return end;
@@ -130,7 +131,7 @@ class Jacobi final : public Algorithm {
   OrderedMessages* messages_;
   std::vector<std::vector<std::size_t>> groups_;                // each steps in order on one thread
   std::vector<std::pair<std::size_t, StepResult>> unfinished_;  // of the current step
-  // For parallel stepping; null with one thread.
+  // Data for parallel stepping; null with one thread.
   unsigned threads_ = 1;
   std::unique_ptr<ThreadPolicy> policy_;
   std::unique_ptr<StepPool> pool_;

@@ -13,7 +13,7 @@
 
 namespace mebots::master {
 
-/// A communication step, from t_from to t_to on the grid. Longer than h only under step control.
+/// A communication step, from t_from to t_to on the grid. It is longer than h only under step control.
 struct GridStep {
   std::int64_t from = 0;
   std::int64_t to = 0;
@@ -29,8 +29,8 @@ class SlaveSteps {
   Ensemble& ensemble() const { return *ensemble_; }
   std::size_t count() const { return steps_.size(); }
   std::int64_t time_ns(std::int64_t k) const { return grid_.time_ns(k); }
-  /// Returns true if a step of the slave starts at t_k. Avoids the division for a step of h, because it costs as much
-  /// as a small FMU's step.
+  /// Returns true if a step of the slave starts at t_k. If the slave's step is h, avoids the division, which costs as
+  /// much as a small FMU's step.
   bool begins_step(std::size_t slave, std::int64_t k) const {
     return steps_[slave].multiple == 1 || k % steps_[slave].multiple == 0;
   }
@@ -38,7 +38,8 @@ class SlaveSteps {
   /// Sets the slave's inputs to the ensemble's present values, if one of its steps starts at t_k.
   void write_inputs(std::size_t slave, std::int64_t k);
   /// Performs the slave's step that starts with this communication step. May be called for several slaves at the same
-  /// time on different threads. Throws InterruptedError before the call, and the slave's exceptions.
+  /// time on different threads. After an interrupt, throws InterruptedError in place of the call. Throws the slave's
+  /// exceptions.
   StepResult step(std::size_t slave, const GridStep& span);
   /// Waits for a pending step. Throws SlaveError if the slave rejects the step.
   StepResult finish(std::size_t slave, const GridStep& span, StepResult result);
@@ -63,7 +64,7 @@ class SlaveSteps {
   std::vector<Step> steps_;  // by slave
 };
 
-/// Returns an end with the text "interrupted at 3 s".
+/// Returns an end with a text such as "interrupted at 3 s".
 End interrupted_at(std::int64_t time_ns);
 
 /// Advances the slave by one step, in parts if necessary. If the slave discards a step, restores its state and tries

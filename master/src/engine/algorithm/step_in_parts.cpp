@@ -16,7 +16,7 @@ constexpr std::int64_t kShortestPartNs = 1000;
 std::int64_t shorter_part(const StepResult& result, std::int64_t at_ns, std::int64_t part_ns) {
   if (result.last_successful_s) {
     const double reached_ns = *result.last_successful_s * 1e9;
-    // Rounding may put a time that means a whole nanosecond slightly below it.
+    // A time that means a whole nanosecond may be slightly below it, because of rounding.
     const double roundings_ns = 4 * std::numeric_limits<double>::epsilon() * std::abs(reached_ns);
     const double length_ns = std::floor(reached_ns + roundings_ns) - static_cast<double>(at_ns);
     if (length_ns >= kShortestPartNs && length_ns < static_cast<double>(part_ns)) {

@@ -24,14 +24,15 @@ class ThreadPolicy {
  public:
   /// The number of steps in a window.
   static constexpr int kWindow = 16;
-  /// The minimum cost of waking threads and waiting for them [s]: shorter steps are never tried in parallel.
+  /// Shorter steps are never tried in parallel, because waking threads and waiting for them costs at least this time
+  /// [s].
   static constexpr double kLeastStep_s = 20e-6;
   /// Parallel stepping must save at least a twentieth; smaller differences are noise.
   static constexpr double kGain = 0.95;
 
   /// True if the next step must be taken in parallel.
   bool parallel() const { return parallel_; }
-  /// Call it after each step.
+  /// Must be called after each step.
   void stepped();
   /// Reports the duration of a window [s], complete or abandoned.
   void window_took(double time_s);

@@ -13,11 +13,12 @@ namespace mebots::master {
 
 /// Measures the error of a communication step divided by its tolerance: the largest of all inputs and bonds that the
 /// step control measures. The error of an input is the integral of its deviation from the source; that of a bond is the
-/// created energy. It is thus the step's contribution to the error of the run. The tolerance is that of a step of the
+/// created energy. Each is thus the step's contribution to the error of the run. The tolerance applies to a step of the
 /// greatest length.
 class CouplingMeasure {
  public:
-  /// All arguments must outlive this object. Call it before Ensemble::initialize(). Throws as PowerBond does.
+  /// All arguments must outlive this object. Must be created before Ensemble::initialize(). Throws the same errors as
+  /// PowerBond.
   CouplingMeasure(const ResolvedSystem& system, Ensemble& ensemble);
 
   struct Error {

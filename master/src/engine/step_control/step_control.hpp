@@ -18,8 +18,8 @@ namespace mebots::master {
 /// Adapts the length of the communication step to the coupling error. An Algorithm performs the steps.
 class StepControl {
  public:
-  /// All arguments must outlive this object; `overrides` may be null. Call it before Ensemble::initialize(). Throws as
-  /// PowerBond does.
+  /// All arguments must outlive this object; `overrides` may be null. Must be created before Ensemble::initialize().
+  /// Throws the same errors as PowerBond.
   StepControl(const ResolvedSystem& system, SlaveSteps& slaves, const OverrideSchedule* overrides);
 
   /// Performs one communication step from t_k. If its error exceeds the tolerance and all slaves can restore their

@@ -33,7 +33,7 @@ bool copy_out(const char* from, char* to, std::size_t size) {
 /// The width of a conversion's argument.
 enum class Length { usual, l, ll, z, j, t, L };
 
-/// Yields the arguments in order. A va_list may be an array, which cannot be passed by reference.
+/// Returns the arguments one after the other. A va_list may be an array, which cannot be passed by reference.
 struct Arguments {
   std::va_list list;
 };
@@ -98,7 +98,7 @@ class Formatter {
  private:
   char peek(std::size_t at) const { return at < format_.size() ? format_[at] : '\0'; }
 
-  /// Reads a width or precision at `at` and moves past it. A negative one counts as absent.
+  /// Reads a width or precision at `at` and moves past it. A negative number counts as absent.
   std::optional<int> number(std::size_t& at) {
     if (peek(at) == '*') {
       ++at;

@@ -81,7 +81,8 @@ CallbackTarget* find(const std::unordered_set<CallbackTarget*>& targets, const v
   return targets.size() == 1 ? *targets.begin() : nullptr;
 }
 
-/// Returns false if the callback belongs to no instance, not even to one that was not freed.
+/// Calls `work` with the target of a callback. Returns false if the callback belongs to no instance, not even to one
+/// that was not freed.
 template <typename Work>
 bool with_target(const void* environment, const std::optional<std::string>& name, Work work) {
   if (current != nullptr) {
@@ -107,7 +108,7 @@ std::string without_line_end(std::string text) {
   return text;
 }
 
-/// Delivers a message to its instance. Never throws: an error loses the message, not the simulation.
+/// Delivers a message to its instance. Never throws: after an error, only the message is lost.
 void pass_on(LoggerCall call, const void* environment) noexcept {
   try {
     if (is_forked_copy()) {  // the files of the run belong to the original process
@@ -131,7 +132,7 @@ std::string message_text(const std::optional<std::string>& text, const char* add
   return address == nullptr ? "(a message without a text)" : "(a message whose text cannot be read)";
 }
 
-/// Never throws, because foreign code calls it.
+/// Formats and delivers a message. Never throws, because foreign code calls this function.
 void log_formatted(LoggerCall call, const void* environment, const char* instance, const char* category,
                    const char* message, std::va_list arguments) noexcept {
   try {
@@ -199,7 +200,8 @@ const void* library_of(const void* code) {
   return dladdr1(code, &info, &library, RTLD_DL_LINKMAP) != 0 ? library : nullptr;
 }
 
-/// Counts it for the instances of the library that called. If no instance has that library, counts it for all.
+/// Counts a stepFinished without a known instance for the instances of the library that called. If no instance has that
+/// library, counts it for all.
 void count_dropped_step_end(const void* caller) {
   const auto* library = library_of(caller);
   auto& all = registry();
@@ -211,7 +213,7 @@ void count_dropped_step_end(const void* caller) {
   }
 }
 
-/// `caller`: an address in the code that called.
+/// `caller` is an address in the code that called.
 void end_step(const void* environment, int status, const void* caller) noexcept {
   const InCallback here({"stepFinished", false});
   try {

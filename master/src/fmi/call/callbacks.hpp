@@ -15,7 +15,8 @@
 #include <string>
 #include <vector>
 
-/// The functions that an FMU calls. They trust none of its arguments: neither the environment nor that texts are texts.
+/// The functions that an FMU calls. They trust no argument: the environment may be invalid, and a text may not be a
+/// text.
 namespace mebots::master {
 
 /// A call of the logger, with texts converted to valid UTF-8.
@@ -52,30 +53,32 @@ struct CallbackEnvironment {
   CallbackEnvironment* next_kept = nullptr;
 };
 
-/// Registers a listener for callbacks during its lifetime. A callback belongs to the instance whose call this thread is
-/// in. On a thread of the FMU, it belongs to the instance with the passed environment (FMI 1.0: component), else to the
-/// one with the passed name, else to the only instance if there is just one. Other callbacks are dropped, as are those
-/// of instances that could not be freed.
+/// Registers a listener for callbacks during its lifetime. A callback belongs to the instance that this thread is
+/// calling. On a thread of the FMU, it belongs to the instance with the passed environment (FMI 1.0: component), else
+/// to the instance with the passed name, else to the only instance, if there is just one. All other callbacks are
+/// dropped, and so are callbacks of instances that could not be freed.
 class CallbackTarget {
  public:
   /// `listener` must outlive this object.
   CallbackTarget(CallbackListener& listener, std::string instance_name);
-  /// Waits for running callbacks on other threads.
+  /// The destructor waits for callbacks that run on other threads.
   ~CallbackTarget();
   CallbackTarget(const CallbackTarget&) = delete;
   CallbackTarget& operator=(const CallbackTarget&) = delete;
 
-  /// For fmiInstantiateSlave of FMI 1.0.
+  /// Returns the callbacks for fmiInstantiateSlave of FMI 1.0.
   static fmiCallbackFunctions fmi1_functions(bool asynchronous);
-  /// For fmi2Instantiate; valid as long as this object, or until the process ends after keep_environment().
+  /// Returns the callbacks for fmi2Instantiate. They are valid as long as this object, or until the process ends after
+  /// keep_environment().
   const fmi2CallbackFunctions& functions(bool asynchronous);
-  /// For fmi3Instantiate...; valid as long as the result of functions().
+  /// Returns the callbacks for fmi3Instantiate... They are valid as long as the result of functions().
   Fmi3Callbacks fmi3_callbacks();
   /// Keeps the environment until the process ends, because threads of an instance that is not freed may use it.
   void keep_environment() { is_environment_kept_ = true; }
   /// Sets the FMU's loaded library, a `link_map`.
   void set_library(const void* library);
-  /// Returns how often stepFinished was called for no known instance by this target's library, or by an unknown one.
+  /// Returns how often stepFinished was called for no known instance, by this target's library or by an unknown
+  /// library.
   std::uint64_t dropped_step_ends() const { return dropped_step_ends_; }
 
   /// Sets what the FMU's instantiating function returned. Callbacks of FMI 1.0 pass it, because they have no
@@ -86,7 +89,7 @@ class CallbackTarget {
   const std::string& instance_name() const { return instance_name_; }
   const void* environment() const { return environment_.get(); }
 
-  // These require the registry's mutex.
+  // The caller of these functions must hold the registry's mutex.
   const void* component() const { return component_; }
   const void* library() const { return library_; }
   void count_dropped_step_end() { ++dropped_step_ends_; }
@@ -101,7 +104,7 @@ class CallbackTarget {
   std::atomic<std::uint64_t> dropped_step_ends_{0};
 };
 
-/// A call to an FMU. The texts are valid during the call.
+/// A call to an FMU that is under way. The texts are valid during the call.
 struct CurrentCall {
   const char* instance = nullptr;
   const char* function = nullptr;
@@ -109,8 +112,8 @@ struct CurrentCall {
   const char* library = nullptr;  ///< archive whose library is being loaded or unloaded, for all of its instances
 };
 
-/// Returns the call that this thread is in, for signal handlers and exit(). If there is none, instance and library are
-/// null. Safe in signal handlers.
+/// Returns the call to an FMU that this thread is making, for signal handlers and exit(). If there is none, instance
+/// and library are null. Safe in signal handlers.
 CurrentCall current_call() noexcept;
 
 /// Returns the sorted names of instances in this process; if there are many, the first few. Empty while another thread
@@ -126,14 +129,14 @@ void for_each_instance(Work work) {
   visit_instances(&work, [](void* context, const char* name) { (*static_cast<Work*>(context))(name); });
 }
 
-/// The callback of mebots that this thread is in.
+/// The callback of mebots that this thread is executing.
 struct CurrentCallback {
   const char* name = nullptr;  ///< null: none
   bool only_memory = false;    ///< it allocates or frees memory by the C library, with pointers from the FMU
 };
 
-/// Returns the running callback. An error in a callback is not the FMU's fault, except in memory that the FMU damaged.
-/// Safe in signal handlers.
+/// Returns the running callback. An error in a callback is a fault of mebots, unless the FMU has damaged memory. Safe
+/// in signal handlers.
 CurrentCallback current_callback() noexcept;
 
 /// Makes all callbacks ignore messages in the whole process, so that a crash handler can find the cause without the
@@ -177,8 +180,8 @@ namespace mebots::master {
 /// Longer texts are truncated.
 inline constexpr std::size_t kLongestText = std::size_t{64} * 1024;
 
-/// Returns the bytes from `address` up to a zero byte or `most`. Empty for null and for unreadable memory: the kernel
-/// copies, so an invalid address is an error code and not a signal.
+/// Returns the bytes from `address` up to a zero byte or `most`. Returns empty for null and for unreadable memory. The
+/// kernel copies the bytes, so an invalid address causes an error code and no signal.
 std::optional<std::string> read_text(const char* address, std::size_t most = kLongestText);
 
 /// Returns false if some of the bytes cannot be read. If the system forbids the check, returns true.

@@ -20,7 +20,8 @@ namespace mebots::master {
 namespace {
 
 constexpr std::array kCrashes = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS};
-/// Signals of timers and file descriptors, and signals that a process sends to itself. Real-time signals are added.
+/// Signals of timers and file descriptors, and signals that a process sends to itself. install_crash_notice() adds the
+/// real-time signals.
 constexpr std::array kEnds = {SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2, SIGPOLL, SIGSTKFLT};
 
 std::string_view name_of(int signal) {
@@ -118,7 +119,7 @@ bool has_timer() {
 }  // namespace
 
 void install_crash_notice() {
-  // The thread's own stack may have overflowed.
+  // The handler runs on a stack of its own, because the thread's stack may have overflowed.
   static std::array<std::byte, 1 << 16> stack;
   stack_t known{};
   if (sigaltstack(nullptr, &known) == 0 && (known.ss_flags & SS_DISABLE) != 0) {

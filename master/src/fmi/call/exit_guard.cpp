@@ -46,11 +46,11 @@ std::string reason(const char* what) {
                      call.function, kRemedy);
 }
 
-/// The process whose runs are guarded; its forks are not.
+/// The process whose runs are guarded. Forks of it are not guarded.
 std::atomic<pid_t> guarded_process = 0;
 /// The thread that ends the process because a run was busy.
 std::atomic<pid_t> ending_thread = 0;
-/// A signal received outside of calls, kept for the run's thread; 0: none.
+/// A signal received outside of calls, which is kept for the run's thread; 0 if there is none.
 std::atomic<int> kept_signal = 0;
 
 [[noreturn]] void end_at_once() {
@@ -67,8 +67,8 @@ void leave_it_to_the_ending_thread() {
 }
 
 /// _exit() may be called where hardly any other function is allowed: in a signal handler, or while the interrupted code
-/// holds the heap's locks. Writing results could then wait for these locks without end. In that case the alarm ends the
-/// process and the results are lost.
+/// holds the heap's locks. Writing results could then wait for these locks without end. The alarm then ends the
+/// process, and the results are lost.
 void end_by_alarm() {
   constexpr unsigned kLongestEndS = 60;
   std::signal(SIGALRM, SIG_DFL);
@@ -79,7 +79,7 @@ void end_by_alarm() {
   alarm(kLongestEndS);
 }
 
-/// Does not lock: code on this thread that a signal interrupted may hold the lock.
+/// Does not wait for the lock, because the interrupted code of this thread may hold it.
 std::unique_lock<std::mutex> lock_known_guards() {
   constexpr int kTries = 1000;
   constexpr timespec kPause{0, 1'000'000};
@@ -129,7 +129,7 @@ bool end_by_signal(int signal) {
     return false;
   }
   const std::unique_lock lock(guards().mutex, std::try_to_lock);
-  // If another thread holds the mutex, it is creating or destroying a guard; assume a busy run.
+  // If another thread holds the mutex, that thread is creating or destroying a guard. Then a busy run is assumed.
   if (lock.owns_lock() && std::ranges::none_of(guards().all, &ExitGuard::busy)) return false;
   kept_signal = signal;
   return true;

@@ -11,7 +11,7 @@ namespace mebots::master {
 
 /// Foreign code can end the process during a run, with any exit code: by exit(), by a timer's signal, or by ending a
 /// thread. While a guard exists and its run is busy, such an end is a failure of the run. `fail` receives the reason
-/// with instance and call, and writes results and summary. The process exits with code 1. The C library reports exit()
+/// with instance and call. It writes results and summary. The process exits with code 1. The C library reports exit()
 /// and quick_exit(), but not _exit() and exec(); a program replaces these (app/own_exit.cpp). Processes forked by an
 /// FMU are not guarded. Only a separate process for the instance protects against an end by the kernel.
 class ExitGuard {
@@ -24,7 +24,7 @@ class ExitGuard {
   ExitGuard(const ExitGuard&) = delete;
   ExitGuard& operator=(const ExitGuard&) = delete;
 
-  /// For handlers that run when the process ends.
+  /// True if the run is busy. For handlers that run when the process ends.
   bool busy() const;
   void fail(const std::string& what) const { fail_(what); }
 
@@ -34,8 +34,8 @@ class ExitGuard {
   Fail fail_;
 };
 
-/// Call it on the thread that is about to end this process. If a run is busy, it fails, and this function does not
-/// return. `what` is the FMU's action in the past tense: "called exit()".
+/// Must be called on the thread that is about to end this process. If a run is busy, the run fails, and this function
+/// does not return. `what` is the FMU's action in the past tense, such as "called exit()".
 void end_busy_runs(const char* what);
 
 /// For the handler of a signal that would end this process and comes from a timer or from the process itself. During a
@@ -43,20 +43,20 @@ void end_busy_runs(const char* what);
 /// master's work is not interrupted. Returns false if no run is busy.
 bool end_by_signal(int signal);
 
-/// If end_by_signal() kept a signal since the last call, describes it. Called between two calls to FMUs by the thread
-/// that steps.
+/// If end_by_signal() kept a signal since the last call, describes it. The thread that steps calls it between two calls
+/// to FMUs.
 std::optional<std::string> take_kept_signal();
 
 /// Installs handlers that report a crash inside an FMU on standard error, with instance, call and time, before the
 /// signal's default action: SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS. A signal of a timer, or one that
 /// the process sends to itself, fails the busy runs (see end_by_signal()). Signals that already have a handler keep it,
-/// and so does SIGALRM while the embedding program has a timer. Call it once, from any thread.
+/// and so does SIGALRM while the embedding program has a timer. Must be called once, from any thread.
 void install_crash_notice();
 
 /// Returns true if the signal would end the process: its only handler is that of install_crash_notice().
 bool ends_process(int signal);
 
-/// Returns "SIGALRM"; "signal 40" if it has no name.
+/// Returns the name of a signal, such as "SIGALRM"; "signal 40" if it has no name.
 std::string signal_name(int signal);
 
 }  // namespace mebots::master

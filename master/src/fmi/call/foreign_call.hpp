@@ -18,16 +18,17 @@ class ForeignException : public Error {
   explicit ForeignException(const std::string& text) : Error(ErrorCode::fmu_failed, text) {}
 };
 
-/// Call it in a catch block. Returns "threw std::runtime_error (it diverged) through its C interface".
+/// Must be called in a catch block. Returns text such as "threw std::runtime_error (it diverged) through its C
+/// interface".
 std::string escaped_exception_text();
 
-/// Foreign code is ending the thread that called it, which cannot be prevented: fails the busy runs and ends the
-/// process.
+/// Called when foreign code is ending the thread that called it, which cannot be prevented. Fails the busy runs and
+/// ends the process.
 [[noreturn]] void end_with_thread();
 
 /// Calls foreign code and returns the result of `work`. The call can end only by a return: an exception becomes a
-/// ForeignException, a forked copy of the process is ended, and the end of the thread ends the process. Inlined,
-/// because passing arguments in memory costs as much as a small FMU's step.
+/// ForeignException, a forked copy of the process is ended, and the end of the thread ends the process. The function is
+/// inlined, because passing arguments in memory costs as much as a small FMU's step.
 template <typename Work>
 [[gnu::always_inline]] inline std::invoke_result_t<Work&> call_foreign(Work work) {
   try {
@@ -77,7 +78,7 @@ struct FloatEnvironment {
   bool operator==(const FloatEnvironment&) const = default;
 };
 
-/// Describes how `found` differs from `wanted`: "rounding upward, denormals are flushed to zero".
+/// Describes how `found` differs from `wanted`, such as "rounding upward, denormals are flushed to zero".
 std::string difference_text(const FloatEnvironment& found, const FloatEnvironment& wanted);
 
 }  // namespace mebots::master

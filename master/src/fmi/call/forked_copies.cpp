@@ -26,7 +26,7 @@ constinit std::atomic<char>* detail::original = &always_original;
 
 namespace {
 
-/// The time to wait for copies that still run: longer than what they do before they return.
+/// The time to wait for copies that still run. A copy returns in less time.
 constexpr int kGraceMs = 100;
 
 /// A copy must not lock anything, because it consists of the forking thread only.
@@ -49,7 +49,7 @@ void* page_wiped_on_fork() {
   return nullptr;
 }
 
-/// Runs in the copy, on the thread that forked.
+/// Runs in the forked copy, on the thread that forked.
 void after_fork() {
   const auto call = current_call();
   if (call.instance == nullptr && call.library == nullptr) detail::original->store(1, std::memory_order_relaxed);

@@ -9,7 +9,7 @@
 /// execute the rest of the run a second time. Such a copy is ended, and the original process gets a report.
 namespace mebots::master {
 
-/// During its lifetime, receives reports of forked copies that returned from calls to this process's FMUs.
+/// Receives, during its lifetime, reports of forked copies that returned from calls to this process's FMUs.
 class ForkedCopies {
  public:
   /// The maximum number of receivers at a time.
@@ -20,8 +20,8 @@ class ForkedCopies {
   ForkedCopies(const ForkedCopies&) = delete;
   ForkedCopies& operator=(const ForkedCopies&) = delete;
 
-  /// Returns the report of the first copy that returned, or empty. Waits briefly if copies still run. Call it once,
-  /// after the last call to an FMU that may fork.
+  /// Returns the report of the first copy that returned, or empty. Waits briefly if copies still run. Must be called
+  /// once, after the last call to an FMU that may fork.
   std::optional<std::string> returned();
 
  private:
@@ -33,12 +33,12 @@ class ForkedCopies {
 };
 
 namespace detail {
-/// The kernel sets it to 0 in a forked copy of the process. A copy that the embedding program forked, outside of a call
-/// to an FMU, sets it again.
+/// A flag that the kernel sets to 0 in a forked copy of the process. If the embedding program forked the copy outside
+/// of a call to an FMU, the copy sets the flag again.
 extern std::atomic<char>* original;
 }  // namespace detail
 
-/// Call it before the first call to an FMU. May be called from any thread.
+/// Must be called before the first call to an FMU. May be called from any thread.
 void detect_forked_copies();
 
 /// Returns true in a process that was forked in a call to an FMU.

@@ -11,7 +11,8 @@
 
 namespace mebots::master {
 
-/// Calls code of the library that belongs to no instance; `doing` completes "while the library was".
+/// Calls code of the library that belongs to no instance. `doing` is the end of a sentence that begins with "while the
+/// library was".
 template <typename Work>
 auto call_library(const std::filesystem::path& archive, const char* doing, Work work) {
   const auto name = archive.filename().string();

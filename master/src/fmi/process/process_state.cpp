@@ -48,7 +48,7 @@ std::string current_locale() {
 
 using File = std::pair<dev_t, ino_t>;
 
-/// If the descriptor is not open, returns nothing.
+/// Returns the file of a descriptor; nothing if the descriptor is not open.
 std::optional<File> file_behind(int descriptor) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0) return std::nullopt;
@@ -85,7 +85,7 @@ bool is_code(const struct sigaction& action) {
   return dladdr(reinterpret_cast<const void*>(action.sa_handler), &info) != 0;
 }
 
-/// True for the signals with which a user ends a run.
+/// True for the signals by which a user ends a run.
 bool ends_a_run(int signal) {
   return signal == SIGINT || signal == SIGTERM || signal == SIGHUP;
 }

@@ -50,17 +50,17 @@ class DescriptorState {
   std::array<int, kStandard> copies_{};  // of the standard descriptors; -1 if closed
 };
 
-/// What an FMU can change of the thread that calls it: signal mask, alternate signal stack, nice value, scheduling
-/// policy, processor affinity, parent-death signal. On Linux, all of them belong to the thread.
+/// The properties of the calling thread that an FMU can change: signal mask, alternate signal stack, nice value,
+/// scheduling policy, processor affinity, parent-death signal. On Linux, all of them belong to the thread.
 class ThreadState {
  public:
   /// Reads the state of the calling thread.
   ThreadState();
 
   /// Appends one text for each difference from the state at construction, and undoes what it can. A change that stays
-  /// is reported once in the life of the process. No effect on another thread than the one of the constructor.
+  /// is reported once in the life of the process. Has an effect only on the thread that called the constructor.
   void put_right(std::vector<std::string>& texts) const;
-  /// True if the signal mask differs. Cheap.
+  /// True if the signal mask differs. This check is cheap.
   bool is_mask_changed() const;
 
  private:
@@ -87,8 +87,8 @@ class TimerState {
   TimerState();
 
   /// Appends a text for each timer that was started or stopped since construction. If the timer's signal would end the
-  /// process, stops the timer. If the signal has a handler, the FMU may need the timer: it continues, and is reported
-  /// once in the life of the process.
+  /// process, stops the timer. If the signal has a handler, the FMU may need the timer. Then the timer continues, and
+  /// is reported once in the life of the process.
   void put_right(std::vector<std::string>& texts) const;
 
  private:
@@ -112,8 +112,8 @@ class EnvironmentVariables {
  public:
   static EnvironmentVariables now();
 
-  /// Sets the process's variables to those of this copy. Returns one text per difference that it undid:
-  /// "environment variable TZ became 'UTC' (put back)". Costs a comparison if nothing differs.
+  /// Sets the process's variables to those of this copy. Returns one text per difference that it undid: "environment
+  /// variable TZ became 'UTC' (put back)". If nothing differs, costs one comparison.
   std::vector<std::string> restore() const;
 
  private:
@@ -125,8 +125,8 @@ class EnvironmentVariables {
 };
 
 /// The process-wide state that an FMU in this process can change: descriptors, file mode mask, working directory,
-/// locale, environment variables, limits, signal handlers, timers; and for the calling thread, see ThreadState. Such a
-/// change alters what the other FMUs and the master compute or write. Not for use by two threads at once.
+/// locale, environment variables, limits, signal handlers, timers, and the state of the calling thread (ThreadState).
+/// Such a change alters what the other FMUs and the master compute or write. Not for use by two threads at once.
 class ProcessState {
  public:
   /// Reads the parts that can change according to `reach`. For the open descriptors see DescriptorState.
@@ -172,8 +172,8 @@ Handlers handlers_in_libraries();
 /// that send it.
 void reset_unloaded_handlers(const Handlers& before);
 
-/// Returns true for the first call with this text in the life of the process: a change that stays is reported once.
-/// From any thread.
+/// Returns true for the first call with this text in the life of the process, because a change that stays is reported
+/// once. From any thread.
 bool is_new_change(std::string text);
 
 }  // namespace mebots::master

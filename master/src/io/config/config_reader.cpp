@@ -32,7 +32,7 @@ struct Section {
   bool names_instances = false;
 };
 
-// In the order of reading, which differs from that of the file: a reader may use the sections before it.
+// The sections in the order of reading, which differs from that of the file: a reader may use the sections before it.
 constexpr Section kSections[] = {
     {"$schema", false, &config::read_text},
     {"text", false, &config::read_text},
@@ -151,7 +151,8 @@ void read_sections(const data::Node& root, SystemDescription& system) {
   bool has_instances = true;
   for (const auto& section : kSections) {
     const auto read = [&](const data::Node& node) {
-      // If the instances are missing, every name in other sections would be reported.
+      // If the instances are missing, every name in other sections would be reported, so sections with such names are
+      // skipped.
       if (has_instances || !section.names_instances) section.read(node, system);
     };
     if (section.required) {
@@ -263,7 +264,7 @@ void read_ssp_config(LoadedSystem& loaded, SspConfig ssp, const std::string& fil
   read_made_config(loaded, file, std::move(ssp.places));
 }
 
-/// Leaves out the FMU's folder: the hash of a run's inputs contains the FMU's bytes.
+/// Leaves out the FMU's folder, because the hash of a run's inputs contains the FMU's bytes.
 void read_single_fmu(LoadedSystem& loaded, const std::filesystem::path& file, const GivenTimes& times) {
   auto& system = loaded.system;
   loaded.config = config::single_fmu_config(file, read_fmu_description(file), times, system.notices);

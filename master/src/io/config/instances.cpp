@@ -71,7 +71,8 @@ std::string mechanism_in(const Node& node) {
   return data::word_of<std::string>({{kNamespaces, kNamespaces}, {kLandlock, kLandlock}, {kSeccomp, kSeccomp}})(node);
 }
 
-/// The master cannot end a call of an FMU in its own process, nor limit its memory.
+/// Requires a separate process, because the master cannot end a call of an FMU in its own process, nor limit the FMU's
+/// memory.
 void need_own_process(const Node& node, const InstanceDescription& instance) {
   if (instance.isolation.process == ProcessKind::shared) {
     node.fail(ErrorCode::invalid_value, "this needs \"process\": \"own\" or \"sandboxed\"");
@@ -89,7 +90,7 @@ void read_memory_limit(const Node& node, InstanceDescription& instance, const Su
   instance.isolation.memory_bytes = static_cast<std::uint64_t>(node.whole_number(1, kLargestMb)) << 20;
 }
 
-/// "reads": paths, relative to the config; "may_lack": names of mechanisms.
+/// Reads the members of `sandbox`: "reads" has paths, relative to the config; "may_lack" has names of mechanisms.
 void read_sandbox(const Node& node, InstanceDescription& instance, const Surroundings& around) {
   if (!instance.isolation.sandboxed()) node.fail(ErrorCode::invalid_value, "this needs \"process\": \"sandboxed\"");
   Object object(node);
@@ -117,7 +118,7 @@ void read_pass_stop_time(const Node& node, InstanceDescription& instance, const 
   instance.pass_stop_time = node.flag();
 }
 
-/// Reads a number, or `false` for none.
+/// Reads a tolerance: a number, or `false` for none.
 void read_tolerance(const Node& node, InstanceDescription& instance, const Surroundings& /*around*/) {
   if (node.is(data::Kind::boolean)) {
     if (node.flag()) node.fail(ErrorCode::invalid_value, "write a number above 0, or false to pass no tolerance");

@@ -50,7 +50,7 @@ void check_scenario(const std::filesystem::path& file);
 LoadedSystem load_text(std::string text, const std::filesystem::path& file);
 LoadedSystem load_ssp_config(SspConfig ssp, const std::filesystem::path& file, const GivenTimes& times);
 
-/// Makes the paths of files of signals absolute in the JSON that `system` was read from, so that it can be read from
+/// Makes the paths of signal files absolute in the JSON from which `system` was read, so that the JSON can be read from
 /// another folder.
 void make_signal_paths_absolute(nlohmann::ordered_json& config, const SystemDescription& system);
 
@@ -78,8 +78,8 @@ SystemFile find_system(const std::filesystem::path& path);
 /// True if the name alone shows a file or folder that find_system() accepts; false for an FMU.
 bool may_be_system(const std::filesystem::path& path);
 
-/// Returns the system's name. If the file of an unpacked SSP or of an OSP system has the usual name, this is the name
-/// of its folder; else that of the file without extension.
+/// Returns the system's name: the name of its file without extension. If the file of an unpacked SSP or of an OSP
+/// system has its usual name, returns the name of the folder.
 std::string system_name(const std::filesystem::path& path);
 
 }  // namespace mebots::master
@@ -89,7 +89,7 @@ namespace mebots::master::config {
 /// Returns the config of a run of a single FMU: one instance, named after the file. Times come from `times`, else from
 /// the FMU's DefaultExperiment, else 500 steps from 0 s to 1 s after the start. Rounds a stop time of the
 /// DefaultExperiment down to a whole number of steps. Records the outputs, or the local variables if there are none.
-/// Appends the values and their origins to `notices`. Throws InputError.
+/// Appends notices with the chosen values and their origins. Throws InputError.
 nlohmann::ordered_json single_fmu_config(const std::filesystem::path& fmu,
                                          const modeldesc::ModelDescription& description, const GivenTimes& times,
                                          std::vector<std::string>& notices);

@@ -19,7 +19,7 @@ std::vector<RecordPattern> read_patterns(const Node& node) {
   })(node);
 }
 
-/// Reads `true` for all, or patterns.
+/// Reads the parameters to record: `true` for all, or patterns.
 std::vector<RecordPattern> read_recorded_parameters(const Node& node) {
   if (!node.is(data::Kind::boolean)) return read_patterns(node);
   return node.flag() ? std::vector<RecordPattern>{{"*", node.place()}} : std::vector<RecordPattern>{};
@@ -158,7 +158,7 @@ ConditionDescription read_final_condition(const Node& node, const SystemDescript
   return condition;
 }
 
-/// Reads a value that is valid only if the run reached a point at which it was measured.
+/// Reads a summary entry that is valid only if the run reached the point at which its value is measured.
 SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& path, const SystemDescription& system) {
   Object object(node);
   SummaryEntry entry{path, {}, {}, node.place()};
@@ -194,7 +194,7 @@ bool is_conditional(const Node& node) {
   return node.has("variable") && when && when->is(data::Kind::list);
 }
 
-// Recursive: the document limits the depth.
+// Reads nested labels. The recursion is bounded, because the document limits the depth.
 void read_labels(const Node& node, const std::vector<std::string>& path, SystemDescription& system) {
   for (const auto& [label, value] : node.members()) {
     value.attempt([&, &label = label, &value = value] {

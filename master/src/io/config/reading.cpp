@@ -47,7 +47,7 @@ VariableName variable_name(const Node& node, const SystemDescription& system) {
 
 std::string instance_name(const std::string& name, const Node& node, const SystemDescription& system) {
   if (system.find_instance(name) != nullptr) return name;
-  // Searching the nearest of 100,000 names is slow; do it only for the mistakes that are shown.
+  // Searching the nearest of 100,000 names is slow, so it is done only for the mistakes that are shown.
   constexpr std::size_t kAnswered = 20;
   auto what = fmt::format("there is no instance '{}'", name);
   if (node.noted() < kAnswered) what += ". " + suggest(name, system.instance_names());

@@ -82,7 +82,7 @@ bool has_leading_zero(std::string_view cell) {
   return cell.size() > 1 && cell[0] == '0' && std::isdigit(static_cast<unsigned char>(cell[1])) != 0;
 }
 
-/// A number, true and false as such, everything else as text.
+/// Returns numbers, true and false as such, and everything else as text.
 Json json_of(std::string_view cell) {
   if (has_leading_zero(cell)) return std::string(cell);
   if (const auto whole = data::csv_number<std::int64_t>(cell)) return *whole;
@@ -105,7 +105,7 @@ std::vector<Values> numbers(const Node& node, const std::string& index) {
   return rows;
 }
 
-/// {"mass": [0.03, 0.031], "x": [0, 1]}
+/// Reads lists such as {"mass": [0.03, 0.031], "x": [0, 1]}.
 std::vector<Values> lists(const Node& node, const std::string& index) {
   std::vector<Values> rows;
   bool is_first = true;
@@ -267,7 +267,7 @@ class Filler {
   }
 
  private:
-  /// Returns the value of "name", "name+1" or "name-1"; empty if the text is no such expression.
+  /// Returns the value of "name", "name+1" or "name-1"; empty for any other text.
   std::optional<Filling> value_of(std::string_view expression) const {
     const auto sign = expression.find_first_of("+-");
     const auto name = expression.substr(0, sign);

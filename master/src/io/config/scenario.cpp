@@ -97,7 +97,7 @@ OverrideDescription read_override(const Node& node, const SystemDescription& sys
   object.read("variable", override.variable, variable_of(system));
   read_action(object, override);
   object.read_if("unit", override.unit, &Node::readable_text);
-  // Without a seed, noise would not be reproducible.
+  // A seed is required, because noise without a seed would not be reproducible.
   read_with(object, "seed", override.seed, override.action == OverrideAction::noise, "noise", &Node::natural_number);
   read_with(object, "over", override.over_ns, override.action == OverrideAction::ramp, "ramp", &duration_ns);
   read_file_of_signal(object, folder, override);

@@ -101,7 +101,7 @@ inline constexpr const char* kRepeat = "repeat";
 inline constexpr const char* kGroups = "groups";
 inline constexpr const char* kInstances = "instances";
 
-/// Inputs and results of an expansion.
+/// The inputs and results of an expansion.
 struct Repeats {
   std::filesystem::path folder;               ///< of the config
   std::map<std::string, std::string> places;  ///< by JSON pointers of the expanded config; for data::JsonDocument

@@ -20,7 +20,7 @@ constexpr std::int64_t kDefaultSteps = 500;
 constexpr const char* kByDefault = "by default";
 constexpr const char* kByFmu = "DefaultExperiment of the FMU";
 
-/// A time, and a text that says where it comes from.
+/// A time, and a text that states its origin.
 struct Origin {
   ExactTime time;
   std::string text;
@@ -33,7 +33,7 @@ std::optional<ExactTime> usable(std::optional<double> time_s) {
   return exact_time_of(std::llround(*time_s * 1e9));
 }
 
-/// Returns a time given by the user. Throws InputError if it is not exact.
+/// Returns a time given by the user. Throws InputError if the time is not exact.
 ExactTime given(const WrittenTime& written, const char* option) {
   const auto* seconds = std::get_if<double>(&written);
   const auto time = seconds != nullptr ? exact_time(*seconds) : read_ratio(std::get<std::string>(written));

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sections `text`, `step`, `start_time` and `stop_time`.
-// The sections `algorithm`, `step_control` and `solver`.
-// The section `threads`: "auto" or a number.
-// The section `coupling`.
+// Reads the sections on stepping: `text`, `step`, `start_time`, `stop_time`, `algorithm`, `step_control`, `solver`,
+// `coupling`, and `threads` ("auto" or a number).
 #include "mebots/input_error.hpp"
 #include "sections.hpp"
 

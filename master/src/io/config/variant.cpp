@@ -14,7 +14,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kText = "text";
 
-/// Rejects paths: those in the other file would be relative to the wrong folder.
+/// Returns a file name without folders. Rejects paths, because paths in the other file would then be relative to the
+/// wrong folder.
 std::string name_beside(const data::Node& node) {
   auto name = node.readable_text();
   if (std::filesystem::path(name).has_parent_path()) {
@@ -23,8 +24,8 @@ std::string name_beside(const data::Node& node) {
   return name;
 }
 
-/// `base` is the other file's value at this place, or null. An object that is new there counts as a change as a whole,
-/// so that the place of a missing key is in the changes.
+/// `base` is the other file's value at this place, or null. An object that the other file lacks counts as a change as a
+/// whole, so that the place of a missing key is in the changes.
 void mark(const Json& change, const Json* base, const Json::json_pointer& at,
           std::map<std::string, std::string>& places) {
   const bool goes_into = base != nullptr && base->is_object();

@@ -22,8 +22,9 @@ using data::Limits;
 using data::Node;
 using data::Object;
 
-// Frames: world x east, y north, z up; body x forward, y left, z up (docs/architecture.md). battery.current is positive
-// for a discharge, acceleration is the specific force, and attitude rotates body axes into world axes.
+// The signals and their units. Axes of the world: x east, y north, z up; of the body: x forward, y left, z up
+// (docs/architecture.md). battery.current is positive for a discharge. acceleration is the specific force. attitude
+// rotates body axes into world axes.
 constexpr LogSignal kSignals[] = {
     {"motor[1].command", "1"},   {"motor[2].command", "1"},   {"motor[3].command", "1"},   {"motor[4].command", "1"},
     {"rotor[1].speed", "rad/s"}, {"rotor[2].speed", "rad/s"}, {"rotor[3].speed", "rad/s"}, {"rotor[4].speed", "rad/s"},

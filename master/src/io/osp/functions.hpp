@@ -27,7 +27,7 @@ struct FunctionLink {
   pugi::xml_node node;  ///< the XML connection that ends at `to`
 };
 
-/// The kind of the connection's end opposite to the function.
+/// The kind of the connection's end that is not a function.
 enum class Ends { variable, group };
 
 /// The <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim a function reads
@@ -41,7 +41,8 @@ class Functions {
   void read(pugi::xml_node functions);
   /// Connects variables with a <Signal> or <SignalGroup>.
   void connect(pugi::xml_node signal, const std::vector<OspVariable>& variables, Ends ends);
-  /// Returns the effect of all functions; call it after the last connect(). Each input of a function must be connected.
+  /// Returns the effect of all functions. Must be called after the last connect(). Each input of a function must be
+  /// connected.
   std::vector<FunctionLink> links() const;
 
  private:

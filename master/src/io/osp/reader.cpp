@@ -104,7 +104,7 @@ class OspReader {
     fmus_.emplace(name, OspFmu{description, path});
   }
 
-  /// Returns the path of the FMU. Gives the FMU of a proxy its own process.
+  /// Returns the path of the FMU. If the source is a proxy, gives the FMU its own process.
   std::filesystem::path read_source(pugi::xml_node node, const std::string& name, Json& instance) {
     const auto source = file_.required(node, "source");
     const auto uri = parse_file_uri(source);
@@ -124,7 +124,7 @@ class OspReader {
     return path;
   }
 
-  /// Returns a multiple of the base step. Rounds other values down, as libcosim does.
+  /// Returns a simulator's step as a multiple of the base step. Rounds other values down, as libcosim does.
   double step_of(pugi::xml_node node, const std::string& name) {
     const auto step = file_.number(node, "stepSize", 0);
     if (!result_.config.contains("step")) return step;
@@ -243,7 +243,7 @@ class OspReader {
     ends_.push_back(to);
   }
 
-  /// A function uses numbers without conversion, whatever their units.
+  /// Connects two variables through a function. A function uses numbers without conversion, whatever their units.
   void connect_through(const osp::FunctionLink& link) {
     for (const auto& [variable, wanted] :
          {std::pair(&link.from, Causality::output), std::pair(&link.to, Causality::input)}) {

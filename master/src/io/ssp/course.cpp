@@ -13,7 +13,7 @@
 namespace mebots::master::ssp {
 namespace {
 
-/// "1" and "true" are the same Boolean.
+/// True for "1" and "true", which are the same Boolean.
 bool is_true(std::string_view text) {
   return text == "true" || text == "1";
 }

@@ -48,7 +48,7 @@ void DefinitionsWriter::write(pugi::xml_node root, const std::string& prefix) co
 
 namespace {
 
-/// Returns the item's name for an enumeration.
+/// Returns the text of a start value. For an enumeration, this is the item's name.
 std::string start_text(const modeldesc::ModelDescription& model, const StartValue& start) {
   const auto* number = std::get_if<std::int64_t>(&start.value);
   const auto* type = model.type_definition(start.variable->declared_type);

@@ -26,7 +26,7 @@ class Files {
 /// An SSP that is unpacked in a folder.
 class FolderFiles final : public Files {
  public:
-  /// `is_open`: the user unpacked the SSP, so `../` and absolute paths are allowed.
+  /// If `is_open` is true, the user has unpacked the SSP, so `../` and absolute paths are allowed.
   FolderFiles(std::filesystem::path folder, bool is_open) : folder_(std::move(folder)), is_open_(is_open) {}
 
   bool holds(const std::filesystem::path& path) const override;

@@ -73,7 +73,7 @@ struct ConnectionEnd {
   std::string connector;
 };
 
-/// The order of the ends does not define the direction (5.4.2).
+/// A connection between two ends. The order of the ends does not define the direction (5.4.2).
 struct Connection {
   ConnectionEnd start;
   ConnectionEnd end;
@@ -103,11 +103,11 @@ struct Element {
   std::vector<Connector> connectors;
   std::vector<Parameter> parameters;  ///< of all bindings in order; later ones take precedence
   std::string place;
-  // Members of a component.
+  // Members that only a component has.
   std::filesystem::path fmu;
   bool in_own_process = false;  ///< it was meant to run through a proxy
   std::string fmu_kind;         ///< in the notation of a config; empty = any
-  // Members of a system.
+  // Members that only a system has.
   std::vector<Element> elements;
   std::vector<Connection> connections;
 };
@@ -115,8 +115,8 @@ struct Element {
 /// The change of a value along a chain of connections: factor * value + offset, or a map.
 class Course {
  public:
-  /// `unit` is that of the value at the start, or empty. `difference`: the value is a difference of two
-  /// (relativeQuantity), so a unit's offset does not apply.
+  /// `unit` is that of the value at the start, or empty. If `difference` is true, the value is a difference of two
+  /// values (relativeQuantity), so that a unit's offset does not apply.
   explicit Course(std::optional<modeldesc::Unit> unit, bool difference = false)
       : unit_(std::move(unit)), difference_(difference) {}
 

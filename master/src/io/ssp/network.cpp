@@ -100,8 +100,8 @@ Port Network::port(const Endpoint& endpoint) const {
   return port;
 }
 
-/// SSP 2.0, 5.4.2.1: an element's outputs are sources and its inputs targets; for a system's own connectors, seen from
-/// inside, the reverse.
+/// Returns the direction of values at an endpoint. An element's outputs are sources, and its inputs are targets. For
+/// the connectors of the enclosing system, seen from inside, it is the reverse (SSP 2.0, 5.4.2.1).
 Network::Flow Network::flow(const Endpoint& endpoint, bool is_own) const {
   const auto known = port(endpoint);
   if (known.variable != nullptr) {

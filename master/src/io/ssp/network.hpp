@@ -12,7 +12,7 @@
 
 namespace mebots::master::ssp {
 
-/// A connector, identified by the path of its element: "outer.inner", or empty for the root system.
+/// A connector. `element` is the path of its element, such as "outer.inner"; it is empty for the root system.
 struct Endpoint {
   std::string element;
   std::string connector;
@@ -41,8 +41,8 @@ struct Hop {
   const Connection* connection = nullptr;
 };
 
-/// The chain of hops from a source to a component's variable, in the direction of the values. If it begins at a
-/// system's connector, that connector has no source.
+/// The chain of hops from a source to a component's variable, in the direction of the values. A chain that begins at a
+/// system's connector has no source.
 using Way = std::vector<const Hop*>;
 
 /// A component by its path.
@@ -65,9 +65,9 @@ class Network {
   Port port(const Endpoint& endpoint) const;
   bool is_component(const std::string& path) const { return models_.contains(path); }
   /// Returns the endpoints of a hierarchical name, resolved from the element at `path`: none, one, or several (SSP 2.0,
-  /// 5.3.3). An FMU that cannot be read is assumed to have any variable.
+  /// 5.3.3). If an FMU cannot be read, assumes that it has every variable.
   std::vector<Endpoint> find(const std::string& path, const std::string& name) const;
-  /// Returns the hop that ends at the endpoint, or null.
+  /// Returns the hop that ends at the endpoint; null if there is none.
   const Hop* into(const Endpoint& endpoint) const;
   /// Returns the ways to all components, in the order of the connections. Throws InputError for a cycle.
   std::vector<Way> ways() const;

@@ -20,7 +20,7 @@ namespace {
 constexpr std::string_view kParameterSet = "application/x-ssp-parameter-set";
 constexpr std::string_view kParameterMapping = "application/x-ssp-parameter-mapping";
 
-/// An inline element, or the root of the file named by `source`. Keeps the file while it is read.
+/// An inline element, or the root of the file named by `source`. Owns the file while it is read.
 struct Part {
   const XmlFile* file;
   pugi::xml_node node;
@@ -76,14 +76,14 @@ Part part(const BindingContext& context, pugi::xml_node node, const char* inline
 std::int32_t whole_number(const XmlFile& file, pugi::xml_node node, const std::string& text) {
   using Limits = std::numeric_limits<std::int32_t>;
   const auto value = parse_number(text);
-  // Compares first: a number out of range, or NaN, must not be converted.
+  // The range is checked first, because a number out of range, or NaN, must not be converted.
   if (!value || !(*value >= Limits::min() && *value <= Limits::max()) || *value != std::floor(*value)) {
     file.fail(node, fmt::format("\"{}\" is not a whole number of 32 bits", text));
   }
   return static_cast<std::int32_t>(*value);
 }
 
-/// Returns the element that holds the value, such as <Real>, or null.
+/// Returns the element that holds the value, such as <Real>; null if there is none.
 pugi::xml_node type_of(pugi::xml_node parameter) {
   return parameter.find_child([](pugi::xml_node node) {
     const auto name = local_name(node);
@@ -111,7 +111,7 @@ Json value_of(const XmlFile& file, pugi::xml_node parameter) {
       return file.flag(node, "value", false);
     }
     if (type == "String" || type == "Enumeration") {
-      // Tools that do not support items write an enumeration's number.
+      // The text may be the number of an enumeration's item, because some tools do not support the names of items.
       auto word = text();
       if (type == "Enumeration" && parse_number(word)) return whole_number(file, node, word);
       return word;
@@ -158,7 +158,7 @@ std::vector<Parameter> read_values(const BindingContext& context, const Part& va
   return result;
 }
 
-/// Applies a mapping: keeps only the parameters that it names, renamed, one per entry (chapter 7).
+/// Applies a mapping: keeps only the parameters that its entries name, one per entry, with their new names (chapter 7).
 std::vector<Parameter> mapped(const std::vector<Parameter>& parameters, const std::vector<MappingEntry>& entries) {
   std::multimap<std::string_view, const MappingEntry*> by_source;
   for (const auto& entry : entries) by_source.emplace(entry.source, &entry);
@@ -194,7 +194,7 @@ std::vector<Parameter> read_binding(const BindingContext& context, pugi::xml_nod
 
 std::vector<Parameter> read_parameter_bindings(const BindingContext& context, pugi::xml_node element) {
   std::vector<Parameter> result;
-  // The schema allows one list; some tools write several.
+  // The schema allows one list only, but some tools write several.
   for (const auto list : children(element, "ParameterBindings")) {
     for (const auto binding : children(list, "ParameterBinding")) {
       auto parameters = read_binding(context, binding);

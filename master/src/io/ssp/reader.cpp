@@ -20,7 +20,7 @@ namespace {
 
 using namespace ssp;
 
-/// True if the output can have the source value of a map's entry. Other entries are ignored (SSP 2.0, 4.5.2.3).
+/// True if the output can have the source value of an entry in a map. Other entries are ignored (SSP 2.0, 4.5.2.3).
 bool may_give(const Port& port, const std::string& source) {
   if (port.variable == nullptr || port.variable->type == modeldesc::Type::boolean) return true;
   std::int32_t number = 0;
@@ -54,7 +54,7 @@ Json map_json(const ValueMap& map, const Port& from) {
   return json;
 }
 
-/// How another tool stores the communication step: type of the annotation, its element and attribute.
+/// Describes how another tool stores the communication step: the type of the annotation, its element and its attribute.
 struct StepAnnotation {
   std::string_view type;
   std::string_view element;
@@ -139,7 +139,7 @@ class ConfigMaker {
     return course;
   }
 
-  /// Adds a connection between two components, with the changes of the value on its way.
+  /// Adds a connection between two components, with the changes of the value on the way.
   void connect(const Way& way, std::map<Endpoint, StartingValue>& values) {
     const auto& from = way.front()->from;
     const auto& to = way.back()->to;
@@ -178,14 +178,15 @@ class ConfigMaker {
     if (linear.offset != 0) json["offset"] = linear.offset;
   }
 
-  /// True for a single hop between variables with units of their FMUs: the master converts them, with a notice.
+  /// True for a single hop between variables whose FMUs declare their units. The master then converts the value, with a
+  /// notice.
   bool converts_by_itself(const Way& way) const {
     return way.size() == 1 && network_.port(way.front()->from).has_own_unit() &&
            network_.port(way.front()->to).has_own_unit();
   }
 
   /// For a variable connected to a system's connector without a source, sets the connector's value as the start value.
-  /// Of several connectors on the way, the outermost with a value counts.
+  /// If several connectors on the way have a value, the outermost one counts.
   void feed(const Way& way, std::map<Endpoint, StartingValue>& values) {
     const auto& to = way.back()->to;
     std::size_t first = 0;
@@ -249,7 +250,7 @@ class ConfigMaker {
     }
   }
 
-  /// Reads the communication step from another tool's annotation, unless our own defines it.
+  /// Reads the communication step from another tool's annotation, unless MEbots' own annotation defines it.
   void read_step(pugi::xml_node annotation, const StepAnnotation& tool) {
     const auto holder = annotation.find_node([&](pugi::xml_node node) { return local_name(node) == tool.element; });
     if (!holder || !holder.attribute(tool.attribute) || result_.config.contains("step")) return;

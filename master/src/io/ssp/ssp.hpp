@@ -17,7 +17,7 @@
 /// as JSON.
 namespace mebots::master {
 
-/// The type of our annotation at the root system.
+/// The type of MEbots' annotation at the root system.
 inline constexpr std::string_view kSspAnnotation = "org.mebots.config";
 
 /// The content of an SSP as the JSON of a config. Nested systems are flattened: the instance `motor` of the system
@@ -32,8 +32,8 @@ struct SspConfig {
 /// The files that URIs in an SSP may name. Archives are not trusted, so their URIs must stay inside.
 enum class SspReach { inside, anywhere };
 
-/// Reads the SSP unpacked in `folder`, from its file `ssd`; messages name it `archive`. FMU paths in the result are
-/// absolute. Throws InputError with archive, file, line and element.
+/// Reads the SSP that is unpacked in `folder`, from its file `ssd`. `archive` is its name in messages. FMU paths in the
+/// result are absolute. Throws InputError with archive, file, line and element.
 SspConfig read_ssp(const std::filesystem::path& folder, const std::filesystem::path& archive, SspReach reach,
                    const std::string& ssd = "SystemStructure.ssd");
 

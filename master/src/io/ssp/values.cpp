@@ -36,7 +36,7 @@ struct UnitPair {
   std::optional<modeldesc::Unit> to;
 };
 
-/// Finds definitions for units that the SSV or the FMU only names. Without a definition, the number is not converted.
+/// Finds definitions for units that the SSV or the FMU only names. If there is none, the number is not converted.
 UnitPair defined_units(UnitPair units, const Parameter& parameter, const std::string& name, ValueNotices& notices) {
   if (!units.from || !units.to || (units.from->has_base && units.to->has_base)) return units;
   if (without_brackets(units.from->name) == without_brackets(units.to->name)) return {units.to, units.to};
@@ -100,7 +100,7 @@ Json fitting(Json value, const Port& port) {
   if (port.variable->type != Type::integer && port.variable->type != Type::enumeration) return value;
   using Limits = std::numeric_limits<std::int32_t>;
   const auto number = value.get<double>();
-  // Compares first: a number out of range must not be converted.
+  // The range is checked first, because a number out of range must not be converted.
   if (!(number >= Limits::min() && number <= Limits::max()) || number != std::floor(number)) return value;
   return static_cast<std::int32_t>(number);
 }

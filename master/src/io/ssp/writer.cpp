@@ -21,7 +21,7 @@ using modeldesc::Type;
 using modeldesc::Variable;
 using Json = nlohmann::ordered_json;
 
-/// Returns unique names for a system's FMU files; numbers those that differ only in their folder.
+/// Returns unique names for a system's FMU files. Files that differ only in their folder get numbers.
 std::map<std::filesystem::path, std::string> file_names(const SystemDescription& system) {
   std::map<std::filesystem::path, std::string> names;
   std::set<std::string> taken;

@@ -60,16 +60,16 @@ struct Source {
   std::vector<std::string>& notices;
 };
 
-/// Returns the path of a URI's file in `source.files`. Throws InputError if the URI is not that of a file, leaves a
-/// closed SSP, or names a missing file.
+/// Returns the path of a URI's file in `source.files`. Throws InputError if the URI does not name a file, leads out of
+/// a closed SSP, or names a missing file.
 std::filesystem::path resolve_uri(const Source& source, const XmlFile& file, pugi::xml_node node,
                                   const std::string& uri);
 
 /// Reads <Units> and <Enumerations> of a file's root element, or of an inline ParameterSet.
 Definitions read_definitions(const XmlFile& file, pugi::xml_node root);
 
-/// Returns the unit that the attribute `unit` of a type element names: as defined, else without base. Empty if there is
-/// no attribute.
+/// Returns the unit that the attribute `unit` of a type element names, as defined in the file; without base, if the
+/// file does not define it. Empty if there is no attribute.
 std::optional<modeldesc::Unit> read_unit(pugi::xml_node type, const Definitions& definitions);
 
 /// Reads the transformation and suppressUnitConversion of a <Connection> or <MappingEntry>.

@@ -92,7 +92,7 @@ void check_normal(const Node& node) {
   static_cast<void>(elements[1].number(Limits::positive()));
 }
 
-/// Returns the single key in `words` that an object has.
+/// Returns the one key of `words` that an object has. Reports a mistake if it has none or several.
 template <std::size_t N>
 void require_one_of(const Object& object, const std::array<std::string_view, N>& words) {
   std::string list;
@@ -265,7 +265,7 @@ void check_draws(const Node& node, Names& names) {
   draws.finish();
 }
 
-/// Checks outcomes: a name, or several of which any counts.
+/// Checks outcomes: one name, or a list of names of which any counts.
 void check_outcomes(const Node& node) {
   if (node.is(data::Kind::text)) {
     static_cast<void>(node.readable_text());
@@ -276,7 +276,7 @@ void check_outcomes(const Node& node) {
   for (const auto& element : elements) element.attempt([&] { static_cast<void>(element.readable_text()); });
 }
 
-/// Checks end reasons: a name, or several of which any counts.
+/// Checks end reasons: one name, or a list of names of which any counts.
 void check_end_reasons(const Node& node) {
   const std::vector<std::string> known = {"stop_time", "stop_condition", "terminated", "failed"};
   const auto check = [&](const Node& reason) { static_cast<void>(read_known(reason, "the end reason", known)); };
@@ -419,7 +419,7 @@ void check_rounds(const Node& node, const Names& names) {
   }
 }
 
-/// Checks names of factors or draws, which must differ. The factors of a list are in its own file.
+/// Checks names of factors or draws, which must differ. The factors of a design of kind `list` are in its own file.
 void check_names(const Node& node, std::string_view what, const std::vector<std::string>& known, bool known_all) {
   const auto elements = node.elements();
   if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one name is needed");
@@ -446,7 +446,7 @@ void check_fork(const Node& node, const Names& names) {
   fork.finish();
 }
 
-/// Checks that numbers rise, or that they fall.
+/// Checks that the numbers are in rising or in falling order.
 void check_levels(const Node& node) {
   const auto elements = node.elements();
   if (elements.empty()) node.fail(ErrorCode::invalid_value, "at least one level is needed");

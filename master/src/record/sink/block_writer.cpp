@@ -19,7 +19,7 @@ BlockWriter::~BlockWriter() {
 }
 
 void BlockWriter::submit(RowBlock& block) {
-  // Starts the thread before handing over rows: if that fails, no later call waits for it.
+  // The thread is started before it gets rows. If the start fails, no later call waits for the thread.
   if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   {
     std::unique_lock lock(mutex_);

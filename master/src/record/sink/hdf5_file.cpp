@@ -30,12 +30,12 @@ namespace {
 constexpr std::size_t kPageBytes = 4096;
 using Page = std::array<std::byte, kPageBytes>;
 
-/// The argument that H5Pset_driver passes to the driver.
+/// The argument that H5Pset_driver passes to the file driver.
 struct DriverInfo {
   int* error_number;
 };
 
-/// A file as seen by the driver. HDF5 reads the base; see H5FDpublic.h.
+/// A file in the form that the driver uses. HDF5 reads the base class; see H5FDpublic.h.
 struct DriverFile : H5FD_t {
   int descriptor = -1;
   int* error_number = nullptr;
@@ -51,8 +51,8 @@ const DriverFile& as_file(const H5FD_t* file) {
   return *static_cast<const DriverFile*>(file);
 }
 
-/// Repeats a call after EINTR and after a short transfer. Returns the transferred bytes: less than all at the end of
-/// the file and after an error. At the end of the file, `errno` is 0.
+/// Repeats a call after EINTR and after a short transfer. Returns the number of transferred bytes. It is less than
+/// requested at the end of the file, where `errno` is 0, and after an error.
 template <typename Call>
 std::size_t transfer_all(std::size_t size, Call call) {
   std::size_t done = 0;

@@ -50,18 +50,19 @@ class File {
   /// Creates or truncates the file. Throws InputError if it cannot be opened; check() reports a failed write of its
   /// first bytes.
   explicit File(std::filesystem::path path);
-  /// Closes the file and ignores errors. Call close() first to get them.
+  /// Closes the file and ignores errors. Call close() before to get errors.
   ~File();
   File(const File&) = delete;
   File& operator=(const File&) = delete;
 
   hid_t id() const { return id_; }
   const std::filesystem::path& path() const { return path_; }
-  /// Sets the new name after the file was renamed.
+  /// Sets the file's new path after it was renamed.
   void renamed(std::filesystem::path path) { path_ = std::move(path); }
   /// Throws Error if a write has failed since the file was created.
   void check() const;
-  /// Throws Error with the system's reason; without a reason if no write failed and HDF5 itself rejected the call.
+  /// Throws Error with the system's reason. If no write failed, HDF5 itself rejected the call, and the error has no
+  /// reason.
   [[noreturn]] void fail() const;
   /// Writes the rest and closes the file. Close its data sets first. If a write failed, deletes the file, which is
   /// unreadable, and throws Error.

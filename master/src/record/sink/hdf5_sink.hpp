@@ -21,16 +21,16 @@ class Hdf5Sink final : public RowSink {
   Hdf5Sink(const Hdf5Sink&) = delete;
   Hdf5Sink& operator=(const Hdf5Sink&) = delete;
 
-  /// Writes values that are constant during the run: texts of one row under `/parameters`, as in parameters.csv.
+  /// Writes values that are constant during the run as texts under `/parameters`, one row each, as in parameters.csv.
   void put_parameters(const std::vector<ParameterValue>& parameters);
   void write(const RowBlock& block) override;
   void flush() override;
-  /// Sets the new name after the file was renamed.
+  /// Sets the file's new path after it was renamed.
   void renamed(const std::filesystem::path& file);
   /// Writes the rest and closes the file; no write may follow. If a write failed, deletes the file, which is
   /// unreadable, and throws Error.
   void close();
-  /// Can restore fewer rows than the file has. Throws Error for more.
+  /// Visits the state. Restoring it can only drop rows: throws Error if the state has more rows than the file.
   void visit(state::Visitor& v) override;
 
  private:

@@ -11,7 +11,7 @@ namespace {
 
 using hdf5::Handle;
 
-/// Writes the column's values to a dataset of this type.
+/// Writes the column's values to a dataset of the given type.
 bool put_values(hid_t group, const TableColumn& column, hid_t type, const void* values, std::size_t count) {
   const hsize_t length = count;
   const Handle space(H5Screate_simple(1, &length, nullptr), &H5Sclose);

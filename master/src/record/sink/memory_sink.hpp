@@ -11,8 +11,8 @@
 
 namespace mebots::master {
 
-/// Keeps recorded rows in memory: a column of numbers per variable; Booleans are 0 and 1. Leaves out texts. Read it
-/// only after the recorder's flush(), because another thread writes the rows.
+/// Keeps recorded rows in memory: a column of numbers per variable; Booleans are 0 and 1. Leaves out texts. The rows
+/// may be read only after the recorder's flush(), because another thread writes them.
 class MemorySink final : public RowSink {
  public:
   explicit MemorySink(const std::vector<RecordColumn>& columns);
@@ -24,7 +24,7 @@ class MemorySink final : public RowSink {
 
   void write(const RowBlock& block) override;
   void flush() override {}
-  /// Can restore at most the number of rows that it has.
+  /// Visits the state. Restoring it can only drop rows: it must not have more rows than this object.
   void visit(state::Visitor& v) override;
   /// Visits the rows, which visit() does not include.
   void visit_rows(state::Visitor& v);

@@ -13,7 +13,7 @@ namespace mebots::master {
 /// Returns an error about a failed write to `path` with this errno, and what to do about it.
 Error write_error(const std::filesystem::path& path, int error_number);
 
-/// Renames a file on the same disk and replaces any file of the new name. Throws InputError.
+/// Renames a file on the same disk and replaces a file that has the new name. Throws InputError.
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// `yes` if the replaced file must survive a power failure.
@@ -48,7 +48,8 @@ class OutputFile {
     buffer_ += bytes;
     written();
   }
-  /// Writes the buffer. Throws Error; drops what could not be written, so that the error is reported once.
+  /// Writes the buffer. Throws Error if that fails. Drops the bytes that could not be written, so that the error is
+  /// reported once.
   void flush();
   void close();
   /// Flushes, and waits until the bytes are on the disk.
@@ -60,7 +61,7 @@ class OutputFile {
   void truncate(std::uint64_t size);
 
   const std::filesystem::path& path() const { return path_; }
-  /// Renames the file on the same disk and replaces any file of the new name. Throws InputError.
+  /// Renames the file on the same disk and replaces a file that has the new name. Throws InputError.
   void rename(std::filesystem::path path);
 
  private:

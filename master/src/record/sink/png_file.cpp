@@ -50,9 +50,9 @@ std::string differences(std::span<const std::uint8_t> pixels, std::size_t width)
 
 }  // namespace
 
-/// Does not use libpng, because that compresses row by row with zlib, which is 15 % slower: a picture per second would
-/// cost a mission more than everything else that is recorded. A more thorough search for patterns finds none in the
-/// noise.
+/// libpng is not used, because it compresses row by row with zlib, which is 15 % slower. A picture per second would
+/// cost a mission more time than all other recording. Higher levels of compression do not help, because the noise has
+/// no patterns.
 std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width) {
   MEBOTS_ASSERT(width > 0 && !pixels.empty() && pixels.size() % width == 0);
   const auto rows = deflated(differences(pixels, width), Packing::fast);

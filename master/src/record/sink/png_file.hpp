@@ -21,7 +21,7 @@ struct GreyPicture {
 /// Returns a PNG file with complete rows of 8-bit grey pixels, at least one. Throws Error.
 std::string png_of(std::span<const std::uint8_t> pixels, std::size_t width);
 
-/// Writes such a file. Throws Error with its name.
+/// Writes a PNG file as png_of() returns it. Throws Error with the name of the file.
 void write_png(const std::filesystem::path& file, std::span<const std::uint8_t> pixels, std::size_t width);
 
 /// Returns the pixels of a PNG file with 8-bit grey pixels. Empty if the bytes are not such a file, or if it has more

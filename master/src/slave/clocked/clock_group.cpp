@@ -18,10 +18,11 @@ using modeldesc::Type;
 
 /// Ticks closer together than this are simultaneous: the resolution of the master's clock.
 constexpr double kSameTime_s = 0.5e-9;
-/// Limits the instants of one event, and the steps without progress. Beyond it, the clocks are reported as never
-/// settling.
+/// Limits the instants of one event, and the steps without progress. Beyond this number, the clocks are reported as
+/// never settling.
 constexpr int kMostInstants = 1000;
-/// Limits the sweeps over all connections at one instant. Beyond it, the values are reported as never settling.
+/// Limits the sweeps over all connections at one instant. Beyond this number, the values are reported as never
+/// settling.
 constexpr int kMostClockSweeps = 200;
 
 bool any_of(const std::vector<ValueReference>& clocks, const std::set<ValueReference>& ticking) {
@@ -131,7 +132,7 @@ void ClockGroup::enter(Member& member, double time_s) {
          "in the config, or take shorter steps");
 }
 
-/// Sends the notice once per run.
+/// Sends a notice, once per run.
 void ClockGroup::notice(const Member& member, double time_s, const std::string& text) {
   if (std::exchange(noticed_, true)) return;
   messages_->message({member.slave->name(), Severity::warning, "notice",
@@ -139,7 +140,7 @@ void ClockGroup::notice(const Member& member, double time_s, const std::string& 
                       std::llround(member.time_s * 1e9)});
 }
 
-/// Returns false if the clock is already ticking.
+/// Activates a clock. Returns false if it already ticks at this instant.
 bool ClockGroup::tick(Member& member, ValueReference clock, double time_s) {
   if (member.ticking.contains(clock)) return false;
   enter(member, time_s);
@@ -164,7 +165,7 @@ void ClockGroup::tick_timed_clocks(double time_s) {
   }
 }
 
-/// Returns true if a further clock starts to tick.
+/// Propagates ticks along the connections. Returns true if a further clock starts to tick.
 bool ClockGroup::propagate_ticks(double time_s) {
   bool changed = false;
   for (auto& member : members_) {
@@ -183,7 +184,7 @@ bool ClockGroup::propagate_ticks(double time_s) {
   return changed;
 }
 
-/// Returns true if an input changes.
+/// Propagates values along the connections. Returns true if an input changes.
 bool ClockGroup::propagate_values() {
   bool changed = false;
   for (std::size_t i = 0; i < value_links_.size(); ++i) {
@@ -216,7 +217,7 @@ void ClockGroup::fail_to_rest(double time_s) const {
                                members_.front().slave->name(), time_s));
 }
 
-/// Ends the instant. Returns true if a member requests another update.
+/// Ends the instant. Returns true if a member requests another update of discrete states.
 bool ClockGroup::update_members(double time_s, bool& terminated) {
   bool needs_another = false;
   for (auto& member : members_) {
@@ -233,7 +234,8 @@ bool ClockGroup::update_members(double time_s, bool& terminated) {
   return needs_another;
 }
 
-/// Returns false if a member ends the simulation. Otherwise leaves all members in step mode.
+/// Handles events at the present time. Returns false if a member ends the simulation. Otherwise leaves all members in
+/// step mode.
 bool ClockGroup::handle_events(double time_s) {
   for (auto& member : members_) {
     if (!std::exchange(member.needs_event, false)) continue;

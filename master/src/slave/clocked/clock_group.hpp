@@ -43,7 +43,7 @@ class ClockGroup {
 
   /// Adds a slave, which must outlive the group's last call. Returns its index among the members.
   std::size_t add(ClockedSlave& slave);
-  /// Call it before the first member leaves initialisation mode.
+  /// Must be called before the first member leaves initialisation mode.
   void connect(std::vector<ClockLink> clocks, std::vector<ClockedLink> values);
 
   void setup_experiment(const Experiment& experiment) { start_ns_ = experiment.start_ns; }
@@ -52,7 +52,7 @@ class ClockGroup {
   /// Handles the events at the start, after the last member has left initialisation mode.
   void exit_initialization();
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
-  /// The next tick of any clock [s]; TimedClock::kNever if none is scheduled.
+  /// Returns the next tick of any clock [s]; TimedClock::kNever if none is scheduled.
   double next_tick_s() const;
 
   /// Returns the times of members and clocks; the first member stores them.

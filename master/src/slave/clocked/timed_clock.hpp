@@ -24,10 +24,10 @@ class TimedClock {
 
   /// Queries the first tick. The instance must be in initialisation mode.
   void start(EventInstance& instance, double start_s);
-  /// Marks the scheduled tick as done. Only for periodic clocks is the next one already known.
+  /// Marks the scheduled tick as done. The next tick is already known only for periodic clocks.
   void ticked();
-  /// Queries intervals after an update of the discrete states at `time_s`. `has_ticked`: the clock ticked in this
-  /// event. Throws Error if an interval is negative, not a number, or zero for a periodic clock.
+  /// Queries intervals after an update of the discrete states at `time_s`. `has_ticked` is true if the clock ticked in
+  /// this event. Throws Error if an interval is negative, not a number, or zero for a periodic clock.
   void update(EventInstance& instance, double time_s, bool has_ticked);
 
   void visit(state::Visitor& v);

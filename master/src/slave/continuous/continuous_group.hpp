@@ -35,7 +35,7 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
 
   /// Adds a slave, which must outlive the group's last call. Returns its index among the members.
   std::size_t add(ContinuousSlave& slave);
-  /// Call it before the first member leaves initialisation mode.
+  /// Must be called before the first member leaves initialisation mode.
   void connect(std::vector<Wire> wires, std::vector<DiscreteLink> links);
 
   void setup_experiment(const Experiment& experiment);
@@ -44,7 +44,7 @@ class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
   bool is_integrating() const { return system_ != nullptr; }
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns);
 
-  /// Call it if a member's inputs change at the present communication point.
+  /// Must be called if a member's inputs change at the present communication point.
   void enter_event_mode() { system_->enter_event_mode(); }
   void input_changed() { system_->input_changed(); }
 

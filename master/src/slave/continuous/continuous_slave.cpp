@@ -102,7 +102,7 @@ void ContinuousSlave::set_strings(std::span<const ValueReference> references, st
 
 void ContinuousSlave::set_input_derivatives(std::span<const ValueReference> references,
                                             std::span<const std::int32_t> orders, std::span<const double> values) {
-  // Derivatives of an input are adjacent, in orders 1 and up.
+  // In the lists, derivatives of one input are adjacent, with orders from 1 on.
   for (std::size_t i = 0; i < references.size();) {
     Course course;
     course.reference = references[i];

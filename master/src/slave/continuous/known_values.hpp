@@ -35,7 +35,7 @@ class KnownValues {
     return true;
   }
 
-  /// Returns a variable's value, or null.
+  /// Returns a variable's value; null if none was set.
   const T* find(ValueReference reference) const {
     const auto found = std::ranges::lower_bound(references_, reference);
     if (found == references_.end() || *found != reference) return nullptr;

@@ -199,7 +199,7 @@ void Fmi1Slave::set_reals(std::span<const ValueReference> references, std::span<
   calls_.require("fmiSetReal", functions_->set_real, known.data(), known.size(), reals_.data());
 }
 
-/// The values are in the range of std::int32_t: resolve and Ensemble check them.
+/// The values fit in std::int32_t, because `resolve` and Ensemble check them.
 void Fmi1Slave::set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) {
   numbers_.resize(values.size());
   std::ranges::transform(values, numbers_.begin(), [](std::int64_t value) { return static_cast<fmiInteger>(value); });

@@ -22,7 +22,7 @@ namespace mebots::master {
 /// the next value is read. Thus inputs from connections take part in the initialisation, as in FMI 2.0.
 class Fmi1Slave final : public Slave {
  public:
-  /// Instantiates. The arguments are those of InstanceCalls.
+  /// Creates the instance. The arguments are those of InstanceCalls.
   Fmi1Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories, MessageSink& messages,
             const TimeGrid& grid = {});
   ~Fmi1Slave() override;

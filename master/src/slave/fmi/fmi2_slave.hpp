@@ -19,7 +19,7 @@ namespace mebots::master {
 /// An FMI 2.0 instance in this process: co-simulation, or the base of Fmi2ModelExchange.
 class Fmi2Slave : public Slave {
  public:
-  /// Instantiates. The arguments are those of InstanceCalls.
+  /// Creates the instance. The arguments are those of InstanceCalls.
   Fmi2Slave(std::string name, std::shared_ptr<Fmu> fmu, std::vector<std::string> log_categories, MessageSink& messages,
             const TimeGrid& grid = {})
       : Fmi2Slave(FmuKind::co_simulation, std::move(name), std::move(fmu), std::move(log_categories), messages, grid) {}

@@ -70,13 +70,13 @@ class Fmi3Instance : public Slave {
   }
 
  protected:
-  /// Instantiates, and sets structural parameters in configuration mode. `model` is fmu->model(structural). The other
-  /// arguments are those of InstanceCalls.
+  /// Creates the instance, and sets structural parameters in configuration mode. `model` is fmu->model(structural). The
+  /// other arguments are those of InstanceCalls.
   Fmi3Instance(FmuKind kind, std::string name, std::shared_ptr<Fmu> fmu,
                std::shared_ptr<const modeldesc::ModelDescription> model, const modeldesc::StructuralValues& structural,
                std::vector<std::string> log_categories, MessageSink& messages, const TimeGrid& grid);
 
-  /// In event mode.
+  /// Updates the discrete states. The FMU must be in event mode.
   DiscreteUpdate update_event();
 
   const Fmi3Functions& functions() const { return *functions_; }

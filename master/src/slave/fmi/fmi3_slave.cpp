@@ -28,7 +28,7 @@ Fmi3Slave::Fmi3Slave(std::string name, std::shared_ptr<Fmu> fmu,
   if (takes_input_derivatives()) calls().on_intermediate_update([this](double t_s) { set_intermediate_inputs(t_s); });
 }
 
-/// If the FMU has an event mode, initialisation ends in it.
+/// An FMU with event mode leaves initialisation in event mode.
 void Fmi3Slave::exit_initialization() {
   Fmi3Instance::exit_initialization();
   if (handler_ == EventHandler::slave && uses_events() && handle_event()) {
@@ -50,7 +50,7 @@ bool Fmi3Slave::handle_event() {
                fmt::format("requested another update {} times in a row: the event does not end", kMostUpdates));
 }
 
-/// Returns empty for fmi3Discard.
+/// Calls fmi3DoStep. Returns empty if the FMU discards the step.
 std::optional<StepEnd> Fmi3Slave::do_step(double start_s, double end_s, bool never_back) {
   StepEnd end;
   bool early = false;

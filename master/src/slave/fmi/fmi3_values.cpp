@@ -18,7 +18,7 @@ using modeldesc::Type;
 
 /// A longer binary is treated as an error of the FMU.
 constexpr std::size_t kLongestBinary = std::size_t{1} << 30;
-/// The number of cached plans per kind, more than an instance has lists.
+/// The number of cached plans per kind. An instance has fewer lists than this.
 constexpr std::size_t kMostPlans = 32;
 
 /// The functions for one type of numbers.
@@ -40,7 +40,7 @@ constexpr bool succeeded(int status) {
   return status == InstanceCalls::kOk || status == InstanceCalls::kWarning;
 }
 
-/// `variable` is null for an array element that the caller did not request.
+/// Returns the name of a variable. `variable` is null for an array element that the caller did not request.
 std::string name_of(const modeldesc::Variable* variable) {
   return variable == nullptr ? "another element of an array" : variable->name;
 }
@@ -189,7 +189,7 @@ Fmi3Values::CallResult Fmi3Values::set_numbers(const Plan& plan, std::span<const
   return result;
 }
 
-/// Returns false for fmi3Discard. Throws SlaveError for an error.
+/// Returns false if the FMU discards the call. Throws SlaveError for an error.
 bool Fmi3Values::is_done(CallResult result) {
   if (result.status != fmi3Discard) {
     calls_->check(result.status, result.function);

@@ -71,8 +71,8 @@ class Fmi3Values {
     std::vector<Call> calls;
   };
 
-  /// The result of several calls: they stop at the first status other than OK and Warning. Contains that status and the
-  /// last called function.
+  /// The result of several calls, which stop at the first status other than OK and Warning. Contains that status and
+  /// the last called function.
   struct CallResult {
     int status = InstanceCalls::kOk;
     const char* function = "";

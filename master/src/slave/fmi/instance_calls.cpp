@@ -71,7 +71,7 @@ void InstanceCalls::instantiate_again(const char* function, const std::function<
   target_.set_component(instance_);
 }
 
-/// A crash here ends the whole process.
+/// A crash in this call ends the whole process.
 std::optional<std::string> InstanceCalls::free_instance(const char* function, const std::function<void()>& free) {
   if (std::exchange(freed_, true)) return std::nullopt;
   std::optional<std::string> fault;
@@ -220,7 +220,7 @@ void InstanceCalls::deliver_held() {
   deliver_all_but(0);
 }
 
-/// Delivers all held messages except the `last` ones, which it drops. Requires the mutex.
+/// Delivers all held messages except the `last` ones, which it drops. The caller must hold the mutex.
 void InstanceCalls::deliver_all_but(std::size_t last) {
   held_.resize(held_.size() - std::min(held_.size(), last));
   for (const auto& held : held_) sink_->message({name_, held.severity, held.category, held.text, time_ns_});

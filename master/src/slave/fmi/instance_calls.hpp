@@ -56,7 +56,7 @@ class InstanceCalls final : public CallbackListener {
   /// Returns the environment for the FMU's callbacks.
   CallbackTarget& target() { return target_; }
   bool usable() const { return !unusable_; }
-  /// Makes no further call to the instance, not even to free it.
+  /// Prevents all further calls to the instance, even the call that frees it.
   void abandon() { unusable_ = true; }
   /// Returns the standard's name of a status.
   std::string_view name_of_status(int status) const { return status_name_(status); }
@@ -73,7 +73,7 @@ class InstanceCalls final : public CallbackListener {
   /// Calls `free` to free the instance; no effect the second time. Returns the error if the FMU failed; it has also
   /// been logged.
   std::optional<std::string> free_instance(const char* function, const std::function<void()>& free);
-  /// Sets the handler of fmi2StepFinished, which a thread of the FMU may call. Call it before instantiate().
+  /// Sets the handler of fmi2StepFinished, which a thread of the FMU may call. Must be called before instantiate().
   void on_step_finished(std::function<void(int)> handler) { step_finished_ = std::move(handler); }
   /// Sets the handler of intermediate updates of FMI 3.0. It must not throw, and may use call_inside().
   void on_intermediate_update(std::function<void(double)> handler) { intermediate_update_ = std::move(handler); }
@@ -121,7 +121,7 @@ class InstanceCalls final : public CallbackListener {
   void deliver_held();
   /// Logs a warning by the master.
   void warn(const std::string& text) { sink_->message({name_, Severity::warning, "notice", text, time_ns_}); }
-  /// For destructors: runs `work` and drops its exceptions, such as one of the program that receives messages.
+  /// For destructors: runs `work` and drops its exceptions, such as an exception of the program that receives messages.
   template <typename Work>
   static void without_exceptions(Work work) noexcept {
     try {

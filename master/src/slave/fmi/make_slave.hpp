@@ -14,7 +14,7 @@
 
 namespace mebots::master {
 
-/// The arguments of an instance.
+/// The data from which an instance is created.
 struct InstanceRequest {
   std::string name;
   std::shared_ptr<Fmu> fmu;
@@ -27,7 +27,7 @@ struct InstanceRequest {
 /// SlaveError if instantiation fails.
 std::unique_ptr<Slave> make_slave_here(InstanceRequest request, MessageSink& messages);
 
-/// A co-simulation instance whose caller handles its events, by both of its interfaces.
+/// A co-simulation instance whose caller handles its events, with both of its interfaces.
 struct EventParts {
   std::unique_ptr<Slave> slave;
   EventInstance* instance;  ///< the same object
@@ -36,7 +36,7 @@ struct EventParts {
 /// Works as make_slave_here(), for an FMI 3.0 FMU with an event mode.
 EventParts make_event_slave_here(InstanceRequest request, MessageSink& messages);
 
-/// A model exchange instance, by both of its interfaces.
+/// A model exchange instance, with both of its interfaces.
 struct ContinuousParts {
   std::unique_ptr<Slave> slave;
   ContinuousInstance* instance;  ///< the same object

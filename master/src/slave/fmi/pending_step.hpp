@@ -17,19 +17,19 @@ class PendingStep {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Resets the state. Call it before DoStep, because the callback may precede its return.
+  /// Resets the state. Must be called before DoStep, because the callback may precede its return.
   void begin();
-  /// DoStep has returned fmiPending.
+  /// Called when DoStep has returned fmiPending.
   void continues();
-  /// The callback stepFinished. From any thread.
+  /// The callback stepFinished. It may be called from any thread.
   void finished(int status);
   /// Waits for the end of the step and returns its status; fmiPending if `cancel` becomes true, or `until` is reached.
-  /// Queries the FMU by `status_of_fmu`, every 20 us at first and every 2 ms later. The query decides: a callback that
-  /// arrives late belongs to an earlier step. The callback decides only if the query returns nothing, or if it reports
-  /// fmiPending for kLongestDenial after as many callbacks as there were pending steps.
+  /// Queries the FMU by `status_of_fmu`, every 20 us at first and every 2 ms later. The query decides, because a
+  /// callback that arrives late may belong to an earlier step. The callback decides in two cases only: the query
+  /// returns nothing, or it reports fmiPending for kLongestDenial after as many callbacks as there were pending steps.
   int wait(const std::atomic<bool>& cancel, const std::function<std::optional<int>()>& status_of_fmu,
            Clock::time_point until = Clock::time_point::max());
-  /// True if GetStatus has denied the end of a step. It is not called again.
+  /// True if GetStatus has denied the end of a step. GetStatus is then not called again.
   bool is_status_ignored() const { return is_status_ignored_; }
 
  private:

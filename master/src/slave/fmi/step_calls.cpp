@@ -12,7 +12,7 @@
 namespace mebots::master {
 namespace {
 
-/// How long an interrupt waits for a step that the FMU cannot cancel.
+/// Maximum time that an interrupt waits for a step that the FMU cannot cancel.
 constexpr std::chrono::seconds kLongestEnd{1};
 
 }  // namespace
@@ -54,7 +54,7 @@ void StepCalls<Types>::fail_unknown_end() {
                            calls_->name_of_status(InstanceCalls::kPending), Types::kGetStatus));
 }
 
-/// Returns nothing if the FMU cannot report the status of its step.
+/// Queries the status of a pending step. Returns nothing if the FMU cannot report it.
 template <typename Types>
 std::optional<int> StepCalls<Types>::queried_status() {
   if (functions_->get_status == nullptr) {
@@ -103,7 +103,7 @@ void StepCalls<Types>::report_denial() {
                   Types::kGetStatus));
 }
 
-/// Returns an empty text if the step was cancelled, else the reason why it was not.
+/// Cancels a step. Returns an empty text, or the reason why the step was not cancelled.
 template <typename Types>
 std::string StepCalls<Types>::cancel_step() {
   if (functions_->cancel_step == nullptr) return fmt::format("the FMU has no {}", Types::kCancelStep);

@@ -44,14 +44,14 @@ struct Fmi2StepTypes {
 template <typename Types>
 class StepCalls {
  public:
-  /// `has_callback`: the FMU has the callback stepFinished. All pointed-to objects must outlive this object.
+  /// `has_callback` is true if the FMU gets the callback stepFinished. All pointed-to objects must outlive this object.
   StepCalls(InstanceCalls& calls, PendingStep& pending, const typename Types::Functions& functions, bool has_callback)
       : calls_(&calls), pending_(&pending), functions_(&functions), has_callback_(has_callback) {}
 
-  /// See Slave. `last_argument` is that of DoStep.
+  /// Steps as Slave::step() specifies. `last_argument` is the last argument of DoStep.
   StepResult step(std::int64_t start_ns, std::int64_t duration_ns, typename Types::Boolean last_argument);
-  /// For a step under way. See Slave. If the FMU cannot cancel its step, and the step does not end within a second,
-  /// abandons the instance, and throws InterruptedError.
+  /// Finishes a step under way as Slave::finish_step() specifies. If the FMU cannot cancel its step, and the step does
+  /// not end within a second, abandons the instance, and throws InterruptedError.
   StepResult finish(const std::atomic<bool>& cancel);
   /// Ends a step under way, so that the instance can be freed; abandons the instance if that is impossible. Throws
   /// SlaveError if the FMU fails; the instance is then abandoned.

@@ -15,7 +15,7 @@
 
 namespace mebots::master::isolation {
 
-/// The end of a process.
+/// Describes how a process ended.
 struct ProcessEnd {
   bool by_signal = false;
   int number = 0;                   ///< signal number or exit code
@@ -26,8 +26,8 @@ struct ProcessEnd {
 /// does not affect it. The destructor ends it with all its descendants.
 class ChildProcess {
  public:
-  /// Starts the program with empty standard input, `descriptors` as 3, 4, ... and no other open files. Throws Error if
-  /// it cannot be started.
+  /// Starts the program with empty standard input, `descriptors` as descriptors 3, 4, ... and no other open files.
+  /// Throws Error if it cannot be started.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                const std::array<int, 4>& descriptors);
   ~ChildProcess();
@@ -58,9 +58,9 @@ std::string signal_text(int signal);
 std::filesystem::path find_fmu_host();
 
 /// Forks and returns in the child, which leads a new session. The calling process becomes its keeper. When the child
-/// ends, when `parent` ends (by any signal), or at end_kept(), the keeper ends all descendants of the child in whatever
-/// group or session they are. Then it ends in the same way as the child. If the keeper ends, the child ends too;
-/// neither dumps core. The process must have one thread only. Throws Error if no process can be created.
+/// ends, when `parent` ends (by any signal), or at end_kept(), the keeper ends all descendants of the child, in any
+/// process group or session. Then it ends in the same way as the child. If the keeper ends, the child ends, too.
+/// Neither of them dumps core. The process must have one thread only. Throws Error if no process can be created.
 void fork_kept(pid_t parent);
 
 /// Makes a keeper end its processes and itself, and waits for it. Does not reap it.

@@ -58,7 +58,7 @@ void on_fault(int signal, siginfo_t* info, void* context) {
 
 void install_fault_handlers(Control& control) {
   shared_control = &control;
-  // The thread's own stack may have overflowed.
+  // The handler runs on a stack of its own, because the thread's stack may have overflowed.
   static std::array<std::byte, 1 << 16> stack;
   stack_t alternative{};
   alternative.ss_sp = stack.data();
@@ -87,7 +87,7 @@ void limit_memory(std::uint64_t memory_bytes, LimitedMemory limited) {
   setrlimit(RLIMIT_AS, &address_space);
 }
 
-/// Arguments of 32 bits are the low halves of registers.
+/// Compares the low half of a register only, because it holds an argument of 32 bits.
 scmp_arg_cmp is(unsigned argument, std::uint32_t value) {
   return {argument, SCMP_CMP_MASKED_EQ, 0xffff'ffff, value};
 }
@@ -117,7 +117,8 @@ void forbid_harm(Signals signals) {
     // The arguments do not show to which process the thread or descriptor (also of a folder of /proc) belongs.
     for (const int call : {SCMP_SYS(tkill), SCMP_SYS(pidfd_send_signal)}) forbid(call);
   }
-  // Forbids access to memory and limits of other processes; texts of callbacks are read from the own process.
+  // Forbids access to memory and limits of other processes; the host reads texts of callbacks from its own process in
+  // another way.
   for (const int call : {SCMP_SYS(process_vm_readv), SCMP_SYS(process_vm_writev)}) {
     forbid(call, {is_not(0, self)});
   }

@@ -24,9 +24,9 @@ enum class Signals : std::uint8_t {
   to_itself,    ///< a filter of arguments limits signals to this very process
 };
 
-/// Forbids the system calls that end, change or watch other processes: each fails with EPERM. Calls in another form
-/// than x86-64's, to which rules by number do not apply, end the process. If the system allows no such filter, changes
-/// nothing.
+/// Forbids the system calls that end, change or watch other processes: each fails with EPERM. Calls of another
+/// architecture than x86-64 end the process, because their numbers have another meaning. If the system allows no such
+/// filter, changes nothing.
 void forbid_harm(Signals signals);
 
 }  // namespace mebots::master::isolation

@@ -125,7 +125,7 @@ class Host {
     }
   }
 
-  /// Executes a call and writes its answer. Returns false if the batch ends with it.
+  /// Executes a call and writes its answer. Returns false if no further call of the batch may be executed.
   bool answer(Call call, SharedReader& commands) {
     const auto begin = answers_.size();
     const auto put_error = [&](Answer kind, ErrorCode code, std::string_view text) {
@@ -336,7 +336,7 @@ class Host {
     }
   }
 
-  /// Writes a list of texts, each preceded by 1, and 0 at the end.
+  /// Writes a list of texts. A 1 precedes each text, and a 0 ends the list.
   void put_notices() {
     const auto put = [this](const std::string& text) {
       answers_.put(true);
@@ -486,7 +486,7 @@ struct Arguments {
   }
 
   bool is_sandboxed() const { return !sandbox.folder.empty(); }
-  /// Returns the arguments for the same program inside the namespaces.
+  /// Returns the arguments with which the same program runs inside the namespaces.
   std::vector<std::string> inside() const {
     auto words = rest;
     words.emplace_back("--inside");

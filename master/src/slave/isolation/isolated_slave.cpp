@@ -68,7 +68,7 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       std::make_unique<ChildProcess>(find_fmu_host(), host_arguments(),
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
                                                         answer_buffer_.descriptor(), log_buffer_.descriptor()});
-  // The sizes of both buffers are final, so only the process needs descriptors of them.
+  // The sizes of both buffers are now final, so only the process needs their descriptors.
   control_buffer_.close_descriptor();
   log_buffer_.close_descriptor();
   open(grid);
@@ -210,7 +210,8 @@ SharedReader IsolatedSlave::answers() {
   return SharedReader(answer_buffer_.bytes(size));
 }
 
-/// Each call has its own deadline. The host counts calls, and this count extends the deadline at most once per call.
+/// Each call has its own deadline. The host counts the calls that it has executed, and each counted call extends the
+/// deadline once.
 void IsolatedSlave::wait(std::size_t calls_left) {
   using Clock = std::chrono::steady_clock;
   const auto& isolation = instance_->isolation;

@@ -27,8 +27,8 @@ class IsolatedSlave : public Slave {
   /// Descriptors that the master needs per instance.
   static constexpr std::size_t kDescriptors = 2;
 
-  /// Starts the process and instantiates. `instance`, `messages` and `interrupted` must outlive the slave. Once
-  /// `*interrupted` is true, a call that does not return is ended; null disables this.
+  /// Starts the process and instantiates. `instance`, `messages` and `interrupted` must outlive the slave. When
+  /// `*interrupted` becomes true, the process of a call that does not return is ended; null disables this.
   IsolatedSlave(const ResolvedInstance& instance, MessageSink& messages, const std::atomic<bool>* interrupted,
                 const TimeGrid& grid = {});
   ~IsolatedSlave() override;
@@ -118,8 +118,8 @@ class IsolatedSlave : public Slave {
   void put(Call call) { commands_.put(call); }
   void put_references(Call call, std::span<const ValueReference> references);
   void put_texts(Call call, std::span<const ValueReference> references, std::span<const std::string> values);
-  /// Sends the written calls and waits for the answers. Checks the answers except the last `open_answers`, which `take`
-  /// reads. Ends the process if an answer is invalid.
+  /// Sends the written calls and waits for the answers. Checks the answers, except the last `open_answers` ones, which
+  /// `take` reads. Ends the process if an answer is invalid.
   void hand_over(std::size_t open_answers = 0, const std::function<void(SharedReader&)>& take = {});
   void wait(std::size_t calls);
   SharedReader answers();
@@ -166,7 +166,8 @@ class IsolatedSlave : public Slave {
   std::int64_t step_end_ns_ = 0;
   std::vector<Read> reads_;  // since the last step
   std::vector<OsmpTriple> triples_;
-  // Bytes of binary outputs, one pair per triple: those of the last step stay valid during the next one.
+  // Bytes of binary outputs, with two buffers per triple, so that the bytes of the last step stay valid during the next
+  // one.
   std::vector<std::array<std::vector<std::uint8_t>, 2>> binaries_;
   std::size_t turn_ = 0;
   std::uint64_t states_ = 0;  // number of saved states so far

@@ -31,7 +31,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The kernel sends it when the thread that started the keeper ends, even if its process continues.
+/// The signal that the kernel sends when the thread that started the keeper ends, even if its process continues.
 constexpr int kParentThreadEnded = SIGHUP;
 constexpr int kAskedToEnd = SIGTERM;
 
@@ -108,7 +108,7 @@ struct Child {
   }
 };
 
-/// Orphans become children of the keeper; ends them until there are none.
+/// Ends all descendants of the child. Orphans become children of the keeper, which ends them until there are none.
 void end_descendants(Child& child) {
   if (!child.ended) kill(child.number, SIGKILL);
   for (const auto until = Clock::now() + kPatience; child.reap() && Clock::now() < until;) {
@@ -143,7 +143,7 @@ void end_descendants(Child& child) {
   end_as(child.status);
 }
 
-/// In the child: arranges to end with the keeper. `alive` is closed at its other end when the keeper ends.
+/// Called in the child, which then ends when the keeper ends. The other end of `alive` is closed when the keeper ends.
 void end_with_keeper(const Pipe& alive) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   pollfd gone{alive.ends[0], 0, 0};
@@ -152,7 +152,7 @@ void end_with_keeper(const Pipe& alive) {
                           // request took effect
 }
 
-/// Returns the previous signal mask, for the child.
+/// Makes this process a keeper. Returns the previous signal mask, for the child.
 sigset_t become_keeper(pid_t parent) {
   sigset_t all;
   sigset_t before;

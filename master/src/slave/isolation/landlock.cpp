@@ -76,7 +76,7 @@ int create(const Ruleset& wanted, long version) {
   return static_cast<int>(syscall(kCreateRuleset, &wanted, known_size(version), 0));
 }
 
-/// Applies the rules and closes them. Returns the problem; empty if there is none.
+/// Applies the rules and closes their descriptor. Returns the problem; empty if there is none.
 std::string enter(int rules) {
   std::string problem;
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || syscall(kRestrictSelf, rules, 0) != 0)
@@ -91,7 +91,8 @@ bool shield_other_processes() {
   const long version = offered_version();
   if (version < 2) return false;  // version 1 would forbid moving files between folders
   const bool scopes = version >= kScopesSince;
-  // A ruleset must handle something. If the kernel cannot scope signals, this one handles a right without removing it.
+  // A ruleset must not be empty. If the kernel cannot scope signals, the ruleset handles a right, and then grants it
+  // again.
   const Ruleset wanted{scopes ? 0 : kRefer | kMakeBlockDevice, 0, scopes ? kSignals : 0};
   const int rules = create(wanted, version);
   if (rules < 0) return false;

@@ -16,7 +16,7 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// About 10 us: the cost of sleeping and waking.
+/// Spins for about 10 us, which is the cost of sleeping and waking.
 constexpr int kSpins = 300;
 
 void pause() {
@@ -29,8 +29,8 @@ long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value,
   return syscall(SYS_futex, &word, operation, value, timeout, nullptr, 0);
 }
 
-/// The function that a call of the protocol stands for in each version of FMI, for messages. In FMI 3.0, the type of a
-/// value chooses the function.
+/// The names in messages of the functions that a call of the protocol stands for, by version of FMI. In FMI 3.0, the
+/// type of a value chooses the function.
 struct Names {
   Call call;
   const char* fmi1;

@@ -106,8 +106,8 @@ struct Control {
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
 
-/// The maximum size of the host's messages about one batch. The host may write anything to shared memory; the master
-/// treats a larger size as a faulty or hostile host.
+/// The maximum size of the host's messages about one batch. The host may write anything to shared memory. A larger size
+/// therefore shows the master that the host is faulty or hostile.
 inline constexpr std::size_t kMostLogBytes = std::size_t{64} << 20;
 
 /// Descriptors of a host process: control, commands, answers, log.

@@ -47,7 +47,7 @@ std::string system_text() {
   return std::strerror(errno);
 }
 
-/// Returns the program: $MEBOTS_BUBBLEWRAP, or from the system's own path.
+/// Returns the path of bubblewrap: $MEBOTS_BUBBLEWRAP, or the program in the system's own folders.
 std::string bubblewrap() {
   const char* chosen = std::getenv("MEBOTS_BUBBLEWRAP");
   return chosen == nullptr ? "bwrap" : chosen;

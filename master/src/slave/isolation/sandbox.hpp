@@ -21,17 +21,17 @@ struct Refusal {
   std::string reason;
 };
 
-/// Replaces this process by bubblewrap, which starts `program` with `arguments` again. The new process has its own
+/// Replaces this process by bubblewrap, which starts `program` again with `arguments`. The new process has its own
 /// user, process, network, IPC and UTS namespaces and no capabilities. Its file tree contains only system libraries,
 /// `sandbox` and an empty /tmp. Open descriptors stay open. Returns only if this fails.
 Refusal enter_namespaces(const Sandbox& sandbox, const std::string& program, const std::vector<std::string>& arguments);
 
-/// Restricts the calling process further: environment, limits, and files by Landlock. `has_namespaces`: it was started
-/// by enter_namespaces(). Otherwise the process can write only to a new folder in `sandbox.folder`. Returns the
-/// mechanisms that the system refuses. One thread only.
+/// Restricts the calling process further: environment, limits, and files by Landlock. If `has_namespaces` is true,
+/// enter_namespaces() has started this process. Otherwise, the process can write only to a new folder in
+/// `sandbox.folder`. Returns the mechanisms that the system refuses. One thread only.
 std::vector<Refusal> restrict_process(const Sandbox& sandbox, bool has_namespaces);
 
-/// Files and folders by the permitted access. Paths that do not exist are ignored.
+/// Files and folders, by the access that is permitted. Paths that do not exist are ignored.
 struct FileAccess {
   std::vector<std::string> reads;            ///< read and execute, with all contents
   std::vector<std::string> writes;           ///< full access
@@ -39,7 +39,7 @@ struct FileAccess {
 };
 
 /// Restricts this process and its children to these files, and their signals and abstract sockets to each other.
-/// Returns empty, or the reason why the kernel refuses it.
+/// Returns the reason if the kernel refuses this; else empty.
 std::optional<std::string> restrict_files(const FileAccess& access);
 
 /// Removes the access of this process and its children to memory and open files of other processes (since Linux 5.19),
@@ -49,7 +49,7 @@ bool shield_other_processes();
 
 /// Permits only the system calls of a simulation; every other one fails with EPERM. With namespaces, the process may
 /// also use sockets and change attributes of files, all of which are private to it. Calls in the form of another
-/// architecture end the process. Returns empty, or the reason why the system allows no filter.
+/// architecture end the process. Returns the reason if the system allows no filter; else empty.
 std::optional<std::string> allow_simulation_calls(bool has_namespaces);
 
 }  // namespace mebots::master::isolation

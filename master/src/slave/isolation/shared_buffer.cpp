@@ -19,7 +19,7 @@ namespace mebots::master::isolation {
 namespace {
 
 constexpr std::size_t kFirstSize = 1 << 16;
-/// The master's descriptors are above those that a child process gets.
+/// The master's descriptors start here, above those that a child process gets.
 constexpr int kLowestDescriptor = 16;
 
 [[noreturn]] void fail(const char* what) {

@@ -15,7 +15,7 @@
 
 namespace mebots::master::isolation {
 
-/// The other process wrote invalid data: it is faulty or hostile.
+/// Thrown if the other process wrote invalid data, because it is faulty or hostile.
 class DamagedMemory : public Error {
  public:
   explicit DamagedMemory(const std::string& what) : Error(ErrorCode::fmu_lost, what) {}

@@ -189,13 +189,13 @@ constexpr auto kSignalsAndTime = std::to_array<int>({
     SCMP_SYS(timer_delete),  SCMP_SYS(timerfd_create),  SCMP_SYS(timerfd_settime), SCMP_SYS(timerfd_gettime),
 });
 
-/// Inside a process namespace they reach only processes of the sandbox.
+/// Inside a process namespace, these calls reach only processes of the sandbox.
 constexpr auto kSendSignals =
     std::to_array<int>({SCMP_SYS(kill), SCMP_SYS(tkill), SCMP_SYS(tgkill), SCMP_SYS(rt_sigqueueinfo),
                         SCMP_SYS(rt_tgsigqueueinfo), SCMP_SYS(pidfd_open), SCMP_SYS(pidfd_send_signal)});
 
-/// These need namespaces: they access files by attributes outside of Landlock's control, network peers, or memory by
-/// number.
+/// These calls need namespaces. They access attributes of files, which Landlock does not control, network peers, or
+/// memory by number.
 constexpr auto kPrivate = std::to_array<int>({
     SCMP_SYS(chmod),     SCMP_SYS(fchmod),      SCMP_SYS(fchmodat),    SCMP_SYS(utime),      SCMP_SYS(utimes),
     SCMP_SYS(futimesat), SCMP_SYS(utimensat),   SCMP_SYS(chown),       SCMP_SYS(fchown),     SCMP_SYS(lchown),
@@ -206,7 +206,7 @@ constexpr auto kPrivate = std::to_array<int>({
     SCMP_SYS(msgrcv),    SCMP_SYS(msgctl),
 });
 
-/// For socket pairs; in a network namespace also for other sockets.
+/// For socket pairs. In a network namespace, also for other sockets.
 constexpr auto kSocketData =
     std::to_array<int>({SCMP_SYS(sendto), SCMP_SYS(recvfrom), SCMP_SYS(sendmsg), SCMP_SYS(recvmsg), SCMP_SYS(sendmmsg),
                         SCMP_SYS(recvmmsg), SCMP_SYS(shutdown)});
@@ -222,7 +222,7 @@ constexpr auto kPrctlOptions = std::to_array<std::uint32_t>(
      PR_GET_DUMPABLE, PR_CAPBSET_READ, PR_GET_SECCOMP, PR_SET_TIMERSLACK, PR_GET_TIMERSLACK, kSetMemoryName});
 constexpr auto kSocketFamilies = std::to_array<std::uint32_t>({AF_UNIX, AF_INET, AF_INET6});
 
-/// Arguments of 32 bits are the low halves of registers.
+/// Compares the low half of a register only, because it holds an argument of 32 bits.
 scmp_arg_cmp equals(unsigned argument, std::uint32_t value) {
   return {argument, SCMP_CMP_MASKED_EQ, 0xffff'ffff, value};
 }
@@ -250,14 +250,14 @@ class Filter {
   }
   void answer(int call, int error) { add(SCMP_ACT_ERRNO(static_cast<unsigned>(error)), call, {}); }
 
-  /// Returns 0 or an error number.
+  /// Loads the filter. Returns 0 or an error number.
   int load() {
     keep(seccomp_attr_set(context_, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS));
     return problem_ != 0 ? problem_ : -seccomp_load(context_);
   }
 
  private:
-  /// A negative number is a call that this architecture lacks.
+  /// Adds a rule. A negative number stands for a call that this architecture lacks.
   void add(std::uint32_t action, int call, std::initializer_list<scmp_arg_cmp> where) {
     if (context_ == nullptr || call < 0) return;
     keep(seccomp_rule_add_array(context_, action, call, static_cast<unsigned>(where.size()), where.begin()));
@@ -291,7 +291,7 @@ std::optional<std::string> allow_simulation_calls(bool has_namespaces) {
       CLONE_NEWCGROUP | CLONE_NEWIPC | CLONE_NEWNET | CLONE_NEWNS | CLONE_NEWPID | CLONE_NEWUSER | CLONE_NEWUTS;
   filter.allow(SCMP_SYS(clone), {{0, SCMP_CMP_MASKED_EQ, kNewNamespaces, 0}});
   filter.answer(SCMP_SYS(clone3), ENOSYS);  // passes its flags in memory, unreadable for a filter; the C library falls
-                                            // back to clone()
+                                            // With this error, the C library calls clone() instead.
   if (has_namespaces) {
     filter.allow(kSendSignals);
     filter.allow(kPrivate);

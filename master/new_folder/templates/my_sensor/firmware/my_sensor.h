@@ -7,8 +7,8 @@
 // Attaches the sensor's interrupt. Call once, with interrupts off.
 void my_sensor_init(void);
 
-// Measures once, asleep meanwhile. Returns the value in thousandths of its unit.
+// Measures once and sleeps meanwhile. Returns the value in thousandths of its unit.
 int32_t my_sensor_measure(void);
 
-// Puts out, in thousandths, what the firmware makes of the values.
+// Sends the result that the firmware computes from the values, in thousandths.
 void my_sensor_report(int32_t value);
