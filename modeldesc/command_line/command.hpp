@@ -38,8 +38,8 @@ std::string bash_completion(const Command& program);
 std::string fish_completion(const Command& program);
 std::string zsh_completion(const Command& program);
 
-/// Returns the manual page (man(7)) of a command. `program` is the program's name; on the program's own page both names
-/// are equal.
+/// Returns the manual page (man(7)) of a command. `program` is the program's name; `command` on the program's own page
+/// has the same name.
 std::string manual_page(const Command& command, const std::string& program, const std::string& version);
 
 }  // namespace mebots::command_line

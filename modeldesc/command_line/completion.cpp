@@ -9,8 +9,8 @@
 namespace mebots::command_line {
 namespace {
 
-/// Returns the text as one word in single quotes. Inside them, all three shells take every character except the quote
-/// literally.
+/// Returns the text as one word in single quotes. Inside the quotes, all three shells take every character literally,
+/// except the quote.
 std::string quoted(const std::string& text, const std::string& quote) {
   std::string result = "'";
   for (const char character : text) {
@@ -30,7 +30,7 @@ std::string in_fish(const std::string& text) {
   return quoted(text, "\\'");
 }
 
-/// Escapes colons and brackets with a backslash: zsh's _arguments and _describe would end the text there.
+/// Escapes colons and brackets with a backslash, because zsh's _arguments and _describe would end the text there.
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char character : text) {

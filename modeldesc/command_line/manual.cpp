@@ -11,7 +11,8 @@
 namespace mebots::command_line {
 namespace {
 
-/// Escapes text for troff: backslashes and hyphens are printed literally, and no line starts with a control character.
+/// Escapes text for troff, so that backslashes and hyphens are printed literally and no line starts with a control
+/// character.
 std::string plain(const std::string& text) {
   std::string result;
   for (const char character : text) {

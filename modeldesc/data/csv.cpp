@@ -33,7 +33,7 @@ std::string unquoted_part(std::string_view line) {
   return part;
 }
 
-/// Formats a cell for an error message.
+/// Returns a cell in the form for an error message.
 std::string shown(std::string_view cell) {
   constexpr std::size_t kMost = 60;
   return cell.size() <= kMost ? fmt::format("'{}'", cell) : fmt::format("'{}...'", cell.substr(0, kMost));
@@ -84,7 +84,7 @@ void CsvReader::refuse_other_formats() const {
   }
 }
 
-/// Spreadsheets with a decimal comma separate cells by semicolons.
+/// Refuses other separators. Spreadsheets with a decimal comma separate cells by semicolons.
 void CsvReader::refuse_other_separators() const {
   const auto first = unquoted_part(text_.substr(0, text_.find_first_of("\n\r")));
   const auto commas = std::ranges::count(first, ',');

@@ -18,9 +18,9 @@ char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-/// Returns edit_distance(), or any number above `most` if the distance is greater. Most names differ much, and a few
-/// characters show it. This early exit keeps the rejection of a file with many wrong names as fast as the reading of a
-/// correct one.
+/// Returns edit_distance(), or any number above `most` if the distance is greater. Most names differ so much that a few
+/// characters show it. With this early exit, a file with many wrong names is rejected as fast as a correct file is
+/// read.
 std::size_t bounded_distance(std::string_view a, std::string_view b, std::size_t most) {
   if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) > most) return most + 1;
   std::vector<std::size_t> rows(3 * (b.size() + 1));
@@ -41,7 +41,7 @@ std::size_t bounded_distance(std::string_view a, std::string_view b, std::size_t
       if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
       nearest = std::min(nearest, row[j]);
     }
-    // Each row depends only on the two before it, and its values are not less than the least of theirs.
+    // Each row depends only on the two rows before it. Its values are not less than the least value of these rows.
     if (std::min(nearest, nearest_of_last) > most) return most + 1;
     nearest_of_last = nearest;
   }

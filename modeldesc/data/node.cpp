@@ -54,7 +54,8 @@ bool Node::is_integer_literal() const {
 std::string Node::text() const {
   if (!is(Kind::text)) fail_kind("a text");
   const auto& text = document_->content_->values[index_].text;
-  // C strings (paths for the system, values for FMI) would end at the zero byte without an error.
+  // A text with a zero byte is refused, because C strings (paths for the system, values for FMI) would end there
+  // without an error.
   if (text.find('\0') != std::string::npos) {
     fail(ErrorCode::invalid_value, fmt::format("{} contains a zero byte, where a C string ends; remove it", shown()));
   }
@@ -160,7 +161,7 @@ void Node::fail_unknown(std::string_view what, std::string_view name, std::span<
 void Node::note(const Mistakes& mistakes) const {
   auto& all = document_->content_->mistakes;
   for (auto mistake : mistakes.list()) {
-    // The mistake is in another file that this value names; report it at this value.
+    // The mistake is in another file, which this value names. It is reported at this value.
     if (!mistake.place.starts_with(document_->content_->name)) {
       mistake.offset = document_->content_->values[index_].offset;
     }

@@ -48,7 +48,7 @@ std::string packed_text(std::string_view bytes) {
   return encode_base64(std::span(reinterpret_cast<const std::uint8_t*>(packed.data()), packed.size()));
 }
 
-/// `connect`: the source of the policy from which the page may fetch more.
+/// Fills the page. `connect` is the source in the page's policy from which the page may fetch more data.
 std::string fill(const PageParts& parts, const std::string& title, std::string_view connect, std::string_view data) {
   auto page = parts.frame;
   put(page, "title", escaped(title + " - MEbots"));

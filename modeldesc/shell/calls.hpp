@@ -11,11 +11,11 @@
 #include <span>
 #include <string_view>
 
-/// The calls that the C functions of all versions of FMI share. Each finds its instance, checks that the call is legal
-/// now, and catches every exception.
+/// The calls that the C functions of all versions of FMI share. Each call finds its instance, checks that the call is
+/// legal now, and catches every exception.
 namespace mebots::shell {
 
-/// Never throws: if the tool's logger fails, we still return the status.
+/// Sends a report to the tool. Never throws: if the tool's logger fails, the status is still returned.
 void report(Instance& instance, Status status, const Function& function, const char* what) noexcept;
 
 template <typename Body>
@@ -56,8 +56,8 @@ T& checked(T* pointer, std::string_view name) {
   throw Error(fmt::format("this FMU does not offer it: modelDescription.xml declares {}", flag));
 }
 
-/// Builds data that instances share, once: the C++ library's facets and the FMU's own tables. Call it from a function
-/// that every tool calls after loading the library and before the first instance.
+/// Builds data that instances share, once: the C++ library's facets and the FMU's own tables. It must be called by a
+/// function that every tool calls after loading the library and before the first instance.
 void prepare_library() noexcept;
 
 struct Instantiation {

@@ -6,7 +6,7 @@
 namespace mebots::shell {
 namespace {
 
-/// The table has a row per function that takes an instance.
+/// Has a row per function that takes an instance.
 namespace call {
 using namespace legal;
 constexpr std::uint8_t kStatus = kStepComplete | kStepFailed | kTerminated;
@@ -56,7 +56,7 @@ fmi2Status guarded2(fmi2Component component, const Function& function, Body body
   return to_fmi2(guarded(component, function, body));
 }
 
-/// The tool treats the message as a printf format; we pass no arguments.
+/// The tool treats the message as a printf format, but no arguments are passed.
 Logger::Sink sink_of(const fmi2CallbackFunctions& callbacks, std::string name) {
   if (callbacks.logger == nullptr) return {};
   return [logger = callbacks.logger, environment = callbacks.componentEnvironment, name = std::move(name)](
@@ -72,7 +72,8 @@ using mebots::Error;
 using namespace mebots::shell;  // NOLINT(google-build-using-namespace): the functions below are the standard's, and
                                 // global
 
-/// Every tool calls this function after loading the library and before the first instance.
+/// Also calls prepare_library(), because every tool calls this function after loading the library and before the first
+/// instance.
 const char* fmi2GetTypesPlatform() {
   prepare_library();
   return "default";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The C functions of FMI 3.0: thin wrappers of the calls that all versions share. Functions that read and set values
-// are in fmi3_values.cpp; functions that our FMUs do not support are in fmi3_not_offered.cpp.
+// are in fmi3_values.cpp; functions that MEbots' FMUs do not support are in fmi3_not_offered.cpp.
 #include "fmi3_calls.hpp"
 
 #include <optional>
@@ -9,7 +9,7 @@
 namespace mebots::shell {
 namespace {
 
-/// The table has a row per function that takes an instance.
+/// Has a row per function that takes an instance.
 namespace call {
 using namespace legal;
 constexpr Function kSetDebugLogging{"fmi3SetDebugLogging", kAlive};
@@ -40,7 +40,7 @@ Logger::Sink sink_of(fmi3LogMessageCallback log_message, fmi3InstanceEnvironment
   };
 }
 
-/// Refuses to instantiate a kind of FMU that our FMUs do not support.
+/// Refuses to instantiate kinds of FMU that MEbots' FMUs do not support.
 fmi3Instance refuse_kind(const char* function, fmi3String name, fmi3String token, std::string_view kind,
                          fmi3LogMessageCallback log_message, fmi3InstanceEnvironment environment) {
   return instantiate(
@@ -55,7 +55,8 @@ using mebots::Error;
 using namespace mebots::shell;  // NOLINT(google-build-using-namespace): the functions below are the standard's, and
                                 // global
 
-/// Every tool calls this function after loading the library and before the first instance.
+/// Also calls prepare_library(), because every tool calls this function after loading the library and before the first
+/// instance.
 const char* fmi3GetVersion() {
   prepare_library();
   return "3.0";

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C functions of FMI 3.0 that our FMUs do not support. Each returns an error with the reason.
+// The C functions of FMI 3.0 that MEbots' FMUs do not support. Each returns an error with the reason.
 #include "fmi3_calls.hpp"
 
 namespace mebots::shell {
 namespace {
 
-/// `why` is a sentence or the capability in modelDescription.xml.
+/// Refuses a call. `why` is a sentence, or the capability in modelDescription.xml that is missing.
 fmi3Status refuse(fmi3Instance handle, const char* function, const char* why) {
   return guarded3(handle, {function, legal::kAlive}, [&](Instance&) { throw Error(why); });
 }

@@ -59,7 +59,7 @@ void read(Instance& instance, Rows rows, std::span<fmi3Boolean> values) {
   std::ranges::transform(own, values.begin(), [](fmi2Boolean value) { return value != fmi2False; });
 }
 
-/// For enumerations and structural parameters.
+/// Gets values of enumerations and structural parameters.
 template <typename T>
 void read(Instance& instance, Rows rows, std::span<T> values) {
   std::vector<fmi2Integer> own(rows.size());
@@ -116,7 +116,7 @@ constexpr bool kHasVariables =
     std::is_same_v<T, fmi3Float64> || std::is_same_v<T, fmi3Int32> || std::is_same_v<T, fmi3Int64> ||
     std::is_same_v<T, fmi3UInt64> || std::is_same_v<T, fmi3Boolean> || std::is_same_v<T, fmi3String>;
 
-/// For types that none of our variables has. Succeeds only if there are no references.
+/// Refuses values of types that no variable of MEbots' FMUs has. Succeeds only if there are no references.
 fmi3Status refuse_values(fmi3Instance handle, const Function& function, std::string_view type,
                          const fmi3ValueReference references[], std::size_t count, std::size_t value_count) {
   return guarded3(handle, function, [&](Instance& instance) {
@@ -223,7 +223,7 @@ fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference referen
   });
 }
 
-// Our FMUs have no clocks, so every reference is wrong.
+// MEbots' FMUs have no clocks, so every reference is wrong.
 
 fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference references[], std::size_t count, fmi3Clock[]) {
   return refuse_values(instance, {"fmi3GetClock", kReadable}, "Clock", references, count, count);

@@ -31,7 +31,7 @@ double to_s(std::int64_t time_ns) {
 }
 
 /// Returns the permitted difference between two computations of the same time: tools that add up steps accumulate
-/// rounding errors. Less than half a step, so that communication points stay distinct.
+/// rounding errors. It is less than half a step, so that communication points stay distinct.
 double time_tolerance_s(double time_s, double step_s) {
   return 1e-6 + std::min(1e-9 * std::abs(time_s), step_s / 4);
 }
@@ -264,7 +264,7 @@ void Instance::do_step(double point_s, double step_s) {
   if (!(std::abs(point_s - own_s) <= time_tolerance_s(own_s, step_s)))
     throw Error(fmt::format("currentCommunicationPoint = {} s, but this instance is at {} s", point_s, own_s));
   const std::int64_t end_ns = to_ns(point_s + step_s, "end of the step");
-  // Tools that add up their steps may end with a rest of about 2e-13 s; the nanosecond is already reached.
+  // Tools that add up their steps may end with a step of about 2e-13 s. Its end is the same nanosecond as its start.
   if (end_ns <= time_ns_) return;
   if (stop_ns_ && to_s(end_ns - *stop_ns_) > time_tolerance_s(to_s(*stop_ns_), step_s))
     throw Error(fmt::format("the step would end at {} s, after the stopTime of {} s given to {}", to_s(end_ns),

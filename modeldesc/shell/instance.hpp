@@ -29,7 +29,7 @@ class Instance final : public Host {
 
   void setup_experiment(double start_s, std::optional<double> stop_s);
   void enter_initialization();
-  /// An error in the model's parameters sets the state to `error`.
+  /// Leaves initialization mode. An error in the model's parameters sets the state to `error`.
   void exit_initialization();
   void terminate();
   void reset();
@@ -38,7 +38,7 @@ class Instance final : public Host {
   void get(References references, std::span<fmi2Real> values);
   void get(References references, std::span<fmi2Integer> values);
   void get_booleans(References references, std::span<fmi2Boolean> values);
-  /// The texts stay valid until the next call.
+  /// Gets texts, which stay valid until the next call.
   void get(References references, std::span<fmi2String> values);
   void set(References references, std::span<const fmi2Real> values);
   void set(References references, std::span<const fmi2Integer> values);
@@ -47,20 +47,20 @@ class Instance final : public Host {
 
   /// Returns the bytes of a Binary by its first row; valid until the next call.
   std::span<const std::uint8_t> get_binary(fmi2ValueReference reference);
-  /// Copies the bytes.
+  /// Sets a Binary to a copy of the bytes.
   void set_binary(fmi2ValueReference reference, std::span<const std::uint8_t> bytes);
 
-  /// Returns the number of elements of the FMI 3.0 variable that begins in this row: the current value of its
-  /// structural parameter.
+  /// Returns the number of elements of the FMI 3.0 variable that begins in this row. For a variable size, this is the
+  /// current value of the structural parameter.
   std::size_t elements_of(const Variable& variable) const;
 
-  /// Wrong arguments change nothing. An error in the model sets the state to `error`.
+  /// Takes a step. Wrong arguments change nothing. An error in the model sets the state to `error`.
   void do_step(double point_s, double step_s);
   double time_s() const;
   Status last_step_status() const { return last_step_status_; }
 
   SavedState save();
-  /// After the checks, an error sets the state to `error`.
+  /// Restores a state. After the checks, an error sets the state to `error`.
   void restore(const SavedState& saved);
 
   State state() const { return state_; }

@@ -11,8 +11,8 @@
 /// 4.2): which function is legal in which state.
 namespace mebots::shell {
 
-/// States of an instance, as bits. Our steps finish before they return, so the states "step in progress" and "step
-/// canceled" are left out.
+/// States of an instance, as bits. Steps of MEbots' FMUs finish before the call returns, so the states "step in
+/// progress" and "step canceled" are left out.
 enum class State : std::uint8_t {
   instantiated = 1 << 0,
   initialization = 1 << 1,

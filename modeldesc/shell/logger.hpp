@@ -23,7 +23,8 @@ class Logger {
 
   void log(Status status, std::string_view category, std::string_view message);
 
-  /// No categories means all. Throws mebots::Error if a category is unknown, and then changes nothing.
+  /// Switches logging of categories. No categories means all. Throws mebots::Error if a category is unknown, and then
+  /// changes nothing.
   void set_logging(bool on, std::span<const char* const> categories);
 
  private:
@@ -38,7 +39,7 @@ class Logger {
   std::vector<Category> categories_;
 };
 
-/// Returns the text with each `mark` doubled, because tools give a single one a meaning of their own.
+/// Returns the text with each `mark` doubled, because tools give a single mark a meaning of their own.
 std::string doubled(std::string_view text, char mark);
 
 }  // namespace mebots::shell

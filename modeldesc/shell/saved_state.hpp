@@ -41,8 +41,8 @@ struct Owner {
 /// Serializes the state; a header identifies its owner.
 std::vector<std::byte> serialize(const Owner& owner, const SavedState& saved);
 
-/// Throws mebots::Error if the bytes are damaged or belong to another FMU or version. The layout is not checked here
-/// but when the state is restored, because before that there may be no model.
+/// Reads a serialized state. Throws mebots::Error if the bytes are damaged or belong to another FMU or version. The
+/// layout is checked only when the state is restored, because before that there may be no model.
 SavedState deserialize(const Owner& owner, std::span<const std::byte> bytes);
 
 }  // namespace mebots::shell

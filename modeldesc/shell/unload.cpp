@@ -19,7 +19,7 @@ bool is_linked_in(const void* address, const void* own) {
 /// Runs after all other destructors, which may throw and catch.
 [[gnu::destructor(101)]] void give_back_exception_pool() {
   void (*const give_back)() = &__gnu_cxx::__freeres;
-  // Skips a C++ library that others share.
+  // A C++ library that other libraries share is skipped.
   if (give_back != nullptr &&
       is_linked_in(reinterpret_cast<const void*>(give_back), reinterpret_cast<const void*>(&is_linked_in)))
     give_back();

@@ -30,7 +30,7 @@ const T& field(const void* variables, const Variable& variable) {
 /// (enumerations count as Integer).
 const Variable& find_variable(const Definition& definition, fmi2ValueReference reference, Type type);
 
-/// Throw mebots::Error with variable, value and limit if the value may not be set.
+/// Check whether the value may be set. If not, throw mebots::Error with variable, value and limit.
 void check_value(const Variable& variable, fmi2Real value);
 void check_value(const Variable& variable, fmi2Integer value);
 void check_boolean(const Variable& variable, fmi2Boolean value);
@@ -40,8 +40,8 @@ void check_value(const Variable& variable, fmi2String value);
 using Binaries = std::map<fmi2ValueReference, std::vector<std::uint8_t>>;
 
 /// All values of one causality as stored in states, by FMI name. Pointers are not stored. After a restore, pointers of
-/// inputs point into `binaries`, whose contents are stored. All other pointers are null, and all are if there are no
-/// `binaries`.
+/// inputs point into `binaries`, whose contents are stored. All other pointers are null. If there are no `binaries`,
+/// all pointers are null.
 class KeptValues {
  public:
   KeptValues(const Definition& definition, Causality causality, void* variables, Binaries* binaries)

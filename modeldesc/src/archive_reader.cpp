@@ -25,7 +25,7 @@ struct CloseFile {
 };
 using ArchiveFile = std::unique_ptr<zip_file_t, CloseFile>;
 
-/// Returns the kind of archive that begins with these bytes, "a RAR archive"; empty if none is known.
+/// Returns the kind of archive that begins with these bytes, such as "a RAR archive"; empty if no known kind does.
 std::string_view other_archive(std::string_view bytes) {
   using namespace std::string_view_literals;
   constexpr std::pair<std::string_view, std::string_view> kKinds[] = {{"7z\xbc\xaf\x27\x1c"sv, "a 7-Zip archive"},
@@ -41,7 +41,7 @@ std::string_view other_archive(std::string_view bytes) {
   return {};
 }
 
-/// `start` holds the first bytes of the file.
+/// Throws the error for an archive that cannot be opened. `start` contains the first bytes of the file.
 [[noreturn]] void cannot_open(std::string_view name, std::string_view reason, std::string_view start) {
   if (const auto kind = other_archive(start); !kind.empty()) {
     throw Error(ErrorCode::archive_damaged,

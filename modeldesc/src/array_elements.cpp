@@ -39,7 +39,7 @@ std::string element_name(const std::string& array, const std::vector<std::uint64
   return fmt::format("{}[{}]", array, fmt::join(places, ","));
 }
 
-/// Yields value references that no variable has, in ascending order from the upper half.
+/// Returns value references that no variable has, in ascending order from the upper half on.
 class FreeReferences {
  public:
   explicit FreeReferences(const ModelDescription& description) {

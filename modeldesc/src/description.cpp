@@ -62,7 +62,7 @@ class DescriptionReader {
     object.finish();
   }
 
-  /// fmu_soc's reader of boards reads the other members.
+  /// Reads the variables of a board's devices. fmu_soc's reader of boards reads the other members.
   void join_board(const Node& root, const std::filesystem::path& file) {
     for (const auto& device : root.at("devices").elements()) {
       device.attempt([&] {
@@ -180,7 +180,8 @@ class DescriptionReader {
     if (!field.on_demand) {
       field.cpp_name = cpp_name(field);
       check_cpp_name(node.at("name"), field.cpp_name);
-      // C++ would accept the same name in two of the three structs, but it would mislead readers.
+      // The name must be unique in all three structs. C++ would accept the same name in two of them, but it would
+      // mislead readers.
       claim(cpp_names_, field.cpp_name, node.at("name"));
     }
     result_.fields.push_back(std::move(field));
@@ -413,8 +414,8 @@ class DescriptionReader {
     if (field.group) {
       const std::string& group = result_.groups[*field.group].name;
       const auto open = name.find('{');
-      // At the front, the group's name says whose value it is (load_power_w). Elsewhere it is left out
-      // (drone_position_m).
+      // If the group is at the front of the name, the group's name states whose value it is (load_power_w). At other
+      // places, it is left out (drone_position_m).
       name.replace(open, group.size() + 2, open == 0 ? group : "");
     }
     return to_cpp_name(name) + (field.unit.empty() ? "" : unit_suffix(field.unit));

@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-/// The checked content of description.json, the input of all our generators.
+/// The checked content of description.json, the input of all generators.
 namespace mebots::modeldesc {
 
 enum class FieldType { real, integer, boolean, string, binary, enumeration };
@@ -72,7 +72,7 @@ inline std::int64_t whole_number_of(const Value& value) {
       value);
 }
 
-/// A terminal of FMI 3.0: a set of variables that a tool connects together.
+/// A terminal of FMI 3.0, which is a set of variables that a tool connects together.
 struct Terminal {
   struct Member {
     std::string name;
@@ -109,7 +109,8 @@ struct Description {
 };
 
 /// Reads description.json. If `board` is not empty, adds the variables and enumerations of the board's devices.
-/// `copies` is the number of the repeated thing. Throws mebots::Error with all mistakes, each with file, line and key.
+/// `copies` is the number of copies of the repeated thing. Throws mebots::Error with all mistakes, each with file, line
+/// and key.
 Description read_description(const std::filesystem::path& file, const std::filesystem::path& board = {},
                              std::size_t copies = 1);
 

@@ -60,8 +60,8 @@ struct Segment {
 /// Reads the structures of <elf.h> with bounds checks, from a file or from memory.
 class ElfImage {
  public:
-  /// `name` is for errors. `base` is the load address, which the loader has added to the pointers of the dynamic
-  /// section.
+  /// `name` is the library's name in errors. `base` is the load address, which the loader has added to the pointers of
+  /// the dynamic section.
   ElfImage(std::string name, std::uint64_t base) : name_(std::move(name)), base_(base) {}
 
   void add(Segment segment) { segments_.push_back(segment); }
@@ -144,7 +144,8 @@ class ElfImage {
     const auto found = values_.find(tag);
     return found == values_.end() ? 0 : found->second;
   }
-  /// glibc's loader makes the pointers of most objects absolute, but not those of the kernel's vDSO.
+  /// Returns a pointer of the dynamic section. glibc's loader makes the pointers of most objects absolute, but not
+  /// those of the kernel's vDSO.
   std::uint64_t pointer(std::int64_t tag) const {
     const auto address = value(tag);
     return address >= base_ ? address - base_ : address;
@@ -181,14 +182,14 @@ class ElfImage {
 
   Elf64_Sym symbol(std::uint64_t index) const { return at<Elf64_Sym>(pointer(DT_SYMTAB) + index * sizeof(Elf64_Sym)); }
 
-  /// Returns the number of symbols up to the last one in a hash table. Symbols in no table are undefined ones.
+  /// Returns the number of symbols up to the last one in a hash table. Symbols that are in no table are undefined.
   std::uint64_t hashed_symbols() const {
     if (values_.contains(DT_HASH)) return at<std::uint32_t>(pointer(DT_HASH) + sizeof(std::uint32_t));
     return values_.contains(DT_GNU_HASH) ? gnu_hashed_symbols(pointer(DT_GNU_HASH)) : 0;
   }
 
-  /// The table has counts, a bloom filter, the first symbol of each bucket, and a word per symbol whose lowest bit ends
-  /// a bucket.
+  /// Returns the number of symbols in a GNU hash table. The table has counts, a bloom filter, the first symbol of each
+  /// bucket, and a word per symbol whose lowest bit ends a bucket.
   std::uint64_t gnu_hashed_symbols(std::uint64_t table) const {
     constexpr std::uint64_t kWord = sizeof(std::uint32_t);
     const auto word = [&](std::uint64_t i) { return std::uint64_t{at<std::uint32_t>(table + i * kWord)}; };

@@ -73,7 +73,8 @@ class TerminalReader {
     return members;
   }
 
-  /// Resolves a name to a variable: as written in `variables`, or the FMI name of one variable of a group.
+  /// Resolves the name of a member to a variable. The name is as written in `variables`, or it is the FMI name of one
+  /// variable of a group.
   Terminal::Member member(const std::string& name, const Node& node, const Group* group, std::size_t word) const {
     const std::string variable = node.text();
     std::vector<std::string> known;

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-/// Keys of description.json that concern versions of FMI, or that only FMI 3.0 uses.
+/// Reads the keys of description.json that concern versions of FMI, or that only FMI 3.0 uses.
 namespace mebots::modeldesc {
 
 /// Throws Mistakes if XML cannot represent the text.

@@ -43,8 +43,8 @@ std::string array_text(const Field& field, const Group& group) {
   return common_stem(group).empty() ? fmt::format("{} ({})", field.text, fmt::join(group.words, ", ")) : field.text;
 }
 
-/// Throws Error for copies that would form an array, unless the description allows it. The elements of an array have
-/// one order: those of a copy are neighbours.
+/// Throws Error for copies that would form an array, unless the description allows it. In an array, the elements of one
+/// copy would have to be neighbours.
 void check_repeated_group(const Description& description, const Field& field, const Group* group) {
   if (group == nullptr || (group->is_array && group->size_source.empty())) return;
   throw Error(ErrorCode::invalid_value,

@@ -31,7 +31,7 @@ struct Fmi3Variable {
 /// array has the name of another variable.
 std::vector<Fmi3Variable> fmi3_variables(const Description& description);
 
-/// The name of the independent variable. Its value reference is the number of rows of the table.
+/// The name of the independent variable. Its value reference is the number of rows in the table.
 inline constexpr const char* kTimeName = "time";
 
 /// Returns the number of table rows per element of the field; an OSMP triple has three.

@@ -28,7 +28,7 @@ std::string generate_fmi3(const Description& description, const ModelDescription
   const Fmi3Text text = write_fmi3_xml(description, common);
   write_text_file(folder / "modelDescription.xml", text.xml);
   write_text_file(folder / "index.html", write_fmi3_html(description, common));
-  // The build expects the file, even if it is empty.
+  // The file is written even if it is empty, because the build expects it.
   write_text_file(folder / "terminalsAndIcons.xml", write_terminals_and_icons(description, has_icon));
   return text.token;
 }

@@ -47,14 +47,14 @@ void generate(const Description& description, const std::filesystem::path& folde
 /// The three C++ files that the build generates from a description.
 namespace mebots::modeldesc {
 
-/// variables.hpp: Parameters, Inputs, Outputs, Variables. Independent of FMI.
+/// Returns variables.hpp, which defines Parameters, Inputs, Outputs and Variables. It does not depend on FMI.
 std::string variables_header(const Description& description);
 
-/// binding.hpp: declares the make_model() that fmu.cpp defines.
+/// Returns binding.hpp, which declares the make_model() that fmu.cpp defines.
 std::string binding_header(const Description& description);
 
-/// variable_table.cpp: defines the mebots::fmu::Definition for the shell. The token is empty if the FMU supports FMI
-/// 2.0 only.
+/// Returns variable_table.cpp, which defines the mebots::fmu::Definition for the shell. The token is empty if the FMU
+/// supports FMI 2.0 only.
 std::string variable_table_source(const Description& description, const std::string& guid, const std::string& token);
 
 /// True if the text is a C++ identifier and not a keyword.
@@ -72,7 +72,7 @@ std::string to_cpp_name(std::string_view fmi_name);
 /// Returns the text as a C++ string literal, quotes included.
 std::string cpp_literal(std::string_view text);
 
-/// Throws mebots::Error with the file's name if writing fails.
+/// Writes a file. Throws mebots::Error with the file's name if that fails.
 void write_text_file(const std::filesystem::path& file, const std::string& text);
 
 /// Returns the SHA-256 digest as 64 lower-case hexadecimal digits.

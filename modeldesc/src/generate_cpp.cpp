@@ -62,7 +62,8 @@ std::string element_type(const Field& field) {
   return {};
 }
 
-/// Returns the item of value 0, else the first: the value of an output before the model writes it.
+/// Returns the value of an enumeration output before the model writes it: the item of value 0; if there is none, the
+/// first item.
 const EnumerationItem& resting_item(const Enumeration& type) {
   const auto zero = std::ranges::find(type.items, 0, &EnumerationItem::value);
   return zero == type.items.end() ? type.items.front() : *zero;
@@ -134,7 +135,8 @@ void write_field(std::string& out, const Description& description, const Field& 
        fmt::join(values, ", "));
 }
 
-/// Writes Parameters, Inputs and Outputs of the fields that `select` returns true for. `prefix` is that of their names.
+/// Writes Parameters, Inputs and Outputs with the fields for which `select` returns true. `prefix` is the prefix of
+/// their names.
 template <typename Select>
 void write_structs(std::string& out, const Description& description, const std::string& prefix, Select select) {
   for (const auto& [causality, name] :
@@ -146,7 +148,7 @@ void write_structs(std::string& out, const Description& description, const std::
   }
 }
 
-/// Returns "Drone" for the word drone.
+/// Returns the prefix of struct names for a word: "Drone" for drone.
 std::string struct_prefix(const Repeat& repeat) {
   std::string prefix = repeat.word;
   prefix.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(prefix.front())));

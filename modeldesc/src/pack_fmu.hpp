@@ -30,8 +30,8 @@ struct Product {
 };
 
 /// The bill of materials as SPDX 2.3 JSON (https://spdx.github.io/spdx-spec/v2.3): the product, its parts, and how each
-/// belongs to it. The same product and parts give the same bytes: the time is $SOURCE_DATE_EPOCH, or that of the
-/// entries of our archives, and the document's name space holds the hash of the rest.
+/// belongs to it. The same product and parts give the same bytes. The time is $SOURCE_DATE_EPOCH, or else the time of
+/// the entries in MEbots' archives. The document's name space contains the hash of the rest.
 std::string spdx_document(const Product& product, std::vector<Part> parts);
 
 /// The input files of an FMU.
@@ -51,8 +51,8 @@ struct FmuParts {
 };
 
 /// Writes the .fmu. The binary's header determines its platform. Throws mebots::Error with the name of a missing file.
-/// Also if the binary or one of its libraries needs a library that is neither in the archive nor part of every Linux or
-/// Windows.
+/// Also throws if the binary or one of its libraries needs a library that is neither in the archive nor part of every
+/// Linux or Windows.
 void pack_fmu(const std::filesystem::path& archive, const FmuParts& parts);
 
 }  // namespace mebots::modeldesc

@@ -72,7 +72,7 @@ class PeFile {
     return value;
   }
 
-  /// Returns the file's offset of an address.
+  /// Returns the offset in the file of an address.
   std::uint64_t offset_of(std::uint32_t address) const {
     for (const auto& section : sections_) {
       if (address >= section.address && address - section.address < section.size)
@@ -97,8 +97,8 @@ class PeFile {
     return index < get<std::uint32_t>(counts) ? get<std::uint32_t>(counts + 4 + std::uint64_t{8} * index) : 0;
   }
 
-  /// A table of DLLs has rows of `row_bytes`, with the address of the name at `name_offset`. A row without name ends
-  /// it.
+  /// Adds the names in a table of DLLs. Its rows have `row_bytes` each, with the address of the name at `name_offset`.
+  /// A row without name ends the table.
   void add_names(Directory which, std::uint64_t row_bytes, std::uint64_t name_offset,
                  std::vector<std::string>& names) const {
     const auto address = directory(which);

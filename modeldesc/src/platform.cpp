@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using enum BinaryFormat;
 
-// Microsoft, "PE Format", section Machine Types; <mach/machine.h> of macOS.
+// Numbers of machines. Sources: Microsoft, "PE Format", section Machine Types; <mach/machine.h> of macOS.
 constexpr std::uint32_t kPeI386 = 0x14c;
 constexpr std::uint32_t kPeAmd64 = 0x8664;
 constexpr std::uint32_t kPeArm64 = 0xaa64;
@@ -29,7 +29,7 @@ constexpr std::uint32_t kMachX86 = 7;
 constexpr std::uint32_t kMachX86_64 = kMach64Bit | kMachX86;
 constexpr std::uint32_t kMachArm64 = kMach64Bit | 12;
 
-// FMI 2.0 names six platforms and allows others: those have the names of FMI 3.0.
+// FMI 2.0 names six platforms and allows others. The others have the names of FMI 3.0 here.
 constexpr Platform kPlatforms[] = {
     {elf, 64, EM_X86_64, "linux64", "x86_64-linux", ".so", "x86-64 Linux"},
     {elf, 32, EM_386, "linux32", "x86-linux", ".so", "32-bit x86 Linux"},

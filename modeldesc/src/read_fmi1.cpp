@@ -9,7 +9,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-// The values are in the order of FMI 1.0's words.
+// Variability, in the order of FMI 1.0's words.
 enum class Variability1 : std::uint8_t { constant, parameter, discrete, continuous };
 enum class Causality1 : std::uint8_t { input, output, internal, none };
 enum class Alias : std::uint8_t { none, alias, negated };
@@ -92,8 +92,8 @@ class Fmi1Reader {
     types_.add(element, std::move(type), result_.types);
   }
 
-  /// Returns false and reports the variable if an earlier one has its name: public FMUs of this version have such
-  /// internal variables.
+  /// Returns false and reports the variable if an earlier variable has the same name. Such internal variables occur in
+  /// public FMUs of this version.
   bool is_first_of_its_name(const Element& element) {
     const auto name = element.required_text("name");
     if (names_.insert(name).second) return true;
@@ -155,7 +155,8 @@ class Fmi1Reader {
     variable.initial = default_initial(variable.causality, variable.variability);
   }
 
-  /// In FMI 1.0, a negated alias has the value reference of its base. Here it gets one that no other variable has.
+  /// In FMI 1.0, a negated alias has the value reference of its base. Here it gets a reference that no other variable
+  /// has.
   void give_negated_aliases_their_references() {
     std::unordered_set<std::uint32_t> used;
     for (const auto& variable : result_.variables) used.insert(variable.value_reference);

@@ -310,8 +310,8 @@ class Fmi3Reader {
     return unknowns;
   }
 
-  /// Returns the variable with a value reference in <ModelStructure>. Reports an unknown reference instead of throwing:
-  /// the FMU runs without that entry.
+  /// Returns the variable with a value reference in <ModelStructure>. Reports an unknown reference instead of throwing,
+  /// because the FMU runs without that entry.
   std::optional<std::size_t> find(const Element& element, std::uint32_t value_reference) {
     const auto found = by_reference_.find(value_reference);
     if (found != by_reference_.end()) return found->second;

@@ -30,8 +30,8 @@ inline std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kSpace) - first + 1);
 }
 
-/// Returns the whole text as a number, or empty. As in XML Schema, infinities are written INF and a plus sign is
-/// allowed.
+/// Returns the whole text as a number; empty if it is not one. As in XML Schema, infinities are written INF and a plus
+/// sign is allowed.
 template <typename T>
 std::optional<T> parse_number(std::string_view text) {
   text = trimmed(text);
@@ -177,8 +177,9 @@ void read_quantities(const Element& element, Target& target) {
   target.nominal = element.real("nominal");
 }
 
-/// Reads the dependencies of an unknown in <ModelStructure>. If one of them has no variable, returns none, which means
-/// that it may depend on all. `find` returns the index of the variable for a word, or empty.
+/// Reads the dependencies of an unknown in <ModelStructure>. If one of them has no variable, returns no dependencies,
+/// which means that the unknown may depend on all inputs. `find` returns the index of the variable for a word, or
+/// empty.
 template <typename Find>
 Unknown read_dependencies(const Element& element, Find find) {
   Unknown unknown;
@@ -201,7 +202,7 @@ Unknown read_dependencies(const Element& element, Find find) {
 /// Returns the type of a variable of FMI 1.0 or 2.0, and the child element that states it, such as <Real>.
 std::pair<Type, Element> type_child(const Element& variable);
 
-/// Reads the start value from that child; empty if there is none.
+/// Reads the start value from that child element; empty if there is none.
 Value read_start(const Element& details, Type type);
 
 /// The types of <TypeDefinitions> by name. A description may have thousands.
@@ -210,8 +211,8 @@ class DeclaredTypes {
   /// Appends a type to `types`, which must be the same list in every call. Throws Error if the list already has a type
   /// of that name.
   void add(const Element& element, TypeDefinition type, std::vector<TypeDefinition>& types);
-  /// Fills in what a variable does not state and its declared type does; no effect if it has no declared type. Throws
-  /// Error if the type is unknown, or of another type than the variable.
+  /// Fills in attributes that a variable leaves out and its declared type has. Has no effect if the variable has no
+  /// declared type. Throws Error if the declared type is unknown or does not fit the variable.
   void apply(const Element& element, const std::vector<TypeDefinition>& types, Variable& variable) const;
 
  private:

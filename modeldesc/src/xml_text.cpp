@@ -15,7 +15,7 @@
 namespace mebots::modeldesc {
 namespace {
 
-/// Returns the encoding by byte order mark or by the bytes of "<"; empty = a superset of ASCII.
+/// Returns the encoding by byte order mark or by the bytes of "<"; empty for a superset of ASCII.
 std::string_view wide_encoding(std::string_view bytes) {
   using namespace std::string_view_literals;
   constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kStarts = {{
@@ -76,7 +76,7 @@ class Converter {
   iconv_t handle_;
 };
 
-/// Walks the tree without recursion. Returns the first element that is nested too deep.
+/// Returns the first element that is nested too deep. Walks the tree without recursion.
 pugi::xml_node too_deep(const pugi::xml_document& document) {
   int depth = 0;
   for (auto node = document.first_child(); node;) {
@@ -95,7 +95,8 @@ pugi::xml_node too_deep(const pugi::xml_document& document) {
   return {};
 }
 
-/// pugixml does not expand references to entities of the DTD; their meaning would be lost without an error.
+/// Refuses references to entities of the DTD. pugixml does not expand them, so their meaning would be lost without an
+/// error.
 void refuse_entities(const pugi::xml_document& document, std::string_view text, std::string_view source) {
   constexpr std::string_view kDefinition = "<!ENTITY";
   constexpr std::string_view kSpace = " \t\r\n";
@@ -116,13 +117,14 @@ void refuse_entities(const pugi::xml_document& document, std::string_view text, 
   }
 }
 
-/// XML 1.0, section 2.2.
+/// True for characters that XML 1.0 permits (section 2.2).
 bool is_xml_character(std::uint32_t code) {
   return code == 0x9 || code == 0xA || code == 0xD || (code >= 0x20 && code <= 0xD7FF) ||
          (code >= 0xE000 && code <= 0xFFFD) || (code >= 0x10000 && code <= 0x10FFFF);
 }
 
-/// pugixml converts any number in a reference such as &#xD800; to bytes, even if it is not a character.
+/// Refuses references to numbers that are not characters. pugixml converts any number in a reference, such as &#xD800;,
+/// to bytes.
 void refuse_references(std::string_view text, std::string_view source) {
   for (auto at = text.find("&#"); at != std::string_view::npos; at = text.find("&#", at + 1)) {
     const bool hex = text.substr(at + 2).starts_with('x');

@@ -12,7 +12,8 @@
 /// Shared by the writers of XML for all versions of FMI.
 namespace mebots::modeldesc {
 
-/// Returns the shortest text that reads back as the same number; pugixml would print a fixed number of digits.
+/// Returns the shortest text that reads back as the same number. It is used because pugixml would print a fixed number
+/// of digits.
 std::string number_text(double value);
 
 class Element {

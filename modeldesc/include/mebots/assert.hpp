@@ -5,8 +5,8 @@
 #include <cstdlib>
 
 /// MEBOTS_ASSERT(condition) and MEBOTS_ASSERT(condition, "why it holds") state an assumption of the code around them:
-/// an index inside its array, an order of calls, an invariant of a class. If the condition is false, our code has a
-/// bug: the macro prints file, line, function and condition to stderr and aborts the process. Wrong input from outside
+/// an index inside its array, an order of calls, an invariant of a class. If the condition is false, MEbots has a bug.
+/// The macro then prints file, line, function and condition to stderr and aborts the process. Wrong input from outside
 /// throws a mebots::Error instead.
 ///
 /// Active if MEBOTS_ASSERTIONS is defined (presets dev, ci and those of the sanitizers). Otherwise (preset release) the

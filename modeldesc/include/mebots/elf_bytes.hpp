@@ -16,15 +16,15 @@
 
 namespace mebots {
 
-/// Reads structures from the bytes of an ELF file, which may be truncated. Both readers of ELF files use it: the one of
-/// shared libraries and the one of the chip's programs. The bytes must outlive this object.
+/// Reads structures from the bytes of an ELF file, which may be truncated. The readers of shared libraries and of the
+/// chip's programs use it. The bytes must outlive this object.
 class ElfBytes {
  public:
-  /// `name` and `code` are for errors.
+  /// `name` and `code` are the file's name and the code in errors.
   ElfBytes(std::span<const std::uint8_t> bytes, std::string name, ErrorCode code)
       : bytes_(bytes), name_(std::move(name)), code_(code) {}
 
-  /// Throws Error with the file's name before `what`.
+  /// Throws Error with the file's name and `what`.
   [[noreturn]] void fail(std::string_view what) const { throw Error(code_, fmt::format("{}: {}", name_, what)); }
 
   /// True if the file starts with the four bytes of every ELF file.
@@ -46,7 +46,7 @@ class ElfBytes {
     return bytes_.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(size));
   }
 
-  /// Copies a structure from `offset`. Throws as part().
+  /// Copies a structure from `offset`. Throws the same errors as part().
   template <typename T>
   T get(std::uint64_t offset, std::string_view what) const {
     T value;

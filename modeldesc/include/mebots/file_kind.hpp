@@ -2,7 +2,7 @@
 //
 // Checks whether a path names a file or a folder. std::filesystem throws for a path that no file can have, such as one
 // that is too long; these functions return false. If permission for a folder of the path is missing, is_there() returns
-// true, because a file may exist: opening it reports the reason.
+// true, because a file may exist. Opening the file then reports the reason.
 #pragma once
 
 #include <filesystem>

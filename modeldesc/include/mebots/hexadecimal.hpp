@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-/// Bytes as pairs of hexadecimal digits, as FMI 3.0 writes start values of type Binary.
+/// Converts bytes to and from pairs of hexadecimal digits, as FMI 3.0 writes start values of type Binary.
 namespace mebots {
 
 /// Returns text such as "0a1bff".

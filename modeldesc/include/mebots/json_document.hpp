@@ -10,14 +10,14 @@
 
 namespace mebots::data {
 
-/// Creates documents from values of another format, such as SSP. Not installed, because it exposes a type of
-/// nlohmann-json.
+/// Creates documents from values of another format, such as SSP. This header is not installed, because it exposes a
+/// type of nlohmann-json.
 struct JsonDocument {
   /// Maps JSON pointers to the places of values in `name`, for messages. A value that is not listed has the place of
   /// its container.
   using Places = std::map<std::string, std::string>;
 
-  /// All texts must be UTF-8. Numbers that are not finite become null.
+  /// Creates a document. All texts must be UTF-8. Numbers that are not finite become null.
   static Document of(const nlohmann::ordered_json& value, std::string name, Places places);
 };
 

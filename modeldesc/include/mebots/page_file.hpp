@@ -22,7 +22,8 @@ PageParts read_page_parts(const std::filesystem::path& folder, const std::string
 /// (RFC 1950) and in base64.
 std::string fill_page(const PageParts& parts, const std::string& title, std::string_view data);
 
-/// Returns the same without data: the page fetches them from its own server, and only from there.
+/// Returns the document of fill_page() without data. The page fetches the data from its own server, and only from
+/// there.
 std::string fill_live_page(const PageParts& parts, const std::string& title);
 
 }  // namespace mebots

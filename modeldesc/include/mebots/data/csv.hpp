@@ -36,7 +36,7 @@ class CsvReader {
   /// Returns the cell as a finite number. Throws Error if it is not one.
   double number(std::size_t column) const;
 
-  /// Throws Error with the place of the cell.
+  /// Throws Error with the place of the cell and `what`.
   [[noreturn]] void fail(std::size_t column, ErrorCode code, std::string_view what) const;
 
  private:

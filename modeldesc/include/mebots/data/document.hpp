@@ -15,15 +15,15 @@
 namespace mebots::data {
 
 /// A JSON text (RFC 8259) with the place of each value. Collects the mistakes that its readers report. Parsing takes
-/// linear time. For one thread at a time.
+/// linear time. Not for use by two threads at once.
 class Document {
  public:
-  /// Rejects deeper nesting: none of our files needs it, and readers may recurse.
+  /// The maximum depth of nesting. Deeper texts are rejected: no file of MEbots needs them, and readers may recurse.
   static constexpr std::size_t kDeepest = 100;
 
   /// Throws Error if the file cannot be read, Mistakes if it is not JSON.
   explicit Document(const std::filesystem::path& file);
-  /// `name` is the file name in mistakes.
+  /// Parses a text. `name` is its file name in mistakes.
   Document(std::string_view text, std::string name);
   ~Document();
   Document(const Document&) = delete;

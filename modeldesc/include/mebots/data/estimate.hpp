@@ -38,7 +38,7 @@ class Placement {
   /// `file` names the file in warnings, which are appended to `warnings`.
   Placement(std::string file, std::vector<std::string>& warnings) : file_(std::move(file)), warnings_(&warnings) {}
 
-  /// Returns estimate.at(position). Throws Error naming `parameter` unless the position is from -1 to 1. Appends a
+  /// Returns estimate.at(position). Throws Error that names `parameter` if the position is not from -1 to 1. Appends a
   /// warning if the position is not 0 and the file has no interval.
   double value(const Estimate& estimate, double position, std::string_view quantity, std::string_view parameter) const;
 

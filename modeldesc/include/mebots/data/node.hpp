@@ -17,12 +17,12 @@ namespace mebots::data {
 class Document;
 struct Member;
 
-/// A whole number has no fractional part (3 or 3.0) and fits into 64 bits.
+/// The kinds of values in JSON. A whole number has no fractional part (3 or 3.0) and fits into 64 bits.
 enum class Kind : std::uint8_t { null, boolean, whole_number, number, text, list, object };
 
-/// A value of a Document, with its place. Cheap to copy; valid as long as the document. All functions that read throw
-/// Mistakes, naming file, line, column and JSON pointer, if the value is not of the requested kind. Call them inside
-/// attempt() to continue after a mistake, as Object does.
+/// A value of a Document, with its place. It is cheap to copy, and valid as long as the document. If the value is not
+/// of the requested kind, functions that read it throw Mistakes with file, line, column and JSON pointer. Call them
+/// inside attempt() to continue after a mistake, as Object does.
 class Node {
  public:
   Kind kind() const;
@@ -69,14 +69,14 @@ class Node {
     }
     return false;
   }
-  /// Returns the number of mistakes in the document until now.
+  /// Returns the number of mistakes found in the document so far.
   std::size_t noted() const;
 
-  /// Returns the value as JSON, shortened.
+  /// Returns the value as JSON; a long value is shortened.
   std::string shown() const;
   /// Returns the JSON pointer (RFC 6901); empty for the root.
   std::string pointer() const;
-  /// Returns "file.json:12:5: /pointer/to/it". The place of a member is that of its key.
+  /// Returns a place such as "file.json:12:5: /pointer/to/value". The place of a member is that of its key.
   std::string place() const;
 
  private:

@@ -55,7 +55,7 @@ class Object {
   bool visit_if(std::string_view key, const Reader& reader) {
     return node_.has(key) ? visit(key, reader) : (known_.emplace_back(key), false);
   }
-  /// Permits keys that other code reads, or that are for people only.
+  /// Permits keys that other code reads, or that only people read.
   void allow(std::initializer_list<std::string_view> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
   /// Permits an optional text for people or for editors.
   void comment(std::string_view key);
@@ -97,7 +97,7 @@ std::vector<double> read_numbers(const Node& node, const Limits& limits);
 inline auto numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_numbers(node, limits); };
 }
-/// As read_numbers(); each number must be greater than the one before.
+/// Reads numbers as read_numbers() does. Each number must be greater than the one before.
 std::vector<double> read_rising_numbers(const Node& node, const Limits& limits);
 inline auto rising_numbers(const Limits& limits = {}) {
   return [limits](const Node& node) { return read_rising_numbers(node, limits); };

@@ -41,7 +41,7 @@ enum class Causality : std::uint8_t {
 enum class Variability : std::uint8_t { constant, fixed, tunable, discrete, continuous };
 enum class Initial : std::uint8_t { exact, approx, calculated };
 
-// The words of each enumeration in the order of its values.
+// The words of each enumeration, in the order of its values.
 inline constexpr std::string_view kTypeWords2[] = {"Real", "Integer", "Boolean", "String", "Enumeration"};
 inline constexpr std::string_view kTypeWords3[] = {"Float64", "Int32", "Boolean", "String", "Enumeration",
                                                    "Float32", "Int8",  "UInt8",   "Int16",  "UInt16",
@@ -97,7 +97,7 @@ constexpr bool is_whole(Type type) {
   }
 }
 
-/// The values that a type of whole numbers can have; `high` as unsigned, since only UInt64 has values above 2^63.
+/// The values that a type of whole numbers can have. `high` is unsigned, because only UInt64 has values from 2^63 on.
 struct WholeLimits {
   std::int64_t low;
   std::uint64_t high;

@@ -10,7 +10,8 @@
 /// FMU's modelIdentifier and an underscore precede each name.
 namespace mebots::fmi1 {
 
-/// `to_run`: no simulation works without the function. `always`: the standard requires it, but a run can do without it.
+/// States how necessary a function is. `to_run`: no simulation works without the function. `always`: the standard
+/// requires it, but a run can do without it.
 enum class Need { to_run, always };
 
 /// A pointer is null if the library lacks the function.
@@ -75,7 +76,7 @@ void for_each_function(Action action) {
   action("fmiGetRealStatus", fmi::member<&F::get_real_status>, Need::always);
 }
 
-/// Looks up all functions in a library from dlopen(); those that it lacks are null.
+/// Looks up all functions in a library from dlopen(); functions that it lacks are null.
 inline Functions find_functions(void* library, const std::string& model_identifier) {
   return fmi::find_functions<Functions>(
       library, [](auto action) { for_each_function(action); }, model_identifier + "_");

@@ -28,7 +28,7 @@ using fmiCallbackAllocateMemory = void* (*)(std::size_t count, std::size_t size)
 using fmiCallbackFreeMemory = void (*)(void* memory);
 using fmiStepFinished = void (*)(fmiComponent component, fmiStatus status);
 
-/// Passed by value.
+/// This structure is passed by value.
 struct fmiCallbackFunctions {
   fmiCallbackLogger logger;
   fmiCallbackAllocateMemory allocateMemory;
@@ -41,7 +41,7 @@ struct fmiCallbackFunctions {
 
 namespace mebots::fmi1 {
 
-/// Returns the standard's name of a status, "fmiError"; "an unknown status" for any other number.
+/// Returns the standard's name of a status, such as "fmiError"; "an unknown status" for any other number.
 constexpr std::string_view status_name(int status) {
   constexpr std::string_view kNames[] = {"fmiOK", "fmiWarning", "fmiDiscard", "fmiError", "fmiFatal", "fmiPending"};
   return status >= fmiOK && status <= fmiPending ? kNames[status] : "an unknown status";

@@ -7,8 +7,8 @@
 /// The functions of an FMU's shared library as a table of pointers, and the standard's requirements on each.
 namespace mebots::fmi2 {
 
-/// States which FMUs must export a function: all (`to_run`: no simulation works without it), those for co-simulation
-/// (`to_step`) or model exchange, or those whose modelDescription.xml claims a capability.
+/// States which FMUs must export a function: all (`to_run`: no simulation works without the function), those for
+/// co-simulation (`to_step`) or model exchange, or those whose modelDescription.xml claims a capability.
 enum class Need {
   to_run,
   always,
@@ -120,7 +120,7 @@ void for_each_function(Action action) {
   action("fmi2GetNominalsOfContinuousStates", fmi::member<&F::get_nominals_of_continuous_states>, Need::to_integrate);
 }
 
-/// Looks up all functions in a library from dlopen(); those that it lacks are null.
+/// Looks up all functions in a library from dlopen(); functions that it lacks are null.
 inline Functions find_functions(void* library) {
   return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }

@@ -8,10 +8,10 @@
 /// each.
 namespace mebots::fmi3 {
 
-/// Which FMUs cannot run without a function: all (`to_run`), those for co-simulation (`to_step`) or model exchange
-/// (`to_integrate`), those with events (`events`: model exchange, and co-simulation with an event mode), co-simulation
-/// with an event mode (`event_mode`). `always`: the standard demands it of all FMUs, but a run can do without it.
-/// Others are needed if modelDescription.xml claims a capability or has variables of a type.
+/// States which FMUs cannot run without a function: all (`to_run`), those for co-simulation (`to_step`) or model
+/// exchange (`to_integrate`), those with events (`events`: model exchange, and co-simulation with an event mode),
+/// co-simulation with an event mode (`event_mode`). `always`: the standard requires it of all FMUs, but a run can do
+/// without it. Other values: needed if modelDescription.xml claims a capability or has variables of a type.
 enum class Need { to_run, to_step, to_integrate, events, event_mode, always, fmu_state, serialization };
 
 /// A pointer is null if the library lacks the function.
@@ -158,7 +158,7 @@ void for_each_function(Action action) {
   action("fmi3DoStep", fmi::member<&F::do_step>, Need::to_step);
 }
 
-/// Looks up all functions in a library from dlopen(); those that it lacks are null.
+/// Looks up all functions in a library from dlopen(); functions that it lacks are null.
 inline Functions find_functions(void* library) {
   return fmi::find_functions<Functions>(library, [](auto action) { for_each_function(action); });
 }

@@ -51,7 +51,7 @@ using fmi3UnlockPreemptionCallback = void (*)();
 
 namespace mebots::fmi3 {
 
-/// The standard's name of a status; FMUs may return any number.
+/// Returns the standard's name of a status. FMUs may return any number.
 constexpr std::string_view status_name(fmi3Status status) {
   switch (status) {
     case fmi3OK:

@@ -20,7 +20,7 @@ struct BinaryRef {
             static_cast<std::int32_t>(bytes.size())};
   }
 
-  /// Empty if there is no buffer.
+  /// Returns the bytes; empty if there is no buffer.
   std::span<const std::uint8_t> bytes() const {
     const auto address =
         (static_cast<std::uint64_t>(static_cast<std::uint32_t>(base_hi)) << 32) | static_cast<std::uint32_t>(base_lo);

@@ -11,10 +11,10 @@
 #include <string_view>
 
 /// Finds an instance's variables by name, for models that read variable names from data. `variables` is always the
-/// instance's generated struct; the results are valid as long as it.
+/// instance's generated struct. The results are valid as long as this struct.
 namespace mebots::fmu {
 
-/// A numeric variable of any type: false and true are 0 and 1, an enumeration item is its value.
+/// A numeric variable of any type. False and true are 0 and 1; an enumeration item is its value.
 class NumberField {
  public:
   NumberField(Type type, void* at) : type_(type), at_(at) {}

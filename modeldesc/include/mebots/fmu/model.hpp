@@ -14,33 +14,33 @@ namespace mebots::fmu {
 
 enum class Severity { info, warning, error };
 
-/// The services of the shell that a model may use; one object per instance.
+/// The services of the shell that a model may use. Each instance has one object.
 class Host {
  public:
   virtual ~Host() = default;
-  /// The resources folder of the unpacked archive.
+  /// Returns the resources folder of the unpacked archive.
   virtual const std::filesystem::path& resources() const = 0;
   /// Sends a message to the importing tool. `category` is one of the description's log categories.
   virtual void log(Severity severity, std::string_view category, std::string_view message) = 0;
 };
 
 /// An initialised instance: it exists from the end of initialisation until reset or free. It reads parameters and
-/// inputs from the Variables it was made with, and writes outputs to them. Throws mebots::Error for everything that a
-/// user can correct.
+/// inputs from the Variables that its constructor got, and writes outputs to them. Throws mebots::Error for everything
+/// that a user can correct.
 class Model {
  public:
   virtual ~Model() = default;
   /// Advances from start_ns to start_ns + duration_ns (> 0) with constant inputs.
   virtual void step(std::int64_t start_ns, std::int64_t duration_ns) = 0;
-  /// Visits all state that is not in Variables; states consist of it. See mebots/state/visitor.hpp.
+  /// Visits all state that is not in Variables. A saved state consists of these values. See mebots/state/visitor.hpp.
   virtual void visit(state::Visitor& v) = 0;
   /// Returns the text of an `on_demand` String output, by its FMI name.
   virtual std::string on_demand_text(std::string_view /*name*/) const { return {}; }
 };
 
-/// Builds the tables that all instances of the FMU share; optional. The shell calls it before the first instance. Then
-/// the library's memory is the same after a mission as before its first instance, and the next mission of a study can
-/// run in the same process.
+/// Builds the tables that all instances of the FMU share. An FMU may leave it out. The shell calls it before the first
+/// instance, so that the library's memory is the same after a mission as before its first instance, and the next
+/// mission of a study can run in the same process.
 [[gnu::weak]] void prepare_shared_tables();
 
 }  // namespace mebots::fmu

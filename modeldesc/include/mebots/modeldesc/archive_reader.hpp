@@ -25,7 +25,7 @@ ZipHandle open_zip(std::string_view bytes, std::string_view name);
 /// a part is "..".
 std::optional<std::string> normal_entry_name(std::string_view name);
 
-/// An archive whose names, kinds and declared sizes were checked as described at unpack().
+/// An archive after a check of names, kinds and declared sizes, as described at unpack().
 class ArchiveReader {
  public:
   struct Entry {
@@ -35,14 +35,14 @@ class ArchiveReader {
     bool is_folder = false;
   };
 
-  /// Throws mebots::Error as unpack() does. Messages call the archive `name`.
+  /// Checks an archive. `name` is its name in messages. Throws the same errors as unpack().
   ArchiveReader(ZipHandle archive, std::string name, const UnpackLimits& limits = {});
 
   const std::vector<Entry>& entries() const { return entries_; }
   /// Returns the number of entries whose names contain backslashes.
   std::size_t backslashes() const { return backslashes_; }
   /// Passes the entry's bytes to `take`, part by part. Throws mebots::Error if they are damaged, or if their number
-  /// differs from the declared size; never passes more.
+  /// differs from the declared size. Never passes more than the declared size.
   void read(const Entry& entry, const std::function<void(std::string_view)>& take) const;
 
  private:

@@ -35,7 +35,7 @@ struct ElfLibrary {
   std::vector<std::string> imports() const;
 };
 
-/// Reads the same data as the loader: program headers, not sections, which may be stripped. Throws mebots::Error if the
+/// Reads what the loader reads: program headers, and not sections, which may be stripped. Throws mebots::Error if the
 /// file is not a 64-bit little-endian shared library.
 ElfLibrary read_elf_library(const std::filesystem::path& file);
 

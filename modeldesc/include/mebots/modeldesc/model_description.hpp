@@ -26,7 +26,7 @@ using fmi::Type;
 using fmi::Variability;
 
 /// A start value. Whole numbers and enumerations are std::int64_t (UInt64: the same 64 bits); both float types are
-/// double; Binary holds its bytes as std::string. Empty if the description gives none.
+/// double; Binary holds its bytes as std::string. Empty if the description has no start value.
 using Value = std::variant<std::monostate, double, std::int64_t, bool, std::string>;
 
 struct EnumerationItem {
@@ -66,7 +66,7 @@ struct Dimension {
   bool operator==(const Dimension&) const = default;
 };
 
-/// An element of an array variable of FMI 3.0, see with_elements().
+/// An element of an array variable of FMI 3.0: see with_elements().
 struct ArrayElement {
   std::string array;                  ///< name of the array
   std::uint32_t array_reference = 0;  ///< its value reference in the FMU
@@ -130,9 +130,9 @@ class Fmi3Holder {
   std::shared_ptr<const Fmi3Part> part_;
 };
 
-/// A <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. Attributes that the variable leaves out have been
-/// filled in: unit, quantity, min, max and nominal from its declared type; causality, variability and initial from
-/// FMI's defaults.
+/// A <ScalarVariable> of FMI 1.0 or 2.0, or a variable of FMI 3.0. Attributes that the variable leaves out are filled
+/// in: unit, quantity, min, max and nominal from its declared type; causality, variability and initial from FMI's
+/// defaults.
 struct Variable {
   std::string name;
   std::uint32_t value_reference = 0;
@@ -188,7 +188,7 @@ struct CoSimulation : Implementation {
   bool can_interpolate_inputs = false;
   std::uint32_t max_output_derivative_order = 0;
   bool can_run_asynchronuously = false;
-  // FMI 3.0 only.
+  // Only FMUs of FMI 3.0 can have one.
   bool has_event_mode = false;
   bool might_return_early = false;
   bool can_return_early_after_intermediate_update = false;
@@ -243,7 +243,7 @@ class NameIndex {
     const auto found = std::ranges::lower_bound(positions_, name, {}, name_of);
     return found == positions_.end() || name_of(*found) != name ? nullptr : &list[*found];
   }
-  /// The index does not affect the comparison of descriptions.
+  /// Always true, so that the index does not affect the comparison of descriptions.
   bool operator==(const NameIndex& /*other*/) const { return true; }
 
  private:
@@ -283,14 +283,15 @@ struct ModelDescription {
   bool is_fmi1() const { return fmi_version == "1.0"; }
   bool is_fmi3() const { return fmi_version == "3.0"; }
 
-  /// Indexes variables, units and types by name. Readers of descriptions call it last. If you change names or order of
-  /// a list afterwards, call it again.
+  /// Indexes variables, units and types by name. Readers of descriptions call it last. It must be called again after a
+  /// change of names or of the order of a list.
   void index_names();
-  /// Returns the variable of this name, or null. Takes logarithmic time after index_names(), else linear time.
+  /// Returns the variable of this name; null if there is none. Takes logarithmic time after index_names(), else linear
+  /// time.
   const Variable* find(std::string_view name) const { return variable_index.find(variables, name); }
-  /// Returns the unit definition of this name, or null.
+  /// Returns the unit definition of this name; null if there is none.
   const Unit* unit(std::string_view name) const { return unit_index.find(units, name); }
-  /// Returns the type definition of this name, or null.
+  /// Returns the type definition of this name; null if there is none.
   const TypeDefinition* type_definition(std::string_view name) const { return type_index.find(types, name); }
 
   NameIndex variable_index;

@@ -32,8 +32,9 @@ std::span<const Platform> platforms();
 /// Returns the platform that this program was built for.
 const Platform& this_platform();
 
-/// Returns the platforms of a shared library by the file's header. A universal library of macOS can have several; a
-/// file that is not a library of a known platform has none. Throws mebots::Error if the file cannot be read.
+/// Returns the platforms for which a shared library is built, according to the file's header. A universal library of
+/// macOS can have several; a file that is not a library of a known platform has none. Throws mebots::Error if the file
+/// cannot be read.
 std::vector<const Platform*> find_platforms(const std::filesystem::path& library);
 
 /// Returns whether find_platforms() contains `platform`.
@@ -44,7 +45,7 @@ const Platform& platform_of(const std::filesystem::path& library);
 
 /// Returns the folder of an unpacked FMU with the libraries for this machine: `binaries/` and the platform's name. If
 /// it does not exist, returns `binaries/linux64`, provided that its library `file` is for this machine. FMI 2.0 has no
-/// name for Linux on processors other than x86, and some tools use this folder for all of them.
+/// name for Linux on processors other than x86, and some tools use `linux64` for all processors.
 std::filesystem::path binaries_folder(const std::filesystem::path& fmu, bool is_fmi3, std::string_view file);
 
 }  // namespace mebots::modeldesc

@@ -20,7 +20,8 @@ struct DeclaredTerminal {
   std::vector<Member> members;
 };
 
-/// Reads the text of a terminalsAndIcons.xml; messages name it `source`. Throws mebots::Error if the text is not XML.
+/// Reads the text of a terminalsAndIcons.xml. `source` is its name in messages. Throws mebots::Error if the text is not
+/// XML.
 std::vector<DeclaredTerminal> read_terminals(std::string_view text, std::string_view source);
 
 }  // namespace mebots::modeldesc

@@ -40,7 +40,8 @@ bool same_dimension(const Unit& a, const Unit& b);
 /// True if a number means the same in both units: same dimension, factor (to 1e-12 relative) and offset.
 bool same_unit(const Unit& a, const Unit& b);
 
-/// value in `to` = factor * value in `from` + offset; exactly 1 and 0 for equal units.
+/// The conversion between two units: value in `to` = factor * value in `from` + offset. For equal units, factor and
+/// offset are exactly 1 and 0.
 struct UnitConversion {
   double factor = 1;
   double offset = 0;
@@ -61,11 +62,12 @@ struct KnownUnit {
 std::span<const KnownUnit> known_units();
 
 /// Parses a product of powers of known units in the notation of FMI and Modelica: "m3/s", "rad/(s.V)", "kg.m2", "1/s",
-/// "s-1", "1". In a product, a unit with an offset such as degC is a difference. Throws Error (wrong_unit) that
-/// explains the fault and suggests the nearest known unit.
+/// "s-1", "1". In a product, a unit with an offset, such as degC, stands for a difference. Throws Error (wrong_unit)
+/// that explains the fault and suggests the nearest known unit.
 Unit parse_unit(std::string_view text);
 
-/// Returns the suffix of C++ names for variables in this unit: "_m3_per_s". Throws as parse_unit() does.
+/// Returns the suffix of C++ names for variables in this unit, such as "_m3_per_s". Throws the same errors as
+/// parse_unit().
 std::string unit_suffix(std::string_view text);
 
 /// Returns the exponents as text: "kg.m2/s3"; "1" if all are zero.

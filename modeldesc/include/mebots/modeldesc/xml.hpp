@@ -25,7 +25,8 @@ ModelDescription read_xml_text(std::string_view text, std::string_view source);
 /// Returns the text of a modelDescription.xml. Equal descriptions give equal bytes.
 std::string write_xml(const ModelDescription& description);
 
-/// Rejects elements nested deeper than this: no format that we read needs more, and readers may recurse.
+/// Elements that are nested deeper than this are rejected, because no format that MEbots reads needs them, and readers
+/// may recurse.
 inline constexpr int kDeepestXml = 200;
 
 /// Converts the text to UTF-8 without byte order mark. The encoding is that of its byte order mark or XML declaration:
@@ -33,9 +34,9 @@ inline constexpr int kDeepestXml = 200;
 /// encoding is unknown or the bytes are invalid in it.
 std::string xml_as_utf8(std::string_view bytes, std::string_view source);
 
-/// Parses UTF-8 text and never loads anything outside of it. Throws Error naming `source` and line if the text is not
-/// well-formed, uses an entity of the DTD (which could multiply, or load files), or nests elements deeper than
-/// kDeepestXml.
+/// Parses UTF-8 text, and never loads anything else. Throws Error that names `source` and line if the text is not
+/// well-formed or nests elements deeper than kDeepestXml. Also throws if the text uses an entity of the DTD, because
+/// entities could multiply, or load files.
 void parse_xml(pugi::xml_document& document, std::string_view text, std::string_view source);
 
 /// Returns the words of a list attribute, which white space separates.

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-/// Converts values to bytes in host byte order: a state is restored on the same kind of machine.
+/// Converts values to bytes in host byte order, because a state is restored on the same kind of machine only.
 namespace mebots::state {
 
 /// Appends values to a byte vector.

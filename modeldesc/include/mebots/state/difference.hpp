@@ -144,7 +144,7 @@ inline std::string value_text(Type type, const std::byte* at) {
 
 }  // namespace detail
 
-/// Returns empty if both hold the same bits under the same names.
+/// Returns the first difference of two listings; empty if both hold the same bits under the same names.
 inline std::optional<Difference> first_difference(const Listing& first, const Listing& second) {
   const std::size_t common = std::min(first.variables.size(), second.variables.size());
   for (std::size_t v = 0; v < common; ++v) {
@@ -168,7 +168,7 @@ inline std::optional<Difference> first_difference(const Listing& first, const Li
   return first.variables.size() > common ? Difference{path, "there", "missing"} : Difference{path, "missing", "there"};
 }
 
-/// Returns empty if the states of both objects are equal.
+/// Returns the first difference between the states of two objects; empty if the states are equal.
 template <Visited T>
 std::optional<Difference> first_difference(const T& first, const T& second) {
   return first_difference(list(first), list(second));

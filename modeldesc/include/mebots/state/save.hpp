@@ -9,7 +9,7 @@
 
 namespace mebots::state {
 
-/// Writes all visited values.
+/// A visitor that saves: writes all visited values.
 class Saver : public Visitor {
  public:
   explicit Saver(Writer& writer) : Saver(writer, Purpose::save) {}
@@ -49,7 +49,7 @@ class Restorer final : public Visitor {
   Reader& reader_;
 };
 
-/// Appends the object's state. Accepts constant objects: a visitor that only reads does not change them.
+/// Appends the object's state. Accepts constant objects, because a visitor that only reads does not change them.
 template <Visited T>
 void save(const T& object, Writer& writer) {
   Saver saver(writer);

@@ -31,13 +31,13 @@ namespace mebots::state {
 
 class Visitor;
 
-/// Classes with a visit() member.
+/// Classes with a member function visit().
 template <typename T>
 concept Visited = requires(T& value, Visitor& visitor) {
   value.visit(visitor);
 };
 
-/// A value without parts.
+/// Types whose values have no parts.
 template <typename T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
@@ -102,7 +102,7 @@ class Visitor {
   bool restores() const { return purpose_ == Purpose::restore; }
 
   /// Visits a plain value, an object with visit(), or an array, vector, text, optional or variant of these. Names are
-  /// those of the members without the underscore; they are read only during the call.
+  /// those of the members without the underscore. They need to be valid only during the call.
   template <typename T>
   void operator()(std::string_view name, T& value) {
     if constexpr (Visited<T>) {
@@ -115,7 +115,7 @@ class Visitor {
     }
   }
 
-  /// The number of values is fixed when the object is constructed.
+  /// Visits plain values whose number is fixed when the object is constructed.
   template <typename T, std::size_t Extent>
   void operator()(std::string_view name, std::span<T, Extent> values) {
     if constexpr (Plain<T>) {
@@ -132,7 +132,7 @@ class Visitor {
 
   virtual void fixed(std::string_view name, const Values& values) = 0;
   virtual void changing(std::string_view name, List& list) = 0;
-  /// Visits the size of a list of objects, now `present`. Returns the size that the list must have.
+  /// Visits the size of a list of objects. `present` is its present size. Returns the size that the list must have.
   virtual std::size_t count(std::string_view name, std::size_t present) = 0;
   /// Opens a scope: everything up to the matching leave() is part of `name`. Called only for visitors that use names.
   virtual void enter(std::string_view /*name*/) {}
@@ -241,7 +241,7 @@ class Visitor {
     std::visit([&](auto& held) { (*this)(name, held); }, value);
   }
 
-  /// Visits one element for the layout, even if the list is empty.
+  /// Visits one element for the layout hash, even if the list is empty.
   template <typename T>
   bool show_one_as_pattern(std::string_view name) {
     if (purpose_ != Purpose::layout) return false;
