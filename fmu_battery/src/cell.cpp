@@ -13,9 +13,10 @@
 namespace mebots::battery {
 namespace {
 
-/// Release voltage above cut-off if the file does not give it. Protection circuits have 0 to 0.7 V.
+/// The release voltage minus the cut-off voltage if the file does not give it. In protection circuits, this is 0 to 0.7
+/// V.
 constexpr double kUsualHysteresis_v = 0.2;
-/// Minimum hysteresis. With less, event location could open and close the protection endlessly.
+/// Minimum hysteresis. With less, event location could open and close the protection without end.
 constexpr double kLeastHysteresis_v = 1e-3;
 
 /// Number of samples of a curve: enough to find a wrong sign or a falling section.
@@ -137,12 +138,12 @@ Cell load_cell(const std::filesystem::path& path, const CellPositions& positions
 double terminal_current_a(double source_v, double series_ohm, double power_w) {
   const double discriminant = source_v * source_v - 4 * series_ohm * power_w;
   if (discriminant <= 0) return source_v / (2 * series_ohm);
-  // Equal to (E - sqrt(...)) / (2 R), but without a difference of nearly equal numbers.
+  // This is equal to (E - sqrt(...)) / (2 R), but has no difference of nearly equal numbers.
   return 2 * power_w / (source_v + std::sqrt(discriminant));
 }
 
 double power_limit_w(double source_v, double series_ohm, double cut_off_v) {
-  // Below half the source voltage the terminal voltage is not stable: the greatest power is E^2 / (4 R).
+  // Below half the source voltage, the terminal voltage is not stable: there, the power is at its maximum E^2 / (4 R).
   const double lowest_v = std::max(cut_off_v, source_v / 2);
   return lowest_v * (source_v - lowest_v) / series_ohm;
 }

@@ -15,7 +15,7 @@
 namespace mebots::battery {
 namespace {
 
-/// {"unit", "value": [...]}
+/// Reads {"unit", "value": [...]}.
 auto table(std::string_view unit, std::vector<double> (*read)(const data::Node&, const data::Limits&),
            const data::Limits& limits) {
   return [=](const data::Node& node) {
@@ -28,8 +28,8 @@ auto table(std::string_view unit, std::vector<double> (*read)(const data::Node&,
   };
 }
 
-/// Checks that more output needs more input; otherwise the function could not be inverted. On a segment with linear eta
-/// = a + b I, the slope of the input I / eta(I) has the sign of a, so a check of the ends is sufficient.
+/// Checks that more output needs more input, because otherwise the function could not be inverted. On a segment with
+/// linear eta = a + b I, the slope of the input I / eta(I) has the sign of a, so a check of the ends is sufficient.
 void check_rising_input(const data::Node& efficiencies, const std::vector<double>& current_a,
                         const std::vector<double>& efficiency) {
   for (std::size_t i = 1; i < current_a.size(); ++i) {
@@ -93,8 +93,8 @@ double Converter::efficiency(double output_power_w) const {
 
 double Converter::output_power_w(double input_power_w) const {
   if (output_current_a_.empty() || input_power_w <= 0) return input_power_w;
-  // input_power_w() rises with the output, as load_converter() checks, so bisection works. It ends when the bracket is
-  // two neighbouring doubles.
+  // Bisection works, because input_power_w() rises with the output, as load_converter() has checked. It ends when the
+  // bracket is two neighbouring doubles.
   double low = 0;
   double high = input_power_w;
   for (;;) {

@@ -8,11 +8,11 @@
 
 namespace mebots::battery {
 
-/// A DC/DC converter between the cell's bus and a load, or between a source and the bus. Its efficiency depends on its
-/// output current: linear between the points of a table, constant outside.
+/// A DC/DC converter between the cell's bus and a load, or between a source and the bus. Its efficiency is a table over
+/// its output current, which is linear between its points and constant outside.
 class Converter {
  public:
-  /// A connection without a converter: efficiency 1.
+  /// Creates a connection without a converter, which has efficiency 1.
   Converter() = default;
 
   /// `output_current_a` must rise from a value >= 0; `efficiency` must be in (0, 1]. Both have the same size >= 1.

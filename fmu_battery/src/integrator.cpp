@@ -36,7 +36,7 @@ enum Index : int {
 constexpr double kSocTolerance = 1e-12;
 constexpr double kVoltageTolerance = 1e-10;
 constexpr double kEnergyTolerance = 1e-10;
-// Limits per advance. A piece that has begun may exceed them.
+// Limits of steps and pieces per advance. A piece that has begun may exceed them.
 constexpr long kMaxSteps = 1'000'000;
 constexpr long kMaxEvaluations = 5 * kMaxSteps;
 // If a piece of an advance cannot be integrated, a tenth of it is tried, down to this minimum.
@@ -139,7 +139,7 @@ class Integrator::Solver {
   long evaluations() const { return evaluations_; }
 
  private:
-  /// True if an empty cell charges: then the current must exceed the self-discharge.
+  /// True if an empty cell charges. The current must then exceed the self-discharge.
   bool charges_faster_than_leak(const CellState& state) const {
     if (!charging_) return false;
     const Circuit circuit = cell_.circuit_at(state.soc);
@@ -171,7 +171,8 @@ class Integrator::Solver {
     y[kSoc] = state.soc;
     y[kPair1] = state.pair1_v;
     y[kPair2] = state.pair2_v;
-    // A new start, with the whole piece as the first step size, makes the result independent of earlier calls.
+    // Each piece is a new start, with the whole piece as the first step size, so that the result does not depend on
+    // earlier calls.
     check(ERKStepReInit(memory_, &Solver::right_hand_side, 0, y_), "ERKStepReInit");
     if (fixed_step_s_ == 0) check(ERKStepSetInitStep(memory_, piece_s), "ERKStepSetInitStep");
     check(ERKStepSetStopTime(memory_, piece_s), "ERKStepSetStopTime");
@@ -220,8 +221,9 @@ class Integrator::Solver {
     return power_limit_w(cell_.open_circuit_v(soc) - pair1_v - pair2_v, series_ohm(soc), 0) - demand_.terminal_w();
   }
 
-  /// Falls through 0 at a change of the protection. Closed [W]: margin of power until the terminals reach the cut-off.
-  /// Low [W]: power that must be removed until they are above it. Open [V]: voltage missing to the release voltage.
+  /// Returns a value that falls through 0 when the protection changes. If it is closed [W]: the power that can be added
+  /// until the terminal voltage reaches the cut-off. If low [W]: the power that must be removed until the terminal
+  /// voltage is above it. If open [V]: the voltage missing to the release voltage.
   double protection_margin(double soc, double pair1_v, double pair2_v) const {
     const double source_v = cell_.open_circuit_v(soc) - pair1_v - pair2_v;
     const double ohm = series_ohm(soc);
@@ -244,8 +246,8 @@ class Integrator::Solver {
     const Cell& cell = solver.cell_;
     const Demand& demand = solver.demand_;
 
-    // A stage of a step that is too long may be far outside of 0 <= s <= 1, where the curves have no meaning and values
-    // may be NaN. The error test rejects such a step.
+    // If a step is too long, a stage of it may be far outside of 0 <= s <= 1, where the curves have no meaning and
+    // values may be NaN. The error test then rejects the step.
     const Circuit circuit = cell.circuit_at(y[kSoc]);
     const double source_v = circuit.open_circuit_v - y[kPair1] - y[kPair2];
     const double current_a =
@@ -272,7 +274,7 @@ class Integrator::Solver {
   static int root_functions(double /*t*/, N_Vector y_vector, double* g, void* self) {
     const auto& solver = *static_cast<const Solver*>(self);
     const double* y = N_VGetArrayPointer(y_vector);
-    // A constant never crosses zero, so it switches a root function off.
+    // A root function that returns a constant is switched off, because a constant never crosses zero.
     g[kProtectionRoot] = solver.conducts_ ? solver.protection_margin(y[kSoc], y[kPair1], y[kPair2]) : 1;
     const bool is_low = solver.protection_ == Protection::low;
     g[kNoPowerRoot] = is_low ? solver.power_margin_w(y[kSoc], y[kPair1], y[kPair2]) : 1;
@@ -307,7 +309,7 @@ class Integrator::Solver {
   long evaluations_ = 0;
   std::string message_;
 
-  // Constant during one advance.
+  // The demand, which is constant during one advance.
   Demand demand_;
   Protection protection_ = Protection::closed;
   bool conducts_ = true;

@@ -12,7 +12,7 @@
 namespace mebots::battery {
 namespace {
 
-/// The rest of a step after an event, if it is too short to integrate: at 100 W it is 1e-10 J.
+/// If the rest of a step after an event is shorter than this, it is not integrated. At 100 W, it is 1e-10 J.
 constexpr double kShortest = 1e-12;
 
 constexpr double seconds(std::int64_t ns) {
@@ -55,9 +55,9 @@ void Model::start(const Inputs& inputs, std::int64_t start_ns, Outputs& outputs)
   if (state_.soc <= 0) {
     handle(Event::empty, seconds(start_ns));
   } else if (source_v < cell_.cut_off_voltage_v) {
-    // At t = 0, the protection only opens if no load can cause that. A load that lowers the voltage below the cut-off
-    // opens it in the first step. Otherwise loads that need the bus, and a bus that depends on them, could not agree on
-    // a start.
+    // At t = 0, the protection opens only for a reason that no load can cause. A load that lowers the voltage below the
+    // cut-off opens it in the first step. Otherwise loads that need the bus, and a bus that depends on them, could not
+    // agree on a start.
     open(cut_off_text(), seconds(start_ns));
   } else if (now.terminal_w() > power_limit_w(source_v, circuit.series_ohm, source_v / 2)) {
     handle(Event::no_power, seconds(start_ns));
@@ -74,7 +74,7 @@ void Model::step(const Inputs& inputs, std::int64_t start_ns, std::int64_t durat
   double passed_s = 0;
   while (duration_s - passed_s > kShortest) {
     const Demand now = demand(inputs);
-    // At the end of the delay, the protection opens within the step.
+    // If the delay ends within the step, the protection opens at that time.
     const double until_s =
         low_ ? std::min(duration_s - passed_s, cell_.cut_off_delay_s - low_s_) : duration_s - passed_s;
     const auto [reached_s, event] = integrator_.advance(state_, ledger_, now, protection(), until_s);

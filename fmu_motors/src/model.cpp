@@ -98,7 +98,7 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   outputs.bench_power_w = rotor_.power_factor * bench_j / duration_s;
   outputs.hover_power_w = driven ? hover_power_w(rotor_, inputs.body_mass_kg, inputs.air_density_kg_per_m3) : 0;
   outputs.propel_power_w = driven ? propel_power_w(rotor_, inputs.body_mass_kg, inputs.body_speed_m_per_s) : 0;
-  // A rotor never supplies the bus.
+  // The power of the rotors is not negative, because a rotor never supplies the bus.
   outputs.inflow_power_w = driven && inflow_ ? std::max(inflow_power_w(inputs), -outputs.bench_power_w) : 0;
   outputs.power_w = power_model_ == PowerModel::bench ? outputs.bench_power_w + outputs.inflow_power_w
                                                       : outputs.hover_power_w + outputs.propel_power_w;
@@ -107,7 +107,7 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
 }
 
 /// Motors and battery step at the same time, so bus.voltage belongs to the current of the step before the last one. The
-/// change of current since then lowers it by bus.resistance.
+/// increase of the current since then, times bus.resistance, lowers the voltage.
 double Model::supply_voltage_v(const Inputs& inputs) const {
   const double bus_v = inputs.bus_voltage_v;
   if (!rotor_.motor || bus_resistance_ohm_ == 0 || bus_v == 0) return bus_v;
@@ -121,8 +121,8 @@ double Model::supply_voltage_v(const Inputs& inputs) const {
          (1 + bus_resistance_ohm_ * all.conductance_s);
 }
 
-/// Warns if bus.resistance counts a change of current that bus.voltage contains already. This is the case if
-/// bus.voltage falls by the surge of the last step: then battery and motors do not step at the same time.
+/// Warns if bus.resistance counts a change of current that bus.voltage already contains. This is the case if
+/// bus.voltage falls by the surge of the last step: battery and motors then do not step at the same time.
 void Model::warn_of_double_sag(double bus_v) {
   const double surge_a = last_current_a_ - earlier_current_a_;
   const bool is_surge = earlier_current_a_ < kEarlierShare * last_current_a_;

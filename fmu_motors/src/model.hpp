@@ -16,7 +16,7 @@ namespace mebots::motors {
 /// Four rotors with their motors. Plain C++; fmu.cpp binds it to FMI.
 ///
 /// A rotor's effective voltage is command times bus voltage. Inputs are constant during a step. Thrust, torque and
-/// speed are values at its end; powers are means over it.
+/// speed are values at the end of the step; powers are means over the step.
 class Model {
  public:
   using Log = std::function<void(std::string_view)>;
@@ -52,7 +52,7 @@ class Model {
 
   std::array<double, rotor::kCount> speed_rad_per_s_{};
   double energy_j_ = 0;
-  // Mean current from the bus through the windings in the last step, and in the step before it.
+  // Mean currents from the bus through the windings: in the last step, and in the step before it.
   double last_current_a_ = 0;
   double earlier_current_a_ = 0;
   double last_bus_v_ = 0;

@@ -59,8 +59,8 @@ struct RotorPositions {
   double power = 0;   // of power_factor
 };
 
-/// Reads and checks a rotor file. Throws mebots::Error that names file, key, value and limit, or a position outside -1
-/// to 1.
+/// Reads and checks a rotor file. Throws mebots::Error that names file, key, value and limit. Also throws for a
+/// position outside -1 to 1.
 RotorData load_rotor(const std::filesystem::path& path, const RotorPositions& positions = {});
 
 }  // namespace mebots::motors

@@ -10,17 +10,17 @@ namespace mebots::motors {
 /// With e = u - w this is Bernoulli's equation de/dt = -k e + b e^2, k = a + 2 b u. There is no step size.
 class SpeedCourse {
  public:
-  /// The speed changes from `initial` towards `steady` [rad/s, both >= 0]; a, b >= 0.
+  /// Creates the course from `initial` towards `steady` [rad/s, both >= 0]. a and b must be >= 0.
   SpeedCourse(const SpeedLaw& law, double initial_rad_per_s, double steady_rad_per_s);
 
-  /// Speed [rad/s] after `time_s` >= 0.
+  /// Returns the speed [rad/s] after `time_s` >= 0.
   double speed(double time_s) const;
-  /// Integral of w [rad] over the first `time_s`.
+  /// Returns the integral of w [rad] over the first `time_s`.
   double speed_integral(double time_s) const;
-  /// Integral of w^2 [rad^2/s] over the first `time_s`.
+  /// Returns the integral of w^2 [rad^2/s] over the first `time_s`.
   double speed_squared_integral(double time_s) const;
-  /// Returns the time [s] until the speed is `target`, which must be between the initial and the steady speed, but not
-  /// the latter.
+  /// Returns the time [s] until the speed is `target`, which must be between the initial and the steady speed, and not
+  /// equal to the steady speed.
   double time_to(double target_rad_per_s) const;
 
  private:

@@ -6,9 +6,9 @@
     /tmp/compare/bin/python fmu_world/docs/compare_drone_models.py build/release/fmus/fmu_world.fmu
 
 drone-models integrates Newton's and Euler's equations of a Crazyflie (cf2x_L250) with its own drag, thrust and gyroscopic torque;
-here with a Runge-Kutta method of fourth order. The FMU gets the same thrusts, torques and speeds each millisecond, and a drone of that
-mass, inertia, arm and drag. So the comparison covers this FMU's dynamics: frames, signs of all torques, rotations, drag, gyroscopic
-torque.
+here, a Runge-Kutta method of fourth order integrates them. The FMU gets the same thrusts, torques and speeds each
+millisecond, and a drone of that mass, inertia, arm and drag. The comparison therefore covers this FMU's dynamics:
+frames, signs of all torques, rotations, drag, gyroscopic torque.
 """
 import json
 import shutil
@@ -31,19 +31,19 @@ PHASE = np.array([0.0, 1.0, 0.0, 2.0])
 
 
 def speeds(t):
-    """Rotor speeds [rpm]: a wobble about all three axes."""
+    """Returns rotor speeds [rpm] that turn the drone about all three axes."""
     return BASE + SWING * np.sin(TURN * t + PHASE)
 
 
 def command(p, t):
-    """Commands with which their rotors have the speeds of speeds()."""
+    """Returns the commands with which the FMU's rotors have the speeds of speeds()."""
     rpm, change = speeds(t), SWING * TURN * np.cos(TURN * t + PHASE)
     up, _, _, down = p["rotor_dyn_coef"]
     return np.where(change > 0, rpm + change / up, np.sqrt(rpm**2 + change / down))
 
 
 def reference(p, gyroscopic_sign):
-    """States at each step: position, quaternion (xyzw), velocity, body rate."""
+    """Returns the states at each step: position, quaternion (xyzw), velocity, body rate."""
     inertia = np.array(p["J"])
 
     def rates(t, y):
@@ -53,7 +53,8 @@ def reference(p, gyroscopic_sign):
                                                 "mixing_matrix", "drag_matrix", "rotor_dyn_coef")}
         _, _, acc, rate_dot, *_ = dynamics(pos, quat, vel, rate, command(p, t), rpm, **params)
         if gyroscopic_sign:
-            # In version 0.1.0 the term along x has the wrong sign: the torque would do work. Corrected here.
+            # In version 0.1.0 of drone-models, the term along x has the wrong sign: the torque would do work. It is
+            # corrected here.
             momentum = p["prop_inertia"] * np.sum(np.array(p["mixing_matrix"])[-1] * rpm) * 2 * np.pi / 60
             rate_dot = rate_dot + np.linalg.solve(inertia, [2 * rate[1] * momentum, 0, 0])
         quat_dot = 0.5 * np.array([

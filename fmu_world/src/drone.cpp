@@ -15,11 +15,11 @@
 namespace mebots::world {
 namespace {
 
-/// A touch supports the drone if its normal is within 45 degrees of vertical.
+/// A touch supports the drone if its normal is at most 45 degrees from the vertical.
 constexpr double kSupportNormal_z = 0.7071;
-/// A start at most this far above the ground is on the ground.
+/// A drone that starts at most this far above the ground is on the ground.
 constexpr double kOnGround_m = 0.01;
-/// Greatest overlap with other objects at the start.
+/// Maximum overlap with other objects at the start.
 constexpr double kStartOverlap_m = 0.001;
 
 const std::string kGround = "the ground";
@@ -220,7 +220,7 @@ void Drone::take_mass() {
   if (mass_kg != mass_kg_) set_mass(mass_kg);
 }
 
-/// The seed is a tunable parameter: it may have changed, also with a restored state.
+/// The seed is set again, because it is a tunable parameter: it may have changed, also with a restored state.
 void Drone::reseed() {
   const auto seed = seed_of(shared_, index_);
   camera_.reseed(seed);
@@ -257,7 +257,8 @@ void Drone::take_setpoint(std::int64_t time_ns, std::int64_t duration_ns) {
       static_cast<double>(duration_ns) * 1e-9;  // commands are sent at the end of the step
 }
 
-/// Speeds are those at the start of the step. Their change happened in the step before, which is assumed to be as long.
+/// Speeds are those at the start of the step. They changed in the step before, which is assumed to have the same
+/// length.
 void Drone::take_rotor_speeds(double duration_s) {
   for (std::size_t i = 0; i < kRotors; ++i) {
     rotor_acceleration_rad_per_s2_[i] = (inputs_.rotor_speed_rad_per_s[i] - rotor_speed_rad_per_s_[i]) / duration_s;

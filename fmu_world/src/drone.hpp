@@ -50,7 +50,7 @@ struct Around {
   std::shared_ptr<const camera::Scenery> scenery;  ///< with all drones, if there are several
 };
 
-/// The effect of the calibration parameters, except the drag, which is in the drone.
+/// The effect of the calibration parameters. The drag is not included, because it is in the drone.
 struct Calibration {
   double dry_mass_factor = 1;
   std::vector<std::string> warnings;
@@ -58,8 +58,9 @@ struct Calibration {
 
 /// A drone: body, stabiliser, take-off and landing, gates, sensors, camera and link.
 ///
-/// A step of the world calls begin_step(); for each inner step push(), move(), judge() and control(), each for all
-/// drones before the next; and write_outputs(). Between push() and move(), the world moves the bodies.
+/// A step of the world calls begin_step(), then push(), move(), judge() and control() for each inner step, and at the
+/// end write_outputs(). Each function is called for all drones before the next function. Between push() and move(), the
+/// world moves the bodies.
 class Drone {
  public:
   /// Places the drone at its start. Throws mebots::Error for invalid values.
@@ -71,9 +72,9 @@ class Drone {
 
   /// Reads the inputs, and takes a picture if one is requested.
   void begin_step(std::int64_t start_ns, std::int64_t duration_ns, const Others& others);
-  /// Puts the forces on the body. `downwash_n` is that of other drones, along the body's -z axis.
+  /// Applies the forces to the body. `downwash_n` is the force of other drones' air, along the body's -z axis.
   void push(const Eigen::Vector3d& wind_W_m_per_s, double downwash_n);
-  /// Takes the body's new state.
+  /// Reads the body's new state.
   void move();
   /// Judges contacts and gates, and advances the flight sequence.
   void judge(std::int64_t end_ns, double dt_s);

@@ -70,6 +70,6 @@ std::unique_ptr<fmu::Model> make_model(Variables& variables, fmu::Host& host, st
 
 }  // namespace mebots::world
 
-/// Static memory contains constants, the tiles of existing worlds, and ODE's data while a world exists.
+/// The library's static memory contains constants, the tiles of existing worlds, and ODE's data while a world exists.
 // NOLINTNEXTLINE(readability-identifier-naming): the name that docs/master/clean-fmus.md gives
 extern "C" [[gnu::visibility("default")]] const char mebots_keeps_no_state_outside_instances = 1;

@@ -23,8 +23,8 @@ std::int64_t inner_step_of(const Parameters& parameters) {
   return std::llround(step_s * 1e9);
 }
 
-/// Returns `index` of `count` equal parts of a duration, 0 <= index <= count, rounded down. The product may exceed 64
-/// bits.
+/// Returns the length of the first `index` of `count` equal parts of a duration, 0 <= index <= count, rounded down. The
+/// product may exceed 64 bits.
 std::int64_t part_of(std::int64_t duration_ns, std::int64_t index, std::int64_t count) {
   MEBOTS_ASSERT(duration_ns >= 0 && 0 <= index && index <= count && count > 0);
   __extension__ using Wide = __int128;
@@ -87,7 +87,7 @@ World::World(scene::Scene scene, const Parameters& parameters, const Inputs& inp
   for_each_drone([&](Drone& drone, std::size_t i) { drone.start(start_ns, others_of(i)); });
 }
 
-/// Names the drone in errors, if there are several.
+/// Calls `act`. If there are several drones, adds the drone's name to errors.
 template <typename Act>
 void World::for_each_drone(Act&& act) {
   for (std::size_t i = 0; i < drones_.size(); ++i) {

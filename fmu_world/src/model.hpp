@@ -22,12 +22,12 @@ namespace mebots::world {
 /// constant during the step; the flight control runs in every inner step on the new state. Outputs are those of the end
 /// of the step, except the picture, which is that of its start.
 ///
-/// A drone that touches no other has the bits of the same drone alone in the world. The noise of drone i is a function
-/// of seed and i.
+/// A drone that touches no other drone has the same bits as if it were alone in the world. The noise of drone i is a
+/// function of seed and i.
 class World {
  public:
-  /// Places the drones at their starts. Parameters, inputs and outputs must outlive the world; the first outputs are
-  /// written. Throws mebots::Error for invalid values.
+  /// Places the drones at their starts. Parameters, inputs and outputs must outlive the world. Writes the first
+  /// outputs. Throws mebots::Error for invalid values.
   World(scene::Scene scene, const Parameters& parameters, const Inputs& inputs, Outputs& outputs,
         std::vector<DroneSetup> drones, EventLog log, std::int64_t start_ns);
 
@@ -48,7 +48,7 @@ class World {
   void inner_step(std::int64_t begin_ns, std::int64_t end_ns, double dt_s);
   void find_downwash();
   void take_states();
-  /// Returns what the sensors of a drone see of the other drones.
+  /// Returns the data of the other drones for the sensors of a drone.
   Others others_of(std::size_t drone) const { return {boxes_, states_, drone}; }
 
   scene::Scene scene_;

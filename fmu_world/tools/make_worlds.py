@@ -72,7 +72,7 @@ def crate():
 
 
 def sign():
-    """An arrow on a board."""
+    """Returns an arrow on a board."""
     width, height = 128, 64
     picture = np.full((height, width), 225.0)
     y, x = np.mgrid[:height, :width]
@@ -91,7 +91,7 @@ def bark_and_metal():
     save("sheet.png", sheet)
 
 
-# Shadows on a ground
+# Shadows on a ground.
 
 
 def soft_shadow(points, to_sun, boxes, balls, samples=12):
@@ -102,7 +102,7 @@ def soft_shadow(points, to_sun, boxes, balls, samples=12):
     blocked = np.zeros((samples, len(points)), bool)
 
     def near(centre, radius, top):
-        """Returns the points that its shadow can reach."""
+        """Returns the points that an object's shadow can reach."""
         return np.nonzero(((points[:, :2] - np.array(centre)[:2]) ** 2).sum(axis=1) < (radius + slope * top) ** 2)[0]
 
     for k in range(samples):
@@ -137,7 +137,7 @@ def linear(grey):
 
 
 def save_mesh(name, parts):
-    """Parts: (points (n, 3) with x forward, y left, z up; triangles (m, 3); grey level)."""
+    """Saves a mesh. A part is (points (n, 3) with x forward, y left, z up; triangles (m, 3); grey level)."""
     blob, views, accessors, primitives, materials = b"", [], [], [], []
     for points, triangles, grey in parts:
         places = np.asarray(points, dtype="<f4")[:, [1, 2, 0]]  # glTF: x left, y up, z forward
@@ -248,7 +248,7 @@ def box(name, position, size, texture, **more):
 
 
 def write(scene):
-    """Returns JSON with one line per thing."""
+    """Writes a scene as JSON with one line per object."""
     lines = ["{"]
     keys = list(scene)
     for key in keys:
@@ -320,7 +320,7 @@ def warehouse():
          "opening_lower_edge": 0.75, "yaw": 0.05, "texture": {"kind": "uniform", "light": 250}},
         {"name": "gate 2", "shape": "circle", "inner": 0.7, "outer": 0.9, "thickness": 0.05, "position": [8.0, 0.6],
          "opening_lower_edge": 0.7, "yaw": 0.1, "texture": {"kind": "uniform", "light": 250}}]
-    # The floor: slabs, wear, lanes, shadows.
+    # Draws the floor: slabs, wear, lanes, shadows.
     size, left, bottom, edge = 512, -2.0, -8.0, 16.0
     x = left + edge * (np.arange(size) + 0.5) / size
     y = bottom + edge * (np.arange(size) + 0.5) / size
@@ -365,7 +365,7 @@ def forest():
     # The glade in the middle is level, so that the drone starts on the ground.
     rough = 0.5 * value_noise(32, 4, 3)[: cells + 1, : cells + 1]
     glade = np.clip((np.hypot((gx - 4) / 7.5, gy / 2.6) - 1) / 0.8, 0, 1)
-    # A little above the ground, which would hide it otherwise.
+    # The glade is a little above the ground, which would hide it otherwise.
     heights = np.round(0.008 + (hills + rough) * glade, 3)
 
     def height_at(px, py):

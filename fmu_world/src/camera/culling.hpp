@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-/// Culling: removes parts of a scene that cannot be in a picture before anything is projected.
+/// Culling removes parts of a scene that cannot be in a picture, before anything is projected.
 namespace mebots::world::camera {
 
 /// The four planes through the camera and the sides of a picture, or of some of its rows. A face completely outside one
@@ -21,7 +21,7 @@ class PictureSides {
 
   /// True if a face with these corners in the camera frame can be left out.
   bool leave_out(std::span<const Eigen::Vector3d> corners_C_m) const;
-  /// True if everything within `radius_m` of a point in the camera frame can be left out, such as what is behind the
+  /// True if everything within `radius_m` of a point in the camera frame can be left out, such as objects behind the
   /// camera.
   bool leave_out(const Eigen::Vector3d& middle_C_m, double radius_m) const;
 
@@ -31,8 +31,8 @@ class PictureSides {
   double per_across_, per_lower_, per_upper_;  // lengths of the planes' normals
 };
 
-/// The data that decide whether a face may be visible, and everything about a face without texture. They are compact:
-/// few cache lines for thousands of faces.
+/// The data that decide whether a face may be visible, and all data of a face without texture. They are compact, so
+/// that thousands of faces need few cache lines.
 struct FaceCover {
   Eigen::Vector3d normal_W;
   double offset_m;
@@ -51,7 +51,7 @@ struct FaceCovers {
   std::vector<Eigen::Vector3d> corners_W_m;
 };
 
-/// Consecutive faces with the same mover or without one, and a sphere around them.
+/// Consecutive faces that have the same mover or none, and a sphere around them.
 struct FaceGroup {
   std::size_t first, end;  // in Geometry::faces
   std::size_t mover;

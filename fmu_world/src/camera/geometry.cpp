@@ -66,7 +66,8 @@ void add_side(Geometry& geometry, const Painted& solid, int axis, double sign, s
   geometry.faces.push_back(std::move(face));
 }
 
-/// Computes corners once for all sides of a solid: sides that share an edge must have the same bits.
+/// Adds the sides of a box. Corners are computed once for all sides, because sides that share an edge must have the
+/// same bits.
 void add_box(Geometry& geometry, const scene::Box& box, std::size_t tile, const scene::Lighting& lighting,
              std::size_t mover) {
   const Painted solid{axes_of(box), tile, lighting, mover};
@@ -158,7 +159,7 @@ void add_cylinder(Geometry& geometry, const scene::Cylinder& cylinder, std::size
     geometry.faces.push_back(std::move(face));
   }
   for (const int high : {0, 1}) {
-    // Fans from the first corner, each with the maximum number of corners of a face.
+    // The end is divided into fans from the first corner. Each fan has the maximum number of corners of a face.
     for (int first = 1; first + 1 < kSides; first += static_cast<int>(kMaxCorners) - 2) {
       std::vector<Vector3d> piece{rims[high][0]};
       const int last = std::min(first + static_cast<int>(kMaxCorners) - 2, kSides - 1);
@@ -208,7 +209,8 @@ std::size_t add_tile(Geometry& geometry, const scene::Texture& texture) {
   return place;
 }
 
-/// Computes points once for all triangles: those that share an edge must have the same bits.
+/// Adds a mesh. Points are computed once for all triangles, because triangles that share an edge must have the same
+/// bits.
 void add_mesh(Geometry& geometry, const scene::Mesh& mesh, const Vector3d& p_W_m, const Eigen::Matrix3d& R_WM,
               const scene::Lighting& lighting, std::size_t mover) {
   std::vector<Vector3d> points_W;

@@ -18,7 +18,7 @@ inline constexpr std::size_t kMaxCorners = 8;
 /// A flat convex part of a surface, visible from its front only.
 ///
 /// Depth, texture and light depend on the plane and the mapping, not on the corners, which only determine the covered
-/// pixels. So the parts of a divided face look exactly like the whole.
+/// pixels. Therefore the parts of a divided face look exactly like the whole face.
 struct Face {
   Eigen::Vector3d normal_W;                  ///< unit, out of the front
   double offset_m = 0.0;                     ///< the plane is normal . p = offset
@@ -56,11 +56,11 @@ struct Geometry {
 double lambert(const scene::Lighting& lighting, const Eigen::Vector3d& normal_W);
 
 /// Builds ground, boxes, cylinders, meshes and gates (for those with beams, the outside of Gate::beams()). Texture
-/// axes: those of the ground are world x and y from the world's origin. A mesh has its own, or those of its frame. A
-/// cylinder has 32 sides. On vertical sides, the first axis is horizontal to the right and the second one up, from the
-/// lower left corner seen from outside. A gate's front and back share one pattern. Tops and bottoms have the solid's x
-/// and y, from their corner of least x and y. Undersides of boxes at or below the ground are left out, because they are
-/// never visible. There are no shadows.
+/// axes: the ground uses world x and y from the world's origin. A mesh uses its own coordinates, or the axes of its
+/// frame. A cylinder has 32 sides. On vertical sides, the first axis is horizontal to the right and the second one up,
+/// from the lower left corner seen from outside. A gate's front and back share one pattern. Tops and bottoms use the
+/// solid's x and y, from their corner of least x and y. Undersides of boxes at or below the ground are left out,
+/// because they are never visible. There are no shadows.
 Geometry make_geometry(const scene::Scene& scene);
 
 /// Radius of a rotor's disc divided by its distance from the centre along x. With this value, there is a gap between

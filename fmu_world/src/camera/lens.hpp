@@ -10,13 +10,13 @@
 
 namespace mebots::world::camera {
 
-/// Pinhole camera with square pixels, its axis through the middle of the picture.
+/// A pinhole camera with square pixels, whose axis passes through the middle of the picture.
 struct Intrinsics {
   int width = 320;                                ///< pixels, 8..2048
   int height = 320;                               ///< pixels, 8..2048
   double horizontal_field_of_view_rad = 1.51844;  ///< full angle over the width, 0.1..3.0
 
-  /// Focal length in pixels: (width / 2) / tan(half the field of view).
+  /// Returns the focal length in pixels: (width / 2) / tan(half the field of view).
   double focal_length_px() const;
 };
 
@@ -26,9 +26,9 @@ struct BodyPose {
   Eigen::Matrix3d R_WB = Eigen::Matrix3d::Identity();
 };
 
-/// Where the camera is. Camera frame C, as the body's: x forward along the optical axis, y left, z up.
-/// A point (x, y, z) in C with x > 0 appears at column width/2 - f y/x and row height/2 - f z/x, counted
-/// from the picture's top left corner. The centre of the top left pixel is (0.5, 0.5).
+/// The pose of the camera. Its frame C has axes as the body's: x forward along the optical axis, y left, z up. A point
+/// (x, y, z) in C with x > 0 appears at column width/2 - f y/x and row height/2 - f z/x, counted from the picture's top
+/// left corner. The centre of the top left pixel is (0.5, 0.5).
 struct Pose {
   Eigen::Vector3d p_WC_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
@@ -43,16 +43,17 @@ struct Mounting {
   double pitch_rad = 0.0;  ///< about the body's y, positive looks down
 };
 
-/// The camera's pose from the body's.
+/// Returns the pose of the camera from the pose of the body.
 Pose camera_pose(const Mounting& mounting, const Eigen::Vector3d& p_WB_m, const Eigen::Matrix3d& R_WB);
 
 /// Optical properties of a lens.
 struct LensSettings {
   /// Radial distortion after Brown: a ray at r = tan(angle to the axis) meets the sensor at r (1 + k1 r^2 + k2 r^4),
-  /// both in focal lengths. Negative k1 is a barrel.
+  /// both in focal lengths. A negative k1 gives a barrel distortion.
   double k1 = 0.0;
   double k2 = 0.0;
-  /// Share of the cos^4 law of illumination: 0 = none, 1 = all, more for a lens that darkens its corners further.
+  /// Share of the cos^4 law of illumination: 0 is none, 1 is all, and more is for a lens that darkens its corners
+  /// further.
   double vignetting = 0.0;
 
   bool distorts() const { return k1 != 0.0 || k2 != 0.0; }
@@ -62,8 +63,9 @@ struct LensSettings {
 /// Distorts a pinhole's picture and darkens its corners, with precomputed tables.
 class Lens {
  public:
-  /// For a picture of `intrinsics`, whose field of view is that without distortion. Throws mebots::Error if the
-  /// position on the sensor does not determine the ray, or if the ray would be too far from the axis.
+  /// Prepares the tables for a picture of `intrinsics`, whose field of view is that without distortion. Throws
+  /// mebots::Error if the position on the sensor does not determine the ray, or if the ray would be too far from the
+  /// axis.
   Lens(const Intrinsics& intrinsics, const LensSettings& settings);
 
   /// Returns the pinhole's picture to render: the same focal length, and large enough for the lens.

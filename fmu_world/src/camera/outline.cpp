@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Guard band: parts farther than this from the picture's middle are cut off, which keeps the integers small.
+/// Guard band: parts that are farther than this from the picture's middle are cut off, which keeps the integers small.
 constexpr double kGuard_px = 32768.0;
 
 struct Polygon {
@@ -19,7 +19,7 @@ struct Polygon {
   int count = 0;
 };
 
-/// A corner with plane distance > 0 is kept.
+/// A corner with a positive distance to the plane is kept.
 struct ClipPlane {
   Vector3d normal;
   double offset;
@@ -34,8 +34,8 @@ Polygon clipped(const Polygon& polygon, const ClipPlane& plane) {
     const double da = plane.distance(a);
     const double db = plane.distance(b);
     if (da >= 0.0) kept.corners[kept.count++] = a;
-    // Always from the kept corner to the lost one: two polygons have their common edge in opposite directions, and must
-    // get the same bits.
+    // The point is always computed from the kept corner to the lost one. Two polygons pass their common edge in
+    // opposite directions, and must get the same bits.
     if (da >= 0.0 && db < 0.0) kept.corners[kept.count++] = a + (da / (da - db)) * (b - a);
     if (da < 0.0 && db >= 0.0) kept.corners[kept.count++] = b + (db / (db - da)) * (a - b);
     if (kept.count > static_cast<int>(kMaxOutlineCorners) - 2) break;  // impossible for a convex polygon
@@ -105,7 +105,7 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
 
   const auto [left, right] = std::minmax_element(x.begin(), x.begin() + corners);
   const auto [top, bottom] = std::minmax_element(y.begin(), y.begin() + corners);
-  // The first row whose centre is at or below y, and the first column whose centre is at or right of x.
+  // Returns the first row whose centre is at or below y, or the first column whose centre is at or right of x.
   const auto first_at = [](std::int32_t at, int count) {
     static_assert(kOne == 1 << 12);
     return static_cast<int>(std::clamp<std::int64_t>((at - kHalf + kOne - 1) >> 12, 0, count));
@@ -130,7 +130,7 @@ Outline::Outline(const Picture& picture, std::span<const Vector3d> corners_C_m, 
         first, end,  down ? 1 : -1, 1.0 / (static_cast<double>(dy) * static_cast<double>(kOne))};
     if (down) begun_rows += end - first;
   }
-  // A closed line crosses each row between its top and bottom, downwards as often as upwards.
+  // A closed line crosses each row between its top and bottom downwards as often as upwards.
   two_crossings_ = begun_rows == end_row_ - first_row_;
 }
 

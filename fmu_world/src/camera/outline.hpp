@@ -16,12 +16,12 @@ namespace mebots::world::camera {
 inline constexpr double kNearPlane_m = 1e-3;
 /// Number of planes that cut a face; each can add a corner.
 inline constexpr std::size_t kClipPlanes = 5;
-/// A face has at most 8 corners; each of the five clip planes can add one. The rest is reserve.
+/// A face has at most 8 corners; each of the five clip planes can add one. Three more are a reserve.
 inline constexpr std::size_t kMaxOutlineCorners = 16;
 
 /// Determines the pixels of a convex polygon: those whose centre is inside. Corners are rounded to 1/4096 of a pixel;
 /// everything after that is integer arithmetic, so the result is exact. A centre on an edge belongs to the polygon if
-/// the edge is a left or top one. So polygons that share an edge never share or miss a pixel.
+/// the edge is a left or top one. Therefore polygons that share an edge never share or miss a pixel.
 class Outline {
  public:
   /// The camera's optical axis meets the picture's middle.
@@ -40,11 +40,11 @@ class Outline {
     std::int32_t winding;       // 1 if the polygon is to its right, -1 if to its left
     double columns_per_unit;    // 1 / (4096 dy), rounded
 
-    /// Computes for each of the rows [first, end), all of which it must pass, the first column whose centre is on or
-    /// right of the edge.
+    /// Computes the first column whose centre is on or right of the edge, for each of the rows [first, end). The edge
+    /// must pass all of these rows.
     void columns(int first, int end, std::int32_t* columns) const {
-      // The result is the least column with (kOne column + kHalf - x_top) dy >= dx (y - y_top): a quotient rounded up.
-      // The product is at most 2^30 times 2^31, so it fits.
+      // The result is the least column with (kOne column + kHalf - x_top) dy >= dx (y - y_top): a quotient that is
+      // rounded up. The product is at most 2^30 times 2^31, so it fits into 64 bits.
       const std::int64_t y = first * kOne + kHalf;
       const std::int64_t numerator = (x_top - kHalf) * dy + dx * (y - y_top);
       const std::int64_t denominator = dy * kOne;
@@ -70,11 +70,11 @@ class Outline {
   };
   using Edges = std::span<Edge, kMaxOutlineCorners>;
 
-  /// `corners_C_m` are in the camera frame, counter-clockwise seen from the camera. Its edges are the first
-  /// edge_count() of `edges`, which must not move. Uses no heap.
+  /// `corners_C_m` are in the camera frame, counter-clockwise seen from the camera. The outline's edges are the first
+  /// edge_count() elements of `edges`, which must not move. Uses no heap.
   Outline(const Picture& picture, std::span<const Eigen::Vector3d> corners_C_m, Edges edges);
 
-  /// Rows of the polygon: [first_row, end_row). Empty if it contains no pixel's centre.
+  /// The rows of the polygon are [first_row, end_row). The range is empty if the polygon contains no pixel's centre.
   int first_row() const { return first_row_; }
   int end_row() const { return end_row_; }
   int edge_count() const { return edge_count_; }

@@ -27,7 +27,7 @@ constexpr int kMostPictureTexels = 512;  // along a tile's edge: 4 MB
 constexpr double kBrickJoint = 0.125;    // width of a joint over the height of a row
 constexpr double kBrickSpread = 0.12;    // largest difference of a brick's grey level, relative
 
-/// Uniform in [0, 1) for a lattice point.
+/// Returns a uniform number in [0, 1) for a lattice point.
 double lattice(std::uint32_t seed, int layer, int x, int y) {
   const std::uint64_t key = noise::hashed((static_cast<std::uint64_t>(seed) << 32) + static_cast<std::uint32_t>(layer));
   const std::uint64_t point =
@@ -77,7 +77,7 @@ class LayeredNoise {
     }
   }
 
-  /// In [0, 1).
+  /// Returns a value in [0, 1).
   double at(double u, double v) const {
     double sum = 0.0;
     double total = 0.0;

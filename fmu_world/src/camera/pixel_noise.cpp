@@ -42,8 +42,8 @@ struct Quantiles {
   }
 };
 
-/// Shared by all worlds of the process. Computed when the library is loaded: a library whose memory has not changed
-/// since can run the next mission without being loaded again.
+/// All worlds of the process share the quantiles. They are computed when the library is loaded: a library whose memory
+/// has not changed since its loading can run the next mission without being loaded again.
 const Quantiles kQuantiles;
 
 }  // namespace

@@ -12,10 +12,10 @@ namespace mebots::world::camera {
 ///
 /// Each row of each frame has its own SplitMix64 sequence. One 64-bit number serves four pixels with 12 bits each.
 /// These are indices into 4096 equally likely values of the normal distribution (its quantiles at (i + 1/2) / 4096,
-/// scaled to unit variance). So mean and variance are exact, and the tails end at 3.7 standard deviations.
+/// scaled to unit variance). Mean and variance are exact, and the tails end at 3.7 standard deviations.
 class PixelNoise {
  public:
-  /// Standard deviation in grey levels, >= 0.
+  /// `standard_deviation` is in grey levels, and must be >= 0.
   explicit PixelNoise(double standard_deviation);
 
   double standard_deviation() const { return standard_deviation_; }

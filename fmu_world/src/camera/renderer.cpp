@@ -50,11 +50,11 @@ Geometry checked(Geometry geometry) {
   return geometry;
 }
 
-/// Rows whose depths are tested together: many, so that a face is in few strips; few, so that they fit into the
-/// first-level cache.
+/// Number of rows whose depths are tested together. It is large, so that a face is in few strips, and small enough that
+/// the rows fit into the first-level cache.
 constexpr int kStripRows = Outline::kStripRows;
 
-/// Stands for no face.
+/// The number that stands for no face.
 constexpr std::int32_t kNothing = -1;
 
 /// Returns the distance of a row's centre below the picture's middle, in pixels.
@@ -72,7 +72,7 @@ struct PixelPlane {
   double at_0, along_x, along_y;
 };
 
-/// direction . ray, for the ray (1, -x/f, -y/f) in the camera frame.
+/// Returns direction . ray for the ray (1, -x/f, -y/f) in the camera frame.
 PixelPlane along_ray(const Vector3d& direction_W, const Eigen::Matrix3d& R_WC, double focal_length_px) {
   const Vector3d direction_C = R_WC.transpose() * direction_W;
   return {direction_C.x(), -direction_C.y() / focal_length_px, -direction_C.z() / focal_length_px};
@@ -106,7 +106,8 @@ Pose seen_from(const Mover& mover, const Pose& pose) {
 FaceView view_of(const FaceCover& face, double light, const Pose& pose, double height_over_plane_m,
                  double focal_length_px) {
   MEBOTS_ASSERT(height_over_plane_m >= kEdgeOn_m);
-  // A point on the ray at depth d (along the optical axis) is in the plane if normal . (p_WC + d ray) = offset.
+  // A point on the ray at depth d, which is measured along the optical axis, is in the plane if normal . (p_WC + d ray)
+  // = offset.
   const PixelPlane n = along_ray(face.normal_W, pose.R_WC, focal_length_px);
   const double per_height = -1.0 / height_over_plane_m;
   FaceView view;
@@ -220,7 +221,7 @@ void Renderer::find_visible(const Pose& pose, int first_row, int end_row, Worksp
   sort_by_strip(first_row, workspace);
 }
 
-/// Counting sort: stable, so that faces of one strip keep their order.
+/// Counting sort is stable, so that faces of one strip keep their order.
 void Renderer::sort_by_strip(int first_row, Workspace& workspace) {
   auto& strips = workspace.strips_;
   const auto strip_of = [=](const Workspace::VisibleFace& face) {
@@ -239,7 +240,7 @@ void Renderer::sort_by_strip(int first_row, Workspace& workspace) {
   workspace.active_.clear();
 }
 
-/// Removes faces that end before the strip, and adds those that begin in it. Both lists are in the faces' order.
+/// Removes faces that end before the strip, and adds faces that begin in it. Both lists are in the order of the faces.
 void Renderer::enter_strip(std::size_t strip, int first, Workspace& workspace) {
   const auto& by_strip = workspace.by_strip_;
   std::size_t coming = workspace.strips_[strip];

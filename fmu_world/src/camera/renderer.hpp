@@ -30,7 +30,7 @@ struct Scenery {
 /// Faces that cannot be in the picture are left out, if possible by groups. Then, in strips of 16 rows, every face's
 /// pixels are tested against the strip's inverse depths, and each visible pixel is textured once, with correct
 /// perspective. Finally noise is added, and each row is rounded and limited to 0..255. The same arguments give the same
-/// bytes, for any renderer, thread or vector unit. No heap after construction.
+/// bytes, for any renderer, thread or vector unit. After construction, it does not use the heap.
 class Renderer {
  public:
   /// Working memory of a call. Each thread that renders at the same time needs its own.
@@ -55,26 +55,26 @@ class Renderer {
   /// `noise_std` is in grey levels. Throws mebots::Error for sizes outside 8..2048 pixels, a field of view outside
   /// 0.1..3.0 rad, or negative noise.
   Renderer(const scene::Scene& scene, Intrinsics intrinsics, double noise_std);
-  /// For any geometry. Also throws mebots::Error for faces with fewer than 3 or more than 8 corners.
+  /// Creates a renderer for any geometry. Also throws mebots::Error for faces with fewer than 3 or more than 8 corners.
   Renderer(Geometry geometry, Intrinsics intrinsics, double noise_std);
-  /// For a scenery that several cameras share.
+  /// Creates a renderer for a scenery that several cameras share.
   Renderer(std::shared_ptr<const Scenery> scenery, Intrinsics intrinsics, double noise_std);
 
   const Intrinsics& intrinsics() const { return intrinsics_; }
 
-  /// Writes width x height grey levels, row by row from the top left. The noise is a function of `seed`,
-  /// `frame_index` and the pixel's row and column. Throws mebots::Error if `pixels` has another size.
-  /// Uses this renderer's own workspace: one call at a time.
+  /// Writes width x height grey levels, row by row from the top left. The noise is a function of `seed`, `frame_index`
+  /// and the pixel's row and column. Throws mebots::Error if `pixels` has another size. Uses this renderer's own
+  /// workspace, so only one call may run at a time.
   void render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels) {
     render(pose, seed, frame_index, pixels, workspace_);
   }
 
-  /// Does the same; safe for concurrent calls if each has its own workspace.
+  /// Renders as the function above. Several calls may run at the same time if each has its own workspace.
   void render(const Pose& pose, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels,
               Workspace& workspace) const;
   Workspace make_workspace() const;
 
-  /// Computes only the light, in grey levels before noise and rounding, of the rows [first, end) of a picture. `grey`
+  /// Computes the light alone, in grey levels before noise and rounding, of the rows [first, end) of a picture. `grey`
   /// begins at row 0 and has `width` numbers per row.
   void render_light(const Pose& pose, int first_row, int end_row, std::span<float> grey, Workspace& workspace) const;
 
@@ -82,7 +82,7 @@ class Renderer {
   /// Finds the faces that may be visible in the rows [first, end).
   void find_visible(const Pose& pose, int first_row, int end_row, Workspace& workspace) const;
   static void sort_by_strip(int first_row, Workspace& workspace);
-  /// Finds the nearest faces of a strip with the rows [first, end). Call it for strips in rising order, after
+  /// Finds the nearest faces of a strip with the rows [first, end). Must be called for strips in rising order, after
   /// find_visible().
   void see_strip(std::size_t strip, int first, int end, Workspace& workspace) const;
   static void enter_strip(std::size_t strip, int first, Workspace& workspace);

@@ -18,14 +18,14 @@ namespace mebots::world::camera {
 /// low byte up, wrapped around), so that a bilinear look-up reads one word.
 class Ripmap {
  public:
-  /// Grey level 0..255 of the tile at (u, v) in [0, 1).
+  /// Returns the grey level 0..255 of the tile at (u, v) in [0, 1).
   using Pattern = std::function<double(double u, double v)>;
 
-  /// `size` is a power of two, 1..4096. The pattern is averaged over `samples` x `samples` points a texel.
+  /// `size` must be a power of two, 1..4096. The pattern is averaged over `samples` x `samples` points per texel.
   Ripmap(int size, int samples, const Pattern& pattern);
 
   int size() const { return size_; }
-  /// log2 of the array's row length 2S.
+  /// Returns log2 of the array's row length 2S.
   int row_shift() const { return row_shift_; }
   const std::uint32_t* words() const { return words_.data(); }
   /// Returns the size of the texture in memory, in bytes.

@@ -15,9 +15,10 @@
 namespace mebots::world::camera {
 namespace {
 
-/// Rows that are rendered for one time: half a millisecond at 63 us per row.
+/// Number of rows that are rendered for one time. At 63 us per row, they take half a millisecond.
 constexpr int kBandRows = 8;
-/// Difference in grey levels between mean and target before automatic exposure changes: the HM01B0's CONVERGE_OUT_TH.
+/// Automatic exposure changes if mean and target differ by more than this number of grey levels: the HM01B0's
+/// CONVERGE_OUT_TH.
 constexpr double kTolerance = 5.0;
 constexpr double kMostChange = 2.0;
 /// Least product of exposure and gain of automatic exposure, relative to the reference: one line of 340.
@@ -72,7 +73,7 @@ double Sensor::factor_of(double exposure_s, double gain) const {
   return gain * (reference_s > 0.0 && exposure_s > 0.0 ? exposure_s / reference_s : 1.0);
 }
 
-/// Returns the least power of two for which the exposure is long enough.
+/// Returns the least power of two with which the exposure time is long enough.
 double Sensor::gain() const {
   if (!settings_.automatic) return settings_.gain;
   const double longest = factor_of(settings_.most_exposure_s, 1.0);
@@ -92,7 +93,7 @@ void Sensor::gather_once(const PoseAt& pose_at, double after_s, std::span<float>
     renderer_.render_light(pose_at(after_s), 0, height, light, workspace_);
     return;
   }
-  // Rows above and below the sensor's are needed because the lens bends them into the picture.
+  // The light above and below the sensor's rows is needed, because the lens bends it into the picture.
   const double first_row = 0.5 * (height - intrinsics_.height);
   for (int row = 0; row < height; row += kBandRows) {
     const int end = std::min(row + kBandRows, height);
@@ -122,7 +123,7 @@ void Sensor::take(const PoseAt& pose_at, std::uint64_t seed, std::uint64_t frame
   MEBOTS_ASSERT(pixels.size() == sensor_.size());
   gather(pose_at);
   lens_.project(light_, static_cast<float>(light_factor_), sensor_);
-  // Variance of a grey level g: reading^2 + g x (grey levels per electron), with gain.
+  // The variance of a grey level g is reading^2 + g x (grey levels per electron), with gain.
   const auto reading = static_cast<float>(settings_.noise_std * settings_.noise_std);
   const auto shot = static_cast<float>(settings_.full_well > 0.0 ? 255.0 * gain() / settings_.full_well : 0.0);
   const auto width = static_cast<std::size_t>(intrinsics_.width);

@@ -14,7 +14,7 @@
 
 namespace mebots::world::camera {
 
-/// Settings of the sensor. With all zero and a gain of 1, it exposes a whole picture in an instant, as the renderer
+/// Settings of the sensor. If all are zero and the gain is 1, it exposes a whole picture in an instant, as the renderer
 /// does.
 struct SensorSettings {
   double exposure_s = 0.0;            ///< exposure of each row; 0 = an instant
@@ -36,9 +36,9 @@ struct SensorSettings {
 
 /// A camera's lens and sensor: picture = rounded (noise + light on the sensor x exposure x gain).
 ///
-/// The exposure of row r begins at t + r line_time, while the camera continues its motion at t. The renderer uses one
-/// time for each band of eight rows, and `blur_samples` pictures per exposure. Rows are those of the picture before
-/// distortion. Shot noise: n electrons vary by sqrt(n).
+/// The exposure of row r begins at t + r line_time, while the camera continues the motion that it has at t. The
+/// renderer uses one time for each band of eight rows, and `blur_samples` pictures per exposure. Rows are those of the
+/// picture before distortion. Shot noise: n electrons vary by sqrt(n).
 ///
 /// Automatic exposure uses a picture's mean. If it differs from the target by more than 5 grey levels, the product of
 /// exposure and gain is multiplied by target / mean, limited to 1/2 to 2. Exposure is increased first, then the gain is
@@ -58,7 +58,7 @@ class Sensor {
   /// Takes a picture. The noise is a function of seed, index, row and column. Uses no heap.
   void take(const PoseAt& pose_at, std::uint64_t seed, std::uint64_t frame_index, std::span<std::uint8_t> pixels);
 
-  /// Exposure and gain of the next picture.
+  /// Return the exposure and the gain of the next picture.
   double exposure_s() const;
   double gain() const;
 

@@ -12,8 +12,8 @@ constexpr int kChunk = 64;                  // pixels whose intermediate values 
 constexpr int kVector = kSpareColumns + 1;  // pixels of the longest vectors
 static_assert(kChunk % kVector == 0);
 
-/// condition ? a : b, in bits. In some of the loops below, GCC turns the operator into a branch or a conditional store,
-/// and does not vectorise the loop.
+/// Returns condition ? a : b, computed with bits. In some of the loops below, GCC turns the operator ?: into a branch
+/// or a conditional store, and does not vectorise the loop.
 std::int32_t select(bool condition, std::int32_t a, std::int32_t b) {
   const std::int32_t mask = -static_cast<std::int32_t>(condition);
   return (mask & a) | (~mask & b);
@@ -38,8 +38,9 @@ struct Axis {
   float fraction;      // of the way to the next texel
 };
 
-/// Computes a texture look-up. `texels` is the coordinate in texels of level 0, `footprint` the pixel's extent in them,
-/// `size` the tile's size. The level is the power of two nearest to the footprint on a logarithmic scale.
+/// Computes a texture look-up. `texels` is the coordinate in texels of level 0, `footprint` is the pixel's extent in
+/// these texels, `size` is the tile's size. The level is the power of two nearest to the footprint on a logarithmic
+/// scale.
 Axis look_up(float texels, float footprint, float size) {
   constexpr float kSqrt2 = 1.41421356F;
   const float limited = smaller(larger(footprint * kSqrt2, 1.0F), size);
@@ -53,8 +54,8 @@ Axis look_up(float texels, float footprint, float size) {
   return {start + (floor & (level_size - 1)), at - static_cast<float>(floor)};
 }
 
-// The compiler generates each loop over pixels twice: for vectors of any x86-64, and for the longer vectors of AVX2.
-// Both compute the same bits, because no loop sums over pixels.
+// The compiler generates each loop over pixels twice: for the vectors of every x86-64 processor, and for the longer
+// vectors of AVX2. Both versions compute the same bits, because no loop sums over pixels.
 #if defined(__x86_64__) && defined(__GNUC__)
 #define MEBOTS_LONG_VECTORS [[gnu::target("avx2")]]
 const bool kHasLongVectors = __builtin_cpu_supports("avx2") != 0;
@@ -63,8 +64,8 @@ const bool kHasLongVectors = __builtin_cpu_supports("avx2") != 0;
 constexpr bool kHasLongVectors = false;
 #endif
 
-/// Rounds a number of pixels up to whole vectors. Otherwise short runs would spend their time on remaining single
-/// pixels.
+/// Rounds a number of pixels up to whole vectors. Otherwise, most of the time for short runs would be spent on the
+/// remaining single pixels.
 int whole_vectors(int count) {
   return (count + kVector - 1) / kVector * kVector;
 }

@@ -9,7 +9,7 @@
 /// precision, so every vector width gives the same bits.
 namespace mebots::world::camera {
 
-/// A face is not drawn where its inverse depth is below this (10 km).
+/// A face is not drawn where its inverse depth is below this value (at more than 10 km).
 inline constexpr float kFarthest_per_m = 1e-4F;
 
 /// A face in one picture. x and y are the distances of a pixel's centre to the right of and below the picture's middle.
@@ -36,7 +36,7 @@ void test_depth(float w, float w_x, float x_0, int count, std::int32_t face, flo
 /// Overwrites the kSpareColumns after them. The face must have a ripmap.
 void shade(const FaceView& view, double y, float x_0, int count, float* grey);
 
-/// Rounds to the nearest integer and limits to 0..255, like the sensor's converter.
+/// Rounds to the nearest integer and limits to 0..255, as the sensor's converter does.
 void quantise(const float* grey, int count, std::uint8_t* pixels);
 
 }  // namespace mebots::world::camera

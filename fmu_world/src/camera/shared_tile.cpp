@@ -9,7 +9,8 @@
 namespace mebots::world::camera {
 namespace {
 
-/// The tiles in use. To draw them takes most of a world's start. They never change, so all worlds share them.
+/// The tiles in use. Drawing them takes most of the time of a world's start. They never change, so all worlds share
+/// them.
 class Tiles {
  public:
   std::shared_ptr<const Tile> get(const scene::Texture& texture) {
@@ -34,7 +35,7 @@ class Tiles {
     return nullptr;
   }
 
-  /// Releases all memory with the last tile, so that the library's memory is as after loading.
+  /// Releases all memory with the last tile, so that the library's memory is the same as after loading.
   void remove_unused() {
     const std::lock_guard lock(mutex_);
     std::erase_if(used_, [](const auto& entry) { return entry.second.expired(); });

@@ -15,7 +15,7 @@ struct Tile {
   double edge_v_m;
 };
 
-/// Draws the tile of a scene's texture. The surface's first axis is u, its second one v.
+/// Draws the tile of a scene's texture. The surface's first axis is u, its second axis is v.
 Tile make_tile(const scene::Texture& texture);
 
 /// Returns a tile that all worlds of the process share while it is in use.

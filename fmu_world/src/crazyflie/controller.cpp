@@ -69,7 +69,7 @@ void Controller::control_position(const StabiliserGoal& goal, const RigidState& 
   }
   wanted_H.z() = position_z_.update(memory_.altitude_m, state.p_WB_m.z(), kPositionPeriod_s);
 
-  // Nose down: forward; right side down: to the right.
+  // Nose down means forward; right side down means to the right.
   const double forward = velocity_x_.update(wanted_H.x(), velocity_H.x(), kPositionPeriod_s);
   const double left = velocity_y_.update(wanted_H.y(), velocity_H.y(), kPositionPeriod_s);
   memory_.attitude_deg.x() = std::clamp(-left, -gains_.max_tilt_deg, gains_.max_tilt_deg);

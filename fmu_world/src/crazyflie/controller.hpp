@@ -18,8 +18,8 @@ namespace mebots::world::crazyflie {
 /// rate -> four motors at 500 Hz. It does not use mass or inertia.
 ///
 /// A goal with velocities is the firmware's hover set-point: horizontal velocity along the heading, yaw rate, altitude.
-/// For a goal that holds the place, it brakes, and then holds that position. The altitude set-point moves to the wanted
-/// one at the speed in Gains.
+/// For a goal that holds the place, the controller brakes, and then holds the position at which the drone stops. The
+/// altitude set-point moves to the wanted altitude at the speed in Gains.
 class Controller {
  public:
   static constexpr std::int64_t kAttitudePeriod_ns = 2'000'000;
@@ -28,7 +28,7 @@ class Controller {
   explicit Controller(Propellers propellers);
 
   /// Returns the commands (duty cycle, 0..1) for the estimated state at time_ns, which are constant until the next
-  /// attitude period. With a bus voltage of at least 2 V they have the firmware's battery compensation, otherwise not.
+  /// attitude period. With a bus voltage of at least 2 V, they include the firmware's battery compensation.
   const RotorValues& update(const StabiliserGoal& goal, const RigidState& state, std::int64_t time_ns,
                             double bus_voltage_v);
 

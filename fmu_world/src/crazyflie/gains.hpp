@@ -30,8 +30,8 @@ struct Gains {
   double thrust_base = 36000.0;
   double thrust_min = 20000.0;
 
-  /// Not from the firmware: the sender of a take-off or landing command moves the wanted altitude at these speeds, as
-  /// the ideal stabiliser does.
+  /// This value is not from the firmware: the sender of a take-off or landing command moves the wanted altitude at
+  /// these speeds, as the ideal stabiliser does.
   double climb_m_per_s = 0.5;
   double descent_m_per_s = 0.3;
 };

@@ -13,7 +13,7 @@ constexpr int kPosition = 0;
 constexpr int kVelocity = 3;
 constexpr int kAttitude = 6;
 
-// Standard deviations: at the start, of unmodelled accelerations, of the gyroscope.
+// Standard deviations: of the state at the start, of unmodelled accelerations, and of the gyroscope.
 constexpr double kStartPosition_xy_m = 100.0;
 constexpr double kStartPosition_z_m = 1.0;
 constexpr double kStartVelocity_m_per_s = 0.01;
@@ -27,7 +27,7 @@ constexpr double kReversion = 0.001;
 constexpr double kLeastVariance = 1e-6;
 constexpr double kMostVariance = 100.0;
 
-/// Least height in the prediction of the flow.
+/// Minimum height in the prediction of the flow.
 constexpr double kLeastHeight_m = 0.1;
 /// Cone of the distance sensor in the filter: 15 degrees from edge to edge.
 constexpr double kHalfCone_rad = 0.130899693899575;

@@ -22,17 +22,18 @@ class Kalman {
   /// Starts at rest at a known position and attitude.
   Kalman(const scene::FlowData& flow, const RigidState& start);
 
-  /// Predicts dt ahead with the mean specific force and body rate of that time. In flight, the force along x and y is
-  /// ignored, because it is drag and gives no information about the attitude. On the ground, the attitude is drawn
-  /// towards the first one.
+  /// Predicts the state after dt, with the mean specific force and body rate of that time. In flight, the force along x
+  /// and y is ignored, because it is drag and gives no information about the attitude. On the ground, the attitude is
+  /// drawn towards the first one.
   void predict(const Eigen::Vector3d& force_m_per_s2, const Eigen::Vector3d& rate_rad_per_s, bool flying, double dt_s);
-  /// Adds the process noise of dt. The deviation grows with dt, so the interval of the calls matters: each millisecond.
+  /// Adds the process noise of dt. The deviation grows with dt, so the result depends on the interval of the calls: it
+  /// must be a millisecond.
   void add_process_noise(double dt_s);
   /// Uses a flow measurement over dt at a body rate.
   void measure_flow(const std::array<double, 2>& pixels, const Eigen::Vector3d& rate_rad_per_s, double dt_s);
   /// Uses a distance measurement.
   void measure_distance(double distance_m);
-  /// Moves the attitude error into the attitude. Call it after measurements, before the state is read.
+  /// Moves the attitude error into the attitude. Must be called after measurements and before the state is read.
   void finish();
 
   const Eigen::Vector3d& position_m() const { return position_m_; }

@@ -6,7 +6,7 @@
 
 namespace mebots::world::crazyflie {
 
-/// The cascade's demand to the four motors together, in 1/65535 of a motor's full command.
+/// The demand of the cascade to the four motors together, in 1/65535 of a motor's full command.
 struct Demand {
   double thrust = 0.0;
   double roll = 0.0;   ///< half of it for each side
@@ -29,8 +29,8 @@ struct ThrustOverVoltage {
 
 const ThrustOverVoltage& thrust_over_voltage(Propellers propellers);
 
-/// Returns the duty cycle for a share of the greatest thrust: above 1 if the supply is too low, 0 below the least
-/// thrust.
+/// Returns the duty cycle for a share of the greatest thrust: above 1 if the supply voltage is too low, 0 for less than
+/// the least thrust.
 double compensated(double share, double supply_v, const ThrustOverVoltage& rotor);
 
 /// If a motor exceeds its full command, subtracts the excess from all four. No result is below 0.

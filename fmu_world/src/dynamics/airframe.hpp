@@ -11,16 +11,16 @@
 
 namespace mebots::world {
 
-/// Pose and velocity of the drone's body B in the world W. The body's origin is its centre of mass.
+/// Pose and velocity of the drone's body B in the world W. The origin of the body's frame is its centre of mass.
 struct RigidState {
   Eigen::Vector3d p_WB_m = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
   Eigen::Vector3d v_WB_m_per_s = Eigen::Vector3d::Zero();
   Eigen::Vector3d w_WB_W_rad_per_s = Eigen::Vector3d::Zero();  ///< angular velocity, in world axes
 
-  /// R_WB: turns body axes into world axes.
+  /// Returns R_WB, which turns body axes into world axes.
   Eigen::Matrix3d rotation() const { return q_WB.toRotationMatrix(); }
-  /// Angular velocity in body axes.
+  /// Returns the angular velocity in body axes.
   Eigen::Vector3d body_rate_rad_per_s() const { return q_WB.conjugate() * w_WB_W_rad_per_s; }
   bool is_finite() const {
     return p_WB_m.allFinite() && q_WB.coeffs().allFinite() && v_WB_m_per_s.allFinite() && w_WB_W_rad_per_s.allFinite();
@@ -37,9 +37,9 @@ struct RigidState {
 inline constexpr int kRotors = 4;
 using RotorValues = std::array<double, kRotors>;
 
-/// Rotor positions as multiples of the arm, and the sign of the reaction torque on the body about z.
-/// Order as in docs/architecture.md: front right, rear right, rear left, front left. 1 and 3 turn
-/// counter-clockwise seen from above, so they push the body clockwise.
+/// Rotor positions as multiples of the arm, and the sign of the reaction torque on the body about z. The order is that
+/// of docs/architecture.md: front right, rear right, rear left, front left. 1 and 3 turn counter-clockwise seen from
+/// above, so they push the body clockwise.
 inline constexpr std::array<double, kRotors> kRotorX{1.0, -1.0, -1.0, 1.0};
 inline constexpr std::array<double, kRotors> kRotorY{-1.0, -1.0, 1.0, 1.0};
 inline constexpr std::array<double, kRotors> kRotorYawSign{-1.0, 1.0, -1.0, 1.0};
@@ -51,8 +51,8 @@ struct Wrench {
 };
 
 /// Returns the principal moments of inertia about body axes for a drone of `mass_kg`: those of the measured drone, plus
-/// those of the additional mass spread evenly over `drone.load_size_m` at the centre (a lighter drone lacks such a
-/// load). Throws mebots::Error if the result is no body (mass or a moment not > 0).
+/// those of the additional mass spread evenly over `drone.load_size_m` at the centre (for a lighter drone, that of the
+/// missing mass is subtracted). Throws mebots::Error if the mass or a moment is not > 0.
 Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg);
 
 /// Returns the wrench of the rotors in body axes: thrusts along +z at the rotors' positions, and reaction torques.
@@ -67,7 +67,7 @@ Eigen::Vector3d spin_torque(double rotor_inertia_kg_m2, const RotorValues& speed
 /// 4z)^2) for a height z of the rotor's plane, with z >= R / 2.
 double ground_effect(double height_m, double rotor_radius_m);
 
-/// Linear drag of the body in moving air, in world axes: F = -R diag(d) R^T (v - wind).
+/// Returns the linear drag of the body in moving air, in world axes: F = -R diag(d) R^T (v - wind).
 Eigen::Vector3d drag_force(const scene::Drone& drone, const RigidState& state, const Eigen::Vector3d& wind_W_m_per_s);
 
 }  // namespace mebots::world

@@ -40,13 +40,14 @@ class OdeTables {
   OdeTables& operator=(const OdeTables&) = delete;
 };
 
-/// Fills the tables once when the library is loaded. They keep their values when ODE is closed.
+/// ODE's tables are filled once when the library is loaded. They keep their values when ODE is closed.
 [[maybe_unused]] const bool kTablesFilled = [] {
   const OdeTables tables;
   return true;
 }();
 
-/// Each thread that steps needs its own data. No effect if it has them.
+/// Prepares ODE's data of this thread, because each thread that steps needs its own. Has no effect if the thread has
+/// them.
 void prepare_thread() {
   if (dAllocateODEDataForThread(dAllocateMaskAll) == 0) throw Error("ODE has no memory for a thread's data");
 }
@@ -63,7 +64,7 @@ Eigen::Vector3d vector(const dReal* v) {
   return {v[0], v[1], v[2]};
 }
 
-/// A mesh for ODE's collision. ODE keeps pointers to the numbers, so they stay here.
+/// A mesh for ODE's collision. ODE keeps pointers to the numbers, so this object owns them.
 class TriangleMesh {
  public:
   explicit TriangleMesh(const scene::Mesh& mesh) : data_(dGeomTriMeshDataCreate()) {
@@ -96,7 +97,8 @@ class RigidWorld::Impl {
   Impl(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m) : contact_(scene.contact) {
     prepare_thread();
     world_ = dWorldCreate();
-    // By default, all worlds share one list of jobs, which two threads must not use at the same time.
+    // By default, all worlds share one list of jobs, which two threads must not use at the same time. Therefore each
+    // world gets its own.
     threading_ = dThreadingAllocateSelfThreadedImplementation();
     dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_), threading_);
     dWorldSetGravity(world_, 0.0, 0.0, -kGravity_m_per_s2);
@@ -181,7 +183,8 @@ class RigidWorld::Impl {
   const std::vector<Touch>& touches(std::size_t index) const { return at(index).touches; }
 
  private:
-  /// ODE multiplies a few such numbers. If a product is not finite, ODE ends the process (dxNormalize4).
+  /// The limit of magnitudes. ODE multiplies several such numbers, and if a product is not finite, it ends the process
+  /// (dxNormalize4).
   static constexpr double kMost = 1e40;
 
   struct Drone {
@@ -285,7 +288,7 @@ class RigidWorld::Impl {
     obstacles_.push_back(obstacle);
   }
 
-  /// A moving obstacle has a body with the path's velocity, which no force changes.
+  /// Places a moving obstacle. Its body has the path's velocity, which no force changes.
   void place(Obstacle& obstacle, std::int64_t time_ns) {
     const scene::Displacement now = obstacle.solid->path.at(time_ns);
     obstacle.p_W_m = obstacle.solid->p_W_m + now.offset_W_m;
@@ -339,7 +342,7 @@ class RigidWorld::Impl {
     }
   }
 
-  /// Two drones: ODE's normal is towards the first one.
+  /// Finds the touches of two drones. ODE's normal is towards the first one.
   void collide(std::size_t first, std::size_t second) {
     Drone& a = drones_[first];
     Drone& b = drones_[second];
@@ -356,8 +359,8 @@ class RigidWorld::Impl {
     }
   }
 
-  /// Finds the pairs of drones whose spheres overlap, in rising order of their numbers. The order along x only saves
-  /// work: it is nearly sorted from the step before.
+  /// Finds the pairs of drones whose spheres overlap, in rising order of their numbers. Drones are sorted along x to
+  /// save work; they are nearly sorted from the step before.
   void find_pairs() {
     pairs_.clear();
     if (drones_.size() < 2) return;
@@ -396,7 +399,7 @@ class RigidWorld::Impl {
 
   void attach(dContact& contact, dBodyID body, dBodyID other) {
     contact.surface = {};
-    // Approx1 makes mu a coefficient of friction; without it, mu is a force.
+    // Approx1 makes mu a coefficient of friction. Without Approx1, mu would be a force.
     contact.surface.mode = dContactBounce | dContactSoftERP | dContactSoftCFM | dContactApprox1;
     contact.surface.mu = contact_.friction;
     contact.surface.bounce = contact_.bounce;

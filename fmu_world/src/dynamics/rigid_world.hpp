@@ -29,7 +29,7 @@ struct Touch {
 
 /// Drones as rigid boxes among ground, obstacles, gates and each other, moved by ODE's dWorldStep.
 ///
-/// A step: place() every drone, then step(), then read state() and touches() of every drone.
+/// For a step, call place() for every drone, then step(), then state() and touches() of every drone.
 ///
 /// Obstacles on a path are kinematic bodies of ODE: at the start of each step they get the path's position and
 /// velocity, and no force changes them.
@@ -38,11 +38,11 @@ struct Touch {
 /// and a restored state continues with the same bits. Geometries are in the scene's order, not in an ODE space, whose
 /// order depends on history. Pairs of drones that may touch are found by sorting their positions along x. dWorldStep
 /// integrates semi-implicitly: v' = v + a dt, p' = p + v' dt, first order in dt; rotations are finite, gyroscopic
-/// torque is implicit. Drones that do not touch each other are solved one by one. So each of them has the same bits as
-/// in a world without the others.
+/// torque is implicit. Drones that do not touch each other are solved one by one, so that each has the same bits as in
+/// a world without the others.
 class RigidWorld {
  public:
-  /// `body_sizes_m`: edges of each drone's box.
+  /// `body_sizes_m` contains the edges of each drone's box.
   RigidWorld(const scene::Scene& scene, std::span<const Eigen::Vector3d> body_sizes_m);
   ~RigidWorld();
   RigidWorld(const RigidWorld&) = delete;
@@ -59,7 +59,7 @@ class RigidWorld {
   /// Finds the touches, and advances all drones by dt from `time_ns` under gravity, contact and their wrenches.
   void step(double dt_s, std::int64_t time_ns);
 
-  /// Finds the touches of all drones where they are placed, without a step.
+  /// Finds the touches of all drones at their present places, without a step.
   void find_touches(std::int64_t time_ns);
 
   /// Returns a drone's state after the last step. Throws mebots::Error if it is not finite.

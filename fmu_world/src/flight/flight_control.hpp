@@ -24,7 +24,7 @@ struct Senses {
 /// an estimate from the sensors.
 class FlightControl {
  public:
-  /// An estimate needs a flow sensor in the drone's file.
+  /// Creates the control. An estimate needs a flow sensor in the drone's file.
   FlightControl(const scene::Drone& drone, FlightController controller, Propellers propellers, StateSource source,
                 const RigidState& start, std::int64_t start_ns);
 

@@ -58,17 +58,17 @@ struct GateEvent {
 ///   crossed --the whole drone is in front of the frame again--> before
 ///
 /// The plane is the middle of the frame's thickness; the opening's border belongs to the opening. "The whole drone" is
-/// its contact box. In the gate's frame, it extends e = (|n.x_B| l_x + |n.y_B| l_y + |n.z_B| l_z) / 2 to both sides of
-/// its centre, where n is the gate's x axis and l the box's edges. It is before the gate if x + e <= -thickness / 2,
-/// and after it if x - e >= thickness / 2. Between these it cannot leave the opening sideways. So a drone that
-/// oscillates in the plane neither crosses twice nor crosses back.
+/// its contact box, which in the gate's frame extends e = (|n.x_B| l_x + |n.y_B| l_y + |n.z_B| l_z) / 2 to both sides
+/// of its centre, where n is the gate's x axis and l the box's edges. The box is before the gate if x + e <= -thickness
+/// / 2, and after it if x - e >= thickness / 2. Between these places, it cannot leave the opening sideways. So a drone
+/// that oscillates in the plane neither crosses twice nor crosses back.
 ///
 /// A course may lead around a gate. Therefore a crossing only becomes invalid if the drone flies back through the
-/// gate's frame while the next gate is not crossed yet. For the last gate, it becomes invalid at any return before the
-/// plane: the flight must end after it.
+/// gate's frame while the next gate is not crossed yet. A crossing of the last gate becomes invalid at any return
+/// before its plane, because the flight must end after the gate.
 class GateJudge {
  public:
-  /// `body_size_m`: edges of the drone's contact box along its body axes.
+  /// `body_size_m` contains the edges of the drone's contact box along its body axes.
   GateJudge(std::vector<GateFrame> gates, const Eigen::Vector3d& body_size_m);
 
   /// Reports a straight motion from one state to the other.
@@ -83,19 +83,19 @@ class GateJudge {
 
   /// True if every gate was crossed at some time, in their order.
   bool crossed() const { return crossed_; }
-  /// True if every gate is crossed, and the whole drone is after the last one.
+  /// True if every gate is crossed, and the whole drone is beyond the last one.
   bool passed() const { return behind_; }
   bool touched() const { return touched_; }
   bool missed() const { return missed_; }
   bool turned_back() const { return turned_back_; }
   bool stuck() const { return stuck_; }
-  /// True if a plane was crossed, so that there is a lateral error.
+  /// True if the drone has crossed a plane, so that there is a lateral error.
   bool reached() const { return reached_; }
   double lateral_error_m() const { return lateral_error_m_; }
   /// Returns the distance before the next gate's plane; negative after the last gate; 0 in a scene without gates.
   double distance_m(const Eigen::Vector3d& p_W_m) const;
 
-  /// Throws mebots::Error if the state is of a scene with another number of gates.
+  /// Visits the state. Throws mebots::Error if the state is of a scene with another number of gates.
   void visit(state::Visitor& v);
 
  private:
@@ -113,7 +113,7 @@ class GateJudge {
   bool whole_drone_behind(const GateFrame& gate, const RigidState& state) const;
   /// Returns the extent of the drone from its centre along the gate's x axis.
   double reach_m(const GateFrame& gate, const RigidState& state) const;
-  /// True if no gate is left to be crossed.
+  /// True if all gates are crossed.
   bool crossed_all() const { return !gates_.empty() && next_ == gates_.size(); }
   bool crosses_back(const RigidState& from, const RigidState& to) const;
   std::optional<GateEvent> cross(const RigidState& from, const RigidState& to);

@@ -7,12 +7,12 @@
 
 namespace mebots::world {
 
-/// Tracks the drone's contact with surfaces below it. A drone that sinks with almost enough thrust hops: its weight
-/// minus its thrust is small, so a hop is low but takes seconds. Hops below 10 cm belong to the contact.
+/// Tracks the drone's contact with surfaces below it. A drone that sinks with almost enough thrust hops. Because its
+/// weight minus its thrust is small, a hop is low but takes seconds. Hops below 10 cm belong to the contact.
 class GroundContact {
  public:
-  /// `hold_ns`: duration of a contact after which the drone has landed. A drone that starts on the ground, with its
-  /// centre at `start_height_m`, has a contact that did not begin in the air.
+  /// `hold_ns` is the duration of a contact after which the drone has landed. A drone that starts on the ground, with
+  /// its centre at `start_height_m`, has a contact that did not begin in the air.
   GroundContact(bool starts_on_ground, double start_height_m, std::int64_t start_ns, std::int64_t hold_ns)
       : hold_ns_(hold_ns),
         in_contact_(starts_on_ground),
@@ -22,12 +22,12 @@ class GroundContact {
 
   /// Reports whether the drone touches a surface below it, and the height of its centre. Times must not decrease.
   void update(bool touches, double height_m, std::int64_t time_ns);
-  /// The drone stands where it started or landed: this contact does not count as a landing.
+  /// Reports that the drone stands where it started or landed, so that this contact does not count as a landing.
   void stand() { from_air_ = false; }
 
   /// True if a contact that began in the air has lasted for the hold time.
   bool has_landed() const { return in_contact_ && from_air_ && last_ns_ - since_ns_ >= hold_ns_; }
-  /// First touch of the contact.
+  /// Returns the time of the contact's first touch.
   std::int64_t since_ns() const { return since_ns_; }
 
   void visit(state::Visitor& v);

@@ -28,7 +28,7 @@ struct Setpoint {
 };
 
 /// The link to the stabiliser: a set-point arrives `latency` after it was sent, in the order of sending. Before the
-/// first one arrives, the motors are off.
+/// first set-point arrives, the motors are off.
 class Link {
  public:
   explicit Link(std::int64_t latency_ns) : latency_ns_(latency_ns) {}

@@ -26,7 +26,8 @@ struct Situation {
 ///   grounded --land or off--> descending
 ///   any --crash--> crashed (for good)
 ///
-/// `land` sinks with the motors on until the first touch from below, which stops them; `off` stops them at once.
+/// In mode `land`, the drone sinks with the motors on until the first touch from below, which stops them. Mode `off`
+/// stops them at once.
 class Sequencer {
  public:
   explicit Sequencer(bool starts_on_ground) : phase_(starts_on_ground ? FlightPhase::on_ground : FlightPhase::flying) {}

@@ -12,7 +12,7 @@ inline std::span<double, 3> numbers(Eigen::Vector3d& v) {
   return std::span<double, 3>(v.data(), 3);
 }
 
-/// x, y, z, w.
+/// Returns x, y, z, w.
 inline std::span<double, 4> numbers(Eigen::Quaterniond& q) {
   return std::span<double, 4>(q.coeffs().data(), 4);
 }

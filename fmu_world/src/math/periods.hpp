@@ -6,7 +6,7 @@
 
 namespace mebots::world {
 
-/// Number of a period before the first one; no time is in it.
+/// The number of a period before the first one. No time is in it.
 inline constexpr std::int64_t kNoPeriod = std::numeric_limits<std::int64_t>::min();
 
 /// Returns the number of the period that contains a time. Period 0 begins at time 0; earlier periods have negative

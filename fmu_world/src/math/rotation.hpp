@@ -5,8 +5,8 @@
 
 namespace mebots::world {
 
-/// Yaw about z, then pitch about the new y, then roll about the new x; right-handed, so that pitch is
-/// positive nose down and yaw positive to the left. All in rad.
+/// Angles [rad] of rotations: yaw about z, then pitch about the new y, then roll about the new x. All are right-handed,
+/// so that pitch is positive nose down and yaw is positive to the left.
 struct Attitude {
   double roll_rad = 0.0;
   double pitch_rad = 0.0;

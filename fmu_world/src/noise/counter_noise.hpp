@@ -3,15 +3,15 @@
 
 #include <cstdint>
 
-/// Stateless noise: a sample is a function of (seed, stream, index) only. So restoring a state, dividing a step or
-/// other instances do not change it.
+/// Stateless noise: a sample is a function of (seed, stream, index) only. Therefore restoring a state, dividing a step
+/// or other instances do not change it.
 namespace mebots::world::noise {
 
-/// The sensor that a number is for; `drone` makes the seed of each drone after the first. Two streams of one seed are
-/// independent.
+/// The sensor for which a number is drawn. `drone` makes the seed of each drone after the first one. Two streams of one
+/// seed are independent.
 enum class Stream : std::uint64_t { range = 1, camera = 2, gust = 3, imu = 4, imu_bias = 5, flow = 6, drone = 7 };
 
-/// Weyl increment of SplitMix64.
+/// The increment of SplitMix64's Weyl sequence.
 inline constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15ULL;
 
 /// Returns one output of SplitMix64 (Steele, Lea, Flood 2014) for the state `x`: a bijection whose outputs look random
@@ -23,10 +23,10 @@ constexpr std::uint64_t hashed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// 64 well-mixed bits: one SplitMix64 per word of the key.
+/// Returns 64 well-mixed bits, by one SplitMix64 per word of the key.
 std::uint64_t bits(std::uint64_t seed, Stream stream, std::uint64_t index);
 
-/// A sample of the normal distribution with mean 0 and standard deviation 1 (Box and Muller 1958).
+/// Returns a sample of the normal distribution with mean 0 and standard deviation 1 (Box and Muller 1958).
 double gaussian(std::uint64_t seed, Stream stream, std::uint64_t index);
 
 }  // namespace mebots::world::noise

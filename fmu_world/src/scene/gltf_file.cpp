@@ -27,20 +27,20 @@ using Eigen::Vector3d;
 
 /// Maximum depth of nodes.
 constexpr int kDeepest = 64;
-/// Maximum number of nodes of a scene, each counted as often as it is referenced: a small file can contain
-/// exponentially many.
+/// Maximum number of nodes of a scene. A node counts as often as it is referenced, because a small file can reference
+/// nodes exponentially often.
 constexpr int kMostNodes = 10'000;
-/// A position or size above this is a mistake in units.
+/// A position or size above this is taken for a mistake in units.
 constexpr double kFarthest_m = 1e4;
 
-/// tinygltf passes a picture's bytes; they are decoded when a material needs them.
+/// Keeps the bytes of a picture that tinygltf passes. They are decoded when a material needs them.
 bool keep_bytes(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes, int size,
                 void*) {
   image->image.assign(bytes, bytes + size);
   return true;
 }
 
-/// Numbers of an accessor, checked to be inside its buffer.
+/// Numbers of an accessor, after a check that they are inside its buffer.
 struct Numbers {
   const unsigned char* first = nullptr;
   std::size_t count = 0;
@@ -271,7 +271,7 @@ class GltfReader {
     return place;
   }
 
-  /// Relative luminance (ITU-R BT.709) of a linear colour, as sRGB encodes it, which is how pictures are kept.
+  /// Returns the relative luminance (ITU-R BT.709) of a linear colour, encoded as in sRGB, which pictures use.
   double grey_of(const std::vector<double>& rgb) const {
     const double y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
     if (!(y >= 0.0 && y <= 1.0)) refuse("a base colour outside of 0..1");

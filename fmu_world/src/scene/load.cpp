@@ -141,7 +141,7 @@ Path read_path(const Node& node) {
   return path;
 }
 
-/// Reads name, position, rotation and path of a thing.
+/// Reads name, position, rotation and path of an object.
 template <typename Thing>
 void read_stand(Object& object, Thing& thing) {
   object.read("name", thing.name, &Node::text);
@@ -218,7 +218,7 @@ Heights read_heights(const Node& node) {
   return rows;
 }
 
-/// White is `height_m` high; the picture's upper edge is north.
+/// Returns heights from a picture. White is `height_m` high; the picture's upper edge is north.
 Heights heights_of(const Picture& picture, double height_m) {
   Heights heights(static_cast<std::size_t>(picture.height));
   for (int row = 0; row < picture.height; ++row) {
@@ -265,7 +265,7 @@ auto terrain_in(const File& folder) {
   };
 }
 
-/// Reads one number for both edges, or [width, height] of a rectangle.
+/// Reads one number for both edges, or [width, height] for a rectangle.
 auto edge_of(Gate::Shape shape) {
   return [shape](const Node& node) {
     if (shape == Gate::Shape::rectangle) return Eigen::Vector2d(vector<2>(Limits::positive())(node));

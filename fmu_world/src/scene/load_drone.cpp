@@ -57,7 +57,7 @@ std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
   return curve;
 }
 
-/// A body's largest moment of inertia is at most the sum of the other two.
+/// Reads the moments of inertia. A body's largest moment is at most the sum of the other two.
 Eigen::Vector3d read_inertia(const Node& node) {
   Eigen::Vector3d j = sourced_vector("kg.m2", Limits::positive())(node);
   if (2.0 * j.maxCoeff() > j.sum()) {
@@ -90,7 +90,7 @@ RangeData read_range(const Node& node) {
 
 constexpr double kFinestFlow_pixels = 1e-3;
 
-/// Upper bound of a sample of the sensor.
+/// Returns an upper bound of a sample of the sensor, in counts.
 double most_counts(const FlowData& flow) {
   constexpr double kLongestStep_s = 1.0;  // largest physics step, by which a sample may be late
   constexpr double kLargestDeviation = 10.0;

@@ -61,12 +61,12 @@ struct Mesh {
   double radius_m() const;
 };
 
-/// Maximum number of triangles of a mesh or a terrain; with more, a picture would take many milliseconds.
+/// Maximum number of triangles of a mesh or a terrain. With more triangles, a picture would take many milliseconds.
 inline constexpr std::size_t kMostTriangles = 20'000;
 
-/// Returns a frame around an opening with `sides` equal sides, one of them at the bottom. Flat sides of the opening are
-/// `inner_m` apart, those of the frame `outer_m`. Gate frame: origin in the middle of the opening, x in the direction
-/// of flight.
+/// Returns a frame around an opening with `sides` equal sides, one of them at the bottom. Opposite flat sides of the
+/// opening are `inner_m` apart, those of the frame `outer_m`. The gate frame has its origin in the middle of the
+/// opening, x in the direction of flight.
 Mesh ring(int sides, double inner_m, double outer_m, double thickness_m, const Texture& texture);
 
 /// Returns a surface over a grid: `heights_m[row][column]` is the height at the point (column, row) x `spacing_m`; rows

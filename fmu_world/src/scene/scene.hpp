@@ -18,7 +18,7 @@
 
 namespace mebots::world::scene {
 
-/// Displacement and velocity of a thing on a path at a time, relative to its position without a path.
+/// Displacement and velocity of an object on a path at a time, relative to its position without a path.
 struct Displacement {
   Eigen::Vector3d offset_W_m = Eigen::Vector3d::Zero();
   double turn_rad = 0.0;  ///< about the vertical through the thing's own origin, positive to the left
@@ -26,8 +26,8 @@ struct Displacement {
   double turn_rate_rad_per_s = 0.0;
 };
 
-/// The motion of an obstacle: at constant speed from point to point, a function of time only, so it has no state. After
-/// the last point it stays there, or starts again if it repeats. Contacts do not stop it.
+/// The motion of an obstacle at constant speed from point to point. It is a function of time only, so it has no state.
+/// After the last point, the obstacle stays there; with `repeat`, it starts again. Contacts do not stop it.
 struct Path {
   struct Point {
     std::int64_t time_ns = 0;  ///< rising; the first one is 0
@@ -46,11 +46,12 @@ struct Path {
 
 }  // namespace mebots::world::scene
 
-/// The contents of the world, from a scene file: plain data, SI units, world frame W (x east, y north, z up). Read and
-/// checked by load_scene() in load.hpp.
+/// The contents of the world, from a scene file. They are plain data in SI units, in the world frame W (x east, y
+/// north, z up). load_scene() in load.hpp reads and checks them.
 namespace mebots::world::scene {
 
-/// The plane z = 0, unlimited for contact; the camera may draw it up to `half_size_m`.
+/// The plane z = 0. It is unlimited for contact. The camera draws it up to `half_size_m` from the origin, if that is
+/// set.
 struct Ground {
   double half_size_m = 10.0;  ///< > 0
   Texture texture;
@@ -93,7 +94,7 @@ struct MeshThing {
   Path path = {};
 };
 
-/// Returns the rotation from a thing's own axes to world axes.
+/// Returns the rotation from an object's own axes to world axes.
 template <typename Thing>
 Eigen::Quaterniond attitude_of(const Thing& thing) {
   return rotation_of({thing.roll_rad, thing.pitch_rad, thing.yaw_rad});
@@ -155,7 +156,7 @@ struct Contact {
   double crash_tilt_rad = 1.309;       ///< angle between body z and world z from which it is a crash
 };
 
-/// A row of the command-thrust curve in the stabiliser.
+/// A row of the stabiliser's curve of thrust over command.
 struct ThrustPoint {
   double command = 0.0;   ///< duty cycle 0..1
   double thrust_n = 0.0;  ///< of one rotor
@@ -218,7 +219,7 @@ struct Scene {
   Drone drone;
 };
 
-/// A solid for contact and range measurement, apart from the ground. One list contains all shapes.
+/// A solid for contact and range measurement, other than the ground. One list contains all shapes.
 struct Solid {
   enum class Shape { box, cylinder, mesh };
   static constexpr std::size_t kNoGate = SIZE_MAX;

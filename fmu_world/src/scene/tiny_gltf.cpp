@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// tinygltf's code. It is all in its header, for one translation unit (fmu_world/CMakeLists.txt excludes its pictures).
+// Compiles tinygltf, which is a header that one translation unit must implement. fmu_world/CMakeLists.txt excludes its
+// code for pictures.
 #define TINYGLTF_IMPLEMENTATION
 #include <tiny_gltf.h>

@@ -34,14 +34,15 @@ class CameraDevice {
   /// step.
   void reseed(std::uint64_t seed) { settings_.seed = seed; }
 
-  /// Takes a picture from the body's pose at a time if `count` is new. A count of 0 requests none. `others` are seen.
+  /// Takes a picture from the body's pose at a time if `count` is new. A count of 0 requests no picture. `others` are
+  /// the drones in the picture.
   void see_trigger(std::int32_t count, const RigidState& body, std::int64_t time_ns, const Others& others = {});
 
   /// Returns the last picture, row by row from the top left; empty before the first.
   std::span<const std::uint8_t> frame() const;
   /// Returns the count of the last picture; 0 before the first.
   std::int32_t frame_id() const { return frame_id_; }
-  /// Exposure and gain of the last picture; 0 before the first.
+  /// Return exposure and gain of the last picture; 0 before the first.
   double exposure_s() const { return exposure_s_; }
   double gain() const { return gain_; }
 

@@ -11,8 +11,8 @@
 
 namespace mebots::world {
 
-/// Optical flow sensor at the body's centre along the body's -z axis, like PixArt's PMW3901 on Bitcraze's flow deck. In
-/// its middle, the picture of a surface at distance d moves with
+/// Optical flow sensor at the body's centre along the body's -z axis, like PixArt's PMW3901 on Bitcraze's flow deck.
+/// The middle of the picture of a surface at distance d moves with
 ///
 ///   x: v_x / d - w_y      y: v_y / d + w_x      [rad/s], v and w in body axes
 ///
@@ -32,8 +32,8 @@ class FlowSensor {
   /// Sets the seed. It is not part of the state: its owner sets it before every step.
   void reseed(std::uint64_t seed) { seed_ = seed; }
 
-  /// Updates the sensor: the body was at `state` for dt until time_ns, `distance_m` along -z before the next surface
-  /// (infinity: none).
+  /// Updates the sensor: the body was at `state` for dt until time_ns, `distance_m` along -z from the next surface
+  /// (infinity if there is none).
   void update(std::int64_t time_ns, const RigidState& state, double distance_m, double dt_s);
 
   const Sample& sample() const { return sample_; }

@@ -9,8 +9,8 @@
 
 namespace mebots::world {
 
-/// Describes what a drone's sensors may see: all drones, of which they leave out their own. Empty in a world
-/// of one drone.
+/// The drones that a drone's sensors may see: all drones, of which the sensors leave out their own. Empty in a world of
+/// one drone.
 struct Others {
   std::span<const scene::Solid> boxes;  ///< contact boxes where they are now
   std::span<const RigidState> states;

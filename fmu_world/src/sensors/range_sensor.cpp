@@ -98,7 +98,7 @@ double entry_of_mesh(const Ray& ray, const scene::Mesh& mesh) {
 double entry(const scene::Solid& solid, std::int64_t time_ns, const Ray& ray_W) {
   const scene::Displacement moved = solid.path.at(time_ns);
   const Eigen::Vector3d p_W_m = solid.p_W_m + moved.offset_W_m;
-  // Test with a sphere around the solid: the ray misses it, or it is behind the start.
+  // Tests a sphere around the solid first: if the ray misses the sphere or starts beyond it, it misses the solid.
   const Eigen::Vector3d to_middle = p_W_m - ray_W.p;
   const double along = to_middle.dot(ray_W.d);
   const double beside_squared = to_middle.squaredNorm() - along * along;
@@ -119,7 +119,7 @@ double entry(const scene::Solid& solid, std::int64_t time_ns, const Ray& ray_W) 
   return kFar;
 }
 
-/// Returns the axis, and eight rays each at half the cone's angle and on its edge.
+/// Returns rays of a cone: its axis, and eight rays each at half the cone's angle and on its edge.
 std::vector<Eigen::Vector3d> rays_of_cone(double half_angle_rad) {
   std::vector<Eigen::Vector3d> rays{-Eigen::Vector3d::UnitZ()};
   constexpr int kAround = 8;

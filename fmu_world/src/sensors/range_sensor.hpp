@@ -16,13 +16,12 @@
 namespace mebots::world {
 
 /// Measures the distance from the body's centre along the body's -z axis to the next surface: ground, obstacles, gates,
-/// other drones.
-/// A sample is constant until the next one; it is `range_limit_m` if no surface is nearer. Samples that noise makes
-/// negative are 0.
+/// other drones. A sample is constant until the next one; it is `range_limit_m` if no surface is nearer. Samples that
+/// noise makes negative are 0.
 ///
-/// As a ray: a sample every 25 ms (the rate at which Crazyflie's firmware polls its VL53L1X), with constant noise. As a
-/// cone: rate, resolution and noise from the drone's file; measures the nearest surface on 17 rays of the field of
-/// view.
+/// In mode `ray`, it takes a sample every 25 ms (the rate at which Crazyflie's firmware polls its VL53L1X), with
+/// constant noise. In mode `cone`, it measures the nearest surface on 17 rays of the field of view, with rate,
+/// resolution and noise from the drone's file.
 class RangeSensor {
  public:
   static constexpr std::int64_t kPeriod_ns = 25'000'000;

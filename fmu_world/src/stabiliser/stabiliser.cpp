@@ -41,7 +41,8 @@ void Stabiliser::start(const RigidState& state, double yaw_rad) {
   memory_.last_rate_B_rad_per_s = state.body_rate_rad_per_s();
 }
 
-/// Returns the greatest thrust of one rotor. Full commands at standstill would draw more current than a cell can give.
+/// Returns the greatest thrust of one rotor. It is limited, because full commands at standstill would draw more current
+/// than a cell can give.
 double Stabiliser::greatest_thrust_n(double dt_s) {
   if (!memory_.starting) return curve_.max_thrust_n();
   const double share = memory_.since_start_s / drone_.start_time_s;
@@ -72,8 +73,8 @@ Eigen::Vector3d Stabiliser::wanted_velocity(const StabiliserGoal& goal, const Ri
 
 Eigen::Vector3d Stabiliser::wanted_acceleration(const StabiliserGoal& goal, const RigidState& state, double yaw_rad,
                                                 double dt_s) {
-  // The reference velocity follows the wanted one as the closed loop can, so that the integrator only compensates wind,
-  // voltage sag and wrong constants.
+  // The reference velocity follows the wanted velocity as the closed loop can, so that the integrator only compensates
+  // wind, voltage sag and wrong constants.
   const Eigen::Vector3d follow_per_s{gains_.velocity_p_per_s, gains_.velocity_p_per_s, gains_.climb_p_per_s};
   const Eigen::Vector3d pull_H = limited_horizontally(
       follow_per_s.cwiseProduct(wanted_velocity(goal, state, yaw_rad) - memory_.velocity_H_m_per_s),
@@ -115,8 +116,8 @@ Eigen::Vector3d Stabiliser::wanted_torque(const StabiliserGoal& goal, const Rigi
       sine > 1e-12 ? Eigen::Vector3d(axis_B * (angle / sine)) : Eigen::Vector3d::Zero();
 
   const double turn_rad_per_s = goal.hold_place ? 0.0 : goal.yaw_rate_rad_per_s;
-  // The loop follows a wanted rate with the lag 1 / pole. If the heading reference ran ahead of that, it would
-  // overshoot.
+  // The loop follows a wanted rate with the lag 1 / pole. If the heading reference were ahead of that, the heading
+  // would overshoot.
   memory_.yaw_rate_rad_per_s += dt_s * gains_.yaw_pole_per_s * (turn_rad_per_s - memory_.yaw_rate_rad_per_s);
   const double lead_rad = std::clamp(wrapped_rad(memory_.heading_rad + dt_s * memory_.yaw_rate_rad_per_s - yaw_rad),
                                      -gains_.max_yaw_lead_rad, gains_.max_yaw_lead_rad);
@@ -145,7 +146,7 @@ const RotorValues& Stabiliser::update(const StabiliserGoal& goal, const RigidSta
 
   const Eigen::Vector3d lift_W =
       wanted_acceleration(goal, state, yaw_rad, dt_s) + Eigen::Vector3d(0.0, 0.0, kGravity_m_per_s2);
-  // The drone never accelerates downwards faster than gravity; the lower limit also keeps the direction well defined.
+  // The drone never accelerates downwards faster than gravity. The lower limit also keeps the direction well defined.
   const Eigen::Vector3d held_W{lift_W.x(), lift_W.y(),
                                std::max(lift_W.z(), gains_.min_thrust_share * kGravity_m_per_s2)};
   const Eigen::Vector3d up_W = limited_horizontally(held_W, held_W.z() * std::tan(gains_.max_tilt_rad)).normalized();
@@ -173,7 +174,8 @@ void Stabiliser::visit(state::Visitor& v) {
 }
 
 Gains::Rotation Gains::rotation(double pole_per_s, double lag_s) {
-  // (s + p)^3 = s^3 + 3 p s^2 + 3 p^2 s + p^3 compared with s^3 + (1 + k_a) / T s^2 + k_r / T s + k_r k_angle / T.
+  // The coefficients of (s + p)^3 = s^3 + 3 p s^2 + 3 p^2 s + p^3 are compared with s^3 + (1 + k_a) / T s^2 + k_r / T s
+  // + k_r k_angle / T.
   const double rate = 3.0 * lag_s * pole_per_s * pole_per_s;
   return {pole_per_s / 3.0, rate, std::max(0.0, 3.0 * lag_s * pole_per_s - 1.0)};
 }

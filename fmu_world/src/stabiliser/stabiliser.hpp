@@ -63,18 +63,18 @@ struct Gains {
 
 /// Returns rotor thrusts that give a collective thrust and a torque about the body's axes.
 ///
-/// Inverse of rotor_wrench() with torque = torque_per_thrust * thrust. If a rotor would leave 0..max_thrust_n, the
-/// least important parts are reduced first: the yaw torque, then the collective thrust, then roll and pitch. Roll and
-/// pitch keep the drone in the air; yaw and height are less urgent.
+/// It is the inverse of rotor_wrench() with torque = torque_per_thrust * thrust. If a rotor would leave
+/// 0..max_thrust_n, the least important parts are reduced first: the yaw torque, then the collective thrust, then roll
+/// and pitch. Roll and pitch keep the drone in the air; yaw and height are less urgent.
 RotorValues mix(const scene::Drone& drone, double max_thrust_n, double collective_n,
                 const Eigen::Vector3d& torque_B_n_m);
 
-/// The stabiliser's curve of thrust over command of one rotor: a bench table, linear between its rows. The true thrust
-/// also depends on the bus voltage, which the stabiliser does not measure; the altitude integrator compensates the
-/// difference.
+/// The stabiliser's curve of thrust over command of one rotor: a table that was measured on a bench, linear between its
+/// rows. The true thrust also depends on the bus voltage, which the stabiliser does not measure; the altitude
+/// integrator compensates the difference.
 class ThrustCurve {
  public:
-  /// Rows must rise in both columns and begin at (0, 0), which load_scene() checks.
+  /// The points must rise in both columns and begin at (0, 0), which load_scene() checks.
   explicit ThrustCurve(std::vector<scene::ThrustPoint> points) : points_(std::move(points)) {}
 
   double max_thrust_n() const { return points_.back().thrust_n; }

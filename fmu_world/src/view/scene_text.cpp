@@ -33,7 +33,7 @@ Json texture_json(const camera::Tile& tile) {
   return {{"size", size}, {"grey", encode_base64(grey)}};
 }
 
-/// Returns corners with their texture coordinates (u, v), in tiles.
+/// Returns the corners of a face with their texture coordinates (u, v), in tiles.
 Json face_json(const camera::Face& face, const camera::Tile& tile) {
   Json corners = Json::array();
   Json coordinates = Json::array();
@@ -62,7 +62,8 @@ Json mover_json(const camera::Mover& mover) {
   return {{"origin", json_of(mover.origin_W_m)}, {"repeat", mover.path.repeat}, {"points", points}};
 }
 
-/// In the order of the FMU's rotors: front right, rear right, rear left, front left. 1 and 3 turn counter-clockwise.
+/// Returns the rotors in the FMU's order: front right, rear right, rear left, front left. 1 and 3 turn
+/// counter-clockwise.
 Json rotors_json(const scene::Drone& drone, const std::string& prefix) {
   constexpr std::array<std::pair<int, int>, 4> kSides{{{1, -1}, {-1, -1}, {-1, 1}, {1, 1}}};
   Json rotors = Json::array();

@@ -14,11 +14,11 @@ namespace mebots::world {
 namespace {
 
 constexpr std::int64_t kPeriod_ns = 10'000'000;
-/// Limits of speed / length: outside, the filters' coefficients are lost in rounding or not finite.
+/// Limits of speed / length. Outside them, the filters' coefficients are lost in rounding or not finite.
 constexpr double kSlowest_per_s = 1e-12;
 constexpr double kFastest_per_s = 1e12;
 constexpr int kNormals = 5;  // per step
-/// Least length [m] and speed [m/s], as in description.json.
+/// Minimum length [m] and speed [m/s], as in description.json.
 constexpr double kLeast = 0.001;
 
 }  // namespace
@@ -55,11 +55,11 @@ double Dryden::normal(std::int64_t index, std::size_t which) const {
   return noise::gaussian(settings_.seed, noise::Stream::gust, static_cast<std::uint64_t>(kNormals * index) + which);
 }
 
-/// Draws the stationary state of the filters.
+/// Draws a state of the filters from their stationary distribution.
 void Dryden::begin(std::int64_t index) {
   along_ = normal(index, 0);
   for (std::size_t axis = 0; axis < 2; ++axis) {
-    // Covariance of the two states: 1/2, 1/4; 1/4, 1/4.
+    // The covariance of the two states is [1/2, 1/4; 1/4, 1/4].
     const double first = normal(index, 1 + 2 * axis);
     const double second = normal(index, 2 + 2 * axis);
     across_[2 * axis] = std::sqrt(0.5) * first;

@@ -11,15 +11,15 @@
 
 namespace mebots::world {
 
-/// Gusts after Dryden (MIL-STD-1797A): frozen turbulence that the wind carries past with `speed`, with one length scale
-/// L.
+/// Gusts after Dryden (MIL-STD-1797A): frozen turbulence that the wind carries past the drone with `speed`. All axes
+/// have one length scale L.
 ///
 ///   along x:   H(s) = sigma sqrt(2 L / (pi V)) / (1 + L/V s)
 ///   y and z:   H(s) = sigma sqrt(L / (pi V)) (1 + sqrt(3) L/V s) / (1 + L/V s)^2
 ///
 /// Each has the standard deviation sigma. The filters are stepped every 10 ms, exactly for white noise, and are
-/// constant in between. The noise depends on seed and time only, so it does not depend on steps or other instances. The
-/// filters start in their stationary distribution.
+/// constant in between. The noise is a function of seed and time only, so steps and other instances do not change it.
+/// The filters start in their stationary distribution.
 class Dryden {
  public:
   struct Settings {
@@ -32,7 +32,7 @@ class Dryden {
   /// Throws mebots::Error if a value is out of range.
   explicit Dryden(const Settings& settings);
 
-  /// Advances to a time, not before the last one, and returns the gust then [m/s], in world axes.
+  /// Advances to a time, which must not be before the last one. Returns the gust at that time [m/s], in world axes.
   const Eigen::Vector3d& at(std::int64_t time_ns);
 
   void visit(state::Visitor& v);
