@@ -17,7 +17,7 @@ export class Clock {
     return this.last;
   }
 
-  /** The run has continued. */
+  /** The run has continued to a later end. */
   extend(end: number): void {
     this.last = end;
     this.notifyState();

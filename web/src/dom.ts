@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Elements in one line.
+// Makes elements of the page in one line.
 
 type Attributes = Record<string, string | ((event: Event) => void)>;
 
-/** An element with attributes (those that begin with "on" are listeners) and children. */
+/** Makes an element with attributes and children. Attributes that begin with "on" are listeners. */
 export function element<K extends keyof HTMLElementTagNameMap>(
   tag: K, attributes: Attributes = {}, ...children: (Node | string)[]
 ): HTMLElementTagNameMap[K] {

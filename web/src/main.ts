@@ -96,7 +96,8 @@ function makeProfileTab(run: Run, span: Span): Tab {
   return { name: "Profile", content: () => makeFlames(run.header.profiles, span) };
 }
 
-/** A handle between a part of a grid and the rest of it. `track`: the size of the part in the grid's template. */
+/** Makes a handle between a part of a grid and the rest of the grid. `track` is the size of the part in the grid's
+ * template. */
 function makeSplit(label: string, axis: "x" | "y", part: HTMLElement, grid: HTMLElement, track: string): HTMLElement {
   const least = 160; // pixels
   const sizeOf = (one: HTMLElement) => (axis === "x" ? one.clientWidth : one.clientHeight);
@@ -109,13 +110,13 @@ function makeSplit(label: string, axis: "x" | "y", part: HTMLElement, grid: HTML
   });
 }
 
-/** The time in the address: flight.html#t=12.5 opens at that time and does not play. */
+/** Returns the time in the address: flight.html#t=12.5 opens at that time and does not play. */
 function timeOfAddress(): number | null {
   const found = /^#t=(\d+(?:\.\d+)?)$/.exec(location.hash);
   return found ? Number(found[1]) : null;
 }
 
-/** Null without a scene or without WebGL; then everything else is shown. */
+/** Makes the stage. Without a scene or without WebGL, returns null, and the page shows everything else. */
 function makeStage(runs: Run[], clock: Clock): Stage | null {
   const run = runs[0];
   if (!run.scene?.bodies?.length) return null;
@@ -147,7 +148,7 @@ function makeHeading(runs: Run[]): HTMLElement {
   const show = () => {
     const { summary } = run;
     outcome.textContent = String(summary.outcome ?? "no summary").replaceAll("_", " ");
-    // The table of several runs has it, and an unfinished run has none.
+    // The outcome is hidden if the table of several runs shows it, or if the run has not ended.
     outcome.hidden = runs.length > 1 || (run.header.live != null && !run.header.live.ended);
     facts.replaceChildren();
     if (runs.length > 1) return;

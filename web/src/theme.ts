@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The palette of Okabe and Ito, whose colours people with any kind of colour vision can distinguish, with a lighter
-// blue and no black on dark ground, then brown for a ninth curve.
+// blue and without black on dark ground. Brown is added for a ninth curve.
 
 const LIGHT = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b58900", "#56b4e9", "#5c4d9e", "#7f7f7f", "#8c564b"];
 const DARK = ["#4ea8de", "#f0803c", "#2fc79a", "#e39ac4", "#e6c14a", "#8fd3ff", "#a394e8", "#a9a9a9", "#c49c94"];
@@ -19,7 +19,7 @@ export function colour(index: number): string {
   return palette[index % palette.length];
 }
 
-/** A colour of the style sheet by its name. */
+/** Returns a colour of the style sheet by its name. */
 export function styleColour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
@@ -37,13 +37,15 @@ export function setTheme(wanted: boolean): void {
 setTheme(dark);
 darkQuery.addEventListener("change", () => setTheme(darkQuery.matches));
 
-// Cividis (Nunez, Anderton and Renslow 2018): rises evenly in lightness, and is read alike by colour-blind people.
+// Cividis (Nunez, Anderton and Renslow 2018). Its lightness rises evenly, so that colour-blind people read it in the
+// same way.
 const CIVIDIS = [
   [0, 34, 78], [18, 53, 112], [59, 73, 108], [87, 93, 109], [112, 113, 115], [138, 134, 120], [165, 156, 116],
   [195, 179, 105], [225, 204, 85], [254, 232, 56],
 ];
 
-/** The colour of a share from 0 to 1, as red, green and blue from 0 to 1. Its dark end is lifted on dark ground. */
+/** Returns the colour of a share from 0 to 1, as red, green and blue from 0 to 1. On dark ground, the dark end is
+ * lighter. */
 export function scaleColour(share: number): [number, number, number] {
   const place = Math.min(Math.max(share, 0), 1) * (CIVIDIS.length - 1);
   const first = Math.min(Math.floor(place), CIVIDIS.length - 2);

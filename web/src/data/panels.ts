@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The panels of a run. If its config has none: all variables that change, grouped by instance and unit. The first panel of each
+// The panels of a run. If the config has no panels, they show all variables that change, grouped by instance and unit. The first panel of each
 // instance precedes the second panel of any.
 import type { CurveInfo, PanelInfo } from "./payload";
 import type { Run } from "./run";
@@ -15,7 +15,7 @@ interface Found {
   names: string[];
 }
 
-/** The panels of the config, else those of all variables that change. */
+/** Returns the panels of the config; if it has none, panels of all variables that change. */
 export function panelsOf(run: Run): PanelInfo[] {
   const asked = run.system?.view.panels ?? [];
   return asked.length > 0 ? asked : defaultPanels(run);
@@ -31,7 +31,8 @@ function defaultPanels(run: Run): PanelInfo[] {
   return [...found, ...lanes];
 }
 
-/** By instance and unit. Numbers without units may be of different kinds: each has its own plot. */
+/** Groups variables by instance and unit. Each variable without a unit has its own plot, because such numbers may be
+ * of different kinds. */
 function groupsOf(run: Run, names: string[]): Found[] {
   const groups = new Map<string, Found>();
   for (const name of names) {
@@ -54,7 +55,7 @@ function panelOf(run: Run, { instance, unit, names }: Found): PanelInfo & { inst
 
 const shortName = (name: string, instance: string) => name.slice(instance.length + 1);
 
-/** Variables with the same values share a curve: "rotor[1].speed, and 3 alike". */
+/** Joins variables with the same values into one curve, such as "rotor[1].speed, and 3 alike". */
 function joined(run: Run, instance: string, names: string[]): CurveInfo[] {
   const found: { variable: string; alike: number }[] = [];
   for (const variable of names) {
@@ -66,7 +67,7 @@ function joined(run: Run, instance: string, names: string[]): CurveInfo[] {
   return found.map(({ variable, alike }) => ({ variable, label: shortName(variable, instance) + (alike > 0 ? `, and ${alike} alike` : "") }));
 }
 
-/** The first panel of each instance, then the second one of each, and so on. */
+/** Returns the first panel of each instance, then the second panel of each, and so on. */
 function taken(panels: (PanelInfo & { instance: string })[]): PanelInfo[] {
   const seen = new Map<string, number>();
   const round = panels.map(({ instance }) => {

@@ -65,13 +65,13 @@ export interface RunHeader {
   span: number; // the server reduced this number of rows to two
   whole: [number, number][]; // but all rows within these times are here
   kept: number;
-  /** Numbers of a column: a constant, in a block, or in the header. */
+  /** Numbers of a column. They are a constant, or in a block, or in the header. */
   columns: { name: string; unit: string; still?: number; block?: Place; values?: number[] }[];
   scene: Place | null;
   profiles: Json[];
   /** The report of `mebots-soc run`, whose page has no system. */
   chip?: Json;
-  /** `every`: one picture of this many is kept; `shrunk`: pixels of the file per pixel. Both are absent in live data. */
+  /** `every` is 3 if one picture of three is kept. `shrunk` is the number of pixels of the file per pixel. Both are absent in live data. */
   pictures: { name: string; every?: number; pictures: (Place & { time: number; shrunk?: number })[] }[];
 }
 
@@ -91,7 +91,7 @@ export function readPayload(all: Uint8Array<ArrayBuffer>): Payload {
   };
 }
 
-/** The numbers of a column: differences of their bits in byte planes. */
+/** Returns the numbers of a column from the differences of their bits, which are in byte planes. */
 export function numbersOf(planes: Uint8Array): Float64Array {
   const count = planes.length / 8;
   const bytes = new Uint8Array(planes.length);

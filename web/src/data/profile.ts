@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A speedscope profile as call trees: of the whole run or, if fmu_soc wrote windows, of a span of it.
+// A speedscope profile as call trees of the whole run. If fmu_soc wrote windows, also of a span of the run.
 import type { Json } from "./payload";
 
 export interface Call {
@@ -17,21 +17,21 @@ const PART = 2 + COSTS.length; // hart, node, then the costs
 /** Frames of an idle hart. */
 const IDLE = new Set(["[asleep]", "[off]"]);
 
-/** All harts, each as a branch. */
+/** Stands for all harts, each as a branch. */
 export const BY_CORE = -1;
-/** All harts, summed by function. */
+/** Stands for all harts, summed by function. */
 export const BY_FUNCTION = -2;
 
 /** The windows that a span of time overlaps: their times, and the counts by hart and node. */
 export interface Slice {
   from: number;
   to: number;
-  /** `hart`: its number in the file, or one of the two below. */
+  /** Returns a call tree. `hart` is a hart's number in the file, or BY_CORE or BY_FUNCTION. */
   tree(hart: number, cost: Cost, withIdle: boolean): Call;
   functions(withIdle: boolean): FunctionCost[];
 }
 
-/** The cost of a function without its callees, over all harts [J, s]. */
+/** The cost of a function, without the functions that it calls, over all harts [J, s]. */
 export interface FunctionCost {
   name: string;
   energy: number;
@@ -55,7 +55,7 @@ export class WindowedProfile {
     return SCALES[cost][1];
   }
 
-  /** All windows that overlap `start` to `stop` [s]. */
+  /** Returns all windows that overlap `start` to `stop` [s]. */
   slice(start: number, stop: number): Slice {
     const { windows, harts } = this.file.mebots;
     const inside = windows.filter((window: Json) => window.to * 1e-9 > start && window.from * 1e-9 < stop);
@@ -122,7 +122,7 @@ function added(calls: Call[]): Call[] {
   }));
 }
 
-/** The call tree of an evented profile of speedscope. */
+/** Returns the call tree of an evented profile of speedscope. */
 export function treeOf(profile: Json, frames: { name: string }[], withIdle: boolean): Call {
   const root: Call = { name: profile.name, value: 0, children: [] };
   const stack: Call[] = [root];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run as the page shows it: columns by name, values by time, curves with their rates.
+// A run as the page shows it: columns by name, values by time, and curves with their rates.
 import { type Message, readMessages } from "./messages";
 import { type CurveInfo, type Json, numbersOf, type Payload, type RunHeader, type SystemInfo, type VariableInfo } from "./payload";
 import { rateUnit, shown } from "./units";
@@ -24,7 +24,7 @@ export interface Curve {
   values(mean: number): Float64Array;
 }
 
-/** The row that counts at a time: the last one that is not later. */
+/** Returns the row that applies at a time: the last row that is not later. */
 export function rowAt(times: Float64Array, time: number): number {
   let low = 0;
   let high = times.length - 1;
@@ -36,7 +36,7 @@ export function rowAt(times: Float64Array, time: number): number {
   return low;
 }
 
-/** In a run in progress, more than this number of values are fetched thinned out. */
+/** If a run in progress has more values than this, they are fetched thinned out. */
 const MOST_NUMBERS = 4e6;
 
 export class Run {
@@ -83,12 +83,12 @@ export class Run {
     this.takePictures(header, payload);
   }
 
-  /** New data have arrived. */
+  /** Calls the listeners, because new data have arrived. */
   tell(): void {
     for (const listener of this.listeners) listener();
   }
 
-  /** The data of a run in progress that this page has, in the server's counts. */
+  /** The data of a run in progress that this page already has, in the server's counts. */
   get known(): { rows: number; pictures: number; log: number } {
     return { rows: this.header.rows, pictures: this.pictures.length, log: this.header.live?.log ?? 0 };
   }
@@ -139,7 +139,7 @@ export class Run {
     return this.times.length > 0 ? this.times[this.times.length - 1] : 0;
   }
 
-  /** One picture of this many is kept. */
+  /** The number n if one picture of n is kept. */
   get pictureEvery(): number {
     return this.header.pictures.find(({ name }) => name === this.camera)?.every ?? 1;
   }
@@ -204,7 +204,7 @@ export class Run {
     return values[row] + Math.min(Math.max(part, 0), 1) * (values[row + 1] - values[row]);
   }
 
-  /** Null if the run did not record the variable. */
+  /** Returns a curve; null if the run did not record the variable. */
   curve(info: CurveInfo): Curve | null {
     const variable = info.rate_of ?? info.variable ?? "";
     if (!this.has(variable)) return null;
@@ -227,7 +227,7 @@ export class Run {
     };
   }
 
-  /** The sum of those of these variables that were recorded. */
+  /** Returns the sum of the recorded ones of these variables; null if there are none. */
   sum(infos: CurveInfo[]): Curve | null {
     const curves = infos.map((info) => this.curve(info)).filter((curve) => curve !== null);
     if (curves.length === 0) return null;
@@ -256,7 +256,8 @@ export class Run {
   }
 }
 
-/** Mean rate of change over spans of whole rows that last at least `mean` seconds; all rows of a span have its value. */
+/** Returns the mean rates of change over spans of whole rows that last at least `mean` seconds. All rows of a span
+ * have its value. */
 function meanRates(times: Float64Array, values: Float64Array, mean: number): Float64Array {
   const result = new Float64Array(values.length);
   for (let first = 0; first + 1 < values.length; ) {

@@ -5,24 +5,24 @@ const PREFIXED = new Set(["W", "J", "V", "A", "N", "N.m", "Hz", "Pa", "C", "F", 
 const PREFIXES: [number, string][] = [
   [1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"],
 ];
-/** A share of a time. */
+/** The unit of a share of a time. */
 export const SHARE = "s/s";
 
 const RATES: Record<string, string> = { J: "W", s: SHARE, m: "m/s", rad: "rad/s", "m/s": "m/s2", C: "A", "1": "1/s", "-": "1/s" };
 
-/** The quantity that is measured in a unit, then the name of the unit. */
+/** The quantity that a unit measures, followed by the name of the unit. */
 const UNIT_WORDS: Record<string, string> = {
   V: "voltage volt", A: "current ampere", W: "power watt", J: "energy joule", s: "time second", m: "length distance metre",
   "m/s": "speed velocity", "m/s2": "acceleration", rad: "angle radian", "rad/s": "angular_speed rate", Hz: "frequency clock hertz", N: "force newton",
   "N.m": "torque newton metre", degC: "temperature celsius", K: "temperature kelvin", kg: "mass kilogram", Pa: "pressure pascal", Ohm: "resistance",
 };
 
-/** Words by which a search finds the variables of a unit. */
+/** Returns the words by which a search finds the variables of a unit. */
 export function wordsOf(unit: string): string {
   return (UNIT_WORDS[unit] ?? "").replaceAll("_", " ");
 }
 
-/** "voltage" of V; empty for a unit without a word. */
+/** Returns the quantity of a unit, such as "voltage" for V; empty for a unit without a word. */
 export function meaningOf(unit: string): string {
   return (UNIT_WORDS[unit] ?? "").split(" ")[0].replaceAll("_", " ");
 }
@@ -34,7 +34,7 @@ export function shownUnit(unit: string): string {
   return unit.replaceAll(".", "·").replace(/([a-zA-Z])2\b/g, "$1²").replace(/([a-zA-Z])3\b/g, "$1³");
 }
 
-/** The unit of a rate of change in time. */
+/** Returns the unit of a rate of change in time. */
 export function rateUnit(unit: string): string {
   return RATES[unit] ?? `${unit}/s`;
 }
@@ -47,7 +47,7 @@ function digits(value: number): string {
   return value.toFixed(Math.min(decimals, 5)).replace("-", "\u2212");
 }
 
-/** The prefix under which a number of this size reads best. */
+/** Returns the prefix with which a number of this size is easiest to read. */
 export function prefixFor(size: number, unit: string): [number, string] {
   if (unit === SHARE) return [0.01, ""];
   if (!PREFIXED.has(unit) || !(size > 0)) return [1, ""];
@@ -77,7 +77,7 @@ export function shownTime(seconds: number): string {
   return `${(seconds / timeScale[0]).toFixed(2)} ${timeScale[1]}`;
 }
 
-/** A mark of a time axis: as many digits as it needs. */
+/** Formats a mark of a time axis with as many digits as it needs. */
 export function shownTick(seconds: number): string {
   return `${+(seconds / timeScale[0]).toFixed(6)} ${timeScale[1]}`;
 }

@@ -34,11 +34,11 @@ export interface Objective {
   low: Numbers;
   high: Numbers;
   count: number[];
-  /** Value and interval of each design, for people. */
+  /** Value and interval of each design, as texts for people. */
   text: string[];
 }
 
-/** Designs in the page, by column. `number`: the number of each in the study, which has `of` designs. */
+/** Designs in the page, by column. `number` is the number of each design in the study, which has `of` designs. */
 export interface Designs {
   of: number;
   number: number[];
@@ -100,7 +100,7 @@ export interface Study extends Page {
   failed_of: number;
   effects: Effects;
   indices: { method: string; titles: string[]; rows: string[][] } | null;
-  /** Least value, 5, 25, 50, 75 and 95 %, greatest value of each design, by objective. */
+  /** For each objective and design: least value, 5, 25, 50, 75 and 95 %, greatest value. */
   quantiles: (number[] | null)[][] | null;
   missions: Missions | null;
   replay: Replay | null;

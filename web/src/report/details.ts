@@ -34,7 +34,8 @@ export function makeDetails(study: Study, selection: Selection): HTMLElement {
   return root;
 }
 
-/** The missions of a design, sortable. A click on one shows the command that repeats it. */
+/** Makes the table of a design's missions, which can be sorted. A click on a mission shows the command that repeats
+ * it. */
 function makeMissions(study: Study, selection: Selection, design: number): HTMLElement {
   const missions = study.missions!;
   const start = firstOf(missions.counts)[design];
@@ -85,12 +86,13 @@ function makeMissions(study: Study, selection: Selection, design: number): HTMLE
       element("thead", {}, element("tr", {}, element("th", {}), ...heads.map((head, i) => element("th", {}, element("button", { class: "link", onclick: () => sortBy(i) }, head))))), body)), more);
 }
 
-/** A share is 0 or 1 for one mission. */
+/** Returns a value as text. In one mission, a share is 0 or 1. */
 const missionText = (objective: Objective, value: number | null) => (objective.share && value !== null ? (value ? "yes" : "no") : objectiveText(objective, value));
 
 const folderOf = (study: Study, { design, replicate }: Mission) => `design_${study.designs.number[design]}_mission_${replicate}`;
 
-/** The command that repeats a mission; null if that needs another config, or if the page lacks its draws. */
+/** Returns the command that repeats a mission; null if that needs another config, or if the page lacks the mission's
+ * draws. */
 function commandOf(study: Study, mission: Mission): string | null {
   const { replay } = study;
   const [own, draws] = [replay?.designs[mission.design], replay?.draws[mission.replicate]];
@@ -112,7 +114,7 @@ function replayTexts(study: Study, mission: Mission): HTMLElement[] {
   ];
 }
 
-/** A bar that appears when missions are ticked, and a dialog with the commands that compare them. */
+/** Makes a bar that appears when missions are ticked, and a dialog with the commands that compare these missions. */
 export function makeComparison(study: Study, selection: Selection): HTMLElement {
   const body = element("div", {});
   const dialog = element("dialog", { class: "compare" }, element("header", {}, element("h2", {}, "Compare missions"),

@@ -56,7 +56,7 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
     context.globalAlpha = 1;
   }
 
-  /** Draws bands from 5 to 95 % and from 25 to 75 %. A pixel shows the outermost of its designs. */
+  /** Draws bands from 5 to 95 % and from 25 to 75 %. A pixel shows the outermost values of the designs in it. */
   function drawBands(own: number[][]): void {
     const { context } = spread;
     const columns = Math.min(own.length, Math.floor(spread.box.right - spread.box.left));
@@ -123,7 +123,7 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
     ...(missions!.outcomes.length ? [makeEnds(study, selection)] : []), spread.root, histogram.root);
 }
 
-/** How the missions of the selected designs ended: a bar with shares. */
+/** Makes a bar with the shares of the outcomes in missions of the selected designs. */
 function makeEnds(study: Study, selection: Selection): HTMLElement {
   const { outcomes, outcome_counts } = study.missions!;
   const root = element("div", { class: "ends" });

@@ -98,7 +98,7 @@ function diamond(context: CanvasRenderingContext2D, x: number, y: number): void 
   context.fill();
 }
 
-/** Means of the selected designs at each level; null at a level without one. */
+/** Returns the means of the selected designs at each level; null at a level without such a design. */
 export function levelMeans(factor: Factor, objective: Objective, selection: Selection): (number | null)[] {
   return cellMeans(factor.levels.length, (i) => factor.level[i], objective, selection);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Designs by two of their values, with intervals, the front by means and the designs that are proven to be on it.
+// Shows designs by two of their values, with intervals, the front by means, and the designs that are proven to be on
+// the front.
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
 import type { Place, Study } from "./content";
@@ -125,7 +126,7 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
     context.stroke();
   }
 
-  /** Names the chosen design and the best one, where the names cover the fewest points. */
+  /** Writes the names of the chosen design and of the best one at the place where they cover the fewest points. */
   function nameSome(shown: number[], x: Choice, y: Choice): void {
     const points = shown.map((i): [number, number] => [plot.x(x.at(i)!), plot.y(y.at(i)!)]);
     for (const i of shown.filter((each) => each === selection.chosen || (study.designs.rank[each] === 1 && selection.isIn[each])).sort((a) => (a === selection.chosen ? -1 : 1))) {
@@ -147,7 +148,7 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
     context.strokeRect(x1, y1, x2 - x1, y2 - y1);
   }
 
-  /** The design whose point is next to a place, and not too far from it. */
+  /** Returns the design whose point is nearest to a place, if it is not too far away. */
   const nearest = (px: number, py: number): number => {
     let [found, distance] = [-1, 18];
     for (let i = 0; i < selection.size; ++i) {
@@ -226,7 +227,8 @@ function choicesOf(study: Study): Choice[] {
   return [...all, place];
 }
 
-/** The default axes: the first minimised or maximised objective over the first share, else over the next objective, else over a factor. */
+/** Returns the default axes: the first minimised or maximised objective over the first share. If there is no share,
+ * over the next objective; if there is none, over a factor. */
 function firstChoices(study: Study): [number, number] {
   const { objectives } = study;
   const sorted = objectives.map((_, i) => i).sort((a, b) => Math.abs(objectives[b].sense) - Math.abs(objectives[a].sense));
@@ -236,7 +238,7 @@ function firstChoices(study: Study): [number, number] {
   return [across, up];
 }
 
-/** True if the means of a design keep all constraints. */
+/** True if a design's means keep all constraints. */
 function keepsConstraints({ constraints, objectives, designs }: Study, design: number): boolean {
   return designs.front[design] !== "excluded" && constraints.every(({ objective, above, bound }) => {
     const mean = objectives[objective].mean[design];
@@ -244,7 +246,7 @@ function keepsConstraints({ constraints, objectives, designs }: Study, design: n
   });
 }
 
-/** The designs that no other one dominates by two means. */
+/** Returns the designs that no other design dominates by two means. */
 function leaders(designs: number[], x: Choice, y: Choice): number[] {
   if (!x.sense || !y.sense) return [];
   const sorted = [...designs].sort((a, b) => x.sense * (x.at(b)! - x.at(a)!) || y.sense * (y.at(b)! - y.at(a)!));

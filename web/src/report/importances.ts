@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bars of the variance that factors and pairs of factors explain, and sensitivity indices if the study requests them.
+// Draws bars of the variance that factors and pairs of factors explain, and sensitivity indices if the study requests
+// them.
 import { element } from "../dom";
 import type { Study } from "./content";
 import { digits, percent } from "./format";

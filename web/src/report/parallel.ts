@@ -17,9 +17,9 @@ const PLACES_IN_ORDER: Place[] = ["excluded", "off", "", "undecided", "on"];
 
 interface Scale {
   label: string;
-  /** Space for the names of its ticks, in parts of that of numbers. */
+  /** Space for the names of the axis's ticks, relative to the space for numbers. */
   room: number;
-  /** Place of a design from 0 to 1; NaN without a value. */
+  /** Place of each design from 0 to 1; NaN for a design without a value. */
   place: Float64Array;
   ticks: [number, string][];
   brush: [number, number] | null;
@@ -46,7 +46,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
   };
   const point = (axis: number, place: number): [number, number] => (isNarrow() ? [along(place), side(axis)] : [side(axis), along(place)]);
 
-  /** Pixels of the lines by axis, for the size of the last picture. */
+  /** Pixels of the lines by axis, for the size of the last drawing. */
   let pixels: { across: number; along: Float32Array }[] = [];
   const layOut = () => {
     pixels = scales.map(({ place }, axis) => ({ across: side(axis), along: Float32Array.from(place, along) }));
@@ -72,7 +72,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
     }
   };
 
-  /** The faint lines change with the size and the theme alone, so they are kept as a picture. */
+  /** Draws the faint lines. They change only with the size and the theme, so they are kept as a picture. */
   const drawBack = () => {
     const { canvas } = plot;
     const key = `${canvas.width}x${canvas.height} ${styleColour("--off")}`;
@@ -141,7 +141,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
   function nameAxis({ label }: Scale, axis: number): void {
     const [x, y] = point(axis, isNarrow() ? 0 : 1);
     if (isNarrow()) return void plot.text(plot.fitted(label, plot.width - 20), 4, y - 14, { colour: styleColour("--text") });
-    // Names of neighbours lie in two lines, so that each has twice the space.
+    // Names of neighbouring axes are in two lines, so that each has twice the space.
     const room = roomOf(axis) + (axis + 1 < scales.length ? roomOf(axis + 1) : 0) - 6;
     plot.text(plot.fitted(label, room), Math.max(2, x - 10), axis % 2 ? 27 : 12, { colour: styleColour("--text") });
   }
@@ -184,7 +184,7 @@ export function makeParallel(study: Study, selection: Selection): HTMLElement {
     end: () => (active = -1),
   });
 
-  /** The design whose line passes next to a place. */
+  /** Returns the design whose line passes near a place. */
   function designAt(x: number, y: number): number {
     const across = isNarrow() ? y : x;
     let axis = scales.findIndex((_, i) => side(i) > across) - 1;
@@ -217,7 +217,7 @@ function scalesOf(study: Study, size: number): Scale[] {
   return [...factors, ...objectives].filter(({ place }) => designs.some((i) => !Number.isNaN(place[i])));
 }
 
-/** The distinct values, if these are few enough to have a tick each. */
+/** Returns the distinct values, if they are few enough for one tick each. */
 function few(values: number[]): number[] | null {
   const distinct = new Set(values);
   return distinct.size <= MOST_TICKS ? [...distinct] : null;
@@ -227,7 +227,7 @@ function numeric(label: string, unit: string, scale: number, values: (number | n
   const [low, high] = extent(values, 0, isShare);
   const place = (value: number) => (value - low) / (high - low || 1);
   const named = ticks ?? [low, low + 0.25 * (high - low), low + 0.5 * (high - low), low + 0.75 * (high - low), high];
-  // Places the names of the ends first; names between them are left out if there is no space.
+  // The names of the ends are placed first. Names between them are left out if there is no space.
   const order = [...named].sort((a, b) => Math.abs(place(b) - 0.5) - Math.abs(place(a) - 0.5));
   return {
     label: unit ? `${label} [${unit}]` : label,

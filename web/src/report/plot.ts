@@ -6,10 +6,10 @@ import { onTheme, styleColour } from "../theme";
 export interface Axis {
   title: string;
   range: [number, number];
-  /** Factor from a value to the number at a tick. */
+  /** Factor from a value to the number shown at a tick. */
   scale?: number;
   log?: boolean;
-  /** Places with names, in the place of ticks at round numbers. */
+  /** Places with names, in place of ticks at round numbers. */
   names?: [number, string][];
   /** Text of a tick; by default its number. */
   text?: (value: number) => string;
@@ -32,7 +32,7 @@ export class Plot {
   width = 0;
   height = 0;
   box: Box = { left: 0, right: 1, top: 0, bottom: 1 };
-  /** Places of the texts in the last picture. */
+  /** Places of the texts in the last drawing. */
   texts: (Box & { text: string })[] = [];
   private xAxis!: Axis;
   private yAxis!: Axis;
@@ -94,7 +94,7 @@ export class Plot {
     return this.box.bottom - shareOf(this.yAxis, value) * (this.box.bottom - this.box.top);
   }
 
-  /** The value of the horizontal axis at a pixel, and of the vertical one. */
+  /** Returns the values of the horizontal and the vertical axis at a pixel. */
   at(x: number, y: number): [number, number] {
     const { left, right, top, bottom } = this.box;
     return [valueOf(this.xAxis, (x - left) / (right - left)), valueOf(this.yAxis, (bottom - y) / (bottom - top))];
@@ -141,7 +141,7 @@ export class Plot {
     return true;
   }
 
-  /** Returns the text, shortened to a width. */
+  /** Returns the text, shortened to fit into a width. */
   fitted(text: string, width: number): string {
     if (this.context.measureText(text).width <= width) return text;
     let length = text.length;
@@ -164,7 +164,7 @@ const shareOf = ({ range: [low, high], log }: Axis, value: number) =>
 const valueOf = ({ range: [low, high], log }: Axis, share: number) =>
   log ? low * (high / low) ** share : low + share * (high - low);
 
-/** Multiples of 1, 2 or 5 times a power of ten. */
+/** Returns multiples of 1, 2 or 5 times a power of ten. */
 export function roundNumbers(low: number, high: number, most: number): number[] {
   const raw = (high - low) / most;
   if (!(raw > 0)) return [low];
@@ -174,7 +174,7 @@ export function roundNumbers(low: number, high: number, most: number): number[] 
   return Array.from({ length: Math.max(0, Math.floor(high / step + 1e-9) - first + 1) }, (_, i) => Number(((first + i) * step).toPrecision(12)));
 }
 
-/** Powers of ten in a range; of a short range, also twice and five times these. */
+/** Returns the powers of ten in a range; for a short range, also their doubles and fivefolds. */
 function powers(low: number, high: number): number[] {
   const decades = Math.log10(high / low);
   const every = Math.max(1, Math.ceil(decades / 8));
@@ -206,7 +206,7 @@ export function extent(values: Iterable<number | null>, margin = 0.05, isShare =
   return isShare ? [Math.max(0, low - space), Math.min(1, high + space)] : [low - space, high + space];
 }
 
-/** Calls back with the place of the pointer: a press that does not move is a click, one that moves a drag. */
+/** Calls back with the place of the pointer. A press that does not move is a click; a press that moves is a drag. */
 export function listenToPointer(
   target: HTMLElement,
   { click, drag, end }: { click: (x: number, y: number) => void; drag?: (from: [number, number], to: [number, number]) => void; end?: () => void },

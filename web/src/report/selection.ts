@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which designs and missions the panels show: filters from brushes, one chosen design, and missions to compare. Designs are
-// named by their places in the page.
+// The choice of designs and missions that the panels show: filters from brushes, one chosen design, and missions to compare. Designs are named by
+// their places in the page.
 
 const FRAME_MS = 10;
 
@@ -16,9 +16,9 @@ export class Selection {
   count: number;
   chosen = -1;
   ticked: Mission[] = [];
-  /** Time that drawing took in the last frame [ms]. */
+  /** Time that drawing took in the last animation frame [ms]. */
   lastFrame_ms = 0;
-  /** Panels that have to follow the last change. */
+  /** Panels that must still be drawn after the last change. */
   readonly dirty = new Set<() => void>();
   private readonly filters = new Map<string, Test>();
   private readonly listeners: (() => void)[] = [];
@@ -42,7 +42,7 @@ export class Selection {
     this.listeners.push(listener);
   }
 
-  /** Calls back when all filters are removed. */
+  /** Sets a listener that is called when all filters are removed. */
   onReset(listener: () => void): void {
     this.resets.push(listener);
   }
@@ -88,7 +88,8 @@ export class Selection {
     this.changed();
   }
 
-  /** Lets all panels draw. A frame draws panels until its time is used up; the others follow in the next frames. */
+  /** Draws all panels. An animation frame draws panels until its time is used up; the others follow in the next
+   * frames. */
   changed(): void {
     const isIdle = this.dirty.size === 0;
     for (const listener of this.listeners) this.dirty.add(listener);

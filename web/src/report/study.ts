@@ -56,7 +56,7 @@ function makeAnswer(study: Study): HTMLElement {
     ...remarks.map((text) => element("p", {}, text)), element("p", { class: "faint" }, facts));
 }
 
-/** Controls of all panels: the objective and the selection. They stay in view. */
+/** Makes the controls of all panels: the objective and the selection. They stay in view. */
 function makeToolbar(study: Study, selection: Selection, shown: Shown): HTMLElement {
   const text = element("span", { class: "status", role: "status" });
   const clear = element("button", { onclick: () => selection.reset() }, "show all");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ranked table of designs. Only rows in view are in the document, so that thousands scroll smoothly.
+// The ranked table of designs. Only rows in view are in the document, so that thousands of rows scroll smoothly.
 import { element } from "../dom";
 import type { Study } from "./content";
 import { factorText, objectiveText, titleOf } from "./format";
@@ -17,7 +17,7 @@ interface Column {
   /** The value by which the column is sorted. */
   value(design: number): number | string | null;
   isNumber: boolean;
-  /** The first click sorts the better values first. */
+  /** The sign with which the first click sorts better values first. */
   sign: number;
 }
 

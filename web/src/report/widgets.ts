@@ -6,7 +6,7 @@ export function panel(title: string, text: string, ...children: (Node | string)[
   return element("section", { class: "panel" }, element("h2", {}, title), element("p", { class: "note" }, text), ...children);
 }
 
-/** Two columns of panels. A narrow page has one, in the order given. `isRight`: the panels of the second column. */
+/** Makes two columns of panels. A narrow page has one column, in the given order. `isRight` selects the panels of the second column. */
 export function makeColumns(panels: HTMLElement[], isRight = (_: HTMLElement, i: number) => i % 2 === 1): HTMLElement {
   panels.forEach((one, i) => (one.style.order = String(i)));
   const [left, right] = [panels.filter((one, i) => !isRight(one, i)), panels.filter(isRight)];
@@ -41,7 +41,7 @@ export function makeTooltip(): Tooltip {
   };
 }
 
-/** A command with a button that copies it. */
+/** Makes a command with a button that copies it. */
 export function makeCommand(text: string): HTMLElement {
   const code = element("code", {}, text);
   const button = element("button", { class: "copy", onclick: () => void copy() }, "copy");
@@ -58,7 +58,7 @@ export function makeCommand(text: string): HTMLElement {
   return element("div", { class: "command" }, code, button);
 }
 
-/** A table of few rows. Numbers are right-aligned. */
+/** Makes a table of a few rows. Numbers are right-aligned. */
 export function makeSmallTable(heads: string[], rows: (string | number | null)[][]): HTMLElement {
   const cell = (value: string | number | null) => element("td", typeof value === "number" || /^[\u2212–\d]/.test(value ?? "–") ? { class: "number" } : {}, String(value ?? "–"));
   return element("div", { class: "scroll" }, element("table", {},

@@ -17,7 +17,7 @@ export class Body {
   private readonly corner = new THREE.Vector3();
   private readonly screen: THREE.Mesh<THREE.BufferGeometry, THREE.MeshBasicMaterial> | null = null;
 
-  /** Names in `info` are those of the instance. */
+  /** `info` contains names of variables without the instance. */
   constructor(readonly run: Run, private readonly instance: string, private readonly info: Json, colour: string, ghost: boolean) {
     const material = (tone: string) =>
       new THREE.MeshBasicMaterial({ color: tone, transparent: ghost, opacity: ghost ? 0.45 : 1 });
@@ -63,7 +63,7 @@ export class Body {
     }
   }
 
-  /** A corner of the drawn field of view, in the scene; null without a camera. */
+  /** Returns a corner of the drawn field of view, in the scene; null without a camera. */
   frustumCorner(): THREE.Vector3 | null {
     return this.screen ? this.corner.clone().applyMatrix4(this.eye.matrixWorld) : null;
   }
@@ -72,7 +72,7 @@ export class Body {
     return [...(this.info.position as string[]), ...(this.info.attitude as string[])].every((name) => this.run.has(this.full(name)));
   }
 
-  /** Places at all rows, three numbers each. */
+  /** Returns the positions at all rows, three numbers each. */
   path(): Float32Array {
     const columns = (this.info.position as string[]).map((name) => this.run.values(this.full(name))!);
     const points = new Float32Array(3 * this.run.times.length);
@@ -113,7 +113,7 @@ export class Body {
     this.eye.near = 0.02;
     this.eye.far = 100;
     this.eye.position.copy(lens.position);
-    // A camera of three.js looks along its own -z with y up; this one looks along x with z up, turned down by its pitch.
+    // A camera of three.js looks along its own -z, with y up. The drone's camera looks along x, with z up, and is turned down by its pitch.
     this.eye.quaternion
       .setFromEuler(new THREE.Euler(0, camera.pitch, 0, "ZYX"))
       .multiply(new THREE.Quaternion().setFromRotationMatrix(
@@ -122,7 +122,7 @@ export class Body {
     this.group.add(lens, this.eye);
   }
 
-  /** The pyramid that the camera sees, with a screen at its end. */
+  /** Adds the pyramid that the camera sees, with a screen at its end. */
   private addFrustum(camera: Json, colour: string) {
     const half = FRUSTUM_M * Math.tan(camera.field_of_view / 2);
     const high = (half * camera.height) / camera.width;

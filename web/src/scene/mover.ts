@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects that move on a path: at constant speed from point to point, as a function of time, as in the FMU.
+// Objects that move on a path. They move at constant speed from point to point, as a function of time, as in the FMU.
 import * as THREE from "three";
 import type { Json } from "../data/payload";
 
@@ -10,7 +10,7 @@ interface Point {
 }
 
 export class Mover {
-  /** Holds faces with corners as seen from `origin`. */
+  /** Contains the object's faces, with corners relative to `origin`. */
   readonly group = new THREE.Group();
   readonly origin: THREE.Vector3;
   private readonly points: Point[];
@@ -23,7 +23,7 @@ export class Mover {
     this.move(0);
   }
 
-  /** Turned about the vertical [rad]. */
+  /** The angle by which the object is turned about the vertical [rad]. */
   get turn(): number {
     return this.group.rotation.z;
   }

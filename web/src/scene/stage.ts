@@ -13,10 +13,10 @@ import { Body } from "./body";
 import { Path } from "./path";
 import { Surfaces } from "./surfaces";
 
-/** Factor of brightness from outside, relative to the camera's picture. On board, the brightness is that of the picture. */
+/** Factor of brightness from outside, relative to the camera's picture. In the view from on board, the brightness is that of the picture. */
 const EXPOSURE = 1.2;
 
-/** Target and place of the following camera, relative to the body [m]: low and far ahead, so that the space in front of the drone is visible, also at the start. */
+/** Target and place of the camera that follows the drone, relative to the body [m]. The target is low and far ahead, so that the space in front of the drone is visible, also at the start. */
 const AHEAD = new THREE.Vector3(0.42, 0, 0.14);
 const BEHIND = new THREE.Vector3(-0.85, -0.36, 0.36);
 
@@ -98,7 +98,7 @@ export class Stage {
     this.setLook("follow");
   }
 
-  /** Resolves after the scene is drawn for the first time. */
+  /** Resolves when the scene has been drawn for the first time. */
   get ready(): Promise<void> {
     return this.firstDrawn;
   }
@@ -258,7 +258,7 @@ export class Stage {
     this.ask();
   }
 
-  /** Draws in the next frame. Several calls before it draw once. */
+  /** Requests a drawing in the next animation frame. Several calls before it draw once. */
   private ask(): void {
     if (this.asked) return;
     this.asked = true;

@@ -4,10 +4,10 @@ import * as THREE from "three";
 import type { Json } from "../data/payload";
 import { Mover } from "./mover";
 
-/** A larger face is a wall: it is not drawn while it hides the target. */
+/** A larger face counts as a wall, which is not drawn while it hides the target. */
 const WALL_M2 = 0.8;
 
-/** Faces of one texture that are drawn at once. `lights` has a number for each corner. */
+/** Faces of one texture that are drawn at once. `lights` contains a number for each corner. */
 interface Batch {
   material: THREE.MeshBasicMaterial;
   colours: THREE.BufferAttribute;
@@ -46,7 +46,7 @@ export class Surfaces {
     for (const faces of shared.values()) this.add(faces, textures[faces[0].texture], this.movers[faces[0].mover] ?? null);
   }
 
-  /** Hides faces whose back is towards the target, because they would hide it. */
+  /** Hides faces whose back is towards the target, because they would hide the target. */
   openTowards(target: THREE.Vector3): void {
     for (const wall of this.walls) wall.mesh.visible = wall.normal.dot(target) - wall.offset > -1e-6;
   }

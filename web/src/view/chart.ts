@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curves over time by uPlot: over each other, or stacked as parts of a whole.
+// Draws curves over time with uPlot: in one plot, or stacked as parts of a whole.
 import uPlot from "uplot";
 import type { Clock } from "../clock";
 import { prefixFor, shownTick, shownUnit } from "../data/units";
@@ -63,7 +63,8 @@ export class Chart implements Drawing {
     this.showWindow();
   }
 
-  /** Curves of runs with other times are drawn over all times together, with gaps that lines bridge. */
+  /** Returns the data for uPlot. Curves of runs with different times are drawn over all times together, with gaps
+   * that lines bridge. */
   private data(): uPlot.AlignedData {
     const stacked = this.kind === "stack";
     const values = this.curves.map(({ curve }) => curve.values(this.window.mean));
@@ -79,7 +80,7 @@ export class Chart implements Drawing {
       .map((group) => [group.times, ...group.values] as uPlot.AlignedData));
   }
 
-  /** The curves in the order of uPlot.join: those of one run together. */
+  /** The curves in the order of uPlot.join, in which those of one run are together. */
   private get ordered(): RunCurve[] {
     return this.runCount === 1 ? this.curves : [...this.curves].sort((a, b) => a.runIndex - b.runIndex);
   }
@@ -148,7 +149,8 @@ function largest(data: uPlot.AlignedData): number {
   return most;
 }
 
-/** Enough digits to distinguish neighbours; the unit if it has a prefix, or only the prefix if space is short. */
+/** Formats a tick with enough digits to distinguish neighbours. Adds the unit if it has a prefix; adds only the
+ * prefix if space is short. */
 function tickText(value: number, step: number, prefix: string, unit: string): string {
   const places = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   const isQuarter = Math.abs(step * 10 ** places - Math.round(step * 10 ** places)) > 1e-6; // 0.25, say

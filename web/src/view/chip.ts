@@ -31,7 +31,7 @@ function number(text: string): HTMLElement {
   return element("td", { class: "number" }, text);
 }
 
-/** A bar whose length is a share. */
+/** Makes a bar whose length is a share. */
 function bar(share: number): HTMLElement {
   const filled = element("i", { style: `width: ${Math.max(0, 100 * share)}%` });
   const paint = () => (filled.style.background = colour(0));
@@ -44,7 +44,8 @@ function shareText(share: number): string {
   return `${(100 * share).toFixed(1)} %`;
 }
 
-/** The parts that consumed energy, the greatest first; then their sum, and the devices of the board. */
+/** Makes the table of energies: the parts that consumed energy, the greatest first; then their sum, and the devices
+ * of the board. */
 function makeEnergy(chip: Json): HTMLElement {
   const used = (list: Record<string, number>) => Object.entries(list).filter(([, joules]) => joules !== 0).sort(([, a], [, b]) => b - a);
   const row = (name: string, joules: number, text: string, share?: number) => element("tr", {},

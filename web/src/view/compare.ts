@@ -13,7 +13,7 @@ interface Row {
   difference: string;
 }
 
-/** A value as text and, if it is a number, as a number with its unit. */
+/** A value as text. If it is a number, also as a number with its unit. */
 interface Cell {
   text: string;
   number?: number;
@@ -48,7 +48,7 @@ function rowsOf(runs: Run[], missing: string, read: (run: Run) => Map<string, Ce
   });
 }
 
-/** "+12.3 J (+4.5 %)"; "" if there is no difference. */
+/** Returns a difference such as "+12.3 J (+4.5 %)"; "" if there is none. */
 function differenceOf(first: Cell | undefined, last: Cell | undefined): string {
   if (first?.number === undefined || last?.number === undefined || first.unit !== last.unit) return "";
   const difference = last.number - first.number;

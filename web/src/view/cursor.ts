@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two lines across a plot: the shown time, and the time under the pointer, even if the pointer is on another plot.
+// Draws two lines across a plot: the shown time, and the time under the pointer, even if the pointer is on another
+// plot.
 import type { Clock } from "../clock";
 import { element } from "../dom";
 import type { Window } from "./window";

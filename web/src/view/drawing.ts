@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Data that panels share with their drawings: curves, colours and dashes of runs, and the axes' width.
+// Data that panels share with their drawings: curves, colours and dashes of runs, and the width of the axes.
 import type { Curve, Run } from "../data/run";
 import { colour } from "../theme";
 
@@ -15,9 +15,9 @@ export interface RunCurve {
 
 export interface Drawing {
   readonly root: HTMLElement;
-  /** In pixels. */
+  /** Height in pixels. */
   readonly height: number;
-  /** null: the initial height. */
+  /** Sets the height; null restores the initial height. */
   setHeight(height: number | null): void;
   redraw(): void;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flame graphs of a profile: each box is a function, as wide as its share including its callees. If the profile has windows, the
-// graph is of the time span of the plots.
+// Flame graphs of a profile: each box is a function, as wide as its share, including the functions that it calls. If the profile has windows, the
+// graph shows the time span of the plots.
 import { select } from "d3-selection";
 import flamegraph from "d3-flame-graph";
 import { BY_CORE, BY_FUNCTION, type Call, type Cost, COSTS, treeOf, WindowedProfile } from "../data/profile";
@@ -81,7 +81,7 @@ function windowedChoices(profile: WindowedProfile, window: Window): Choices {
 function wholeChoices(profiles: Json[]): Choices {
   const list = profiles.flatMap((file) => file.profiles.map((profile: Json) => ({ profile, frames: file.shared.frames })));
   const choice = element("select", { "aria-label": "profile" }, ...list.map(({ profile }, i) => option(String(i), profile.name)));
-  // Cycles first: most time and energy belong to the core after its program has ended.
+  // Cycles are shown first, because most time and energy belong to the core after its program has ended.
   choice.value = String(Math.max(0, list.findIndex(({ profile }) => profile.name === "cycles")));
   return {
     inputs: [choice],

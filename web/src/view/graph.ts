@@ -8,10 +8,11 @@ import { dotted, element, svg } from "../dom";
 
 const BOX = { width: 170, height: 58 };
 
-/** Places for an arrow's label along its length: near its tail first, because arrows cross in the middle. */
+/** Places for an arrow's label, as parts of its length. Places near the tail come first, because arrows cross in the
+ * middle. */
 const SHARES = [0.34, 0.42, 0.5, 0.26, 0.58, 0.66, 0.74];
 
-/** A box around its middle. */
+/** A box, given by its middle and size. */
 interface Place {
   x: number;
   y: number;
@@ -91,7 +92,7 @@ function makeBox(name: string, model: string, [x, y]: [number, number], onChoose
     svg("text", { x: String(x), y: String(y + 16), class: "model" }, shortened(model)));
 }
 
-/** Adds the place of its text to the occupied places. */
+/** Makes an arrow. Adds the place of its text to the occupied places. */
 function makeArrow(bundle: Bundle, from: [number, number], to: [number, number], taken: Place[], onChoose: () => void): SVGElement {
   const group = svg("g", { class: "bundle", tabindex: "0", onclick: onChoose, onfocus: onChoose });
   const text = labelOf(bundle);
@@ -120,7 +121,7 @@ function overlap(one: Place, other: Place): boolean {
   return 2 * Math.abs(one.x - other.x) < one.width + other.width && 2 * Math.abs(one.y - other.y) < one.height + other.height;
 }
 
-/** The name of the only variable, or the number of values; with units, if there is space. */
+/** Returns the name of the only variable, or the number of values; with units, if there is space. */
 function labelOf({ from, connections }: Bundle): string {
   const units = [...new Set(connections.map(({ unit, type }) => shownUnit(unit ?? "") || (type === "Binary" ? "bytes" : "")))].filter(Boolean);
   if (connections.length === 1) return shortened(connections[0].from.slice(from.length + 1)) + (units.length > 0 ? ` [${units[0]}]` : "");
@@ -131,7 +132,7 @@ function shortened(name: string): string {
   return name.length > 26 ? name.slice(0, 25) + "\u2026" : name;
 }
 
-/** The point where the line from a box's centre to a point leaves the box. */
+/** Returns the point where the line from a box's centre to a point leaves the box. */
 function edgeOf([x, y]: [number, number], [px, py]: [number, number]): [number, number] {
   const [dx, dy] = [px - x, py - y];
   const share = Math.min(Math.abs((BOX.width / 2 + 4) / (dx || 1e-9)), Math.abs((BOX.height / 2 + 4) / (dy || 1e-9)));
