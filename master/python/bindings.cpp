@@ -61,7 +61,7 @@ mebots::Value value_of(const py::object& value) {
   if (py::isinstance<py::int_>(value)) return held_by<std::int64_t>(value, "a whole number of 64 bits");
   if (py::isinstance<py::str>(value)) return held_by<std::string>(value, "text in Unicode");
   if (py::isinstance<py::float_>(value)) return value.cast<double>();
-  // Numbers of NumPy and similar types.
+  // Numbers of NumPy and of similar types.
   if (py::hasattr(value, "item")) return value_of(value.attr("item")());
   throw py::type_error("a value is a bool, int, float or str, not " + py::repr(value).cast<std::string>());
 }

@@ -7,7 +7,7 @@
         mission.run()
         print(mission.outcome, mission["battery.cell.voltage"].min(), mission.unit("battery.cell.voltage"))
 
-    replayed = mebots.replay("log00", "configs/airframes/crazyflie_21.json")  # a recorded flight on our models
+    replayed = mebots.replay("log00", "configs/airframes/crazyflie_21.json")  # a recorded flight on the models
     mebots.sweep("study.json", "results/study")  # as `mebots sweep` does
     mebots.sweep({"mission": "configs/hover.json", ...}).to_pandas()
 

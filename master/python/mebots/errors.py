@@ -18,4 +18,4 @@ class Error(RuntimeError):
 
 
 class InputError(Error):
-    """An argument or a file cannot be used. The message says which, and what to do."""
+    """An argument or a file cannot be used. The message names it and states what to do."""

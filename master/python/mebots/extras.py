@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Packages of the extras ``mebots[sweep]``, ``mebots[flight]``, ``mebots[deploy]`` and ``mebots[gym]``, imported where they are needed."""
+"""Packages of the extras ``mebots[sweep]``, ``mebots[flight]``, ``mebots[deploy]`` and ``mebots[gym]``, which are
+imported where they are needed."""
 
 from __future__ import annotations
 

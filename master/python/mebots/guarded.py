@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shared by commands written in Python: prints errors and returns an exit code."""
+"""Prints errors and returns an exit code, for commands that are written in Python."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 def guarded(work: Callable[[], None]) -> int:
-    """Returns the exit code, and prints errors."""
+    """Calls ``work``, prints its errors, and returns the exit code."""
     try:
         work()
     except InputError as error:

@@ -47,7 +47,7 @@ _ENDS = ("stop_condition", "terminated")
 
 @dataclasses.dataclass(frozen=True)
 class State:
-    """A point of an episode: the values set so far, and the state of all FMUs. Can be pickled."""
+    """A point of an episode: the values set so far, and the state of all FMUs. It can be pickled."""
 
     settings: dict[str, Scalar]
     data: bytes
@@ -67,7 +67,7 @@ class MissionEnv(gymnasium.Env):
     :param draws: parameters and start values that each ``reset`` draws, with their distributions as in a study:
         {"world.start.yaw_offset": {"uniform": [-0.3, 0.3]}}.
     :param stop_time: end of an episode [s], in place of the config's.
-    :param isolate: every FMU in its own process.
+    :param isolate: True runs every FMU in its own process.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
@@ -98,7 +98,7 @@ class MissionEnv(gymnasium.Env):
         self._values: Values = {}
         self.action_space = _action_space(self._actions)
         self.observation_space = _observation_space(observations)
-        # The run records nothing, because agents need current values only.
+        # The run records nothing, because agents need only present values.
         self.mission = Mission(config, in_memory=False, isolate=isolate, uncertainty="none")
         for name, values in self._actions.items():
             self.mission.set(name, values[0])  # raises InputError for an unknown name; reset() drops the value
@@ -106,7 +106,7 @@ class MissionEnv(gymnasium.Env):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         """Starts an episode. ``options``: {"state": State} continues from ``save_state`` of this config, in this
         process or another; {"set": {...}} are values for this episode only. Raises InputError for both together,
-        because a state has its values, and for other options."""
+        because a state already contains its values, and for other options."""
         super().reset(seed=seed)
         options = options or {}
         state = options.get("state")
@@ -128,7 +128,8 @@ class MissionEnv(gymnasium.Env):
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Writes the action and simulates one period. Raises InputError if ``step_control`` steps past its end."""
+        """Writes the action and simulates one period. Raises InputError if a step of ``step_control`` ends after the
+        period."""
         for name, value in zip(self._actions, self._inputs(action), strict=True):
             self.mission.write(name, value)
         self._steps += 1

@@ -97,7 +97,7 @@ class Mission:
     @classmethod
     def resume(cls, folder: Path, *, in_memory: bool = True) -> Mission:
         """Returns a mission that resumes from the last checkpoint in a results folder, with the same bits as an
-        undisturbed one. Rows from before the checkpoint are loaded into memory too."""
+        undisturbed one. Rows from before the checkpoint are loaded into memory, too."""
         mission = cls.__new__(cls)
         mission._run = _mebots.Mission.resume(folder, in_memory)
         return mission
@@ -111,59 +111,59 @@ class Mission:
     def __repr__(self) -> str:
         return f"<mebots.Mission {self.state} at {self.time:g} of {self.stop_time:g} s>"
 
-    # Before start().
+    # Functions to call before start().
 
     def on_message(self, listener: Callable[[str, str, str, float], None]) -> None:
         """Calls listener(instance, severity, text, time [s]) for messages of FMUs and for the run's own notices
-        (instance ""); severity is "info", "warning" or "error". It is called during calls to FMUs: it may call
-        interrupt(), and no other method of the mission. Before start()."""
+        (instance ""); severity is "info", "warning" or "error". The listener runs during calls to FMUs. It may call
+        interrupt(), but no other method of the mission. Must be called before start()."""
         self._run.on_message(listener)
 
     def on_point(self, listener: Callable[[float], None]) -> None:
-        """Calls listener(time [s]) at every communication point, t = 0 included. It may read variables, and write
-        them except at t = 0. Before start()."""
+        """Calls listener(time [s]) at every communication point, t = 0 included. The listener may read variables, and
+        write them except at t = 0. Must be called before start()."""
         self._run.on_point(listener)
 
     def set(self, variable: str, value: Scalar) -> None:
         """Replaces the config's parameter or start value of "instance.variable". Checks name, type and limits
-        immediately. Before start()."""
+        immediately. Must be called before start()."""
         self._run.set(variable, value)
 
     def add_scenario(self, file: Path) -> None:
-        """Adds the overrides of a file after those of the config. Before start()."""
+        """Adds the overrides of a file after those of the config. Must be called before start()."""
         self._run.add_scenario(file)
 
     def add_inputs(self, file: Path) -> None:
         """Connects the columns of a CSV file to the unconnected inputs of the same names, after those of the config.
-        Before start()."""
+        Must be called before start()."""
         self._run.add_inputs(file)
 
     def set_stop_time(self, stop_time_s: float) -> None:
-        """Sets the end of the run [s], in place of the config's. Before start()."""
+        """Sets the end of the run [s], in place of the config's. Must be called before start()."""
         self._run.set_stop_time(stop_time_s)
 
     def record(self, patterns: Iterable[str]) -> None:
-        """Sets the variables to record (* and ? allowed) in place of the config's choice. Before start()."""
+        """Sets the variables to record (* and ? allowed) in place of the config's choice. Must be called before start()."""
         if isinstance(patterns, str):
             patterns = [patterns]
         self._run.record(list(patterns))
 
     def load(self) -> None:
         """Unpacks and loads the FMUs without instantiating them. A process forked after this call (``os.fork``) can
-        start the mission as a new process would. Before start()."""
+        start the mission as a new process would. Must be called before start()."""
         self._run.load()
 
     def start_from(self, state: bytes) -> None:
         """Starts from a state of ``save_state`` in place of t = 0 and continues with the same bits. The state may
         come from another process. Config, FMUs, settings and recorded variables must be the same. Only for
-        missions without ``out``. Before start()."""
+        missions without ``out``. Must be called before start()."""
         self._run.start_from(state)
 
     # Methods that run the mission.
 
     def start(self) -> None:
-        """Opens the FMUs, makes all checks, and initialises to t = 0 (or to the checkpoint). If it was not called,
-        the methods below do it."""
+        """Opens the FMUs, makes all checks, and initialises to t = 0 (or to the checkpoint). The methods below do this
+        first if it was not done."""
         self._run.start()
 
     def step(self) -> bool:
@@ -199,7 +199,7 @@ class Mission:
         return self._run.save_state()
 
     def reset(self) -> None:
-        """Closes the mission and returns it to the state after the constructor; drops ``set``, ``record`` and
+        """Closes the mission and returns it to its state after the constructor. Drops ``set``, ``record`` and
         listeners. Clean FMUs stay loaded; others are loaded again. The next run has the same bits as ``mebots
         run``. If this process cannot guarantee that, start() raises an error that names the FMU."""
         self._run.reset()
@@ -235,7 +235,7 @@ class Mission:
         return _array(self._series(variable)[1])
 
     def unit(self, variable: str) -> str:
-        """Returns the unit of a recorded variable; "" = none. Raises KeyError if it is not recorded."""
+        """Returns the unit of a recorded variable; "" if it has none. Raises KeyError if it is not recorded."""
         return self._series(variable)[0]
 
     def _series(self, variable: str) -> tuple[str, bytes]:
@@ -270,11 +270,11 @@ class Mission:
     def _columns(self) -> dict[str, npt.NDArray[np.float64]]:
         return {name: self[name] for name in self.variables}
 
-    # State of the run.
+    # Properties of the run.
 
     @property
     def time(self) -> float:
-        """The simulated time reached [s]."""
+        """The simulated time that the run has reached [s]."""
         return self._run.time
 
     @property
@@ -289,7 +289,7 @@ class Mission:
 
     @property
     def state(self) -> str:
-        """ "open", "ready" (at t = 0), "running", "ended" or "failed"."""
+        """The state: "open", "ready" (at t = 0), "running", "ended" or "failed"."""
         return self._run.state
 
     @property
@@ -305,7 +305,8 @@ class Mission:
 
     @property
     def end_reason(self) -> str | None:
-        """ "stop_time", "stop_condition", "terminated", "interrupted", "closed" or "failed"; None before the end."""
+        """The reason: "stop_time", "stop_condition", "terminated", "interrupted", "closed" or "failed"; None before the
+        end."""
         return self._run.end_reason
 
     @property
@@ -315,7 +316,7 @@ class Mission:
 
     @property
     def error(self) -> str:
-        """The error message if the mission has failed, else ""."""
+        """The error message if the mission has failed; otherwise ""."""
         return self._run.error
 
     @property

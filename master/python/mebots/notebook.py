@@ -55,7 +55,8 @@ def _page_of(page: pathlib.Path) -> pathlib.Path:
 
 
 def _program() -> str:
-    """Returns the program of the wheel, else that of the build or installation, else that in PATH."""
+    """Returns the path of the program `mebots`: that of the wheel, else that of the build or installation, else the one
+    in PATH."""
     here = pathlib.Path(__file__).resolve().parent
     places = [here / "bin" / "mebots", here.parents[1] / "bin" / "mebots", here.parents[3] / "bin" / "mebots"]
     found = next((str(place) for place in places if place.is_file()), None) or shutil.which("mebots")
@@ -65,7 +66,7 @@ def _program() -> str:
 
 
 class ProgressBar:
-    """A bar under the cell that runs a study: missions done, failed ones and the time left."""
+    """A bar under the notebook cell that runs a study: missions done, failed missions, and the time left."""
 
     def __init__(self) -> None:
         from IPython.display import HTML, display

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of one file that need nothing else. Their numbers are JSON in the page, which the script of web/src/report draws."""
+"""Writes pages that consist of one file. Their numbers are JSON in the page, which the script of web/src/report
+draws."""
 
 from __future__ import annotations
 

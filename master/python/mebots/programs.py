@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The programs of a wheel, in the package's folder: `mebots` and its companions as commands of the environment."""
+"""Starts the programs of a wheel, which are in the package's folder: `mebots` and its companions are commands of the
+environment."""
 
 import os
 import pathlib

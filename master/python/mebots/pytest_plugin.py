@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Collects the cases of FMUs for pytest: files named ``*.mebots-test.json`` or ``CASES.json``, one test per case.
 
-The FMU is the one named in the file, or that of the option ``--mebots-fmu``. See docs/testing-fmus.md. The fixture
+The file names the FMU, or the option ``--mebots-fmu`` does. See docs/testing-fmus.md. The fixture
 ``chip`` runs programs on boards: mebots.testing.
 """
 

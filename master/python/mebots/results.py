@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 
 class Results:
-    """The results in a run's folder: ``results[variable]`` are the recorded values of a variable.
+    """The results in a run's folder. ``results[variable]`` has the recorded values of a variable.
 
-    Numbers are float64 arrays with one value per entry of ``times``, String variables lists of str.
+    Numbers are float64 arrays with one value per entry of ``times``, values of String variables are lists of str.
     """
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
@@ -47,7 +47,7 @@ class Results:
         return variable in self._columns
 
     def unit(self, variable: str) -> str:
-        """Returns the unit of a variable; "" = none."""
+        """Returns the unit of a variable; "" if it has none."""
         self._require(variable)
         return self._units[variable]
 

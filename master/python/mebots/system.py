@@ -18,7 +18,7 @@ from mebots.mission import Mission, Path, Scalar
 
 @dataclasses.dataclass(frozen=True)
 class Variable:
-    """A variable of an instance: ``battery["bus.voltage"]``."""
+    """A variable of an instance, such as ``battery["bus.voltage"]``."""
 
     instance: str
     name: str
@@ -61,14 +61,15 @@ class System:
         self._config: dict[str, Any] = {"step": shown, "stop_time": stop_time, "instances": {}, "connections": [], **copy.deepcopy(keys)}
 
     def add(self, name: str, fmu: Path, parameters: Mapping[str, Scalar] | None = None, **keys: Any) -> Instance:
-        """Adds an instance of an FMU: the name of a shipped FMU, or a file. ``keys``: further keys of an instance in a config."""
+        """Adds an instance of an FMU: the name of a shipped FMU, or a file. ``keys`` are further keys of an instance in
+        a config."""
         if name in self._config["instances"]:
             raise InputError(f"add('{name}'): the system has an instance with this name", "duplicate_name")
         self._config["instances"][name] = {"fmu": os.fspath(fmu), **({"parameters": dict(parameters)} if parameters else {}), **keys}
         return Instance(name)
 
     def connect(self, source: Variable | str, target: Variable | str, **keys: Any) -> None:
-        """Connects an output with an input. ``keys``: further keys of a connection, such as ``sum`` or ``map``."""
+        """Connects an output with an input. ``keys`` are further keys of a connection, such as ``sum`` or ``map``."""
         self._config["connections"].append({"from": str(source), "to": str(target), **keys})
 
     @property
@@ -77,7 +78,7 @@ class System:
         return copy.deepcopy(self._config)
 
     def write(self, file: Path) -> pathlib.Path:
-        """Writes the config, for ``mebots run`` and as the mission of a study. Paths of FMUs become absolute."""
+        """Writes the config, for ``mebots run`` and for studies. Paths of FMUs become absolute."""
         content = self.config
         for instance in content["instances"].values():
             if os.path.isfile(instance["fmu"]):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of firmware with pytest: a program runs on a simulated board, step by step, as the test says.
+"""Tests firmware with pytest: a program runs on a simulated board, and the test controls it step by step.
 
     def test_greets(chip):
         board = chip("hello.elf", board="virt")
@@ -32,7 +32,7 @@ _BAD_INPUT = 102  # exit code of mebots-soc
 
 
 def _program() -> str:
-    """Path of mebots-soc: $MEBOTS_SOC, that of the package, or that of the PATH."""
+    """Returns the path of mebots-soc: $MEBOTS_SOC, or the program in the package, or that in PATH."""
     own = pathlib.Path(__file__).with_name("bin") / "mebots-soc"
     found = os.environ.get("MEBOTS_SOC") or (str(own) if own.exists() else shutil.which("mebots-soc"))
     if not found:
@@ -41,7 +41,7 @@ def _program() -> str:
 
 
 class Board:
-    """A program on a board. It stands still between calls.
+    """A program on a board. Simulated time stops between calls.
 
     Args:
         program: the ELF file.
@@ -56,13 +56,13 @@ class Board:
         self._errors = tempfile.TemporaryFile("w+")
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors, text=True, encoding="utf-8")
         self.output = ""
-        """Everything that the program has printed, as far as a call has reported it."""
+        """The text that the program has printed so far, up to the last call."""
         self.time = 0.0
         """Simulated time [s]."""
         self.running = True
         """False after the program has ended."""
         self.exit_code: int | None = None
-        """The program's exit code; None while it runs, or if something else ended it."""
+        """The program's exit code; None while it runs, or if the program did not end itself."""
         self._ask({"run": 0})
 
     def __enter__(self) -> Board:
@@ -72,7 +72,8 @@ class Board:
         self.close()
 
     def close(self) -> None:
-        """Ends the run; its files, such as that of ``--report``, are complete. Raises InputError if one cannot be written."""
+        """Ends the run and completes its files, such as that of ``--report``. Raises InputError if a file cannot be
+        written."""
         if self._errors.closed:
             return
         told = self._process.poll() is not None  # by the call after which it ended
@@ -86,14 +87,14 @@ class Board:
             raise refusal
 
     def run(self, seconds: float) -> str:
-        """Runs for a time. Returns what the program printed meanwhile."""
+        """Runs for a time. Returns the text that the program printed during it."""
         return self._ask({"run": seconds})["console"]
 
     def wait_for(self, text: str, *, within: float) -> str:
-        """Runs until the program has printed a text. Returns all up to and with the text.
+        """Runs until the program has printed a text. Returns the program's output up to and including the text.
 
-        Raises AssertionError, with what was printed instead, if it takes longer than `within` seconds or the program
-        ends before.
+        Raises AssertionError with the actual output if this takes longer than `within` seconds, or if the program ends
+        before.
         """
         reply = self._ask({"run": within, "until": text})
         if not reply["found"]:
@@ -102,18 +103,20 @@ class Board:
         return reply["console"]
 
     def wait_for_end(self, *, within: float) -> int:
-        """Runs until the program ends. Returns its exit code. Raises AssertionError if it does not end itself in time."""
+        """Runs until the program ends. Returns its exit code. Raises AssertionError if the program does not end itself
+        in time."""
         reply = self._ask({"run": within})
         if self.exit_code is None:
             raise AssertionError(f"the program did not end itself within {within:g} s{self._fault(reply)}")
         return self.exit_code
 
     def send(self, text: str) -> None:
-        """Gives the program a text to read from its serial port."""
+        """Sends a text to the serial port of the program."""
         self._ask({"send": text})
 
     def get(self, variable: str) -> float:
-        """Returns a variable of a device, such as ``led.level``: an output, or an input as it was set."""
+        """Returns the value of a device's variable, such as ``led.level``. This is an output, or the value to which an
+        input was set."""
         return self._ask({"get": variable})["value"]
 
     def set(self, variable: str, value: float) -> None:
@@ -129,8 +132,8 @@ class Board:
     def read(self, symbol: str | int, *, signed: bool = False, offset: int = 0, size: int | None = None) -> int:
         """Returns a variable of the program by its symbol, or the word at an address.
 
-        `size` in bytes is that of the symbol, at most 8; `offset` is in bytes from its start. Raises InputError if there
-        is no byte at the offset.
+        `size` is in bytes, at most 8, and by default that of the symbol. `offset` is in bytes from the symbol's start.
+        Raises InputError if there is no byte at the offset.
         """
         if offset < 0:
             raise InputError(f"{symbol}: offset {offset} is before its start")
@@ -142,7 +145,7 @@ class Board:
         return int.from_bytes(bytes_, "little", signed=signed)
 
     def read_bytes(self, symbol: str | int, size: int | None = None) -> bytes:
-        """Returns the memory at a symbol or address; without a size, as much as the symbol has."""
+        """Returns the memory at a symbol or address. Without a size, returns all bytes of the symbol."""
         command: dict[str, Any] = {"read": symbol}
         if size is not None:
             command["size"] = size
@@ -150,7 +153,7 @@ class Board:
 
     @property
     def report(self) -> dict[str, Any]:
-        """Counts, times and energies of the run so far, as ``--json`` writes them."""
+        """Counts, times and energies of the run so far, in the form in which ``--json`` writes them."""
         return self._ask({"report": True})["report"]
 
     @property
@@ -164,7 +167,8 @@ class Board:
         return self.report["controller"]["cycles"]
 
     def expect(self, *, joules: Bounds | None = None, cycles: Bounds | None = None, seconds: Bounds | None = None, **variables: Bounds) -> None:
-        """Checks energy, cycles, time and variables of the program against bounds (least, most), which belong to them.
+        """Checks energy, cycles, time and variables of the program against bounds (least, most), which are permitted
+        values.
 
         Raises AssertionError that names each value outside its bounds.
         """

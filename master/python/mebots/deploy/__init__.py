@@ -2,9 +2,9 @@
 """``mebots deploy``: a network in ONNX becomes firmware for the chip, in integers.
 
     model_file  the ONNX file: checked, shapes, constants
-    importer    operators of ONNX to a graph in float (graph); functions, moving and transposed have those of their kinds, context
-                what they need
-    simplify    joins nodes
+    importer    operators of ONNX to a graph in float (graph); functions, moving and transposed convert operators of
+                their kinds, context has what they need
+    simplify    merges nodes
     pictures    inputs for calibration
     calibrate   the model in onnxruntime, and the ranges of its tensors
     arithmetic  scales, and how a sum becomes a byte
@@ -16,5 +16,5 @@
     contracts   what a flight's firmware needs of a network
     report      network.json and the table; network_page draws it
     deployed    options, and the network in memory
-    deploying   all of it; command is the command line
+    deploying   the whole deployment; command is the command line
 """

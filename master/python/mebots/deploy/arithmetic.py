@@ -15,7 +15,7 @@ LEAST_NARROW = 1024  # as a multiplier of 32-bit products: its rounding changes 
 
 @dataclasses.dataclass(frozen=True)
 class Scale:
-    """The scale of a tensor's bytes: the real value is (byte - zero) x step."""
+    """The scale of a tensor's bytes. The real value is (byte - zero) x step."""
 
     step: float
     zero: int
@@ -46,8 +46,8 @@ class Scale:
 class Requantisation:
     """clip((sum x multiplier + addend) >> shift, low, high), per channel.
 
-    ``scaling``: "narrow": 32 bits. "wide": of the product's upper word; addend and shift are those of the upper word.
-    "exact": the same, and ``lower`` is the addend's lower word.
+    ``scaling``: "narrow" is a product of 32 bits. "wide" uses the product's upper word, with addend and shift for that
+    word. "exact" is the same, with ``lower`` as the addend's lower word.
     """
 
     multiplier: np.ndarray
@@ -57,7 +57,7 @@ class Requantisation:
     lower: np.ndarray | None = None
 
     def apply(self, sums: np.ndarray, low: int, high: int) -> np.ndarray:
-        """The last dimension of ``sums`` is that of the channels."""
+        """Requantises sums. The last dimension of ``sums`` must be that of the channels."""
         product = sums.astype(np.int64) * self.multiplier
         if self.lower is not None:
             product += self.lower
@@ -101,8 +101,8 @@ def _narrow(factors: np.ndarray, zero: int, bounds: np.ndarray) -> Requantisatio
 
 
 def exact_requantisation(multipliers: np.ndarray, addends: np.ndarray, shift: int, bounds: np.ndarray) -> Requantisation:
-    """Returns the integers for the given numbers of (sum x multiplier + addend) >> shift, without rounding. Raises OverflowError
-    if multipliers need more than 30 bits, or the products more than 63."""
+    """Returns the integers for the given numbers of (sum x multiplier + addend) >> shift, without rounding. Raises
+    OverflowError if multipliers need more than 30 bits, or the products need more than 63 bits."""
     m, a = (np.asarray(one, dtype=np.int64) for one in (multipliers, addends))
     if shift < 31 and (bounds * np.abs(m) + np.abs(a) <= LARGEST_SUM).all():
         return Requantisation(m, a, np.full_like(m, shift), "narrow")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Texts of the library's files: header, source, assembler and CMake."""
+"""Makes the texts of the library's files: header, source, assembler and CMake."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def _factors(network: Network) -> str:
 
 
 def _copy(network: Network) -> str:
-    """C functions that copy outputs to the result: outputs of bytes, and outputs of sums."""
+    """Returns the C functions that copy outputs to the result: outputs of bytes, and outputs of sums."""
     text = {
         1: """static void copy(int32_t* to, const uint8_t* from, int count, int zero) {
   for (int i = 0; i < count; ++i) {

@@ -39,7 +39,7 @@ class FloatModel:
             raise InputError(f"{model.path}: onnxruntime cannot run it: {_one_line(error)}", "invalid_model") from error
 
     def run(self, values: np.ndarray) -> dict[str, np.ndarray]:
-        """``values`` have ONNX's shape, including the batch."""
+        """Computes the tensors for ``values``, which have ONNX's shape, including the batch."""
         try:
             results = self._session.run(self.names, {self._input: values.astype(np.float32)})
         except Exception as error:  # onnxruntime's own classes
@@ -52,7 +52,7 @@ def _one_line(error: Exception) -> str:
 
 
 class Ranges:
-    """Least and greatest values of tensors, and with a percentile also histograms of their magnitudes."""
+    """Least and greatest values of tensors. With a percentile, also histograms of their magnitudes."""
 
     def __init__(self, percentile: float | None) -> None:
         self._percentile = percentile

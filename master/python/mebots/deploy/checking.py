@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares layers of programs with the reference in numpy, by hashes."""
+"""Compares layers of programs with the reference in NumPy, by hashes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _LINE = re.compile(r"^layer (\d+) ([0-9a-f]+)$|^result (-?\d+)$")
 
 
 def hash_of(values: np.ndarray) -> int:
-    """FNV-1a, 32 bits, of stored bytes."""
+    """Returns the hash of stored bytes (FNV-1a, 32 bits)."""
     result = 2166136261
     for one in np.ascontiguousarray(values).tobytes():
         result = ((result ^ one) * 16777619) & 0xFFFFFFFF

@@ -63,7 +63,7 @@ def run_program(words: Sequence[str | os.PathLike[str]], what: str) -> str:
 
 @dataclasses.dataclass(frozen=True)
 class Board:
-    """A board file, with the memories that a network uses."""
+    """A board file, with the memories that a network may use."""
 
     path: pathlib.Path
     name: str
@@ -100,7 +100,7 @@ def board(name: str) -> Board:
 
 
 class Build:
-    """Programs that check a network, in a folder of their own."""
+    """The programs that check a network, built in a folder of their own."""
 
     def __init__(self, library: pathlib.Path, scratch: pathlib.Path, on: Board, objects: pathlib.Path | None = None) -> None:
         self._library = library
@@ -110,7 +110,7 @@ class Build:
         self._firmware = data_folder() / "fmu_soc/firmware"
 
     def _shared(self) -> list[pathlib.Path]:
-        """The sources that are the same for all networks."""
+        """Returns the sources that are the same for all networks."""
         return [self._firmware / "kernels" / one for one in KERNELS]
 
     def _own(self) -> list[pathlib.Path]:
@@ -126,7 +126,7 @@ class Build:
         return out
 
     def _compiled(self, words: list[str], source: pathlib.Path, kind: str) -> pathlib.Path:
-        """Compiles a source that is the same for all networks, unless that is done."""
+        """Compiles a source that is the same for all networks, unless this was already done."""
         out = self._objects / f"{kind}_{source.name}.o"
         if not out.exists():
             standard = ["-std=c11"] if source.suffix == ".c" else []
@@ -142,7 +142,8 @@ class Build:
         return self._link(gcc, self._own(), [*self._runtime(), *self._shared()], "check.elf")
 
     def pilot(self, name: str, sources: Sequence[str], order: Sequence[int]) -> pathlib.Path:
-        """Builds a flight's program. ``order``: for each of the values that it takes, the place among those of the network."""
+        """Builds a flight's program. ``order`` has, for each value that the program takes, its place among the
+        network's outputs."""
         gcc = compiler()
         self._make_header()
         (self._scratch / "output_order.h").write_text(f"#define OUTPUT_ORDER {', '.join(map(str, order))}\n")
@@ -154,7 +155,7 @@ class Build:
         return [self._overlaid(f"runtime/{one}") for one in (*_RUNTIME, *more)]
 
     def _overlaid(self, name: str) -> pathlib.Path:
-        """On a board with GAP8's own devices, files of gap8/ replace those of the same names."""
+        """Returns a source. On a board with GAP8's own devices, files of gap8/ replace files of the same names."""
         instead = self._firmware / "gap8" / name
         return instead if self._board.is_gap8 and instead.exists() else self._firmware / name
 
@@ -207,7 +208,7 @@ class Request:
 
 
 def with_request(built: pathlib.Path, request: Request, out: pathlib.Path) -> pathlib.Path:
-    """Copies a program, with a request in it."""
+    """Copies a program, and writes a request into the copy."""
     content = bytearray(built.read_bytes())
     at = content.find(_MARK)
     if at < 0 or content.find(_MARK, at + 1) >= 0:

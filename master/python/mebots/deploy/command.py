@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots deploy``: the program is replaced by this module, which parses the command line."""
+"""Implements ``mebots deploy``: the program is replaced by this module, which parses the command line."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mebots.guarded import guarded
 
 
 def main(words: list[str] | None = None) -> int:
-    """Returns the exit code."""
+    """Runs the command. Returns the exit code."""
     parser = argparse.ArgumentParser("mebots deploy", allow_abbrev=False)
     parser.add_argument("model")
     parser.add_argument("--data", required=True)

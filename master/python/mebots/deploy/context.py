@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Data and helpers for the functions that convert ONNX operators to nodes of a graph."""
+"""Data and helper functions for the functions that convert ONNX operators to nodes of a graph."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_ELEMENTS = 8 << 20
 
 
 class Importer:
-    """Converts node by node. The importer has one method per operator; ``node`` is the present node."""
+    """Converts a model node by node. ``node`` is the present node. Each operator has one function."""
 
     def __init__(self, model: Model, operators: Mapping[str, Callable[[Importer], None]]) -> None:
         self.model = model
@@ -48,7 +48,7 @@ class Importer:
         return self.attributes.get(name, default)
 
     def constant(self, place: int) -> np.ndarray | None:
-        """Returns the constant that is input ``place``, or None if there is no such input."""
+        """Returns the constant that is input ``place``; None if there is no such input."""
         if place >= len(self.node.input) or self.node.input[place] == "":
             return None
         name = self.node.input[place]
@@ -90,7 +90,7 @@ class Importer:
         return tensor
 
     def alias(self, tensor: Tensor) -> None:
-        """Passes the input on unchanged."""
+        """Makes the output the same tensor as the input."""
         self._tensors[self.node.output[0]] = tensor
 
     def add(self, kind: str, inputs: list[Tensor], **fields: Any) -> Node:
@@ -100,7 +100,7 @@ class Importer:
         return node
 
     def insert(self, node: Node) -> None:
-        """Adds a node whose output is a new tensor, not one of the model."""
+        """Adds a node whose output is a new tensor that the model does not have."""
         self._nodes.append(node)
 
     def _import(self, node: Any) -> None:
@@ -116,7 +116,7 @@ class Importer:
         try:
             self._operators[node.op_type](self)
         except (ArithmeticError, AttributeError, LookupError, MemoryError, TypeError, ValueError) as error:
-            # Attributes and constants of a broken model may have any values.
+            # In a broken model, attributes and constants may have any values.
             raise self.refuse(f"its attributes and inputs do not fit each other: {error}", "Export the model again") from error
 
     def _output(self, name: str) -> Tensor:

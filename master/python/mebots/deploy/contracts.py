@@ -17,7 +17,8 @@ _COLOURS = {1: "grey", 3: "rgb"}
 
 @dataclasses.dataclass(frozen=True)
 class Contract:
-    """``firmware``: names of the programs whose network is replaced. ``rows``, ``columns``: least and most of the input."""
+    """``firmware`` has the names of the programs whose network is replaced. ``rows`` and ``columns`` have the minimum
+    and maximum of the input."""
 
     name: str
     firmware: tuple[str, ...]
@@ -30,14 +31,15 @@ class Contract:
 
 @dataclasses.dataclass(frozen=True)
 class Fit:
-    """A network that fits a contract. ``order``: for each output of the contract, the place of its value in the network's result."""
+    """A network that fits a contract. ``order`` has, for each output of the contract, the place of its value in the
+    network's result."""
 
     contract: Contract
     order: tuple[int, ...]
 
 
 def contracts() -> list[Contract]:
-    """Returns those of this installation."""
+    """Returns the contracts of this installation."""
     files = sorted((data_folder() / "fmu_soc/firmware/app").glob(f"*{_SUFFIX}"))
     return [_read(one.name.removesuffix(_SUFFIX), json.loads(one.read_text())) for one in files]
 
@@ -54,7 +56,8 @@ def _range(values: list[int]) -> tuple[int, int]:
 
 
 def fit(network: integers.Network, grey_step: float) -> Fit | str:
-    """Returns the contract that the network fits, else why it fits none. ``grey_step``: input of the network per grey level."""
+    """Returns the contract that the network fits. If it fits none, returns the reason. ``grey_step`` is the change of
+    the network's input per grey level."""
     known = contracts()
     choice = next((fitting for one in known if (fitting := _order(network, one)) is not None), None)
     if choice is None:
@@ -65,7 +68,7 @@ def fit(network: integers.Network, grey_step: float) -> Fit | str:
 
 
 def _order(network: integers.Network, contract: Contract) -> Fit | None:
-    """Returns None if the outputs are others."""
+    """Returns the fit of the outputs; None if the outputs are others."""
     names = [identifier(one.name) for one in network.outputs]
     if len(network.outputs) == 1 and network.outputs[0].size == len(contract.outputs):
         return Fit(contract, tuple(range(len(contract.outputs))))
@@ -75,7 +78,7 @@ def _order(network: integers.Network, contract: Contract) -> Fit | None:
 
 
 def _problem(network: integers.Network, contract: Contract, grey_step: float) -> str:
-    """Returns why the input does not fit; empty if it does."""
+    """Returns the reason why the input does not fit; empty if it does."""
     rows, columns, channels = network.input.stored()
     has = f"{columns} x {rows} pixels, {_COLOURS.get(channels, f'{channels} channels')}"
     if _COLOURS.get(channels) != contract.colour or not (contract.rows[0] <= rows <= contract.rows[1] and contract.columns[0] <= columns <= contract.columns[1]):

@@ -18,7 +18,8 @@ from mebots.deploy.plan import Plan
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """``percentile``: None uses the least and greatest values. ``vectors``: number of test vectors to keep."""
+    """With ``percentile`` None, the least and greatest values are used. ``vectors`` is the number of test vectors to
+    keep."""
 
     board: str = "ai_deck"
     percentile: float | None = None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots deploy``: from a model and pictures to a folder with a firmware library."""
+"""Deploys a network: from a model and pictures to a folder with a firmware library."""
 
 from __future__ import annotations
 
@@ -126,9 +126,10 @@ def check_and_measure(
     objects: pathlib.Path | None = None,
     with_cost: bool = True,
 ) -> Measurement | None:
-    """Compares C with the reference on this machine; unless that is switched off, on the chip too, and measures there.
+    """Compares C with the reference on this machine. Unless that is switched off, also compares and measures on the
+    chip.
 
-    ``objects``: folder for the objects of the kernels, which later networks take again.
+    ``objects`` is a folder for the object files of the kernels, which later networks use again.
     """
     network = deployed.network
     build = chip.Build(library, scratch, deployed.board, objects)
@@ -149,7 +150,7 @@ def check_and_measure(
 
 
 def _build_pilot(folder: pathlib.Path, deployed: Deployed, options: Options) -> dict[str, Any]:
-    """Builds the flight's program if the network fits a contract. Otherwise returns why it does not fly."""
+    """Builds the flight's program if the network fits a contract. Otherwise returns the reason why it does not."""
     if not options.measure:
         return {"none": "it was deployed with --no-measure, which builds no program for the chip"}
     if deployed.float_model is None:

@@ -37,7 +37,7 @@ def _kernel(layer: Layer) -> dict[str, str]:
 
 
 class Weights:
-    """The binary file of the weights; its parts begin at multiples of four bytes."""
+    """The binary file of the weights. Its parts begin at multiples of four bytes."""
 
     def __init__(self) -> None:
         self._bytes = bytearray()
@@ -48,7 +48,7 @@ class Weights:
         return at
 
     def content(self) -> bytes:
-        # Copies may read one word beyond the end.
+        # A copy may read one word beyond the end.
         return bytes(self._bytes) + bytes(8)
 
 
@@ -57,7 +57,7 @@ def _words(*values: Any) -> bytes:
 
 
 def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) -> bytes:
-    """A block of four output channels: header, numbers of the requantisation, weights run by run."""
+    """Returns a block of four output channels: header, numbers of the requantisation, weights run by run."""
     first, count, source = group
     if sliced:
         source -= part.first
@@ -81,7 +81,7 @@ def _group(layer: Layer, part: Part, group: tuple[int, int, int], sliced: bool) 
 
 
 def _depthwise_weights(layer: Layer, first: int, count: int) -> np.ndarray:
-    """For each of four channels, four places of the kernel; then the next four places."""
+    """Returns weights for four channels: four places of the kernel for each channel, then the next four places."""
     places = math.prod(layer.kernel)
     weights = np.zeros((4, 4 * planning.fours(layer)), dtype=np.int8)
     weights[:count, :places] = layer.weight[first : first + count].reshape(count, places)
@@ -169,7 +169,7 @@ def _fields(layer: Layer, steps: Steps | None, offsets: dict[Tensor, int]) -> di
 
 
 def _own_fields(layer: Layer) -> dict[str, Any]:
-    """The fields of one kind of layer."""
+    """Returns the fields that only one kind of layer has."""
     if layer.kind == "convolution":
         return _run_fields(layer) | _gather_fields(layer)
     if layer.kind == "average_pool":
@@ -199,7 +199,7 @@ def _run_fields(layer: Layer) -> dict[str, int]:
     length = planning.align(run)
     channels = layer.inputs[0].channels
     pitch = (layer.inputs[0].columns + layer.pads[1] + layer.pads[3]) * channels
-    # The distances from the end of a run to the start of the next one. At the end of a row, the step of the row is added.
+    # These are the distances from the end of a run to the start of the next run. At the end of a row, the step of the row is added.
     if runs_y * runs_x == 1:
         return {"runs_y": 1, "runs_x": 1, "run_words": length // 4, "group_bytes": planning.group_bytes(layer)}
     step_x = layer.dilations[1] * channels - length if runs_x > 1 else 0

@@ -37,7 +37,7 @@ NAMES = ("LeakyRelu", "Sigmoid", "HardSigmoid", "HardSwish", "Tanh", "Elu", "Sof
 
 
 def of(op: str, attribute: Callable[[str, Any], Any]) -> tuple[Function, Limits]:
-    """Returns the function of an operator, and its least and greatest value if they are known."""
+    """Returns the function of an operator, with its least and greatest value if they are known."""
     if op == "LeakyRelu":
         return leaky(attribute("alpha", 0.01)), None
     if op == "Sigmoid":

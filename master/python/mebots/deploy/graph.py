@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A network in float: tensors, and nodes of a few kinds in the order of computation. The batch is always one.
 
-    conv     weight (out, in / groups, rows, columns), bias, strides, pads, dilations; dense layers have the kernel of
-             their whole input; ``pool`` > 1: maximum of pool x pool places afterwards
+    conv     weight (out, in / groups, rows, columns), bias, strides, pads, dilations; the kernel of a dense layer is
+             its whole input; with ``pool`` > 1, the maximum of pool x pool places follows
     max_pool, mean_pool
     add, multiply   two tensors of one shape
     table    a function of each value
@@ -24,7 +24,8 @@ Shape = tuple[int, ...]
 
 @dataclasses.dataclass(eq=False)
 class Tensor:
-    """Values of one batch. ``shape`` is ONNX's without the batch: (channels, rows, columns), (channels, columns) or (channels,)."""
+    """The values of one batch. ``shape`` is ONNX's shape without the batch: (channels, rows, columns), (channels,
+    columns) or (channels,)."""
 
     name: str
     shape: Shape
@@ -51,7 +52,7 @@ class Tensor:
         return self.shape[-1] if len(self.shape) > 1 else 1
 
     def stored(self) -> Shape:
-        """The shape in memory: rows, columns, channels."""
+        """The shape in memory: (rows, columns, channels)."""
         return self.rows, self.columns, self.channels
 
     def view(self, memory: np.ndarray) -> np.ndarray:

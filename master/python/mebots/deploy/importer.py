@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From ONNX nodes to a graph in float, operator by operator."""
+"""Converts ONNX nodes to a graph in float, operator by operator."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def import_graph(model: Model) -> Graph:
 
 
 def _two(values: Any, what: str, owner: Importer) -> tuple[int, ...]:
-    """Extends a list for columns to one for rows and columns."""
+    """Extends a list for columns to a list for rows and columns."""
     values = [int(one) for one in values]
     if any(one < 0 for one in values):
         raise owner.refuse(f"{what} {values} has negative numbers", "Use a Slice instead")
@@ -78,7 +78,7 @@ def _conv(owner: Importer) -> None:
 
 
 def _dense(owner: Importer, weight: np.ndarray, bias: np.ndarray | None, steps: np.ndarray | None) -> None:
-    """``weight`` is (outputs, inputs)."""
+    """Adds a dense layer. ``weight`` is (outputs, inputs)."""
     source = owner.input()
     if len(source.shape) != 1:
         raise owner.refuse(f"its input {source.name} has shape {[1, *source.shape]}", "Use Flatten before it")
@@ -227,7 +227,8 @@ def _softmax(owner: Importer) -> None:
 
 
 def _quantise_linear(owner: Importer) -> None:
-    """The node defines the scale of its input; the following DequantizeLinear has no effect here."""
+    """Converts QuantizeLinear. The node defines the scale of its input. The following DequantizeLinear has no effect
+    here."""
     source, step = owner.input(), owner.constant(1)
     zero = owner.constant(2)
     zero = np.zeros(1, dtype=np.uint8) if zero is None else zero

@@ -53,14 +53,15 @@ class IntegerLayers:
         return tensor
 
     def _next(self, node: Node, kind: str) -> Node | None:
-        """If the node's output has only one user, and it is of this kind, returns it."""
+        """Returns the only user of the node's output, if there is only one and it is of this kind; otherwise None."""
         users = self._graph.users(node.output)
         if len(users) == 1 and users[0].kind == kind and self._graph.has_one_user(node.output):
             return users[0]
         return None
 
     def _requantised(self, node: Node) -> tuple[Tensor, str, Requantising | None]:
-        """Merges the node that requantises. Returns the output, the operators, and the numbers of the requantisation."""
+        """Merges the node that requantises. Returns the output, the names of the merged operators, and the numbers of
+        the requantisation."""
         user = self._next(node, "requantise")
         if user is None:
             return node.output, node.op, None

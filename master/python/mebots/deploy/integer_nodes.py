@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads networks that already have integer weights. Finds chains of nodes that requantise sums, in the forms of NEMO (Mul, Add,
-Mul, Div, Floor, Clip) and QuantLab (RequantShift), and replaces each by one node."""
+"""Reads networks that already have integer weights. Finds chains of nodes that requantise sums, as NEMO (Mul, Add, Mul,
+Div, Floor, Clip) and QuantLab (RequantShift) write them. Replaces each chain by one node."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ _CHAIN = ("Mul", "Add", "Cast", "Div", "Floor", "Clip")
 
 @dataclasses.dataclass
 class Requantising:
-    """clip(floor((sum x multiplier + addend) / 2^shift), low, high); numbers per channel, or one for all."""
+    """clip(floor((sum x multiplier + addend) / 2^shift), low, high); the numbers are per channel, or one for all
+    channels."""
 
     multiplier: np.ndarray
     addend: np.ndarray
@@ -87,7 +88,8 @@ def is_integer(model: Model) -> bool:
 
 
 def collapse(model: Model) -> None:
-    """Replaces each chain that requantises by one node. Its numbers are in ``model.requantising``, by the name of its output."""
+    """Replaces each chain that requantises by one node. Stores the node's numbers in ``model.requantising``, by the
+    name of its output."""
     users: dict[str, list[Any]] = {}
     for node in model.nodes:
         for name in node.input:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A network in integers: its layers, as the chip computes them, and a reference of each in numpy."""
+"""A network in integers: its layers, as the chip computes them, and a reference of each layer in NumPy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.deploy.moving import Move
 
 @dataclasses.dataclass(eq=False)
 class Layer:
-    """``kind``: convolution, max_pool, average_pool, add, multiply, table, move, softmax."""
+    """A layer. ``kind`` is convolution, max_pool, average_pool, add, multiply, table, move, softmax."""
 
     kind: str
     name: str
@@ -54,7 +54,7 @@ class Layer:
         return 0 if self.weight is None else int(self.weight.size)
 
     def extent(self) -> tuple[int, int]:
-        """Rows and columns of the kernel with dilation."""
+        """The rows and columns that the kernel covers with its dilation."""
         rows, columns = ((k - 1) * d + 1 for k, d in zip(self.kernel, self.dilations, strict=True))
         return rows, columns
 
@@ -73,7 +73,7 @@ def _padded(layer: Layer, values: np.ndarray) -> np.ndarray:
 
 
 def _windows(layer: Layer, values: np.ndarray) -> np.ndarray:
-    """Returns for each place its window: rows, columns, kernel rows, kernel columns, channels."""
+    """Returns the window of each place, with dimensions rows, columns, kernel rows, kernel columns, channels."""
     rows, columns = layer.extent()
     padded = _padded(layer, values)
     windows = np.lib.stride_tricks.sliding_window_view(padded, (rows, columns), axis=(0, 1))

@@ -25,7 +25,7 @@ class Cost:
 
 @dataclasses.dataclass(frozen=True)
 class Setting:
-    """Cost of an inference with a number of cores at a clock of the cluster."""
+    """The conditions of a measurement: a number of cores, and a clock of the cluster."""
 
     cores: int
     clock_hz: float

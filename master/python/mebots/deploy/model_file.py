@@ -27,11 +27,11 @@ def onnx_package() -> Any:
 
 
 class Model:
-    """An ONNX model. ``constants`` are the initialisers and all tensors computed from them; ``nodes`` are the remaining nodes, in
-    order."""
+    """An ONNX model. ``constants`` are the initialisers and all tensors that are computed from them. ``nodes`` are the
+    remaining nodes, in order."""
 
     def __init__(self, path: str | os.PathLike[str], rewrite: Callable[[Any], None] | None = None) -> None:
-        """``rewrite`` changes the model before it is checked."""
+        """Reads a model. ``rewrite`` changes the model before it is checked."""
         self.path = pathlib.Path(path)
         self.proto = _load(self.path)
         if rewrite is not None:
@@ -130,7 +130,7 @@ class Model:
 
 
 def _label(node: Any) -> str:
-    """Returns the node's name, or its output's if it has none."""
+    """Returns the node's name; if it has none, that of its output."""
     return node.name or node.output[0]
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Operators that only move values. A move is a pair of views of equal shape, one of the input and one of the output. The chip's
-kernel uses their strides."""
+"""Operators that only move values. A move is a pair of views of equal shape, one of the input and one of the output.
+The chip's kernel uses the strides of the views."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Move:
         return [int(one) + self.start for one in where.ravel()]
 
     def apply(self, values: np.ndarray, out: np.ndarray) -> None:
-        """Both are flat."""
+        """Copies the values. Both arrays are flat."""
         where = np.zeros(self.counts, dtype=np.int64)
         to = where.copy()
         for axis, (count, step, out_step) in enumerate(zip(self.counts, self.steps, self.out_steps, strict=True)):
@@ -51,7 +51,7 @@ def _address(array: np.ndarray) -> int:
 
 
 def move(number: int, source: np.ndarray, source_view: np.ndarray, out: np.ndarray, out_view: np.ndarray) -> Move:
-    """Describes the copy of one view of bytes to another one of equal shape."""
+    """Describes the copy of one view of bytes to another view of equal shape."""
     kept = [i for i in range(source_view.ndim) if source_view.shape[i] > 1]
     counts, steps, out_steps = [], [], []
     for i in kept:
@@ -107,7 +107,7 @@ def _reshape(owner: Importer) -> None:
         raise owner.refuse(f"its output has shape {list(shape)}", "At most four dimensions are possible")
     ones = [t for t in (source, target) if len(t.shape) == 1 or t.rows * t.columns == 1 or t.channels == 1]
     if len(ones) == 2 or source.shape == target.shape:
-        # The order in memory does not change.
+        # The operator does not change the order in memory.
         node = owner.add("move", [source])
         node.moves = []
         return
@@ -123,7 +123,7 @@ def _reshape(owner: Importer) -> None:
 
 
 def _common(a: tuple[int, ...], b: tuple[int, ...]) -> tuple[int, ...] | None:
-    """Returns dimensions from which both shapes result by merging neighbours, or None."""
+    """Returns dimensions from which both shapes result by merging neighbours; None if there are none."""
     edges = sorted({math.prod(shape[i:]) for shape in (a, b) for i in range(len(shape) + 1)}, reverse=True)
     if any(big % small for big, small in zip(edges, edges[1:], strict=False)):
         return None
@@ -148,7 +148,7 @@ def _slices(owner: Importer, rank: int) -> list[slice]:
         steps = owner.constant(4) if owner.constant(4) is not None else [1] * len(starts)
     result = [slice(None)] * rank
     for start, end, axis, step in zip(starts, ends, axes, steps, strict=True):
-        # The end of a backward slice that includes the first element is less than -length.
+        # A backward slice that includes the first element has an end below -length.
         stop = None if step < 0 and int(end) < -(1 << 30) else int(end)
         result[int(axis) % rank] = slice(int(start), stop, int(step))
     return result
@@ -181,7 +181,7 @@ def _gather(owner: Importer) -> None:
 
 
 def _scalar(owner: Importer, source: Tensor, channel: int) -> None:
-    """Selects one channel of a vector. ONNX drops the dimension; here a vector of length one remains."""
+    """Selects one channel of a vector. ONNX drops the dimension; here, a vector of length one remains."""
     _add(owner, source, lambda view: view[:, channel : channel + 1], lambda view: view)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures and vectors for the calibration, and their conversion to the network's input."""
+"""Reads pictures and vectors for the calibration, and converts them to the network's input."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Pictures:
         return len(self.files) if self.vectors is None else len(self.vectors)
 
     def scale(self, step: float, offset: float) -> Scale:
-        """The scale of the input: real = byte x step + offset. For vectors it is computed from their range."""
+        """Returns the scale of the input: real = byte x step + offset. For vectors, it is computed from their range."""
         if self.vectors is not None:
             return Scale.of_range(float(self.vectors.min()), float(self.vectors.max()))
         zero = -offset / step

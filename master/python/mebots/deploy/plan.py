@@ -21,7 +21,7 @@ FLAT_KINDS = ("add", "multiply", "table")
 
 @dataclasses.dataclass(frozen=True)
 class Memory:
-    """The bytes of a board's memories that a network may use."""
+    """The bytes that a network may use in a board's memories."""
 
     l1: int
     l2: int
@@ -30,7 +30,8 @@ class Memory:
 
 @dataclasses.dataclass
 class Part:
-    """Channels of an output with their groups of four: (first channel in the output, count, first input channel)."""
+    """A part of an output's channels, with their groups of four as (first channel in the output, count, first input
+    channel)."""
 
     first: int
     channels: int
@@ -39,7 +40,7 @@ class Part:
 
 @dataclasses.dataclass
 class Steps:
-    """The division of a layer into steps. Each buffer in L1 exists twice, so there are two offsets of each."""
+    """The division of a layer into steps. Each buffer in L1 exists twice, so each has two offsets."""
 
     tile_rows: int
     tiles: int
@@ -69,7 +70,7 @@ def align(value: int) -> int:
 
 
 def plan(network: Network, memory: Memory, l1_reserved: int) -> Plan:
-    """Raises InputError with the name of a layer that does not fit."""
+    """Plans the memory. Raises InputError with the name of a layer that does not fit."""
     lifetimes = _lifetimes(network)
     offsets, size = _place(lifetimes)
     steps = [_steps(layer, memory.l1 - l1_reserved, memory.board) for layer in network.layers]
@@ -89,7 +90,7 @@ def _shift(steps: Steps, by: int) -> None:
 
 
 def _lifetimes(network: Network) -> dict[Tensor, tuple[int, int]]:
-    """The lifetime of a tensor: from the layer that computes it to the last one that reads it."""
+    """Returns the lifetime of each tensor: from the layer that computes it to the last layer that reads it."""
     last = len(network.layers)
     result: dict[Tensor, tuple[int, int]] = {}
     for number, layer in enumerate(network.layers):
@@ -103,7 +104,7 @@ def _lifetimes(network: Network) -> dict[Tensor, tuple[int, int]]:
 
 
 def _place(lifetimes: dict[Tensor, tuple[int, int]]) -> tuple[dict[Tensor, int], int]:
-    """Assigns addresses, to the largest tensors first: each gets the lowest one that is free during its lifetime."""
+    """Assigns an address to each tensor, the largest first: the lowest address that is free during its lifetime."""
     offsets: dict[Tensor, int] = {}
     size = 0
     for tensor in sorted(lifetimes, key=lambda one: (-one.bytes, lifetimes[one])):
@@ -138,14 +139,14 @@ def pools_sums(layer: Layer) -> bool:
 
 
 def gathered_stride(layer: Layer) -> int:
-    """Bytes of each core's buffer of patches."""
+    """Returns the bytes of each core's buffer of patches."""
     size = gathered_bytes(layer)
     return (4 if pools_sums(layer) else 2) * size + 8 if size else 0
 
 
 def gathers(layer: Layer) -> bool:
-    """True if patches are copied before they are used: their runs of contiguous bytes are short, and many channels share the
-    copy."""
+    """True if patches are copied before they are used. This is the case if their runs of contiguous bytes are short and
+    many channels share the copy."""
     if layer.kind != "convolution" or layer.groups > 1:
         return False
     rows, columns, run = _patch_runs(layer)
@@ -177,19 +178,19 @@ def patch_bytes(layer: Layer) -> int:
 
 
 def run_geometry(layer: Layer) -> tuple[int, int, int]:
-    """Returns the number of runs of contiguous bytes of a patch, per row and column, and the bytes of each."""
+    """Returns the number of runs of contiguous bytes of a patch, per row and per column, and the bytes of each run."""
     return (1, 1, patch_bytes(layer)) if gathers(layer) else _patch_runs(layer)
 
 
 def gathered_bytes(layer: Layer) -> int:
-    """Half of each core's buffer: the patches of two places, or a word for each place of a depthwise kernel."""
+    """Returns half of each core's buffer: the patches of two places, or a word for each place of a depthwise kernel."""
     if is_depthwise(layer):
         return 8 * fours(layer)
     return align(patch_bytes(layer)) if gathers(layer) else 0
 
 
 def gather_geometry(layer: Layer) -> tuple[int, int, int]:
-    """The same, for a patch that is not copied."""
+    """Returns the same as run_geometry() for the patch before it is copied."""
     return _patch_runs(layer)
 
 
@@ -239,7 +240,7 @@ def _counts(layer: Layer) -> list[int]:
 
 
 def data_bytes(layer: Layer, part: Part) -> int:
-    """Bytes of weights or tables that a step needs."""
+    """Returns the bytes of weights or tables that a step needs."""
     if layer.kind == "convolution":
         return len(part.groups) * group_bytes(layer)
     if layer.kind == "average_pool":
@@ -252,7 +253,7 @@ def flat_rows(layer: Layer) -> int:
 
 
 def _steps(layer: Layer, available: int, board: str) -> Steps | None:
-    """Returns the cut that is estimated to take the fewest cycles."""
+    """Returns the division that is estimated to take the fewest cycles."""
     if layer.kind not in ROWS_KINDS and layer.kind not in FLAT_KINDS:
         return None
     best: tuple[float, Steps] | None = None
@@ -276,7 +277,8 @@ def _steps(layer: Layer, available: int, board: str) -> Steps | None:
 
 
 def _row_choices(layer: Layer, parts: list[Part], available: int) -> list[int]:
-    """Returns possible numbers of rows of a tile: the maximum that fits, and smaller ones that give a few more tiles."""
+    """Returns possible numbers of rows of a tile: the maximum that fits, and smaller numbers that give a few more
+    tiles."""
     out_rows = flat_rows(layer) if layer.kind in FLAT_KINDS else layer.output.rows
     low, high = 0, out_rows
     while low < high:
@@ -362,7 +364,8 @@ def traffic(layer: Layer, steps: Steps) -> Traffic:
 
 
 def bound(layer: Layer, steps: Steps | None, cores: int) -> float:
-    """Least cycles of a layer: all cores at the peak of dot products, or the DMA at 8 bytes per cycle."""
+    """Returns a lower bound of a layer's cycles: all cores at the peak rate of dot products, or the DMA at 8 bytes per
+    cycle."""
     moved = 0 if steps is None else traffic(layer, steps).total
     return max(layer.macs / (cores * PEAK_MACS), moved / DMA_BYTES)
 
@@ -375,7 +378,7 @@ PEAK_MACS = 32 / 14
 
 
 def estimate(layer: Layer, steps: Steps) -> float:
-    """Cycles of a layer: the maximum of the cores' and the DMA's cycles, plus those that do not overlap."""
+    """Returns the cycles of a layer: the maximum of the cores' and the DMA's cycles, plus those that do not overlap."""
     count = steps.tiles * len(steps.parts)
     moved = traffic(layer, steps)
     rows_copied = steps.tile_rows if any(layer.pads) else 1
@@ -391,7 +394,7 @@ _CYCLES_PER_STEP = 250
 
 
 def _step_cycles(layer: Layer, steps: Steps, part: Part) -> float:
-    """Cycles of the cores for a part of a tile, including the time in which some wait for the others."""
+    """Returns the cycles of the cores for a part of a tile, including the time in which some cores wait for others."""
     if layer.kind in FLAT_KINDS:
         return steps.tile_rows * 12 / CORES
     rows, columns = steps.tile_rows * layer.pool, layer.output.columns * layer.pool

@@ -22,7 +22,7 @@ POWER_BITS = 16
 
 class Quantiser:
     def __init__(self, graph: Graph, input_scale: Scale, range_of: Callable[[str], tuple[float, float]], given: Mapping[str, Scale]) -> None:
-        """``given``: scales that the model has itself, by the names of tensors."""
+        """Prepares the conversion. ``given`` has the scales that the model itself has, by the names of tensors."""
         self._given = given
         self._graph = graph
         self._range_of = range_of
@@ -110,8 +110,8 @@ class Quantiser:
         )
 
     def _scales_by_channel(self, node: Node) -> list[Scale] | None:
-        """If each user of a dense layer's output selects some channels, returns a scale per channel: the scale of that user's
-        output. Otherwise returns None."""
+        """Returns a scale per channel if each user of a dense layer's output selects some channels: the scale of the
+        output of the user that selects the channel. Otherwise returns None."""
         users = self._graph.users(node.output)
         is_output = any(one is node.output for one in self._graph.outputs)
         if len(node.output.shape) > 1 or node.is_limited() or is_output or not users or node.output.name in self._given:
@@ -153,7 +153,7 @@ class Quantiser:
         scale = self._out_scale(node)
         sources = [self._scale(one) for one in node.inputs]
         ratios = [one.step / scale.step for one in sources]
-        # The sum of 255 times both factors, the zeros and half a unit must fit into 31 bits.
+        # The sum of 255 times both factors, the zeros and half a unit must fit in 31 bits.
         shift = int(np.clip(np.floor(np.log2((1 << 30) / (255 * 2 * sum(ratios) + 2 * scale.zero + 1))), 0, _ADD_SHIFT))
         factors = [int(np.floor(one * 2.0**shift + 0.5)) for one in ratios]
         addend = (scale.zero << shift) + ((1 << shift) >> 1) - sum(f * one.zero for f, one in zip(factors, sources, strict=True))
@@ -205,7 +205,8 @@ def _weight_steps(node: Node, source: Scale) -> np.ndarray:
 
 
 def _least_step(node: Node, source: Scale) -> np.ndarray:
-    """Channels with small weights and a large bias get a larger step, so that the bias fits into 30 bits."""
+    """Returns the least step for each channel. Channels with small weights and a large bias get a larger step, so that
+    the bias fits in 30 bits."""
     return np.maximum(np.abs(node.bias) * 127 / (source.step * (1 << 30)), 1e-12)
 
 

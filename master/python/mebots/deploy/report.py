@@ -66,7 +66,8 @@ def _cost(cost: Cost, macs: int, clock_hz: float, cores: int, bound: float) -> d
         "macs_per_cycle": macs / cycles if cycles else 0.0,
         "bound": round(bound),
         "roofline": bound / cycles if cycles else 0.0,
-        # Of all cores: instructions, cycles in which they waited for memory, cycles asleep at barriers and for the DMA
+        # The sums over all cores: instructions, cycles in which they waited for memory, cycles asleep at barriers and
+        # for the DMA.
         "instructions": cost.instructions,
         "stalled": cost.cycles - cost.instructions,
         "asleep": max(cores * cycles - cost.cycles, 0),

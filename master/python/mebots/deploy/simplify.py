@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Merges nodes, so that the chip has fewer layers: normalisations into weights; pads, functions and pools into convolutions."""
+"""Merges nodes, so that the chip computes fewer layers. Normalisations are merged into weights; pads, functions and
+pools are merged into convolutions."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ _LIMITED_KINDS = ("conv", "add", "multiply", "mean_pool")
 
 
 def simplify(graph: Graph) -> None:
-    """Changes the graph in place; its outputs keep their values."""
+    """Changes the graph in place. The values of its outputs stay the same."""
     _drop_unused(graph)
     changed = True
     while changed:
@@ -51,7 +52,7 @@ def _is_affine(node: Node) -> bool:
 
 
 def _pairs(graph: Graph) -> list[tuple[Node, Node]]:
-    """Returns neighbours of which the second is the only user of the first."""
+    """Returns pairs of neighbours in which the second node is the only user of the first."""
     found = []
     for node in graph.nodes:
         before = graph.producer(node.inputs[0])
@@ -95,7 +96,7 @@ def _join_pads(graph: Graph) -> bool:
 
 
 def _pads_of(node: Node) -> tuple[int, int, int, int] | None:
-    """Returns the pads of rows and columns, or None if channels have pads."""
+    """Returns the pads of rows and columns; None if channels have pads."""
     source, out = node.inputs[0], node.output
     if source.channels != out.channels or len(source.shape) != 3:
         return None
@@ -105,7 +106,8 @@ def _pads_of(node: Node) -> tuple[int, int, int, int] | None:
 
 
 def _join_flatten(graph: Graph) -> bool:
-    """A dense layer of a flattened tensor is a convolution with the tensor's size as its kernel."""
+    """Merges a flattened tensor into the dense layer after it: this is a convolution with the tensor's size as its
+    kernel."""
     for node in graph.nodes:
         before = graph.producer(node.inputs[0])
         if before is None or before.kind != "move" or before.fill is not None or len(before.inputs) != 1:

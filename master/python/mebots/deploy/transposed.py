@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Transposed convolutions: zeros are inserted between the input's values according to the strides, and the result is convolved
-with the reversed kernel."""
+"""Converts transposed convolutions: zeros are inserted between the input's values according to the strides, and the
+result is convolved with the reversed kernel."""
 
 from __future__ import annotations
 

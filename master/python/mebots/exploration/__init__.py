@@ -3,7 +3,7 @@
 
     study -> designs x draws -> missions (hash of all inputs) -> workers -> journal -> answers with confidence -> report
 
-A mission does not depend on the study that contains it. Each module has one subject:
+The result of a mission does not depend on the study that contains it. Each module has one subject:
 
 =============  =========================================================================
 ``study``      the study file, checked by the reader in C++
@@ -29,11 +29,11 @@ A mission does not depend on the study that contains it. Each module has one sub
 ``progress``   the progress of a study
 ``live_page``  live.html of a running study
 ``rounds``     the next missions, and the designs that need no more
-``search``     the same for designs proposed by Optuna
+``search``     the next missions of designs that Optuna proposes
 ``splitting``  the probability of rare events, level by level
 ``sensitivity`` the influence of factors (SALib)
-``pareto``     points that no other one dominates
-``front``      dominated designs, and the certainty of that
+``pareto``     points that no other point dominates
+``front``      dominated designs, and how certain that is
 ``tables``     missions.csv, designs.csv
 ``columns``    the same as HDF5 and Parquet
 ``report``     the content of report.html for a study that compares designs; ``rare_report`` for a rare event

@@ -17,7 +17,7 @@ from mebots.exploration.study import Constraint, Objective
 _MOST_ROWS = 10
 _MOST_NAMED = 3
 _MOST_MISSIONS = 1_000_000
-"""If more would be needed, the answer says that no number of missions separates the designs."""
+"""If more missions than this are needed, the answer says that no number of missions separates the designs."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Row:
     name: str
     missions: int
     cells: list[str]
-    """Value and interval of each objective."""
+    """The value and the interval of each objective."""
     note: str
 
 
@@ -42,13 +42,14 @@ class Answer:
     rows: list[Row]
     """Best first."""
     remarks: list[str]
-    """The Pareto fronts by means and proven, and what more missions would decide."""
+    """Statements about the Pareto fronts (by means, and proven), and about the missions that would decide more."""
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
 
     def lines(self, width: int | None = None) -> list[str]:
-        """Returns the text in lines. The table is not wider than ``width``, provided that two objectives fit."""
+        """Returns the lines of the text. The table is not wider than ``width``, unless two objectives do not fit in it.
+        """
         hidden = len(self.rows) - _MOST_ROWS
         more = [f"... and {hidden} more in designs.csv"] if hidden > 0 else []
         table = table_lines(self.titles, self.rows[:_MOST_ROWS], width)
@@ -81,7 +82,7 @@ def _aligned(titles: Sequence[str], rows: Sequence[Row]) -> list[str]:
 
 
 class Judge:
-    """Ranks designs by the first objective that is minimised or maximised, else by the first share."""
+    """Ranks designs by the first objective that is minimised or maximised; if there is none, by the first share."""
 
     def __init__(self, evidence: Evidence, units: Units, names: Sequence[str], status: Sequence[str]) -> None:
         self._evidence = evidence
@@ -131,8 +132,8 @@ class Judge:
         return rows
 
     def _key(self, design: int, found: Sequence[Estimate], at: int | None) -> tuple[float, ...]:
-        """Sorts designs that can be ranked first; then by the share on which the main objective depends; then by
-        that objective; then by the other objectives, for designs with equal values."""
+        """Returns the key for sorting. Designs that can be ranked come first. They are sorted by the share on which the
+        main objective depends, then by that objective, then by the other objectives."""
         if at is None or self._main is None or found[at].mean is None:
             return (2,)
         order = self._order(self._main, found)
@@ -143,14 +144,15 @@ class Judge:
         return 0, -(share_found or 0.0), *order
 
     def _order(self, first: Objective, found: Sequence[Estimate]) -> list[float]:
-        """Returns keys that are less for a better design: the values of an objective and of the following ones, in
-        their senses."""
+        """Returns keys that are smaller for a better design: the values of an objective and of the objectives after it,
+        with the signs of their senses."""
         wanted = [first, *(one for one in self._senses if one is not first)]
         means = [(self._sign(one), found[self._evidence.index[one.label]].mean) for one in wanted]
         return [math.inf if mean is None else -sign * mean for sign, mean in means]
 
     def _condition(self, objective: Objective) -> Objective | None:
-        """Returns the share that a design needs before a value that is defined for successes only is meaningful."""
+        """Returns the share of successes on which an objective depends: a value that is defined for successes only has
+        no meaning without it."""
         if objective.where is None or any(one.label == objective.where for one in self._study.constraints):
             return None
         return self._study.objective(objective.where)
@@ -168,8 +170,8 @@ class Judge:
     # The headline.
 
     def _group(self, objective: Objective) -> list[int]:
-        """Returns the designs to compare: those whose means satisfy the constraints, and with the highest share on
-        which the objective depends."""
+        """Returns the designs to compare: among those whose means satisfy the constraints, the ones with the highest
+        share on which the objective depends."""
         shown = self._evidence.shown
         designs = [
             design
@@ -236,7 +238,7 @@ class Judge:
         low = min(self._evidence.shown(design, self._share).interval[0] for design in designs)
         return f" {'Its' if len(designs) == 1 else 'Their'} {self._share.label} is above {percent(math.floor(100 * low) / 100)}." if low >= 0.01 else ""
 
-    # Notes on designs.
+    # Notes on the designs.
 
     def _ended(self, design: int) -> str:
         status = self._status[design]
@@ -306,8 +308,8 @@ class Judge:
 
 
 def missions_to_separate(evidence: Evidence, best: int, other: int, objective: Objective) -> int | None:
-    """Returns how many more missions of both designs prove their order if their differences stay the same. None if
-    the best one does not lead, or leads by too little."""
+    """Returns how many more missions of both designs would prove their order, if their differences stay the same.
+    Returns None if the best design does not lead, or leads by too little."""
     differences = evidence.differences(best, other, objective)
     count = len(differences)
     if objective.is_share:
@@ -329,8 +331,8 @@ def missions_to_separate(evidence: Evidence, best: int, other: int, objective: O
 
 
 def missions_to_decide(evidence: Evidence, design: int, constraint: Constraint) -> int | None:
-    """Returns how many more missions decide on which side of a bound a share is, if it stays the same. None if too
-    many are needed."""
+    """Returns how many more missions would decide on which side of a bound a share is, if the share stays the same.
+    Returns None if too many are needed."""
     found = evidence.shown(design, evidence.study.objective(constraint.label))
     if found.successes is None or found.count == 0:
         return None
@@ -346,7 +348,7 @@ def missions_to_decide(evidence: Evidence, design: int, constraint: Constraint) 
 
 def _more_missions(count: int, is_sure: Callable[[float], bool]) -> int | None:
     """Returns how many missions must be added to ``count``, rounded up to two digits, until ``is_sure(factor)`` is true;
-    ``factor`` is the new number divided by ``count``. None if more than ``_MOST_MISSIONS`` are needed."""
+    ``factor`` is the new number divided by ``count``. Returns None if more than ``_MOST_MISSIONS`` are needed."""
     factor = 1.0
     while not is_sure(factor):
         factor *= 1.1

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Intervals of shares and means, computed from counts and sums.
 
-There are two kinds. A *fixed* interval keeps its level if the number of missions was chosen beforehand: Wilson's for a
-share (Clopper and Pearson's if a decision depends on it), Student's for a mean. A *sequence* keeps its level at all
-numbers of missions at once, so that one may look after every round and stop at any time. It is a mixture martingale,
-which by Ville's inequality exceeds 1/alpha with a probability of at most alpha (Robbins 1970; Howard et al. 2021).
+There are two kinds. A *fixed* interval has its confidence level if the number of missions was chosen beforehand:
+Wilson's for a share (Clopper and Pearson's if a decision depends on it), Student's for a mean. A *sequence* has its
+level at all numbers of missions at once, so that a study may look at the results after every round and stop at any
+time. It is a mixture martingale, which by Ville's inequality exceeds 1/alpha with a probability of at most alpha
+(Robbins 1970; Howard et al. 2021).
 
 - Share: the likelihood ratio of a beta-binomial mixture against p (uniform prior),
   B(1 + s, 1 + f) / (p^s (1 - p)^f). The interval contains all p for which it is below 1/alpha. Exact for any p.
@@ -30,7 +31,7 @@ _EFFECT = 1.0
 
 
 def wilson(successes: int, count: int, error: float) -> Interval:
-    """Wilson's score interval of a share at level 1 - error, for a count chosen beforehand."""
+    """Returns Wilson's score interval of a share at level 1 - error, for a count chosen beforehand."""
     if count == 0:
         return 0.0, 1.0
     z = statistics.NormalDist().inv_cdf(1 - error / 2)
@@ -42,8 +43,8 @@ def wilson(successes: int, count: int, error: float) -> Interval:
 
 
 def exact_share(successes: int, count: int, error: float) -> Interval:
-    """Clopper and Pearson's interval of a share, for a count chosen beforehand. For any share, each end is wrong
-    with a probability of at most half of ``error``."""
+    """Returns Clopper and Pearson's interval of a share, for a count chosen beforehand. For any share, each end is
+    wrong with a probability of at most half of ``error``."""
     middle = successes / count if count else 0.0
     low = high = None
     if successes > 0:
@@ -54,14 +55,14 @@ def exact_share(successes: int, count: int, error: float) -> Interval:
 
 
 def share_evidence(successes: int, count: int, share: float) -> float:
-    """Logarithm of the evidence against a share: the mixture's likelihood ratio."""
+    """Returns the logarithm of the evidence against a share: the mixture's likelihood ratio."""
     failures = count - successes
     mixture = math.lgamma(1 + successes) + math.lgamma(1 + failures) - math.lgamma(2 + count)
     return mixture - _times_log(successes, share) - _times_log(failures, 1 - share)
 
 
 def share_sequence(successes: int, count: int, error: float) -> Interval:
-    """An interval of a share that is valid at all counts at once, with a probability of at least 1 - error."""
+    """Returns an interval of a share that is valid at all counts at once, with a probability of at least 1 - error."""
     if count == 0:
         return 0.0, 1.0
     bound = -math.log(error)
@@ -78,7 +79,7 @@ def _times_log(count: int, p: float) -> float:
 
 
 def _edge(outside: Callable[[float], bool], far: float, near: float) -> float:
-    """Returns the last point outside, between ``far``, which is outside, and ``near``, which is not."""
+    """Returns the last point outside, between ``far``, which is outside, and ``near``, which is inside."""
     for _ in range(60):
         middle = (far + near) / 2
         if outside(middle):
@@ -109,12 +110,12 @@ class Moments:
 
     @property
     def deviation(self) -> float:
-        """Standard deviation of the values; 0 for fewer than two."""
+        """Returns the standard deviation of the values; 0 for fewer than two."""
         return math.sqrt(self.squares / (self.count - 1)) if self.count > 1 else 0.0
 
 
 def student(moments: Moments, error: float) -> Interval:
-    """Student's interval of a mean at level 1 - error, for a count chosen beforehand."""
+    """Returns Student's interval of a mean at level 1 - error, for a count chosen beforehand."""
     if moments.count < 2:
         return -math.inf, math.inf
     half = t_quantile(1 - error / 2, moments.count - 1) * moments.deviation / math.sqrt(moments.count)
@@ -122,7 +123,7 @@ def student(moments: Moments, error: float) -> Interval:
 
 
 def mean_sequence(moments: Moments, error: float) -> Interval:
-    """An interval of a mean that is valid at all counts at once, with a probability of at least 1 - error."""
+    """Returns an interval of a mean that is valid at all counts at once, with a probability of at least 1 - error."""
     n = moments.count
     if n < 2:
         return -math.inf, math.inf
@@ -143,7 +144,7 @@ def percentile_of(ordered: Sequence[float], percentile: float) -> float:
 
 
 def percentile_interval(ordered: Sequence[float], percentile: float, error: float) -> Interval:
-    """An interval of a percentile at level 1 - error, for a count chosen beforehand. Each end is wrong with a
+    """Returns an interval of a percentile at level 1 - error, for a count chosen beforehand. Each end is wrong with a
     probability of at most half of ``error``, by the binomial distribution."""
     count, share = len(ordered), percentile / 100
     below, chance = 0, _binomial(0, count, share)
@@ -158,7 +159,8 @@ def percentile_interval(ordered: Sequence[float], percentile: float, error: floa
 
 
 def percentile_sequence(ordered: Sequence[float], percentile: float, error: float) -> Interval:
-    """An interval of a percentile that is valid at all counts at once, with a probability of at least 1 - error."""
+    """Returns an interval of a percentile that is valid at all counts at once, with a probability of at least 1 -
+    error."""
     count, share, bound = len(ordered), percentile / 100, -math.log(error)
     possible = [at for at in range(count + 1) if share_evidence(at, count, share) < bound]
     return _between_ranks(ordered, possible[0], possible[-1])
@@ -178,7 +180,7 @@ def _binomial(successes: int, count: int, share: float) -> float:
 
 @functools.lru_cache(4096)
 def t_quantile(p: float, freedom: int) -> float:
-    """Quantile of Student's t distribution, for p above one half."""
+    """Returns the quantile of Student's t distribution, for p above one half."""
     low, high = 0.0, 1.0
     while _t_distribution(high, freedom) < p:
         high *= 2
@@ -193,7 +195,7 @@ def _t_distribution(t: float, freedom: int) -> float:
 
 
 def _incomplete_beta(a: float, b: float, x: float) -> float:
-    """The regularised incomplete beta function, by its continued fraction (Lentz)."""
+    """Returns the regularised incomplete beta function, by its continued fraction (Lentz)."""
     if x <= 0 or x >= 1:
         return float(x >= 1)
     if x > (a + 1) / (a + b + 2):

@@ -42,20 +42,20 @@ TABLES = ("missions.csv", "designs.csv", "sensitivity.csv", "levels.csv", *colum
 _CHUNK = 1000
 """The number of missions that are looked up in the journal at once."""
 _OBJECTS_OF_A_COLLECTION = 100_000
-"""The number of new objects after which Python's garbage collector searches for cycles. With its default of 700, this takes a
-fifth of a large study's time."""
+"""The number of new objects after which Python's garbage collector searches for cycles. With the default of 700, the
+search takes a fifth of a large study's time."""
 _MOST_COMPARED = 300
-"""With more designs, the progress does not name the leaders."""
+"""If there are more designs than this, the progress does not name the leaders."""
 
 
 FLIGHTS = "flights"
-"""Folder of the missions' results, each by its hash."""
+"""The folder of the missions' results. Each is named by its hash."""
 REPLAYS = "replays"
-"""Folder of missions repeated by the commands of the report."""
+"""The folder for missions that the commands of the report repeat."""
 
 
 def is_done(folder: pathlib.Path) -> bool:
-    """True if the file exists that is written last."""
+    """True if the file that is written last exists."""
     return (folder / "report.html").exists()
 
 _MOST_VALUES_TRIED = 64
@@ -122,11 +122,11 @@ class Campaign:
                         "unknown_name",
                     )
 
-    # Before the first mission.
+    # Steps before the first mission.
 
     def check(self, journal: Journal | None = None) -> None:
-        """Initialises missions to t = 0 so that every value of every factor occurs, and the extremes of each draw.
-        Raises InputError with all errors."""
+        """Initialises missions to t = 0 so that every value of every factor occurs at least once, and so do the
+        extremes of each draw. Raises InputError with all errors."""
         tried: dict[str, tuple[str, Values]] = {}
         found: dict[str, Record] = {}
         problems: dict[str, str] = {}
@@ -336,7 +336,7 @@ class Campaign:
         self, flights: Flights, journal: Journal, others: list[Journal], results: Results | None, repeated: dict[bytes, list[int]]
     ) -> Iterator[tuple[Sequence[int], Orders]]:
         """Yields the missions that are in no journal and not in progress, with their numbers in the round. Records
-        those in a journal as results, and the numbers of those in progress in ``repeated``."""
+        missions that are in a journal as results. Records the numbers of missions in progress in ``repeated``."""
         for first, orders in self.space.orders(flights, _CHUNK):
             digests = orders.digests
             may_be_known = journal.may_have(digests)
@@ -362,7 +362,7 @@ class Campaign:
                 yield [first + at for at in fresh] if results is not None else [-1] * len(fresh), orders.only(fresh)
 
     def _fill(self, queue: Iterator[tuple[Sequence[int], Orders]], ahead: Iterator[tuple[Sequence[int], Orders]], most: int) -> None:
-        """Passes on orders, those of the round first, until all workers have enough."""
+        """Passes orders to the executor, first those of the round, until all workers have enough."""
         while not self._dispatcher.is_full:
             found = next(queue, None)
             if found is not None:
@@ -378,7 +378,7 @@ class Campaign:
     def _bring(
         self, journal: Journal, others: list[Journal], on_progress: Callable[[Progress], None], orders: list[Order], later: int
     ) -> Journal:
-        """Adds these missions to the journal. ``later`` is the maximum number that follows."""
+        """Adds these missions to the journal. ``later`` is the maximum number of missions that follow."""
         missing = {order["mission"]: order for order in orders if not self._is_known(order, journal, others)}
         queue = iter(missing.values())
         left = len(missing)
@@ -410,7 +410,8 @@ class Campaign:
         return "; ".join(filter(None, (ended, self._ahead)))
 
     def _who_is_ahead(self, evidence: Evidence) -> str:
-        """Returns the designs that no other one dominates by the measured values so far, which may be due to noise."""
+        """Returns the designs that no other design dominates by the values measured so far. The order may be due to
+        noise."""
         if not evidence.has_front or len(self.space.designs) > _MOST_COMPARED:
             return ""
         ahead = evidence.leaders([design for design in range(len(self.space.designs)) if evidence.feasible(design) is not False])
@@ -419,7 +420,7 @@ class Campaign:
         return f"ahead so far: designs {shown}{more}" if ahead else ""
 
     def _is_known(self, order: Order, journal: Journal, others: list[Journal]) -> bool:
-        """Returns True if a journal has the mission. Counts it as reused unless this call ran it."""
+        """True if a journal has the mission. Counts the mission as reused unless this call ran it."""
         found = self._known(order, journal, others)
         if found is not None:
             self._count_taken(*found)
@@ -484,8 +485,8 @@ class Campaign:
             )
 
     def _mission_lines(self, journal: Journal, results: Results) -> Iterator[str]:
-        """Yields the lines of missions.csv, many at a time, from the data in ``results``: reading the journal again
-        would take longer."""
+        """Yields the lines of missions.csv, many at a time, from the data in ``results``, because reading the journal
+        again would take longer."""
         space, evidence = self.space, results.evidence
         yield csv_text(tables.mission_head(space.factors, self.study)) + "\n"
         drawn: dict[int, list[str]] = {}

@@ -20,7 +20,7 @@ _UNIT = re.compile(r" \[([^]]+)\]")
 
 
 MOST_ROWS = 250_000
-"""A larger table is written as CSV only, because the other formats are built in memory."""
+"""A table with more rows is written as CSV only, because the other formats are built in memory."""
 
 
 def write(folder: pathlib.Path) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots sweep``: the program is replaced by this module, which parses the command line."""
+"""Implements ``mebots sweep``: the program is replaced by this module, which parses the command line."""
 
 from __future__ import annotations
 
@@ -44,10 +44,11 @@ def sweep(
     mission: str | os.PathLike[str] | None = None,
     progress: Any = None,
 ) -> Sweep:
-    """Runs the missions of a study, as ``mebots sweep`` does, and writes its tables into ``out``. The same call continues it.
-    ``to_pandas()``, ``to_polars()`` and ``to_xarray()`` of the result return the tables; ``show()`` shows the report in a
-    notebook. Raises InputError for what the caller can correct, Error if an executor or a disk failed, and
-    ``mebots.exploration.dispatch.Unfinished`` if a mission had no result in three attempts.
+    """Runs the missions of a study, as ``mebots sweep`` does, and writes its tables into ``out``. The same call
+    continues an interrupted study. ``to_pandas()``, ``to_polars()`` and ``to_xarray()`` of the result return the
+    tables; ``show()`` shows the report in a notebook. Raises InputError for what the caller can correct, Error if an
+    executor or a disk failed, and ``mebots.exploration.dispatch.Unfinished`` if a mission had no result in three
+    attempts.
 
     :param study: file, or its content as a dict.
     :param out: folder; None = a temporary one, which exists as long as the result.
@@ -89,7 +90,7 @@ def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: 
         threads = concurrent.futures.ThreadPoolExecutor(jobs)  # each has its own mission process: see flying
         try:
             with interrupts.allowed():
-                # Enough for every worker, and few enough that a decision wastes few missions.
+                # This is enough for every worker, and so few that a decision wastes few missions.
                 yield Campaign(study, threads, 2 * jobs)
         finally:
             with interrupts.held():  # again: an interrupt may have ended ``allowed`` early
@@ -99,7 +100,7 @@ def _campaign(study: Study, executor: concurrent.futures.Executor | None, jobs: 
 
 
 def main(words: list[str] | None = None) -> int:
-    """Returns the exit code."""
+    """Runs the command. Returns the exit code."""
     options = _options(words)
     signal.signal(signal.SIGTERM, interrupts.interrupt)
     signal.signal(signal.SIGHUP, interrupts.interrupt)
@@ -191,13 +192,13 @@ def _size(campaign: Campaign) -> str:
 
 
 _MOST_SHOWN = 12
-"""Designs in the live table."""
+"""Maximum number of designs in the live table."""
 _EVERY_S, _TABLE_SHARE = 0.5, 20.0
 """The live table uses at most a twentieth of the time."""
 
 
 class _ProgressLine:
-    """On a terminal, redraws a line and the ranking so far; elsewhere, prints occasional lines."""
+    """Shows the progress. On a terminal, redraws a line and the ranking so far; elsewhere, prints occasional lines."""
 
     def __init__(self) -> None:
         self._terminal = sys.stderr.isatty()
@@ -216,7 +217,7 @@ class _ProgressLine:
         self._next_s = time.monotonic() + max(_EVERY_S, _TABLE_SHARE * (time.monotonic() - begun_s))
 
     def _draw(self, lines: list[str]) -> None:
-        """Replaces the lines drawn before. A wrapped line could not be replaced."""
+        """Replaces the lines that were drawn before. A line that wraps could not be replaced."""
         size = shutil.get_terminal_size()
         shown = [line[: size.columns - 1] for line in lines[: max(1, size.lines - 1)]]
         back = f"\r\033[{self._drawn - 1}A" if self._drawn > 1 else "\r"
@@ -229,7 +230,8 @@ class _ProgressLine:
 
 
 def _live_table(now: Progress) -> list[str]:
-    """Returns the best designs so far with their intervals, and how many have ended for which reason."""
+    """Returns the best designs so far with their intervals, and the number of designs that have ended for each reason.
+    """
     if now.standings is None:
         return []
     so_far = now.standings()
@@ -264,7 +266,7 @@ def _status(folder: pathlib.Path) -> int:
 
 
 def _dry_run(study: Study, options: argparse.Namespace) -> int:
-    """Checks everything, and runs one mission to estimate the time of all."""
+    """Checks everything, and runs one mission to estimate the time of all missions."""
     with _campaign(study, None, options.jobs) as campaign:
         campaign.check()
         jobs = options.jobs or len(os.sched_getaffinity(0))

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Statistics of designs and comparisons between designs, from the missions so far.
 
-All designs use the same draws, so a pair is compared replicate by replicate, and common effects of chance cancel out. For
-shares only replicates count in which one design succeeded and the other did not. If both are equal, each of the two has
-this success with probability one half.
+All designs use the same draws, so two designs are compared replicate by replicate, and common effects of chance cancel
+out. For shares, only replicates count in which one design succeeded and the other did not. If both designs are equal,
+each of them has this success with probability one half.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ which Wilson's interval is too narrow."""
 
 
 class Evidence:
-    """Measures of all counted missions, by design and replicate. NaN marks a measure that a mission does not have; a
-    mission without a result has none. Memory: 8 bytes per measure."""
+    """Measures of all counted missions, by design and replicate. NaN marks a measure that a mission does not have. A
+    mission without a result has no measures. Each measure takes 8 bytes."""
 
     def __init__(self, study: Study, designs: int) -> None:
         self.study = study
@@ -140,7 +140,8 @@ class Evidence:
 
     @property
     def design_error(self) -> float:
-        """Returns the error of one statement about one design. All together use the other half of ``error``."""
+        """Returns the permitted error of one statement about one design. All such statements together use half of
+        ``error``; comparisons use the other half."""
         statements = len(self.study.constraints) + (self.study.stop is not None) + len(self._senses)
         return self.study.error / 2 / (max(len(self.counts), 1) * max(statements, 1))
 
@@ -160,7 +161,7 @@ class Evidence:
         return _estimated(objective, values, self.study.error, SEQUENCES if self.study.looks else SHOWN)
 
     def course(self, design: int, objective: Objective, counts: Sequence[int]) -> list[Estimate]:
-        """Returns what ``shown`` would have returned after each of these numbers of missions."""
+        """Returns the results that ``shown`` would have returned after each of these numbers of missions."""
         values = self.column(design, self.index[objective.label])
         methods = SEQUENCES if self.study.looks else SHOWN
         return [_estimated(objective, values[:count], self.study.error, methods) for count in counts]
@@ -176,23 +177,24 @@ class Evidence:
         return (found.mean, found.mean) if not self.study.draws and found.mean is not None else found.interval
 
     def side(self, design: int, constraint: Constraint) -> bool | None:
-        """True if a design satisfies a constraint; None while that is not certain."""
+        """True or False if a design certainly satisfies or violates a constraint; None while that is not certain."""
         low, high = self.known_of(design, self.study.objective(constraint.label))
         if constraint.above:
             return True if low > constraint.bound else False if high <= constraint.bound else None
         return True if high < constraint.bound else False if low >= constraint.bound else None
 
     def feasible(self, design: int) -> bool | None:
-        """True if a design satisfies all constraints; None while that is not certain."""
+        """True or False if a design certainly satisfies all constraints or certainly violates one; None while that is
+        not certain."""
         sides = [self.side(design, constraint) for constraint in self.study.constraints]
         if False in sides:
             return False
         return None if None in sides else True
 
     def advantage(self, better: int, worse: int, objective: Objective) -> float:
-        """Returns by how much ``better`` is certainly better, in the objective's sense and unit. A negative value is
-        the amount by which it may be worse. For shares of which only the order is certain, returns the smallest
-        number above 0."""
+        """Returns the amount by which ``better`` is certainly better than ``worse``, in the objective's sense and unit.
+        A negative value is the amount by which it may be worse. For shares of which only the order is certain, returns
+        the smallest number above 0."""
         separate = self._advantage_of_intervals(better, worse, objective)
         if separate > 0:
             return separate
@@ -223,7 +225,8 @@ class Evidence:
         return (SEQUENCES if self.study.looks else DECIDED).mean(differences, self.pair_error)[0]
 
     def differences(self, better: int, worse: int, objective: Objective) -> list[float]:
-        """Returns by how much ``better`` was better in each replicate that both have, in the objective's sense."""
+        """Returns the amount by which ``better`` was better in each replicate that both have, in the objective's sense.
+        """
         sense, at = objective.sense or 1, self.index[objective.label]
         return [
             sense * (a - b)
@@ -233,13 +236,14 @@ class Evidence:
 
     @property
     def pair_error(self) -> float:
-        """Returns the error of one comparison. All together are wrong with a probability of at most half of ``error``."""
+        """Returns the permitted error of one comparison. All comparisons together are wrong with a probability of at
+        most half of ``error``."""
         designs = max(len(self.counts), 2)
         return self.study.error / 2 / (designs * (designs - 1) / 2 * max(len(self._senses), 1))
 
     def dominates(self, design: int, other: int) -> bool:
-        """True if the design is certainly better than ``other`` in one objective, and in none worse by more than its
-        tolerance."""
+        """True if the design is certainly better than ``other`` in one objective, and certainly not worse in any other
+        by more than its tolerance."""
         if not self._senses:
             return False
         some_better = False
@@ -259,7 +263,7 @@ class Evidence:
         return self.advantage(design, other, self.study.objective(label)) > 0
 
     def leaders(self, designs: Sequence[int]) -> list[int]:
-        """Returns those of these designs that no other one dominates by the means so far. Every dominated design is
+        """Returns the designs among these that no other design dominates by the means so far. Each dominated design is
         dominated by one of them."""
         points = [(design, self._point(design)) for design in designs]
         complete = [(design, point) for design, point in points if None not in point]
@@ -269,7 +273,7 @@ class Evidence:
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Returns for all designs, in the sense of each objective, the lower and the upper ends of the intervals for
-        decisions, and the means (NaN if there is none)."""
+        decisions, and the means (NaN for a design without a mean)."""
         shape = (len(self.counts), len(self._senses))
         low, high, mean = np.empty(shape), np.empty(shape), np.full(shape, np.nan)
         for design in range(len(self.counts)):

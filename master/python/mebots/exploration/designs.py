@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The designs that a study compares: a registry with one function per kind."""
+"""Makes the designs that a study compares. A registry has one function per kind of design."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def _list(study: Study) -> list[Values]:
 
 
 def _cell(text: str) -> Any:
-    """Returns a number or Boolean if the text is one, else the text."""
+    """Returns a number or Boolean if the text is one; otherwise the text."""
     try:
         value = json.loads(text)
     except ValueError:
@@ -82,7 +82,7 @@ def _latin_hypercube(study: Study) -> list[Values]:
 
 
 def _sobol(study: Study) -> list[Values]:
-    """Sobol's sequence, scrambled with the seed (SciPy)."""
+    """Returns designs of Sobol's sequence, scrambled with the seed (SciPy)."""
     qmc = extra("scipy.stats.qmc", "a design 'sobol'", "scipy")
     factors = study.design["factors"]
     count = study.design["points"]
@@ -93,7 +93,7 @@ def _sobol(study: Study) -> list[Values]:
 
 
 def _sensitivity(study: Study) -> list[Values]:
-    """The samples of a method of SALib: points on the unit cube, converted to quantiles of the factors."""
+    """Returns the samples of a method of SALib: points on the unit cube, converted to quantiles of the factors."""
     factors = study.design["factors"]
     return [
         {name: chance.value(spread, float(u)) for (name, spread), u in zip(factors.items(), point, strict=True)}
@@ -124,7 +124,7 @@ KINDS: dict[str, Callable[[Study], list[Values]]] = {
 
 
 def _fits(condition: dict[str, Any], design: Values) -> bool:
-    """True if a design that matches ``when`` matches ``only`` too."""
+    """True if every design that matches ``when`` also matches ``only``."""
     return not _in(condition["when"], design) or _in(condition["only"], design)
 
 

@@ -20,11 +20,11 @@ from mebots.exploration.replies import Reply, reply_from
 ATTEMPTS = 3
 """The number of attempts without a result after which the study stops."""
 _BATCH_S = 0.25
-"""The time for which a batch should occupy a worker. A kill loses at most this much."""
+"""The time for which a batch should occupy a worker. If the worker is killed, at most this much work is lost."""
 _MOST_IN_BATCH = 1000
 _GROWTH = 10
 _MOST_SENDS = 5
-"""The number of times that files are sent to workers for one batch."""
+"""The maximum number of times that files are sent to workers for one batch."""
 
 Future = concurrent.futures.Future[dict[str, Any]]
 
@@ -38,7 +38,7 @@ class Unfinished(Error):
 
 @dataclasses.dataclass
 class _Group:
-    """Orders, and the number of each mission in the round that requested it; -1 for none."""
+    """Orders with the number of each mission in the round that requested it; -1 if no round did."""
 
     orders: Orders
     indices: Sequence[int]
@@ -60,7 +60,7 @@ class _Task:
 
 
 class Dispatcher:
-    """Keeps at most ``most`` batches in progress. For one thread at a time."""
+    """Keeps at most ``most`` batches in progress. It is for one thread at a time."""
 
     def __init__(self, executor: concurrent.futures.Executor, most: int) -> None:
         self._executor = executor
@@ -84,7 +84,7 @@ class Dispatcher:
 
     def give(self, orders: Orders, indices: Sequence[int] | None = None, left: int = _MOST_IN_BATCH) -> None:
         """Adds orders to the next batches, except those of missions in progress. ``indices`` are the missions'
-        numbers in the round. ``left`` is the maximum number of orders that follow; near the end batches are
+        numbers in the round. ``left`` is the maximum number of orders that follow. Near the end of a round, batches are
         small, so that all workers have one."""
         if indices is None:
             indices = [-1] * len(orders)
@@ -102,7 +102,7 @@ class Dispatcher:
         self._send(whole=False)
 
     def _send(self, *, whole: bool) -> None:
-        """Sends batches while there is capacity. ``whole``: only batches that are full."""
+        """Sends batches while there is capacity. With ``whole``, sends only full batches."""
         waiting = sum(len(group.orders) for group in self._waiting)
         while waiting and len(self._out) < self._most:
             size = max(1, min(self._size, (waiting + self._left) // self._most))
@@ -127,8 +127,8 @@ class Dispatcher:
             raise self._unfinished
         if not self._out:
             self.flush()
-        # Not concurrent.futures.wait(): an interrupt may leave a future's lock taken, and its worker would wait
-        # forever.
+        # concurrent.futures.wait() is not used: an interrupt may leave a future's lock taken, and its worker would wait
+        # without end.
         done = [self._done.get()]
         while not self._done.empty():
             done.append(self._done.get())
@@ -178,7 +178,8 @@ class Dispatcher:
         return reply if reply.digests else None
 
     def _repeat(self, order: Order, index: int, why: str) -> None:
-        """Repeats a mission without a result alone, so that no other mission is lost if it ends its worker."""
+        """Repeats a mission without a result in a batch of its own, so that no other mission is lost if the mission
+        ends its worker."""
         mission = order["mission"]
         self._attempts[mission] += 1
         if self._attempts[mission] < ATTEMPTS:

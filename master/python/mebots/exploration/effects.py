@@ -50,8 +50,8 @@ def factors_of(names: Sequence[str], designs: Sequence[Values], units: Units) ->
 
 
 def short_names(names: Sequence[str]) -> list[str]:
-    """Returns the last part of each name, with the preceding parts that make it unique. A part such as "name" gets
-    one more."""
+    """Returns the last part of each name, with the preceding parts that make it unique. A last part such as "name"
+    always gets the part before it."""
 
     def ending(name: str, parts: int) -> str:
         return name.removeprefix("/") if name.startswith("/") else ".".join(name.split(".")[-parts:])
@@ -81,7 +81,8 @@ def _factor(name: str, label: str, values: list[Any], unit: str) -> Factor:
 
 
 def _parts(values: np.ndarray, scale: float, unit: str) -> tuple[list[str], np.ndarray]:
-    """Returns names of parts of the values with equal numbers of them, and the part of each value."""
+    """Divides values into parts with equal numbers of values. Returns the names of the parts, and the part of each
+    value."""
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _PARTS + 1)))
     names = [" ".join(filter(None, (f"{number(low * scale, 3)} to {number(high * scale, 3)}", unit))) for low, high in itertools.pairwise(edges)]
     return names, np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(names) - 1)
@@ -124,8 +125,9 @@ def pairs_of(factors: Sequence[Factor]) -> list[tuple[int, int]]:
 
 @dataclasses.dataclass(frozen=True)
 class Importances:
-    """Shares of the variance of the designs' values: explained by each factor in addition to all others, and by each
-    pair in addition to all factors. A common effect of factors that change together is in no share."""
+    """Shares of the variance of the designs' values. Each factor has the share that it explains in addition to all
+    others, and each pair the share in addition to all factors. If factors change together, their common effect is in no
+    share."""
 
     factors: list[float]
     pairs: list[float]
@@ -133,7 +135,8 @@ class Importances:
 
 def importances(study: Study, factors: Sequence[Factor], pairs: Sequence[tuple[int, int]], values: np.ndarray) -> Importances | None:
     """Returns the importances, or None if all designs have the same value. If designs are a sample of their space,
-    the share explained by chance is subtracted; it follows from what all factors together do not explain."""
+    the share that chance explains is subtracted. It is estimated from the variance that all factors together do not
+    explain."""
     known = ~np.isnan(values)
     own = values[known] - values[known].mean() if known.any() else values[known]
     total = float(own @ own)

@@ -16,7 +16,7 @@ from mebots.exploration.study import Objective, Study, Values
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _SCALED = ("Hz", "J", "W", "Wh", "A", "Ah", "V", "F", "N", "Pa")
 _MOST_DIGITS = 6
-"""Significant digits of a value with an interval."""
+"""The number of significant digits of a value with an interval."""
 _SCALED_DOWN = ("s", "m")
 """Units whose multiples above 1 have other names or are not in common use."""
 
@@ -42,7 +42,7 @@ def number(value: float, digits: int = 4) -> str:
 
 
 def quantity(value: Any, unit: str = "") -> str:
-    """Returns a value with its unit: 102.7 MHz."""
+    """Returns a value with its unit, such as 102.7 MHz."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return json.dumps(value) if isinstance(value, bool) else str(value)
     factor, shown = scale_of(unit, [value])
@@ -58,7 +58,7 @@ def percent(share: float) -> str:
 
 
 def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
-    """Returns the value of a design with its interval: 263 J (262 to 264), or 40 of 40 (91 to 100 %)."""
+    """Returns the value of a design with its interval, such as 263 J (262 to 264), or 40 of 40 (91 to 100 %)."""
     if found.mean is None:
         return "-"
     low, high = found.interval
@@ -68,7 +68,7 @@ def estimate_text(found: Estimate, objective: Objective, unit: str) -> str:
     if not (math.isfinite(low) and math.isfinite(high)):
         return " ".join(filter(None, (number(found.mean * factor), shown)))
     width = (high - low) * factor
-    # Rounding moves an end by at most a quarter of the interval's width.
+    # Rounding moves an end of the interval by at most a quarter of the interval's width.
     decimals = max(0, math.ceil(-math.log10(width / 2))) if width > 0 else _decimals_of(found.mean * factor)
     size = max(abs(low), abs(high)) * factor
     decimals = min(decimals, max(0, _MOST_DIGITS - 1 - math.floor(math.log10(size)))) if size > 0 else decimals
@@ -84,7 +84,8 @@ def _decimals_of(value: float) -> int:
 
 
 class Units:
-    """Units of a study's factors and objectives: from the study, else from the FMUs' variables."""
+    """The units of a study's factors and objectives. They come from the study; if it has none, from the FMUs'
+    variables."""
 
     def __init__(self, study: Study, summary: Mapping[str, Any]) -> None:
         try:
@@ -97,7 +98,7 @@ class Units:
         return "s" if name == "/stop_time" else self._of_variables.get(name, "")
 
     def of(self, objective: Objective) -> str:
-        """Returns the unit of an objective; "" for none. The unit of an expression is the one in the study."""
+        """Returns the unit of an objective; "" if it has none. The unit of an expression comes from the study."""
         if objective.unit or objective.is_share or objective.source == "expression":
             return objective.unit
         if objective.source == "summary":
@@ -113,7 +114,7 @@ class Units:
 
 
 def design_names(factors: Sequence[str], designs: Sequence[Values], units: Units) -> list[str]:
-    """Returns a name per design, made of the values in which designs differ: "lipol_350, 0.37 m/s"."""
+    """Returns a name for each design, made of the values in which designs differ, such as "lipol_350, 0.37 m/s"."""
     varied = [name for name in factors if len({repr(design[name]) for design in designs}) > 1]
     shown = [units.of_factor(name) for name in varied]
     plain = [bool(unit) and unit != "1" and shown.count(unit) == 1 for unit in shown]

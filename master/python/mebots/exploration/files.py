@@ -40,7 +40,7 @@ def write_whole(file: pathlib.Path, blocks: Iterable[bytes]) -> None:
     unchanged."""
 
     def write(beside: pathlib.Path) -> None:
-        # O_EXCL: does not follow a symbolic link of this name.
+        # O_EXCL ensures that no symbolic link of this name is followed.
         descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
         try:
             for block in blocks:

@@ -35,8 +35,8 @@ _TICKS = os.sysconf("SC_CLK_TCK")
 
 
 class Lost(Exception):
-    """The process ended during a mission. The message says how, without naming a process. ``is_outcome`` is False if
-    the cause was outside of the mission."""
+    """The process ended during a mission. The message states how it ended, without naming a process. ``is_outcome`` is
+    False if the cause was outside of the mission."""
 
     def __init__(self, text: str, *, is_outcome: bool = True) -> None:
         super().__init__(text)
@@ -44,7 +44,7 @@ class Lost(Exception):
 
 
 class MissionProcess:
-    """A worker in a separate process. For one thread at a time."""
+    """A worker in a separate process. It is for one thread at a time."""
 
     def __init__(self) -> None:
         life, self._life = os.pipe()
@@ -54,7 +54,7 @@ class MissionProcess:
         package = str(pathlib.Path(__file__).resolve().parents[2])
         environment["PYTHONPATH"] = os.pathsep.join([package, *filter(None, [environment.get("PYTHONPATH")])])
         environment["TMPDIR"] = folder = _folder()  # the process is killed at the end; its unpacked FMUs are deleted
-                                                    # with the folder
+                                                    # Its folder is deleted with it.
         self._process = subprocess.Popen(
             [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out), folder],
             stdin=subprocess.PIPE,
@@ -92,7 +92,7 @@ class MissionProcess:
         return record
 
     def end(self) -> None:
-        """Ends the process. From any thread: a thread that waits for a record gets Lost."""
+        """Ends the process. May be called from any thread: a thread that waits for a record then gets Lost."""
         with contextlib.suppress(OSError):
             os.killpg(self._process.pid, signal.SIGKILL)
 
@@ -111,10 +111,11 @@ class MissionProcess:
                 self._process.stdin.close()
 
     def _line(self, limit_s: float | None) -> dict[str, Any]:
-        # Read after the first wait only; most missions end before, and their records contain the time.
+        # The times are read only after the first wait, because most missions end before, and their records contain the
+        # time.
         begun_s = last_s = None
         moved_at = time.monotonic()
-        # A call that waits forever uses no processor time, so only this limit uses the wall clock.
+        # This limit alone uses the wall clock, because a call that waits without end uses no processor time.
         patience_s = _STALLED_AFTER_S if limit_s is None else max(_STALLED_AFTER_LEAST_S, limit_s)
         while b"\n" not in self._rest:
             if select.select([self._records], [], [], _LOOK_EVERY_S)[0]:
@@ -137,8 +138,8 @@ class MissionProcess:
         return json.loads(line)
 
     def _processor_time_s(self) -> float:
-        """Returns the processor time of the process and its descendants: its fork runs the mission and starts the
-        processes of isolated instances."""
+        """Returns the processor time of the process and its descendants. They are included because a fork of the
+        process runs the mission and starts the processes of isolated instances."""
         return _ticks_of_all(self._process.pid) / _TICKS
 
     def _lost(self) -> Lost:
@@ -183,7 +184,8 @@ def _ticks_of_all(process: int) -> int:
 
 
 def _ticks_of(process: int) -> int:
-    """Returns user and system time, including those of ended children; 0 if the process has ended."""
+    """Returns user and system time of a process, including the times of its ended children; 0 if the process has ended.
+    """
     with contextlib.suppress(OSError, IndexError), open(f"/proc/{process}/stat", encoding="utf-8") as stat:
         return sum(int(word) for word in stat.read().rpartition(")")[2].split()[11:15])
     return 0
@@ -217,7 +219,7 @@ def _remove_empty_folders() -> None:
 
 def _folder() -> str:
     """Returns the folder for temporary files of this process's mission processes, and for the states that they
-    share. They are killed and cannot delete their own files."""
+    share. These processes are killed, so they cannot delete their own files."""
     global _place
     with _lock:
         if _place is None:
@@ -227,10 +229,10 @@ def _folder() -> str:
 
 
 def fly_all(batch: Batch) -> dict[str, Any]:
-    """Executes a batch in the calling thread's mission process, for executors. Returns the missions' results
-    (``replies.py``), the ``unfinished`` ones with the reason, and ``duration_s``. If files are missing on this
-    machine, returns ``{"lacks": [their hashes]}``; a batch may contain them under ``contents``. If this is
-    another build of MEbots, whose results could differ, returns its ``build``."""
+    """Executes a batch in the mission process of the calling thread. Executors call it. Returns the missions' results
+    (``replies.py``), the ``unfinished`` missions with the reason, and ``duration_s``. If files are missing on this
+    machine, returns ``{"lacks": [their hashes]}``; a batch may contain them under ``contents``. If this is another
+    build of MEbots, whose results could differ, returns its ``build``."""
     if batch["shared"]["build"] != build():
         return {"build": build()}
     lacking = _find_files(batch)
@@ -294,7 +296,8 @@ def ready() -> None:
 
 
 def end_all() -> list[MissionProcess]:
-    """Ends all mission processes of this process. Pass the result to ``close_ended`` when no thread waits for them."""
+    """Ends all mission processes of this process. The caller must pass the result to ``close_ended`` when no thread
+    waits for them."""
     _closing.set()
     with _lock:
         processes = list(_all)
@@ -349,7 +352,7 @@ def _find_files(batch: Batch) -> list[str]:
 
 
 def _is(path: str, digest: str) -> bool:
-    """True if the file or folder has this hash. Cached by times and sizes."""
+    """True if the file or folder has this hash. The result is cached by times and sizes."""
     try:
         key = path, stamp_of(path)
     except OSError:

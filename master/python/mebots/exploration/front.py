@@ -15,10 +15,10 @@ ON, OFF, UNDECIDED, EXCLUDED, NONE = "on", "off", "undecided", "excluded", ""
 
 
 def places(evidence: Evidence) -> list[str]:
-    """Returns a word for each design. ``excluded``: it certainly violates a constraint. ``off``: another design that
-    satisfies all constraints certainly dominates it. ``on``: it is certainly feasible, and certainly better than
-    every other one in some objective. ``undecided``: anything else. Noise is never ranked: if the difference of
-    two designs is not certain, both are undecided."""
+    """Returns a word for each design. ``excluded``: the design certainly violates a constraint. ``off``: another design
+    that satisfies all constraints certainly dominates it. ``on``: the design is certainly feasible, and certainly
+    better than each other design in some objective. ``undecided``: all other cases. Noise is never ranked: if the
+    difference of two designs is not certain, both are undecided."""
     designs = range(len(evidence.counts))
     if not evidence.has_front:
         return [NONE] * len(designs)
@@ -38,7 +38,7 @@ def places(evidence: Evidence) -> list[str]:
 
 
 class Dominance:
-    """What is certain about each design compared with the leaders among ``feasible`` and with all ``rivals``."""
+    """What is certain about each design, in comparison with the leaders among ``feasible`` and with all ``rivals``."""
 
     def __init__(self, evidence: Evidence, feasible: list[int], rivals: list[int]) -> None:
         self._evidence = evidence
@@ -46,7 +46,7 @@ class Dominance:
         self._low, self._high, self._mean = low, high, mean
         self._leaders = np.array(evidence.leaders(feasible), int)
         self._rivals = np.array(rivals, int)
-        # A row per objective, because numpy is fast along rows.
+        # The arrays have a row per objective, because NumPy is fast along rows.
         self._leaders_low, self._leaders_mean = low[self._leaders].T.copy(), mean[self._leaders].T.copy()
         self._rivals_high = high[self._rivals].T.copy()
         # If two designs have the same missions, the mean of differences is the difference of means.
@@ -64,7 +64,7 @@ class Dominance:
             lead = self._leaders_low[at] - self._high[design, at]
             never_worse &= (lead > 0) | (lead > -tolerance)
             some_better |= lead > 0
-            # A lower bound of a mean difference is less than the difference.
+            # A lower bound of a mean difference is smaller than the difference.
             may_lead &= self._leaders_mean[at] > self._mean[design, at] - tolerance - self._slack[at]
         others = leaders != design
         if (never_worse & some_better & others).any():
@@ -76,7 +76,7 @@ class Dominance:
         return any(self._evidence.dominates(leader, design) for leader in largest_first.tolist())
 
     def is_best_somewhere(self, design: int) -> bool:
-        """True if the design is certainly better than each rival in some objective, so that none dominates it."""
+        """True if the design is certainly better than each rival in some objective, so that no rival dominates it."""
         open_ones = self._rivals != design
         for at in range(len(self._rivals_high)):
             open_ones &= self._low[design, at] <= self._rivals_high[at]

@@ -17,8 +17,9 @@ Content = bytes | dict[str, bytes]
 
 
 def is_input(name: str, path: str | os.PathLike[str]) -> bool:
-    """True if the parameter ``name`` (or the key of a config, as a JSON pointer) with this value names a file, or the folder of a deployed network. Other parameters cannot
-    name a folder: the name of something inside an FMU may be that of a folder, too."""
+    """True if the parameter ``name`` (or the key of a config, as a JSON pointer) with this value names a file, or the
+    folder of a deployed network. For other parameters, folders do not count, because a name that has a meaning inside
+    an FMU may also be the name of a folder."""
     if not os.fspath(path):
         return False
     return os.path.isfile(path) or (re.split(r"[./]", name)[-1] == "network" and os.path.isfile(os.path.join(path, "network.json")))
@@ -30,7 +31,7 @@ def digest_of_file(path: str | os.PathLike[str]) -> str:
 
 
 def digest_of_input(path: str | os.PathLike[str]) -> str:
-    """Returns the hash of a file, or of a folder: of the paths and hashes of its files."""
+    """Returns the hash of a file. For a folder, returns the hash of the paths and hashes of its files."""
     if not os.path.isdir(path):
         return digest_of_file(path)
     listed = [[name, digest_of_file(os.path.join(path, name))] for name in _files(path)]
@@ -44,7 +45,8 @@ def content_of(path: str | os.PathLike[str]) -> Content:
 
 
 def write_content(path: pathlib.Path, content: Content) -> None:
-    """Writes a file or a folder that appears complete. Other processes may write the same."""
+    """Writes a file or a folder so that it appears only when it is complete. Other processes may write the same
+    content."""
     path.parent.mkdir(parents=True, exist_ok=True)
     beside = path.with_name(f"{path.name}.{os.getpid()}.{threading.get_ident()}")
     if isinstance(content, bytes):
@@ -66,7 +68,7 @@ def write_content(path: pathlib.Path, content: Content) -> None:
 
 
 def stamp_of(path: str | os.PathLike[str]) -> tuple[tuple[str, int, int], ...]:
-    """Returns names, times and sizes: equal as long as nothing was written. Raises OSError."""
+    """Returns names, times and sizes, which are equal as long as nothing was written. Raises OSError."""
     names = _files(path) if os.path.isdir(path) else [""]
     stats = [(name, os.stat(os.path.join(path, name) if name else path)) for name in names]
     return tuple((name, one.st_mtime_ns, one.st_size) for name, one in stats)

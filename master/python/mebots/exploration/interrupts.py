@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Delivers Ctrl-C between two steps and never during one.
 
-Python raises KeyboardInterrupt between any two of its instructions. During ``Thread.start`` this leaves a thread that
-its pool does not know of; inside a lock's ``with`` it leaves the lock taken."""
+Python raises KeyboardInterrupt between any two of its instructions. An exception in ``Thread.start`` leaves a thread of
+which its pool has no record. An exception inside a lock's ``with`` leaves the lock taken."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def interrupt(number: int, frame: object) -> None:
 
 @contextlib.contextmanager
 def _handled() -> Iterator[None]:
-    """Replaces Python's own handler of Ctrl-C, which raises at any place. Keeps a handler of another program."""
+    """Replaces Python's own handler of Ctrl-C, which raises at any place. A handler of another program stays."""
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         yield
         return

@@ -28,13 +28,13 @@ from mebots.exploration import files
 NAME = "journal.jsonl"
 
 _SYNC_EVERY_S = 0.25
-"""A synchronisation takes milliseconds, during which no mission is started."""
+"""The time between two synchronisations. Each takes milliseconds, during which no mission is started."""
 _BLOCK_BYTES = 8 << 20
 _WINDOW_BYTES = 1 << 16
 _decoded = json.JSONDecoder().decode
 _encoded = json.JSONEncoder(separators=(",", ":")).encode
 _MOST_NAMED = 10
-"""The number of damaged lines that are listed; of further ones only the number is reported."""
+"""The number of damaged lines that are listed. If there are more, only their number is reported."""
 
 Record = dict[str, Any]
 
@@ -69,9 +69,9 @@ def key_of(mission: str) -> int:
 
 
 class Places:
-    """The place of each mission's line: 16 bytes per mission, in runs sorted by key, the latest run last. A run is
-    merged with the one before it unless that is more than twice as long. Several missions may share a key; all
-    their places are returned, latest first."""
+    """The place of each mission's line, with 16 bytes per mission. The places are in runs that are sorted by key, the
+    latest run last. A run is merged with the run before it, unless that one is more than twice as long. Several
+    missions may share a key; all their places are returned, latest first."""
 
     def __init__(self) -> None:
         self._runs: list[tuple[np.ndarray, np.ndarray]] = []
@@ -114,8 +114,8 @@ def keys_of(digests: Sequence[bytes]) -> np.ndarray:
 
 
 class Journal:
-    """The records of a folder by the hash of their mission. Keeps their places in memory, not their content. One
-    process at a time writes. Truncates an incomplete last line, which a killed process leaves. ``notices`` are
+    """The records of a folder by the hash of their mission. Keeps their places in memory, not their content. Only one
+    process at a time writes. An incomplete last line, which a killed process leaves, is removed. ``notices`` are texts
     for the user."""
 
     def __init__(self, folder: pathlib.Path, *, writable: bool = True) -> None:
@@ -163,7 +163,8 @@ class Journal:
         return None
 
     def may_have(self, digests: Sequence[bytes]) -> np.ndarray:
-        """Returns for each mission False if the journal has no record of it; much faster than ``find`` for many."""
+        """Returns False for each mission of which the journal has no record. For many missions, this is much faster
+        than ``find``."""
         return self._places.may_have(keys_of(digests))
 
     def at(self, place: int) -> Record:
@@ -173,7 +174,8 @@ class Journal:
         return record
 
     def of_other_builds(self, build: str) -> int:
-        """Returns the number of initial records of other builds; old records do not state their build."""
+        """Returns the number of records of other builds that the journal had at first. Old records do not state their
+        build."""
         return self._builds.total() - self._builds[build]
 
     def append(self, records: Iterable[Record]) -> list[int]:
@@ -184,8 +186,8 @@ class Journal:
         return self.append_lines(digests, b"".join(lines), np.array([len(line) for line in lines], np.int64)).tolist()
 
     def append_lines(self, digests: Sequence[bytes], lines: bytes, lengths: np.ndarray) -> np.ndarray:
-        """Appends lines of missions. Returns their places once a kill of this process cannot undo them. Raises Error
-        if they cannot be written; the journal is then unchanged."""
+        """Appends lines of missions. Returns their places when the lines are safe against a kill of this process.
+        Raises Error if they cannot be written; the journal is then unchanged."""
         try:
             os.lseek(self._descriptor, self._end, os.SEEK_SET)
             files.write_all(self._descriptor, lines)
@@ -202,7 +204,7 @@ class Journal:
         return places
 
     def sync(self) -> None:
-        """Returns when everything is on the disk. Raises Error."""
+        """Returns when all lines are on the disk. Raises Error."""
         try:
             os.fdatasync(self._descriptor)
         except OSError as error:
@@ -236,7 +238,8 @@ class Journal:
             )
 
     def _line(self, place: int) -> bytes:
-        """Reads a line through a window, because tables read lines roughly in the order of the file."""
+        """Reads a line from a window of the file. A window is useful, because tables read lines roughly in the order of
+        the file."""
         begin, window = self._window
         if begin <= place < begin + len(window):
             end = window.find(b"\n", place - begin)
@@ -259,7 +262,7 @@ class Journal:
     # Opening.
 
     def _read(self) -> int:
-        """Records the places of the records. Returns the end of the last complete line."""
+        """Stores the places of the records. Returns the end of the last complete line."""
         scan = _Scan()
         keys, places = [], []
         place, rest, size = 0, b"", 0
@@ -290,8 +293,8 @@ class Journal:
 
 
 class _Scan:
-    """Reads the lines of a journal: their keys, places and builds, with checks. Reads lines of this version with
-    numpy; all others individually."""
+    """Reads the lines of a journal: their keys, places and builds, with checks. Lines of this version are read with
+    NumPy, all other lines one by one."""
 
     def __init__(self) -> None:
         self.builds: collections.Counter[str] = collections.Counter()
@@ -299,7 +302,7 @@ class _Scan:
         self.damaged_count = 0
         self._number = 0
         self._summed = False
-        """True after the first line with a checksum. Earlier versions wrote none; this one always does."""
+        """True after the first line with a checksum. Earlier versions wrote no checksums; this version always does."""
 
     def lines(self, text: bytes, place: int) -> tuple[np.ndarray, np.ndarray]:
         """Returns the keys and places of the valid lines in a text that starts at ``place``."""

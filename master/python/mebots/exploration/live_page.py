@@ -25,7 +25,7 @@ _SHARE = 20.0
 
 
 class LivePage:
-    """Writes the page at most every five seconds."""
+    """Writes the page, but at most every five seconds."""
 
     def __init__(self, folder: pathlib.Path, space: Space, evidence: Evidence, units: Units) -> None:
         self._file = folder / NAME

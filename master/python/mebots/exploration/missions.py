@@ -30,13 +30,13 @@ FILE_MARK = "mebots-file:"
 """Prefix of a text that names a file by the hash that follows."""
 
 Course = tuple["Turn", ...]
-"""Points at which a mission departs from others that share its earlier part."""
+"""The points of a mission at which it departs from other missions that share its earlier part."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Turn:
-    """A ``place`` at which values of inputs and tunable parameters are written. It is the first communication point
-    at or after a time (``{"at": s}``), or at which a variable reaches a level (``{"score": [name, sign], "level":
+    """A ``place`` at which values of inputs and tunable parameters are written. The place is the first communication
+    point at or after a time (``{"at": s}``), or at which a variable reaches a level (``{"score": [name, sign], "level":
     value}``)."""
 
     place: Values
@@ -70,7 +70,7 @@ def without_paths(text: str) -> str:
 
 @dataclasses.dataclass
 class _Variant:
-    """The mission's config with the values of those factors that are keys of it."""
+    """The mission's config, with the values of factors that are keys of the config."""
 
     config: str
     digest: str
@@ -123,7 +123,7 @@ class Missions:
         return self._order(before, (Turn({"at": fork.at_s}, later),))
 
     def order_until(self, place: Values, values: Values, course: Course) -> Order:
-        """Returns the mission with this course up to a place, from which others with the same course start."""
+        """Returns the mission with this course up to a place, from which other missions with the same course start."""
         order = self._order(values, course)
         order["until"] = place
         order["keeps"] = self._past(order["mission"], place)
@@ -141,7 +141,7 @@ class Missions:
         for name, value in settings.items():
             if isinstance(value, str):
                 settings[name] = self._portable(name, value, files)
-        # Equals digest_of() of a dict of these four.
+        # This equals digest_of() of a dict of these four members.
         text = f'{self._hash_begin}{variant.digest}","settings":{self._canonical(settings)}{self._hash_end}'
         digest = hashlib.sha256(text.encode()).hexdigest()
         turns = []
@@ -180,7 +180,7 @@ class Missions:
         return Orders(digests, common, columns)
 
     def _are_columns(self, fixed: Values, draws: Values) -> bool:
-        """True if missions that differ only in draws have the same config, files and course."""
+        """True if missions that differ only in their draws have the same config, files and course."""
         numbers = all(isinstance(value, (int, float)) for value in draws.values())
         return bool(draws) and numbers and self._study.fork is None and self.folder is None and self._is_plain((*fixed, *draws))
 
@@ -198,7 +198,7 @@ class Missions:
         return pieces, texts
 
     def _texts(self, name: str, values: list[Any]) -> list[bytes]:
-        """Returns ``canonical`` texts and caches those of the last draws, which all designs share."""
+        """Returns ``canonical`` texts. Caches the texts of the last draws, because all designs share them."""
         known = self._drawn.get(name)
         if known is None or known[0] != values:
             known = self._drawn[name] = values, [_canonical_of(value).encode() for value in values]
@@ -235,7 +235,7 @@ class Missions:
         return command
 
     def settings(self, name: str, value: Any) -> Values:
-        """Returns the settings of a factor or draw with this value: the value itself, or those of its option."""
+        """Returns the settings of a factor or draw with this value: the value itself, or the settings of its option."""
         options = self._options.get(name)
         return {name: value} if options is None else options[value]
 

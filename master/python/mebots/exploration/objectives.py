@@ -22,7 +22,7 @@ Measures = tuple[float | None, ...]
 
 
 class Measurer:
-    """Computes the numbers of a mission. ``labels`` are those of the mission's summary. Raises InputError if an
+    """Computes the numbers of a mission. ``labels`` are the labels of the mission's summary. Raises InputError if an
     objective refers to something that does not exist."""
 
     def __init__(self, study: Study, labels: Iterable[str]) -> None:
@@ -32,7 +32,7 @@ class Measurer:
         self._sound = 0  # number of missions
         self._valued: set[str] = set()  # objectives that had a value
         self._mistakes: dict[str, tuple[int, str]] = {}  # the arithmetic error of an expression, in the first mission
-                                                         # that had it
+                                                         # outcome of the mission that had it
         labels = list(labels)
         known: set[str] = set(labels)
         for one in self._objectives:
@@ -93,8 +93,8 @@ class Measurer:
         return reply.numbers.get(keys[one.source], none)
 
     def without_value(self) -> list[str]:
-        """Returns a message for each expression that had no value in any mission so far because of an arithmetic
-        error. Skips expressions of values that a mission may lack, and those restricted by ``where``."""
+        """Returns a message for each expression that had no value in any mission so far because of an arithmetic error.
+        Skips expressions of values that a mission may lack, and expressions that ``where`` restricts."""
         return [
             f"{self._place}: the objective '{label}' has no value in any of {self._sound} missions: '{what}': {why}"
             for label, what, why in (

@@ -13,11 +13,11 @@ from mebots.exploration.study import Values
 DIGEST_BYTES = 32
 
 Order = dict[str, Any]
-"""``config``: JSON text, ``digest``: its hash, ``settings``: variable -> value, ``files``: hash -> [path, name], ``finals`` and ``series``:
-what is wanted beyond the summary, ``processor_time``: limit [s] or None, ``mission``: the hash, ``build``: of MEbots, as
-part of it, ``course``: a list of {``place``, ``writes``, ``past``: hash of the state there}. Of a mission that is flown up
-to a place only: ``until``: that place, ``keeps``: hash of the state there. Of a study that keeps results: ``out``: the
-mission's folder."""
+"""The members of an order: ``config``: JSON text, ``digest``: its hash, ``settings``: variable -> value, ``files``:
+hash -> [path, name], ``finals`` and ``series``: values that are requested in addition to the summary,
+``processor_time``: limit [s] or None, ``mission``: the hash, ``build``: of MEbots, as part of it, ``course``: a list of
+{``place``, ``writes``, ``past``: hash of the state there}. Only if a mission runs up to a place: ``until``:
+that place, ``keeps``: hash of the state there. Only if the study keeps results: ``out``: the mission's folder."""
 
 Batch = dict[str, Any]
 """A task of an executor. It contains shared data once: ``configs``: hash -> JSON text, ``shared``: the other parts,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Distinguishes the outcome of a mission from a fault outside of it. An outcome recurs wherever the mission runs: an
-error or a crash of an FMU, or a limit of the study. A full disk, too little memory, or a killed process is not an
-outcome."""
+"""Distinguishes the outcome of a mission from a fault that the mission did not cause. An outcome is the same wherever
+the mission runs: an error or a crash of an FMU, or a limit of the study. A full disk, too little memory, or a killed
+process is not an outcome."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.errors import Error
 _CODES = frozenset(["file_unwritable", "system_failure"])
 """Codes of errors that the system causes, not the FMUs."""
 _SIGNALS = frozenset([signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGQUIT, signal.SIGXCPU, signal.SIGXFSZ])
-"""Signals with which users, schedulers and the system end processes. Crashing FMUs get others."""
+"""Signals with which users, schedulers and the system end processes. A crash of an FMU causes other signals."""
 _ERRORS = (errno.ENOSPC, errno.EIO, errno.EDQUOT, errno.ENOMEM, errno.EMFILE, errno.ENFILE, errno.EROFS, errno.EFBIG, errno.ESTALE)
 _TEXTS = (*(os.strerror(number) for number in _ERRORS), "bad_alloc", "Resource temporarily unavailable", "by SIGKILL", "by SIGTERM")
 

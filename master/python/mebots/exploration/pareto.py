@@ -14,8 +14,9 @@ _BLOCK = 256
 
 
 def front(points: np.ndarray) -> list[int]:
-    """Returns the numbers of the rows that no other row dominates: greater or equal in all columns, and not equal.
-    Equal rows do not dominate each other. Rows may contain infinities, but no NaN."""
+    """Returns the numbers of the rows that no other row dominates. A row dominates another one if it is greater or
+    equal in all columns, and not equal. Equal rows do not dominate each other. Rows may contain infinities, but no
+    NaN."""
     points = points + 0.0  # -0.0 becomes 0.0
     if points.shape[1] == 1:
         return np.flatnonzero(points[:, 0] == points[:, 0].max()).tolist()
@@ -43,7 +44,7 @@ def _front_by_blocks(points: np.ndarray) -> list[int]:
 
 
 def _dominated(points: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Returns for each point whether another one is at least as great in all columns. All points must differ."""
+    """Returns for each point whether another point is at least as great in all columns. All points must differ."""
     result = np.zeros(len(points), bool)
     for at, point in enumerate(points):
         better = (others >= point).all(axis=1)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Saved states from which other missions start, by hash. The latest are in memory; the latest gigabytes are on disk,
-where other mission processes of the same parent find them. A deleted state is computed again by one process,
-while others that need it wait."""
+"""Saved states from which other missions start, by hash. The latest states are in memory, and more of them on disk,
+where other mission processes of the same parent find them. A deleted state is computed again by one process, while
+others that need it wait."""
 
 from __future__ import annotations
 

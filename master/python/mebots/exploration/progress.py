@@ -12,9 +12,9 @@ from mebots.exploration.answer import Answer
 @dataclasses.dataclass(frozen=True)
 class Progress:
     """The progress of a study. ``most_left`` is the number of missions left if no decision saves any.
-    ``likely_left`` assumes that decisions continue to save as many as until now. ``answer`` is the result so far:
-    how missions ended, and after a round which designs lead. ``of_other_builds`` counts records of journals that
-    are not used, because another build ran the missions."""
+    ``likely_left`` assumes that decisions continue to save as many missions as before. ``answer`` is the result so far:
+    how missions ended, and after a round, which designs lead. ``of_other_builds`` counts records of journals that are
+    not used, because another build ran the missions."""
 
     flown: int
     taken: int

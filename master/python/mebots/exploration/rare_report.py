@@ -17,8 +17,8 @@ from mebots.exploration.study import Study
 
 @dataclasses.dataclass(frozen=True)
 class Design:
-    """A design with the ``values`` of its factors. ``answer`` contains probability, interval and relative error;
-    None if there is none. ``reached`` is, for each estimate, the number of missions that reached each of its
+    """A design with the ``values`` of its factors. ``answer`` contains probability, interval and relative error; None
+    if there is no answer. ``reached`` is, for each estimate, the number of missions that reached each of its
     ``levels``. ``command`` repeats a mission that reached the last level."""
 
     values: list[Any]

@@ -39,14 +39,14 @@ class Reply:
     lengths: np.ndarray
     outcome_names: list[str]
     outcomes: np.ndarray
-    """For each mission the index of its outcome's name."""
+    """The index of each mission's outcome in the list of names."""
     failed: np.ndarray
     times_s: np.ndarray
     """Simulated time of each mission."""
     numbers: dict[tuple[str, str], np.ndarray]
-    """By part of the record and label; NaN if a mission has no number."""
+    """The values by part of the record and by label; NaN if a mission has no number."""
     indices: Sequence[int] = ()
-    """For each mission its number in the round; -1 if the round did not request it."""
+    """The number of each mission in the round; -1 if the round did not request it."""
 
     def __len__(self) -> int:
         return len(self.digests)

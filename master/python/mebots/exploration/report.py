@@ -23,15 +23,15 @@ MOST_DESIGNS = 5_000
 """If there are more designs, the page has the best ones, those on the front, and every n-th of the others."""
 _BEST_DESIGNS = 1_000
 _MOST_CURVES = 50
-"""The number of designs, best first, for which the page shows how their estimates became narrower."""
+"""The page shows for this number of designs, best first, how their estimates became narrower."""
 _POINTS_OF_CURVES = 14
 
 
 @dataclasses.dataclass(frozen=True)
 class Content:
     """Results of a study. ``places`` on the front, ``status`` and number of ``failed`` missions are lists by design.
-    ``outcomes``: all names, and by design the number of each mission's; None while the study runs. ``refresh_s``: set while the
-    study runs: its page reloads after this time."""
+    ``outcomes`` has all names, and by design the number of each mission's outcome; None while the study runs.
+    ``refresh_s`` is set while the study runs: its page reloads after this time."""
 
     study: Study
     factors: Sequence[str]
@@ -175,7 +175,7 @@ def _points_up_to(count: int) -> list[int]:
 
 
 def _best(content: Content) -> list[int]:
-    """Returns the designs of a search that are better than all before them, by the final ranking."""
+    """Returns the designs of a search that are better than all designs before them, by the final ranking."""
     if content.study.design["kind"] != "search":
         return []
     ranks = {row.design: row.rank for row in content.answer.rows if row.rank is not None}

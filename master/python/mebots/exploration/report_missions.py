@@ -16,7 +16,8 @@ from mebots.exploration.comparison import Evidence
 from mebots.exploration.space import Space
 
 MOST_MISSIONS = 50_000
-"""If there are more, the page has the values of every n-th mission of each design. Quantiles include all."""
+"""If there are more missions than this, the page has the values of every n-th mission of each design. Quantiles include
+all missions."""
 MOST_COMMANDS = 10_000
 """The number of replicates whose commands are in the page; equal for all designs."""
 QUANTILES = (0, 0.05, 0.25, 0.5, 0.75, 0.95, 1)
@@ -34,8 +35,8 @@ def _quantiles(values: np.ndarray) -> list[float] | None:
 
 
 def missions_of(evidence: Evidence, designs: Sequence[int], outcomes: tuple[list[str], list[np.ndarray]] | None) -> dict[str, Any]:
-    """Returns every n-th mission of each design: their number ``counts``, and successively their outcomes and values
-    of each objective. Outcomes are counted over all missions."""
+    """Returns every n-th mission of each design: their numbers in ``counts``, then their outcomes, then their values of
+    each objective. Outcomes are counted over all missions."""
     every = max(1, math.ceil(sum(evidence.counts[design] for design in designs) / MOST_MISSIONS))
     counts = [len(range(0, evidence.counts[design], every)) for design in designs]
     values = [
@@ -63,7 +64,7 @@ def _rounded(value: float) -> float:
 
 @dataclasses.dataclass(frozen=True)
 class Replay:
-    """Commands that repeat missions into folders below ``folder``, which is in the report's folder."""
+    """Commands that repeat missions. They write into folders below ``folder``, which is in the report's folder."""
 
     space: Space
     folder: pathlib.Path

@@ -27,7 +27,7 @@ _MISSING = 0
 
 @dataclasses.dataclass
 class Rows:
-    """Cells of consecutive missions of a design, one list per column."""
+    """Cells of consecutive missions of a design, with one list per column."""
 
     missions: list[str | None]
     """Hashes; None for a mission without a result."""
@@ -49,7 +49,7 @@ class Results:
         """Failed missions of earlier rounds."""
         self._measurer = measurer
         self._replicates = replicates
-        # For each mission, by design: 32 bytes of its hash, the number of its outcome, its simulated time.
+        # For each mission, by design: 32 bytes of its hash, the number of its outcome, and its simulated time.
         self._hashes: collections.defaultdict[int, bytearray] = collections.defaultdict(bytearray)
         self._outcomes: collections.defaultdict[int, array.array[int]] = collections.defaultdict(lambda: array.array("H"))
         self._times_s: collections.defaultdict[int, array.array[float]] = collections.defaultdict(lambda: array.array("d"))
@@ -59,13 +59,13 @@ class Results:
         self.begin(Flights([], 0, 0))
 
     def begin(self, flights: Flights) -> None:
-        """Starts a round. All missions of the previous one are in the evidence."""
+        """Starts a round. All missions of the previous round are in the evidence."""
         self.flights = flights
         self._states = bytearray(len(flights))
         self.open = len(flights)
         self._settled = 0
         self.failed_so_far = self.failed
-        """Includes failures of this round up to the first mission without a result."""
+        """The number of failures, including those of this round up to the first mission without a result."""
 
     def note(self, index: int, record: Record, place: int) -> None:
         """Stores the result of a mission of this round."""
@@ -147,8 +147,8 @@ class Results:
         return self._names, [np.array(self._outcomes[design]) for design in range(len(self.evidence.counts))]
 
     def settle(self, most_failures: int | None) -> int:
-        """Advances the end of the counted missions to the first one without a result, or to the one at which there
-        are too many failures. Returns the failures up to there."""
+        """Moves the end of the counted missions to the first mission without a result, or to the mission at which there
+        are too many failures. Returns the number of failures before the end."""
         end = self._states.find(_OPEN, self._settled)
         end = len(self._states) if end < 0 else end
         if most_failures is None:

@@ -17,7 +17,7 @@ FLYING = "flying"
 
 
 class Flights(Sequence[Flight]):
-    """The same replicates of several designs in the study's order, without a list of them."""
+    """The same replicates of several designs, in the study's order. No list of them is stored."""
 
     def __init__(self, designs: Sequence[int], begin: int, end: int) -> None:
         self.designs = designs
@@ -58,8 +58,8 @@ class Rounds:
         return self._missions(self._flown)
 
     def ahead(self) -> Flights:
-        """Returns the missions of the round after this one if all designs continue, for workers that would wait
-        otherwise."""
+        """Returns the missions of the round after this one, for workers that would otherwise wait. Assumes that all
+        designs continue."""
         return self._missions(self._flown + self._size)
 
     def most_left(self) -> int:
@@ -67,7 +67,7 @@ class Rounds:
         return len(self.flying()) * (self._study.replicates - self._flown)
 
     def likely_left(self) -> float:
-        """Returns the number of missions left if every future round ends the same share of the designs as those so
+        """Returns the number of missions left if every future round ends the same share of the designs as the rounds so
         far."""
         if self._decided == 0:
             return self.most_left()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Designs proposed by a sampler of Optuna, round by round, in place of a grid. It gets the results in the study's
-order, so its proposals are the same for any number of workers and after an interruption."""
+"""Designs proposed by a sampler of Optuna, round by round, in place of a grid. The sampler gets the results in the
+study's order, so its proposals are the same for any number of workers and after an interruption."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from mebots.extras import extra
 
 
 class Search:
-    """Requests designs and appends them to ``designs``. It has the interface of Rounds."""
+    """Requests designs from the sampler and appends them to ``designs``. It has the interface of Rounds."""
 
     def __init__(self, study: Study, evidence: Evidence, designs: list[Values]) -> None:
         self._study = study
@@ -77,7 +77,7 @@ class Search:
             self.status[design] = reason
 
     def _broken(self, design: int) -> list[float]:
-        """Returns the amount by which each constraint is violated; at most 0 if it is satisfied."""
+        """Returns the amount by which each constraint is violated; at most 0 if the constraint is satisfied."""
         found = []
         for one in self._study.constraints:
             mean = self._evidence.shown(design, self._study.objective(one.label)).mean

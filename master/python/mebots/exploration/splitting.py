@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The probability of rare events, by multilevel splitting with fixed effort (Garvels 2000; Cérou, Guyader 2007). Levels of
-a score divide the way to the event, so that each is likely to be reached from the one before.
+"""The probability of rare events, by multilevel splitting with fixed effort (Garvels 2000; Cérou, Guyader 2007). Levels
+of a score divide the way to the event, so that each level is likely to be reached from the level before.
 
 N missions start at t = 0. The states in which missions reach the first level are its entrances. N missions continue from them
 with new draws: the same number from each entrance, with the remainder assigned at random. This is repeated up to the last level.
 If r_k of N missions reached level k, the estimate is the product of r_k/N. Its expectation is the exact probability for any
 levels and any N; its spread depends on both. Therefore several estimates are made independently, and their mean has Student's
-interval. The only assumption about the missions is that their score reaches a level step by step: a mission that jumps over
-levels counts for each.
+interval. The score of a mission may jump over levels: the mission then counts for each of them.
 
 If a study defines no levels, pilot missions determine them.
 """
@@ -29,13 +28,13 @@ from mebots.exploration.space import Space
 from mebots.exploration.study import Splitting, Study, Values
 
 Bring = Callable[[list[Order], int], Journal]
-"""Adds orders to a journal and returns it; the number is the maximum that follows."""
+"""Adds orders to a journal and returns it. The number is the maximum number of orders that follow."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Way:
-    """How a mission came about: the number of its random draw, the earlier missions whose states it started from, and the
-    times of these states [s]."""
+    """The origin of a mission: the number of its random draw, the earlier missions from whose states it started, and
+    the times of these states [s]."""
 
     draw: int
     course: Course = ()
@@ -136,7 +135,7 @@ def _flown_to(
 
 
 def _most_later(space: Space, estimates: Sequence[Estimate], number: int) -> int:
-    """Returns the maximum number of missions after those to a level, from the maximum number of levels."""
+    """Returns the maximum number of missions that follow the missions to a level, from the maximum number of levels."""
     study, designs = space.study, len(space.designs)
     if estimates[0].run == study.replicates:  # pilots, which precede all estimates
         return ((MOST_LEVELS - number - 1) + study.replicates * MOST_LEVELS) * designs * study.rare.missions
@@ -181,20 +180,20 @@ def _order(space: Space, estimate: Estimate, way: Way, level: float) -> Order:
     return space.missions.order_until(_place(space.study.rare, level), values, way.course)
 
 
-# Levels that the study does not state.
+# Functions for levels that the study does not state.
 
 SHARE = 0.2
-"""The share of the missions started for a level that are to reach it. With fixed effort, the work for an error is
-least at a fifth (Lagnoux 2006, Probability in the Engineering and Informational Sciences 20, 45)."""
+"""The share of the missions started for a level that are to reach it. With fixed effort, the work for a given error has
+its minimum at a fifth (Lagnoux 2006, Probability in the Engineering and Informational Sciences 20, 45)."""
 MOST_LEVELS = 20
-"""A fifth of a fifth and so on: 1e-14."""
+"""The maximum number of levels. A fifth of a fifth and so on is then 1e-14."""
 
 
 def _find_levels(space: Space, pilots: list[Estimate], bring: Bring) -> bool:
-    """Runs pilot missions of each design to their end or to the goal. The next level is the one that the best fifth
-    of them reached (adaptive multilevel splitting: Cérou, Guyader 2007); these are its entrances. The pilots
-    determine only the levels: estimates use their own draws, so levels that suit the pilots by chance cause no
-    bias. Returns False if too many missions failed."""
+    """Runs pilot missions of each design to their end or to the goal. The next level is the level that the best fifth
+    of them reached (adaptive multilevel splitting: Cérou, Guyader 2007). The missions of this fifth are its entrances.
+    The pilots determine only the levels: estimates use their own draws, so levels that suit the pilots by chance cause
+    no bias. Returns False if too many missions failed."""
     goal = space.study.rare.goal
     flying = pilots
     while flying:
@@ -217,7 +216,8 @@ def _set_level(splitting: Splitting, pilot: Estimate, flown: list[tuple[Way, Rec
     pilot.ways = [way for way, _ in entrances]
     pilot.reached.append(len(entrances))
     if level != splitting.goal:
-        # The level was unknown, so no state was saved there: each mission runs to it once more.
+        # When these missions ran, the level was unknown, so no state was saved there. Each mission runs to the level
+        # once more.
         pilot.simulated_s += [record["simulated_time"] for _, record in entrances]
 
 
@@ -280,7 +280,7 @@ def _answer(study: Study, estimates: list[Estimate]) -> list[float | None]:
 
 def _write_replay(space: Space, folder: pathlib.Path, design: int, estimates: list[Estimate]) -> str:
     """Writes a scenario with which a single run repeats the first mission that reached the last level. Returns the
-    command; "" if no mission did."""
+    command; "" if no mission reached it."""
     way = next((way for one in estimates if len(one.reached) == len(one.levels) for way in one.ways), None)
     if way is None:
         return ""

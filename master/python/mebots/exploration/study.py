@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The study file: read and checked in C++ (master/src/io/study); defaults are filled in here."""
+"""Reads the study file. It is read and checked in C++ (master/src/io/study); defaults are filled in here."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NAME = "study.json"
 """Name of the study's copy in its results folder."""
 
 Values = dict[str, Any]
-"""Maps a factor or variable to its value in the notation of the study."""
+"""A map from each factor or variable to its value, in the notation of the study."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Objective:
 
     @property
     def is_share(self) -> bool:
-        """True if its values are 0 and 1, and its mean is a share of missions."""
+        """True if the objective's values are 0 and 1, so that its mean is a share of missions."""
         return self.source in ("outcome", "end_reason")
 
     @property
@@ -62,7 +62,7 @@ class Constraint:
 
 @dataclasses.dataclass(frozen=True)
 class Stop:
-    """A design needs no more missions if this is known about its objective ``label``."""
+    """A design needs no more missions if its objective ``label`` is known this precisely."""
 
     label: str
     width: float | None = None
@@ -72,7 +72,7 @@ class Stop:
 
 @dataclasses.dataclass(frozen=True)
 class Fork:
-    """These factors and draws apply from this time on. The part before is run once for all missions that share it."""
+    """Factors and draws that apply from this time on. The part before is run once for all missions that share it."""
 
     at_s: float
     variables: tuple[str, ...]
@@ -81,8 +81,8 @@ class Fork:
 @dataclasses.dataclass(frozen=True)
 class Splitting:
     """The estimation of the probability that ``score`` reaches ``goal``, upwards (``sign`` +1) or downwards (-1).
-    ``levels`` end with the goal; if empty, they are determined automatically. ``missions`` is the number from
-    each level to the next, for one estimate. The draws of ``reseed`` are repeated at each level."""
+    ``levels`` end with the goal; if empty, they are determined automatically. ``missions`` is the number of missions
+    from each level to the next, for one estimate. The draws of ``reseed`` are repeated at each level."""
 
     score: str
     levels: tuple[float, ...]
@@ -118,7 +118,7 @@ class Study:
     results: bool
 
     def write(self, folder: pathlib.Path) -> None:
-        """Writes the study for `--status` and for later calls."""
+        """Writes the study into the folder, for `--status` and for later calls."""
         write_whole(folder / NAME, [(self.text + "\n").encode()])
 
     def is_another_in(self, folder: pathlib.Path) -> bool:
@@ -129,7 +129,7 @@ class Study:
             return False
 
     def on(self, mission: pathlib.Path) -> Study:
-        """Returns the same study of another mission."""
+        """Returns the same study with another mission."""
         path = mission.absolute()
         content = {**json.loads(self.text), "mission": str(path)}
         return dataclasses.replace(self, mission=path, text=_written(content), draws=_draws_of(content))
@@ -145,7 +145,7 @@ class Study:
 
     @property
     def looks(self) -> bool:
-        """True if the number of missions depends on their results: then only confidence sequences keep their level."""
+        """True if the number of missions depends on their results. Then only confidence sequences have their level."""
         return self.racing or self.stop is not None
 
 

@@ -26,7 +26,7 @@ class Sweep:
     notices: list[str] = dataclasses.field(default_factory=list)
     """Warnings of the journals: damaged lines, file systems without locks."""
     answer: Answer | None = None
-    """The best design and the certainty of that; None for a rare event."""
+    """The best design and how certain it is; None for a rare event."""
     factors: list[str] = dataclasses.field(default_factory=list)
     draws: list[str] = dataclasses.field(default_factory=list)
 

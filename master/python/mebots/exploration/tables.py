@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rows of missions.csv and designs.csv: equal bytes for equal studies, on all workers."""
+"""Makes the rows of missions.csv and designs.csv. They have equal bytes for equal studies, with all workers."""
 
 from __future__ import annotations
 

@@ -2,12 +2,12 @@
 """Executes orders one after the other: ``python -m mebots.exploration.worker LIFE OUT FOLDER``.
 
 Orders arrive on standard input. Records are written to the file descriptor OUT, a line of JSON each; an empty line
-means that the process waits for another one. The process ends when no process holds the other end of the descriptor
+means that the process waits for another order. The process ends when no process holds the other end of the descriptor
 LIFE, so that it does not outlive its parent. FOLDER, for temporary files and for shared saved states, belongs to the
 parent, which deletes it.
 
-Each mission starts as in a new process. The first process loads FMUs and never creates an instance. It forks another
-one, which runs missions while their FMUs are clean (``docs/master/clean-fmus.md``), which means that a mission leaves
+Each mission starts as in a new process. The first process loads FMUs and never creates an instance. It forks a second
+process, which runs missions while their FMUs are clean (``docs/master/clean-fmus.md``). A mission of clean FMUs leaves
 nothing in the process. After a mission with an FMU that is not clean, the next order goes to a new fork.
 """
 
@@ -72,7 +72,7 @@ class Worker:
             self._mission(config, bool(order["series"]), None).load()
 
     def is_clean(self) -> bool:
-        """True if the next mission would start in this process as in a new one. Frees the instances of the last
+        """True if the next mission would start in this process as in a new process. Frees the instances of the last
         mission."""
         self.free_instances()
         return self._was_clean
@@ -113,7 +113,7 @@ class Worker:
         return record
 
     def _forget(self, order: Order) -> None:
-        """Drops a mission whose state is unknown after a system error; the next attempt opens it again."""
+        """Drops a mission whose state is unknown after a system error. The next attempt opens it again."""
         self.free_instances()
         self._open.pop(_config_of(order), None)
 
@@ -177,7 +177,8 @@ class Worker:
                 mission.save_state()  # raises if an FMU keeps data outside of its instance
 
     def _follow(self, mission: Mission, order: Order) -> None:
-        """Continues from the last saved state past the last turn of its course that the mission reaches."""
+        """Continues from a saved state: the last one in the order's course. Then runs past the turns of the course, up
+        to the last turn that the mission reaches."""
         course = order["course"]
         if not course:
             return
@@ -263,7 +264,7 @@ def _write(mission: Mission, values: dict[str, Any]) -> None:
 
 
 def _go_to(mission: Mission, place: dict[str, Any]) -> bool:
-    """Returns False if the mission ended before."""
+    """Runs to a place. Returns False if the mission ended before."""
     if "at" in place:
         mission.run_until(place["at"])
         return not mission.ended
@@ -304,7 +305,7 @@ def _reduced(mission: Mission, name: str, how: str) -> float | None:
 
 
 def _without_paths(text: str, order: Order) -> str:
-    """Makes a message equal on every machine: replaces paths by file names."""
+    """Returns a message that is equal on every machine: paths are replaced by file names."""
     for path, name in order["files"].values():
         text = text.replace(path, name)
     return without_paths(text)
@@ -345,7 +346,7 @@ class _Pipes:
 
 
 def _end_with(life: int, parent: int, folder: str) -> None:
-    """Ends this process with its parent. If no record is needed any longer, deletes all files too."""
+    """Ends this process when its parent ends. If no record is needed any longer, also deletes all files."""
     if life in select.select([life, parent], [], [])[0]:
         for _ in range(_TRIES_TO_REMOVE):  # a mission may still be writing its state
             shutil.rmtree(folder, ignore_errors=True)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A run's results in other forms: ``mebots report --mcap`` and ``mebots report --video``."""
+"""Writes a run's results in other forms: ``mebots report --mcap`` and ``mebots report --video``."""

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots report --mcap`` and ``--video``. The program writes the page and is then replaced by this module."""
+"""Implements ``mebots report --mcap`` and ``--video``. The program writes the page and is then replaced by this module.
+"""
 
 from __future__ import annotations
 

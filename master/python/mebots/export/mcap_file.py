@@ -69,7 +69,7 @@ def timestamp(time_ns):
 
 
 def path_of(variable):
-    """Returns the path to a variable inside its instance's message."""
+    """Returns the path to a variable inside the message of its instance."""
     return [re.sub(r"\[([^\]]*)\]", r"_\1", step).replace(",", "_") for step in variable.split(".")]
 
 
@@ -97,7 +97,7 @@ def quaternion(roll, pitch, yaw):
 
 
 class Export:
-    """An MCAP file being written. Messages of a channel are in order of time."""
+    """An MCAP file that is being written. Messages of a channel must be in the order of time."""
 
     def __init__(self, file):
         self.writer = Writer(file)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recorded flights: readers of logs, ``mebots replay``, ``mebots identify`` and ``mebots new-cell``.
+"""Recorded flights. Contains readers of logs, ``mebots replay``, ``mebots identify`` and ``mebots new-cell``.
 
     log      a log in memory: named signals, each with its unit and times
     usd      reader of the Crazyflie's binary logs

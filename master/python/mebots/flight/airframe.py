@@ -26,7 +26,7 @@ class Airframe:
     content: dict[str, Any]
     decks: tuple[str, ...]
     weighed_kg: float | None
-    """The weighed mass of the whole drone, if known."""
+    """The weighed mass of the whole drone; None if it is not known."""
 
     @property
     def name(self) -> str:
@@ -36,7 +36,7 @@ class Airframe:
         return self.content[kind]
 
     def path(self, kind: str) -> str:
-        """Returns the FMU's parameter for a part: a name or an absolute path."""
+        """Returns the value of the FMU's parameter for a part: a name or an absolute path."""
         name = self.part(kind)
         return str(pathlib.Path(name).resolve()) if name.endswith(".json") else name
 
@@ -71,9 +71,9 @@ class Airframe:
 
 
 _MASS_FACTOR = 5.0
-"""If a weighed mass differs by a larger factor, it belongs to another drone or is in grams."""
+"""A weighed mass that differs by a larger factor belongs to another drone, or is in grams."""
 _NEEDED = {"rotor": ("thrust_coefficient", "value"), "cell": ("mass", "value"), "drone": ("drag", "values")}
-"""The values that are read here; the FMUs check the rest of rotor and cell."""
+"""The values that are read here. The FMUs check the rest of rotor and cell."""
 
 
 def _read_part(kind: str, file: pathlib.Path) -> dict[str, Any]:
@@ -92,7 +92,7 @@ def read_airframe(file: str | os.PathLike[str], decks: Sequence[str] | None = No
     """Reads an airframe file. Raises InputError with all mistakes of the file.
 
     :param decks: decks of the drone, in place of the file's ``fitted_decks``.
-    :param mass_kg: mass of the whole drone, in place of the sum.
+    :param mass_kg: mass of the whole drone, in place of the sum of its parts.
     """
     path = pathlib.Path(file)
     content = json.loads(_mebots.read_airframe(path))

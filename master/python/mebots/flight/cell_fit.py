@@ -2,12 +2,12 @@
 """Fits a cell to the voltages of flights: its series resistance, its polarisation, its capacity.
 
 The battery FMU is run alone with the power of each log, and the sum of squares of its voltage errors is minimised. If
-the log has a current, the power is measured. Otherwise it is the rotor model's at the measured voltage, and the
-resistances absorb the error of that model. Two further unknowns of each flight are fitted with the cell: the state of
-charge at the start and, if the log begins in flight, the time flown before.
+the log has a current, the power is measured. Otherwise the power is that of the rotor model at the measured voltage,
+and the resistances absorb the error of that model. Two further unknowns of each flight are fitted with the cell: the
+state of charge at the start and, if the log begins in flight, the time that the drone flew before.
 
-The three properties are factors on those of the base cell: on R0; on R1 and R2 (C1 and C2 get the inverse, which keeps
-the time constants); on the capacity. A factor that the flights do not determine keeps the base's value.
+The unknown properties are three factors on the values of the base cell: on R0; on R1 and R2 (C1 and C2 get the inverse,
+which keeps the time constants); and on the capacity. A factor that the flights do not determine keeps the base's value.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from mebots.mission import Mission
 FACTORS = ("series_resistance", "polarisation", "capacity")
 STEP_S = 0.05
 BLOCK_S = 0.5
-"""Residuals are means over this duration: the voltage contains no more information."""
+"""Residuals are means over this duration, because the voltage contains no more information."""
 CLUSTER_S = 15.0
 MOST_DEVIATION = 0.35
 """A factor whose logarithm has a larger standard error (a factor of two at 95 %) is not determined."""
 _LEAST, _MOST = np.log(0.2), np.log(5.0)
 _LONGEST_S = 300.0
-"""A longer flight before the log does not change the polarisation further."""
+"""If the drone flew longer than this before the log, the polarisation does not change further."""
 _BEFORE_S = 60.0
 _STARTS = (1.0, 1.8)
 """Start values of the factor on both resistances; the search does not converge from too distant charges."""
@@ -50,7 +50,7 @@ class Flight:
     name: str
     power_w: Array
     voltage_v: Array
-    """In blocks of ``BLOCK_S``; NaN if nothing was measured."""
+    """The values are in blocks of ``BLOCK_S``; NaN if nothing was measured."""
     charge: float
     began_aloft: bool
 
@@ -139,7 +139,7 @@ class _Problem:
             self._write_power(number, flight)
 
     def start(self, resistances: float) -> Array:
-        """Returns start values: this factor on the resistances, and the best charge of a list for each flight."""
+        """Returns start values: the given factor on the resistances, and for each flight the best charge of a list."""
         values = np.zeros(int(self.starts[-1]) + self.flights[-1].unknowns)
         for i, name in enumerate(self.free):
             values[i] = 0.0 if name == "capacity" else np.log(resistances)
@@ -168,7 +168,7 @@ class _Problem:
         return np.concatenate([self._residuals(i, values) for i in range(len(self.flights))])
 
     def jacobian(self, values: Array) -> Array:
-        """Computes differences; an unknown of a flight affects only that flight."""
+        """Computes the Jacobian by differences. An unknown of a flight affects only that flight."""
         result = []
         for number, flight in enumerate(self.flights):
             own = [*range(len(self.free)), *range(self.starts[number], self.starts[number] + flight.unknowns)]
@@ -208,7 +208,7 @@ class _Problem:
         per_block = round(BLOCK_S / STEP_S)
         earlier = round(before_s / STEP_S)
         content = json.loads(cell.read_text(encoding="utf-8"))
-        # The charge drawn before, at about the mean voltage of the log.
+        # The charge that was drawn before, at about the mean voltage of the log.
         drawn = before_s * float(flight.power_w[:per_block].mean()) / float(np.nanmean(flight.voltage_v)) / capacity_c(content)
         mission = self.folder / f"flight{number}.json"
         config = {
@@ -232,7 +232,8 @@ class _Problem:
         return voltage_v[: count * per_block].reshape(count, per_block).mean(axis=1)
 
     def _write_power(self, number: int, flight: Flight) -> None:
-        """Writes the power, extended to a long time before the start with the mean of its first seconds."""
+        """Writes the power of a flight. It is extended to a long time before the start, with the mean of its first
+        seconds."""
         times = np.r_[-2 * _LONGEST_S, np.arange(len(flight.power_w)) * STEP_S]
         rows = np.column_stack([times, np.r_[flight.power_w[: round(SETTLE_S / STEP_S)].mean(), flight.power_w]])
         np.savetxt(self.folder / f"power{number}.csv", rows, fmt="%.9g", delimiter=",", header="time,power", comments="")

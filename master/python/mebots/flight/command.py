@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots replay``, ``mebots identify`` and ``mebots new-cell``: the program is replaced by this module, which
-parses the command line."""
+"""Implements ``mebots replay``, ``mebots identify`` and ``mebots new-cell``: the program is replaced by this module,
+which parses the command line."""
 
 from __future__ import annotations
 

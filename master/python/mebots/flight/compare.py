@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Errors of the model: computed minus measured values."""
+"""Computes the errors of the model: computed minus measured values."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ COMMANDS_ONLY, MEASURED_VOLTAGE, MEASURED_SPEEDS = "commands", "commands, measur
 
 
 def row(quantity: str, unit: str, model: str, computed: Array, measured: Array, excluded: int) -> ErrorRow | None:
-    """Returns None if there is nothing to compare."""
+    """Returns the errors of a quantity; None if there is nothing to compare."""
     if not len(measured):
         return None
     error = computed - measured

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Least squares with intervals that are valid for correlated residuals."""
+"""Fits by least squares, with intervals that are valid for correlated residuals."""
 
 from __future__ import annotations
 
@@ -52,8 +52,9 @@ def solve(
     high: Array,
     clusters: np.ndarray,
 ) -> Fit:
-    """Minimises the sum of squares within bounds. ``clusters`` numbers the residuals: those of a cluster may be
-    correlated, as errors of one flight are. The covariance is White's sandwich estimator over clusters."""
+    """Minimises the sum of squares within bounds. ``clusters`` has the number of each residual's cluster. Residuals of
+    a cluster may be correlated, as errors of one flight are. The covariance is White's sandwich estimator over
+    clusters."""
     optimize = extra("scipy.optimize", "`mebots identify`", "scipy", "flight")
     found = optimize.least_squares(residuals, start, jac=jacobian, bounds=(low, high), x_scale="jac", xtol=1e-5, ftol=1e-6)
     slopes, errors = found.jac, found.fun

@@ -33,15 +33,15 @@ from mebots.flight.reading import read_log
 from mebots.flight.traces import Traces, fly
 
 SCALE_KG = 1e-4
-"""Uncertainty of a weighed mass."""
+"""The assumed uncertainty of a weighed mass."""
 WHAT = ("thrust", "mass", "cell")
 _BLOCK_WINDOWS = 5
 
 
 @dataclasses.dataclass(frozen=True)
 class Estimate:
-    """A fitted value with its 95 % interval, and the base's value. Without a base it is an assumption with assumed
-    bounds."""
+    """A fitted value with its 95 % interval, and the base's value. If there is no base, the value is an assumption with
+    assumed bounds."""
 
     name: str
     unit: str
@@ -140,7 +140,7 @@ def _check(logs: Sequence[str | os.PathLike[str]], fit: Sequence[str]) -> None:
 def _fly(log: str | os.PathLike[str], mapping: str | os.PathLike[str] | None, base: Airframe, hover: bool, window_s: float) -> _Flown:
     clean, _ = quality.clean(read_log(log, mapping), cells=1)
     traces = fly(clean, base, None, 0.002, None)
-    # When the model's cell is empty, the comparison ends; the thrust at the measured voltage is not affected.
+    # When the model's cell is empty, the comparison ends. The thrust at the measured voltage is not affected.
     good = traces.good if not traces.has_measured_voltage else traces.logged
     return _Flown(clean, traces, motion_of(clean, base, traces.times, good, window_s, hover))
 
@@ -154,8 +154,8 @@ def _hash(file: str | os.PathLike[str]) -> str:
 
 @dataclasses.dataclass(frozen=True)
 class _Balance:
-    """Vertical forces in windows of all flights: those of the base's rotors, and those that the motion requires with
-    the base's mass."""
+    """Vertical forces in windows of all flights: the forces of the base's rotors, and the forces that the motion
+    requires with the base's mass."""
 
     model_n: np.ndarray
     needed_n: np.ndarray
@@ -267,7 +267,7 @@ def _fit_thrust(
 
 def _fit_mass(base: Airframe, flown: Sequence[_Flown], source: str, new: dict[str, Any], result: Identified) -> None:
     balance = _balance(flown)
-    # F - c v = m (g + a); needed - c v is the right-hand side with the base's mass.
+    # In F - c v = m (g + a), needed - c v is the right-hand side with the base's mass.
     fit = _ratio(balance.needed_n - balance.drag_n, balance.model_n - balance.drag_n, balance.clusters)
     factor = float(fit.values[0])
     low, high = _widened(*fit.interval(0), factor, base.data("rotor")["thrust_coefficient"])

@@ -24,8 +24,8 @@ from mebots.mission import Mission
 NOTE = "the log has no commands: they are computed from the thrust that the motion needs, so thrust is not compared"
 INTERVAL_S = 0.02
 GROUND_HEIGHT_M = 0.15
-"""A drone that is not higher than this above the lowest height of the log is on the ground, because estimated
-heights drift by as much."""
+"""A drone that is not higher than this above the lowest height of the log counts as on the ground, because estimated
+heights drift by this amount."""
 _SLOPE_S = 0.5
 """The vertical acceleration is the slope of the speed over this duration."""
 _LEVELS = np.linspace(0.0, 1.0, 21)
@@ -53,8 +53,8 @@ def with_commands(log: FlightLog, airframe: Airframe) -> FlightLog:
 
 
 def _smooth(duty: Array) -> Array:
-    """Returns the mean over ``RAMP_S`` around each sample: a height shows when a drone leaves the ground, but not
-    how its motors start."""
+    """Returns the mean over ``RAMP_S`` around each sample. The result has no steps, because a height shows when a drone
+    leaves the ground, but not how its motors start."""
     width = round(RAMP_S / INTERVAL_S)
     padded = np.pad(duty, (width // 2, width - 1 - width // 2), mode="edge")
     return np.convolve(padded, np.full(width, 1 / width), mode="valid")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A flight log in memory: named signals, each with its unit and its own times.
 
-Signals that MEbots knows have these names; all other columns of a log keep theirs.
+Signals that MEbots knows have these names; all other columns of a log keep their own names.
 
     motor[1..4].command    1       duty cycle of a motor's driver
     rotor[1..4].speed      rad/s
@@ -48,13 +48,13 @@ class Signal:
     times: Array
     values: Array
     column: str
-    """The name in the file."""
+    """The name of the column in the file."""
 
     def __len__(self) -> int:
         return len(self.values)
 
     def keep(self, good: npt.NDArray[np.bool_]) -> Signal:
-        """Returns the signal with these samples only."""
+        """Returns the signal with only the samples for which ``good`` is true."""
         return dataclasses.replace(self, times=self.times[good], values=self.values[good])
 
     @property
@@ -83,7 +83,7 @@ class FlightLog:
         return all(name in self.signals and len(self.signals[name]) > 1 for name in names)
 
     def require(self, names: Iterable[str], purpose: str) -> None:
-        """Raises InputError for missing signals."""
+        """Raises InputError if a signal is missing."""
         absent = [name for name in names if not self.has([name])]
         emptied = [name for name in absent if name in self.signals]
         if emptied:
@@ -109,7 +109,7 @@ class FlightLog:
 def log_of(file: pathlib.Path, kind: str, signals: Iterable[Signal], notes: Iterable[str] = ()) -> FlightLog:
     """Creates a log whose times start at 0. Raises InputError if it has no samples."""
     filled = [one for one in signals if len(one)]
-    # Messages without a known signal may have another clock.
+    # Messages without a known signal are left out, because they may have another clock.
     clocks = [one for one in filled if one.name in UNITS] or filled
     finite = [float(one.times[np.isfinite(one.times)].min()) for one in clocks if np.isfinite(one.times).any()]
     if not finite:

@@ -3,10 +3,10 @@
 
     m dv_z/dt = F R33 - m g - c v_z
 
-F is the thrust of all rotors, R33 the cosine of the tilt, c the vertical drag in the drone file. The equation needs no
-controller: it gives the change of the vertical speed from the start of a window to its end. A free replay of the whole
-flight would show little: an error of 1 % in thrust moves the drone by 5 m within 10 s, which the pilot or controller of
-the real flight would have corrected.
+F is the thrust of all rotors, R33 is the cosine of the tilt, and c is the vertical drag in the drone file. The equation
+needs no controller: it gives the change of the vertical speed from the start of a window to its end. A free replay of
+the whole flight would show little: an error of 1 % in thrust moves the drone by 5 m within 10 s, which the pilot or
+controller of the real flight would have corrected.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class Motion:
 
 
 def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, window_s: float, hover: bool) -> Motion | None:
-    """Returns the motion at ``times``, in windows of ``window_s`` in which everything was logged. Returns None if
+    """Returns the motion at ``times``, in windows of ``window_s`` for which all signals were logged. Returns None if
     the log has no height and no vertical speed, and ``hover`` is False."""
     notes: list[str] = []
     speed = vertical_speed(log, notes)
@@ -98,8 +98,8 @@ def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, wind
 
 
 def _on_ground(log: FlightLog, times: Array) -> Mask:
-    """True if the drone may be on the ground, and ``GROUND_MARGIN_S`` before and after: the rotors turn too slowly
-    to fly, and the height, if known, is the lowest of the log."""
+    """True at times at which the drone may be on the ground, and for ``GROUND_MARGIN_S`` before and after. It may be
+    there if the rotors turn too slowly to fly, and if the height, where it is known, is the lowest of the log."""
     command = np.mean([mean_over(log[name], times) for name in COMMANDS], axis=0)
     driven = command[command > DRIVEN]
     ground = command < LEAST_COMMAND * (np.median(driven) if len(driven) else 1.0)

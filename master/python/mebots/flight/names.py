@@ -48,7 +48,7 @@ CRAZYFLIE: dict[str, Meaning] = (
     | _per_axis("acc.{}", "acceleration.{}", "g0")
     | _per_axis("gyro.{}", "rate.{}", "deg/s")
 )
-"""Columns of the firmware's logs; if two have the same signal, the earlier one counts."""
+"""Columns of the firmware's logs. If two columns have the same signal, the earlier one counts."""
 
 
 def signal_of(column: str, meaning: Meaning, times: Array, values: Array) -> Signal:
@@ -58,8 +58,8 @@ def signal_of(column: str, meaning: Meaning, times: Array, values: Array) -> Sig
 
 
 def named(columns: Iterable[tuple[str, Array, Array]], meanings: Mapping[str, Meaning]) -> list[Signal]:
-    """Returns signals for columns (name, times, values): known ones by ``meanings``, the others under their own
-    names."""
+    """Returns signals for columns (name, times, values). Columns in ``meanings`` get the names of known signals; the
+    others keep their own names."""
     found: dict[str, Signal] = {}
     order = {column: place for place, column in enumerate(meanings)}
     for column, times, values in sorted(columns, key=lambda one: order.get(one[0], len(order))):

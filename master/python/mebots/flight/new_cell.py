@@ -3,11 +3,11 @@
 
     capacity   as printed; sellers round up, so 10 % less is within the interval
     mass       as printed, with the uncertainty of its last digit
-    current    C rate times capacity
+    current    the C rate times the capacity
     R0         the published cells of 250 mAh have 0.15 Ohm at 15 C and 0.06 Ohm at 25 C: at the stated current a cell
                loses 0.375 to 0.5625 V. C rates are often twice the true value, so twice the resistance is within the
                interval
-    the rest   open-circuit voltage and time constants of Chen and Rincon-Mora's cell, as in the shipped files
+    all else   open-circuit voltage and time constants of Chen and Rincon-Mora's cell, as in the shipped files
 
 A measured resistance or discharge replaces the estimate.
 """
@@ -83,7 +83,7 @@ def new_cell(
 
 
 def _digits(value: float) -> float:
-    """Returns half of the last printed digit of a number."""
+    """Returns half a unit of the last printed digit of a number."""
     text = f"{value:.12f}".rstrip("0")
     places = len(text.partition(".")[2])
     return 0.5 * 10.0**-places
@@ -94,7 +94,7 @@ def _resistance(capacity_mah: float, c_rate: float, loss_v: float) -> float:
 
 
 def _stated(name: str, capacity_mah: float, mass_g: float, c_rate: float, resistance_ohm: float | None) -> dict[str, Any]:
-    """Returns the cell according to its label."""
+    """Returns the cell that a label describes."""
     cell = copy.deepcopy(shipped("cell", TEMPLATE))
     cell.pop("$schema", None)
     r0 = resistance_ohm or _resistance(capacity_mah, c_rate, LOSS_V)

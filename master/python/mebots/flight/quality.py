@@ -34,9 +34,10 @@ STRAIGHT_S = 0.2
 STUCK_S = {"battery.voltage": 5.0, "battery.current": 5.0} | dict.fromkeys(SPEEDS, 0.5)
 LEAST_SHARE = 0.6
 DRIVEN = 0.05
-"""With a smaller command, a motor may be at rest."""
+"""With a smaller command than this, a motor may be at rest."""
 AVERAGE_S = 0.2
-"""A rotor follows its command within about this time: comparisons of speeds and commands use means over it."""
+"""A rotor follows its command within about this time. Therefore comparisons of speeds and commands use means over it.
+"""
 LIMITS: dict[str, tuple[float, float]] = {
     "motor": (0, 1),
     "rotor": (0, 6000),  # 57,000 rpm; the tips of a propeller of 47 mm would have 140 m/s
@@ -89,13 +90,13 @@ class _Cleaner:
             self.findings.append(Finding(name, rule, int(found.sum()), len(self.log[name]), first_s, excluded))
 
     def known(self) -> Iterator[str]:
-        """Yields the signals with rules that have samples."""
+        """Yields the known signals that have samples."""
         return (name for name, signal in list(self.signals.items()) if _limits(name) is not None and len(signal))
 
 
 def clean(log: FlightLog, cells: int | None = None) -> tuple[FlightLog, list[Finding]]:
     """Returns the log without its bad samples, and the findings. ``cells`` is the number of LiPo cells in series, if
-    known. Raises InputError if the clock goes back permanently, or if a signal is mostly impossible."""
+    known. Raises InputError if the clock jumps back permanently, or if most samples of a signal are impossible."""
     work = _Cleaner(log)
     for name in work.known():
         _check_times(work, name)
@@ -125,7 +126,7 @@ def gap_limit_s(signal: Signal) -> float:
 
 
 def covered(signal: Signal, times: Array) -> Mask:
-    """True for the times between two samples without a gap."""
+    """True for times that lie between two samples without a gap."""
     if len(signal) < 2:
         return np.zeros(len(times), bool)
     after = np.clip(np.searchsorted(signal.times, times, side="right"), 1, len(signal) - 1)
@@ -173,7 +174,7 @@ def _beyond(signal: Signal, cells: int | None) -> Mask:
 
 
 def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | None) -> None:
-    """Raises InputError if most samples are bad: then the column has another unit or is another quantity."""
+    """Raises InputError if most samples are bad, because the column then has another unit or is another quantity."""
     if not bad.size or bad.mean() <= MOST_IMPOSSIBLE:
         return
     low, high = _bounds(signal, cells)
@@ -185,7 +186,7 @@ def _require_possible(log: FlightLog, signal: Signal, bad: Mask, cells: int | No
 
 
 def _runs(same: Mask) -> Iterator[tuple[int, int]]:
-    """Yields the first and last sample of each run of true entries; entry i compares the samples i and i + 1."""
+    """Yields the first and last sample of each run of true entries. Entry i compares samples i and i + 1."""
     edges = np.flatnonzero(np.diff(np.r_[False, same, False].astype(np.int8)))
     return zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
@@ -199,7 +200,7 @@ def _stuck(signal: Signal, longest_s: float) -> Mask:
 
 
 def _straight(signal: Signal) -> Mask:
-    """True for samples inside of rising or falling straight lines, apart from the rounding of the file's digits."""
+    """True for samples on rising or falling straight lines, within the rounding of the file's digits."""
     bad = np.zeros(len(signal), bool)
     if len(signal) < 4:
         return bad
@@ -223,7 +224,7 @@ def mean_over(signal: Signal, times: Array) -> Array:
 
 
 def _driven(signals: dict[str, Signal], times: Array) -> Mask:
-    """True if a motor is driven, or if no command is known."""
+    """True if a motor is driven. If no command is known, always true."""
     commands = [signals[name] for name in COMMANDS if name in signals and len(signals[name]) > 1]
     if not commands:
         return np.ones(len(times), bool)

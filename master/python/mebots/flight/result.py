@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The result of a replay: errors, findings, curves; and its table for a terminal."""
+"""The result of a replay: errors, findings and curves, and its table for a terminal."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ FIELDS = ("quantity", "unit", "model", "n", "excluded", "measured", "mean", "rms
 
 @dataclasses.dataclass(frozen=True)
 class Replay:
-    """A replayed flight. ``errors`` has a row per measured quantity and method of computing it. ``findings`` are the
-    bad samples of the log. ``summary`` contains the model's energy and charge, and notes on what the log lacks."""
+    """A replayed flight. ``errors`` has a row for each measured quantity and each method by which it is computed.
+    ``findings`` are the bad samples of the log. ``summary`` contains the model's energy and charge, and notes on what
+    the log lacks."""
 
     log: FlightLog
     airframe: Airframe

@@ -20,7 +20,7 @@ from mebots.flight.log import Array, FlightLog, log_of
 from mebots.flight.names import Meaning, named
 
 _MOST_DRIFT = 0.05
-"""If two clocks of a flight differ by more, they do not measure the same time."""
+"""If two clocks of a flight differ by more than this, they do not measure the same time."""
 
 
 def read_table(file: pathlib.Path, mapping: dict[str, Any], meanings: dict[str, Meaning]) -> FlightLog:
@@ -44,7 +44,8 @@ def read_table(file: pathlib.Path, mapping: dict[str, Any], meanings: dict[str, 
 
 
 def _numbers(file: pathlib.Path, rows: list[list[str]], place: int, needed: bool) -> Array | None:
-    """Returns a column's values, with NaN for an empty cell. None for a column of texts that no signal needs."""
+    """Returns a column's values, with NaN for an empty cell. Returns None for a column of texts that no signal
+    needs."""
     cells = [row[place].strip() or "nan" for row in rows]
     try:
         return np.array(cells, dtype=np.float64)

@@ -23,17 +23,18 @@ from mebots.flight.quality import DRIVEN, Mask, covered
 from mebots.mission import Mission
 
 SETTLE_S = 1.0
-"""The rotors of the model start at rest, unlike those of a log that begins in flight. Therefore this time after the
-start, and after a gap in the commands, is not compared. Rotors of a Crazyflie take 0.14 s for 63 % of a change."""
+"""The time after the start, and after a gap in the commands, that is not compared. It is left out because the rotors of
+the model start at rest, but a log may begin in flight. Rotors of a Crazyflie take 0.14 s for 63 % of a change."""
 RAMP_S = 0.6
 """If a log begins in flight, the commands rise from 0 over this time. Motors at rest under full command would draw
 so much current that the cell's protection opens."""
 CHARGE_S = 0.5
-"""The initial charge is fitted to the voltage over this time: before the motors are driven, if the log begins at
-rest; otherwise after ``SETTLE_S``."""
+"""The initial charge is fitted to the voltage over this duration. If the log begins at rest, this is before the motors
+are driven; otherwise it is after ``SETTLE_S``."""
 _SHORTEST_REST_S = 0.1
 _LONGEST_S = 7200.0
-"""No cell supplies a multirotor for two hours; a longer log has a clock that jumps, or times in another unit."""
+"""A log that is longer than this has a clock that jumps, or times in another unit, because no cell supplies a
+multirotor for two hours."""
 _DIGITS = 12
 
 
@@ -48,7 +49,7 @@ class Traces:
     values: dict[str, Array]
     initial_charge: float
     settle_s: float
-    """The time after the start that is not compared."""
+    """The duration after the start that is not compared."""
     notes: list[str]
     capacity_c: float
     cut_off_s: float | None
@@ -66,8 +67,8 @@ class Traces:
 
 
 def fly(log: FlightLog, airframe: Airframe, folder: pathlib.Path | None, step_s: float, initial_charge: float | None) -> Traces:
-    """Runs the log's commands. ``folder`` gets the mission, which ``mebots run`` can repeat; with None, no files are
-    kept."""
+    """Runs the log's commands. Writes the mission into ``folder``, so that ``mebots run`` can repeat it; if ``folder``
+    is None, no files are kept."""
     log.require(COMMANDS, "a replay without voltage and height")
     if folder is not None:
         return _Flight(log, airframe, folder, step_s).fly(initial_charge)
@@ -120,7 +121,7 @@ class _Flight:
         return Traces(times, good, logged, values, charge, self.settle_s, self.notes, float(values["battery.cell.capacity"][0]), cut_off_s)
 
     def _begin(self) -> tuple[float, float]:
-        """Returns the time after the start that is not compared, and the end of the time over which the charge is
+        """Returns the duration after the start that is not compared, and the end of the time over which the charge is
         fitted."""
         driven = np.max([np.interp(self.grid, self.log[name].times, self.log[name].values) for name in COMMANDS], axis=0) > DRIVEN
         if not driven.any():
@@ -131,7 +132,7 @@ class _Flight:
         return 0.0, min(rest_s, CHARGE_S)
 
     def _logged(self, times: Array) -> Mask:
-        """True at times before which all commands were logged without a gap for ``SETTLE_S``."""
+        """True at times before which all commands were logged for ``SETTLE_S`` without a gap."""
         logged = np.logical_and.reduce([covered(self.log[name], times) for name in COMMANDS])
         since = np.maximum.accumulate(np.where(logged, -np.inf, times))
         return (times >= self.start_s + self.settle_s) & (times - since > SETTLE_S)
@@ -186,7 +187,7 @@ class _Flight:
 
     def _initial_charge(self) -> float:
         """Returns the charge with which the model's mean voltage equals the measured one soon after the start. The
-        polarisation of the real cell is unknown; the model starts without any."""
+        polarisation of the real cell is unknown, and the model starts without polarisation."""
         if not self.has_voltage:
             self.notes.append("the log has no voltage that can be used: the model starts with a full cell")
             return 1.0

@@ -24,10 +24,12 @@ from mebots.flight.names import Meaning, named
 MAGIC = b"ULog\x01\x12\x35"
 _SIZE_OF_HEADER = 16
 _FIRST_TYPES = {b"B", b"F", b"I", b"M", b"P", b"Q", b"A"}
-"""Types of a message that may come first; without one of them, pyulog searches without end."""
+"""Types of messages that may come first in a file. If the first message has another type, pyulog searches without end.
+"""
 
 _ROTORS = (1, 3, 4, 2)
-"""PX4's order is front right, rear left, front left, rear right; that of MEbots is circular from the front right."""
+"""PX4's order is front right, rear left, front left, rear right. MEbots' order goes around the drone from the front
+right."""
 
 PX4: dict[str, Meaning] = {
     **{f"actuator_motors.control[{place}]": Meaning(f"motor[{rotor}].command", "1") for place, rotor in enumerate(_ROTORS)},
@@ -85,8 +87,8 @@ def _columns(parsed: Any) -> Iterator[tuple[str, Array, Array]]:
 
 
 def _attitude(times: Array, q: list[Array]) -> Iterator[tuple[str, Array, Array]]:
-    """Converts from (body forward-right-down to north-east-down) to (forward-left-up to east-north-up): a half turn
-    about the body's x axis first, the exchange of the world's axes last."""
+    """Converts attitudes from (body forward-right-down to north-east-down) to (forward-left-up to east-north-up): a
+    half turn about the body's x axis first, the exchange of the world's axes last."""
     w, x, y, z = q
     w, x, y, z = -x, w, z, -y  # q * i
     half = np.sqrt(0.5)  # (i + j) / sqrt(2) rotates north-east-down to east-north-up

@@ -7,7 +7,7 @@
     per kind   uint16 id; name, ended by a zero byte; uint16 number of variables; per variable "group.name(T)" and a
                zero byte, T = type in the letters of Python's struct module
     records    uint16 id of the event; time; the values of its variables, without padding
-    uint32     CRC-32 of all before it
+    uint32     CRC-32 of all bytes before it
 
 All numbers are little-endian. A truncated log, for example after the cell was empty, has no CRC.
 """
@@ -136,7 +136,7 @@ def _field(reader: _Reader) -> tuple[str, str]:
 
 
 def _walk(reader: _Reader, kinds: dict[int, _Kind], end: int, whole: bool) -> int:
-    """Records the start of each record. Returns the end of the last complete one."""
+    """Stores the start of each record. Returns the end of the last complete record."""
     data, at = reader.data, reader.at
     while at + 2 <= end:
         (number,) = struct.unpack_from("<H", data, at)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """``mebots link``: simulated Crazyflies that answer cflib over UDP as the firmware does.
 
-Facts about packets, tables and limits are those of crazyflie-firmware, commit 2a18fc29 (August 2026, protocol version 12).
+Packets, tables and limits are those of crazyflie-firmware, commit 2a18fc29 (August 2026, protocol version 12).
 """

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sine, cosine and arc tangent with the same bits on every machine: they only use additions, multiplications and divisions,
-because the functions of the C library differ between its versions."""
+"""Computes sine, cosine and arc tangent with the same bits on every machine. Uses only additions, multiplications and
+divisions, because the functions of the C library differ between its versions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ _QUARTER_LOW = 6.077100506506192e-11
 
 
 def _series(square: float, first: int) -> float:
-    """Returns 1 - x^2 / (n (n + 1)) + ... with n = first, for |x| up to pi / 4: the next term is below 1e-18."""
+    """Returns 1 - x^2 / (n (n + 1)) + ... with n = first. The first omitted term is below 1e-18 for |x| up to pi / 4.
+    """
     result = 1.0
     for n in range(first + 16, first - 1, -2):
         result = 1.0 - square / (n * (n + 1)) * result
@@ -43,5 +44,5 @@ def arc_tangent(y: float, x: float) -> float:
 
 
 def wrapped(angle: float) -> float:
-    """Returns the equal angle from -pi to pi."""
+    """Returns the equivalent angle from -pi to pi."""
     return math.remainder(angle, 2.0 * math.pi)

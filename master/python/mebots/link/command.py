@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``mebots link``: the program is replaced by this module, which parses the command line."""
+"""Implements ``mebots link``: the program is replaced by this module, which parses the command line."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from mebots.mission import Scalar
 
 
 def main(words: list[str] | None = None) -> int:
-    """Returns the exit code."""
+    """Runs the command. Returns the exit code."""
     given = _parser().parse_args(sys.argv[1:] if words is None else words)
     return guarded(lambda: _replay(given) if given.replay is not None else _serve(given))
 
@@ -115,7 +115,8 @@ def _advance_to(session: Session, time_ms: int) -> None:
 
 
 def _stop_requests():
-    """Returns a function that returns whether SIGINT, SIGTERM or SIGHUP has arrived since. Ignored ones stay so (nohup)."""
+    """Returns a function that returns True if SIGINT, SIGTERM or SIGHUP has arrived since this call. Signals that are
+    ignored stay ignored (nohup)."""
     requests = []
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is not signal.SIG_IGN:

@@ -21,7 +21,7 @@ class Commander:
         self._stamp_ms = 0
 
     def set(self, setpoint: Setpoint, priority: Priority, now_ms: int) -> bool:
-        """Returns False if the present set-point has a higher priority, which then stays."""
+        """Replaces the present set-point. Returns False without effect if the present one has a higher priority."""
         if priority < self.priority:
             return False
         self.setpoint = setpoint
@@ -30,7 +30,7 @@ class Commander:
         return True
 
     def relax(self) -> None:
-        """Lets the high-level commander take over."""
+        """Lowers the priority of the present set-point, so that the high-level commander can take over."""
         self.priority = Priority.HIGH_LEVEL
 
     def age_ms(self, now_ms: int) -> int:

@@ -4,8 +4,9 @@
 The simulated drone contains the firmware's loops for velocity and altitude, and all inner loops. This module adds the outer loop
 at the same 100 Hz: the firmware's proportional controller of the level position, limited to 1.1 times the greatest velocity.
 
-Two set-points are handled differently from the firmware. For a yaw, the yaw rate is that of the set-point plus 3 1/s times the
-error; with the firmware's 6 1/s, this second-order loop has a damping of 0.71. For a climb rate, the wanted altitude moves.
+Two set-points are handled differently from the firmware. For a set-point with a yaw, the yaw rate is that of the
+set-point plus 3 1/s times the error; with the firmware's 6 1/s, this second-order loop would have a damping of 0.71.
+For a set-point with a climb rate, the wanted altitude moves.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""CRTP packets: a header byte and up to 30 bytes; one packet is one datagram."""
+"""CRTP packets: a header byte and up to 30 bytes. One packet is one datagram."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Port(enum.IntEnum):
 
 
 class Errno(enum.IntEnum):
-    """Error numbers in answers, those of the firmware's C library."""
+    """Error numbers in answers, as in the firmware's C library."""
 
     NONE = 0
     NOT_PERMITTED = 1

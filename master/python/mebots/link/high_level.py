@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands to the high-level commander (port 8)."""
+"""Handles commands to the high-level commander (port 8)."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class HighLevel:
         return work(self, values, time_s)
 
     def _fly(self, group: int) -> Errno | None:
-        """Returns the answer to a command that is not executed; None if it is executed."""
+        """Executes a command. Returns the error if it is not executed; None if it is."""
         if not self._supervisor.can_fly:
             return Errno.BUSY
         return None if self._is_in(group) else Errno.NONE
@@ -93,7 +93,7 @@ class HighLevel:
         return self._vertical(self._timed(values, -1.0, "vland"), time_s, self._planner.land)
 
     def _timed(self, values: tuple, direction: float, default: str) -> tuple:
-        """Returns the values with a duration in place of a speed."""
+        """Returns the values of a command, with a duration in place of a speed."""
         group, height_m, relative, yaw_rad, keeps_yaw, speed_m_per_s = values
         now_m = self._planner.last.position_m[2]
         if relative:

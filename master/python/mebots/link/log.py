@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Log blocks: groups of variables that a client receives periodically (port 5)."""
+"""Handles log blocks: groups of variables that a client receives periodically (port 5)."""
 
 from __future__ import annotations
 
@@ -118,5 +118,5 @@ def _packet(number: int, block: _Block, now_ms: int) -> Packet:
 
 
 def _stored(variable: Variable) -> float:
-    """Returns the value as the drone stores it: for example, a voltage of 3.7 in an integer is 3."""
+    """Returns the value in the type in which the drone stores it: a voltage of 3.7 in an integer is 3."""
     return variable.scalar.unpack(variable.scalar.pack(variable.read()))

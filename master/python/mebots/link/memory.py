@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Memories that a client reads and writes (port 4). The drone has one memory, for uploaded trajectories."""
+"""Handles memories that a client reads and writes (port 4). The drone has one memory, for uploaded trajectories."""
 
 from __future__ import annotations
 

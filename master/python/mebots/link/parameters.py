@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters that a client reads and writes (port 2)."""
+"""Handles parameters that a client reads and writes (port 2)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Parameter:
 
     @property
     def kind(self) -> int:
-        """The type byte in the table."""
+        """The type byte in the table of contents."""
         return self.scalar.parameter_number | (_READ_ONLY if self.read_only else 0) | (_HAS_EXTENDED if self.persistent else 0)
 
 
@@ -56,7 +56,7 @@ class Parameters:
         return self._parameters[number].scalar.unpack(self._bytes[number])
 
     def set(self, full_name: str, value: float) -> None:
-        """Changes a value on the drone's side; the client is notified by ``updates``."""
+        """Changes a value from the drone's side. ``updates`` then notifies the client."""
         number = self._numbers[full_name]
         self._bytes[number] = self._parameters[number].scalar.pack(value)
         self._updates.append(Packet(Port.PARAMETERS, _OTHER_CHANNEL, bytes([_UPDATED]) + number.to_bytes(2, "little") + self._bytes[number]))
@@ -83,7 +83,7 @@ class Parameters:
         return [packet.answer(head + self._bytes[number]), *self._notify(number)]
 
     def _write(self, number: int, value: bytes) -> bool:
-        """Returns False if there are too few bytes."""
+        """Writes a value. Returns False if there are too few bytes."""
         size = self._parameters[number].scalar.size
         if len(value) < size:
             return False

@@ -42,7 +42,7 @@ class Planner:
         self.last = Goal(position_m, velocity_m_per_s, ZERO, yaw_rad, 0.0)
 
     def goal(self, time_s: float) -> Goal | None:
-        """Returns the goal of the current path, or None. The motors stop when a landing has ended."""
+        """Returns the goal of the present path; None if there is none. The motors stop when a landing has ended."""
         if self.state == State.LANDING and self.has_finished(time_s):
             self.state = State.IDLE
         if not self.is_active or self._path is None:
@@ -55,7 +55,7 @@ class Planner:
         return goal
 
     def take_off(self, height_m: float, yaw_rad: float, duration_s: float, time_s: float) -> bool:
-        """Returns False if a path is being flown."""
+        """Starts a take-off. Returns False if a path is being flown."""
         if self.state != State.IDLE:
             return False
         self._climb(height_m, yaw_rad, duration_s, time_s)
@@ -63,7 +63,7 @@ class Planner:
         return True
 
     def land(self, height_m: float, yaw_rad: float, duration_s: float, time_s: float) -> bool:
-        """Returns False if the drone is landing already."""
+        """Starts a landing. Returns False if the drone is already landing."""
         if self.state == State.LANDING:
             return False
         self._climb(height_m, yaw_rad, duration_s, time_s)
@@ -85,8 +85,9 @@ class Planner:
 
     def spiral(self, angle_rad: float, radii_m: tuple[float, float], ascent_m: float, duration_s: float, time_s: float, *,
                sideways: bool, clockwise: bool) -> None:  # fmt: skip
-        """The path follows the angle about a centre while the distance changes from the first radius to the second. The nose points
-        along the circle. If ``sideways``, it points to the centre (clockwise) or away from it."""
+        """Starts a spiral: the drone moves by the angle about a centre, while the distance changes from the first
+        radius to the second. The nose points along the circle. With ``sideways``, it points to the centre (clockwise)
+        or away from it."""
         angle_rad = min(max(angle_rad, -2.0 * math.pi), 2.0 * math.pi)
         first_m, last_m = max(radii_m[0], 0.0), max(radii_m[1], 0.0)
         if not duration_s > 0.0:
@@ -96,7 +97,7 @@ class Planner:
         yaw_rad = wrapped(begin.yaw_rad)
         turn_rad_per_s = -sense * angle_rad / duration_s
         growth_m_per_s = (last_m - first_m) / duration_s
-        # Angle from the nose to the direction from the centre to the drone.
+        # The angle from the nose to the direction from the centre to the drone.
         lead_rad = (math.pi if clockwise else 0.0) if sideways else 0.5 * math.pi * sense
         ends = []
         for radius_m, heading_rad in ((first_m, yaw_rad), (last_m, yaw_rad - sense * angle_rad)):
@@ -151,5 +152,5 @@ class Planner:
 
 
 def _nearest(angle_rad: float, to_rad: float) -> float:
-    """Returns the first angle plus the multiple of a full turn that brings it nearest to the second."""
+    """Returns the first angle plus the multiple of a full turn with which it is nearest to the second angle."""
     return to_rad + wrapped(angle_rad - to_rad)

@@ -52,12 +52,13 @@ def find_drones(config: Mapping[str, Any], file: str) -> list[Parts]:
 
 
 def _instance_of(variable: str | None, names: list[str]) -> str | None:
-    """Names may hold dots, but no instance's name begins another one's."""
+    """Returns the instance of a variable. Names may contain dots, but no instance's name is the beginning of another's.
+    """
     return next((name for name in names if variable is not None and variable.startswith(name + ".")), None)
 
 
 class Plant:
-    """A drone in a mission that has started."""
+    """A drone in a mission that has already started."""
 
     def __init__(self, mission: Mission, parts: Parts) -> None:
         self._mission = mission

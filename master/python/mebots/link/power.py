@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Power management: battery voltage, its warnings, and the time without supply."""
+"""Computes the battery's state: its voltage, warnings, and the time without supply."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Power:
         return 10 * min(sum(self.voltage_v > one for one in _CHARGE_CURVE_V), 9)
 
     def update(self, voltage_v: float, low_v: float, now_ms: int) -> str | None:
-        """Measures the voltage. Returns a text for the console after a change."""
+        """Measures the voltage. After a change of the state, returns a text for the console."""
         before = self.state
         self.voltage_v = voltage_v
         if voltage_v > low_v:

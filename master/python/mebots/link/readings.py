@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measured state of a drone and of its battery at one time."""
+"""The measured state of a drone and of its battery at one time."""
 
 from __future__ import annotations
 

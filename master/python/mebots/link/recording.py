@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings: the packets that drones received, with simulated time, from which a run can be repeated.
 
-A recording has a line of JSON each for the settings, for every packet and for the end:
+A recording has one line of JSON for the settings, one for each packet, and one for the end:
 
     {"mebots": "0.2.0", "drones": 1, "spacing": 1.0, "decks": ["bcFlow2"], "set": {}, "stop_time": null}
     {"ms": 1230, "drone": 1, "packet": "ff"}
@@ -40,7 +40,7 @@ class Recording:
 
 
 class Recorder:
-    """Writes a recording. ``write`` buffers; after ``flush`` the lines are in the file.
+    """Writes a recording. ``write`` only buffers lines. After ``flush``, they are in the file.
 
     :param most_bytes: size from which ``is_full`` is True. The end of the recording still fits.
     """
@@ -70,7 +70,7 @@ class Recorder:
 
 
 def read_recording(file: pathlib.Path) -> Recording:
-    """Raises InputError with the line that is wrong."""
+    """Reads a recording. Raises InputError with the line that is wrong."""
     try:
         lines = file.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeDecodeError) as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Types of log variables and parameters, and their bytes."""
+"""The types of log variables and parameters, and the bytes of their values."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ class Scalar:
         return self.code in "ef"
 
     def pack(self, value: float) -> bytes:
-        """Returns the value's bytes. Integers are cut towards zero and wrap as a conversion in C does on the drone's processor.
-        A float out of range becomes infinite; NaN becomes the integer 0."""
+        """Returns the value's bytes. Values for an integer type are truncated towards zero and wrap, as a conversion in
+        C does on the drone's processor. A float out of range becomes infinite; NaN becomes the integer 0."""
         if self.is_float:
             try:
                 return struct.pack("<" + self.code, value)

@@ -26,8 +26,8 @@ _DATAGRAM_BYTES = 2048
 
 
 class Pace:
-    """Gives the wall-clock time of each period. The simulation catches up with a delay of up to 0.4 s. After a longer one, later periods are
-    delayed as well."""
+    """Gives the wall-clock time of each period. After a delay of up to 0.4 s, the simulation catches up. After a longer
+    delay, later periods are delayed as well."""
 
     def __init__(self, clock: Callable[[], float], report: Callable[[str], None]) -> None:
         self._clock = clock
@@ -58,7 +58,7 @@ class Pace:
 class Server:
     """Answers on ports from ``port``, one per drone. A drone without power closes its port, so that a client sees the link fail.
 
-    :param recorder: gets every packet; None = no recording.
+    :param recorder: records every packet; None = no recording.
     """
 
     def __init__(self, session: Session, host: str, port: int, recorder: Recorder | None) -> None:
@@ -74,8 +74,8 @@ class Server:
             self._open(index, host, port + index)
 
     def serve(self, idle_s: float | None, is_stopped: Callable[[], bool]) -> None:
-        """Runs from the first datagram until the missions end, ``is_stopped`` returns True, no datagram came for ``idle_s``, or the
-        recording is full."""
+        """Waits for the first datagram, then runs until the missions end, ``is_stopped`` returns True, no datagram has
+        arrived for ``idle_s``, or the recording is full."""
         while not is_stopped() and not self._selector.select(_WAIT_S):
             pass
         self._heard_s = time.monotonic()
@@ -118,7 +118,7 @@ class Server:
             self._left[index] = _MOST_IN_PERIOD
 
     def _receive(self, deadline_s: float) -> None:
-        """Answers datagrams until the deadline. A flood of them does not hold simulated time."""
+        """Answers datagrams until the deadline. A flood of datagrams therefore does not stop simulated time."""
         while True:
             ready = self._selector.select(max(deadline_s - time.monotonic(), 0.0))
             for key, _ in ready:
@@ -148,7 +148,8 @@ class Server:
                 self._send(index, answer)
 
     def _is_own(self, client: tuple) -> bool:
-        """True for a forged sender: two drones that answer each other would do so without end."""
+        """True if a sender is one of this server's own addresses, which is forged: two drones that answer each other
+        would do so without end."""
         return client[1] in self._own_ports and _is_local(client[0])
 
     def _send(self, index: int, packet: Packet) -> None:
@@ -178,7 +179,7 @@ class Server:
 
 @functools.lru_cache(maxsize=64)
 def _is_local(address: str) -> bool:
-    """True if the address belongs to this computer: only then can a socket be bound to it."""
+    """True if the address belongs to this computer, because a socket can be bound to no other address."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.bind((address, 0))

@@ -51,9 +51,10 @@ class Settings:
 
 
 class Session:
-    """Drones on a common clock. ``handle`` and ``advance`` alone change anything, so equal calls give equal bits.
+    """Drones on a common clock. Only ``handle`` and ``advance`` change its state, so equal calls give equal bits.
 
-    :param out: folder for the results; None = no files. With several runs each has a folder "drone1" and so on in it.
+    :param out: folder for the results; None = no files. If there are several runs, each has a folder in it: "drone1"
+    and so on.
     """
 
     def __init__(self, config: str | os.PathLike[str], settings: Settings, out: pathlib.Path | None) -> None:
@@ -103,8 +104,8 @@ class Session:
         return answers
 
     def advance(self) -> list[tuple[int, Packet]]:
-        """Runs the missions for one period, which no signal shortens. Returns what the drones send on their own: index of the
-        drone, and packet."""
+        """Runs the missions for one period, which no signal shortens. Returns the packets that the drones send on their
+        own, each with the index of its drone."""
         for plant, drone in zip(self._plants, self.drones, strict=True):
             inputs = drone.control()
             plant.write(inputs)
@@ -140,13 +141,13 @@ def _flat(now: Readings) -> tuple[float, ...]:
 
 
 def _offsets(config: Mapping[str, Any], worlds: list[str], distance_m: float) -> dict[str, Scalar]:
-    """Returns start offsets that put the worlds' drones beside those of the first run."""
+    """Returns the start offsets that place the drones of these worlds next to the drones of the first run."""
     name = "start.offset.y"
     return {f"{world}.{name}": config["instances"][world].get("parameters", {}).get(name, 0) + distance_m for world in worlds}
 
 
 def _check_step(mission: Mission, file: str) -> None:
-    """A communication point must lie at every period of the link."""
+    """Checks that each period of the link ends at a communication point."""
     steps = PERIOD_MS / 1000.0 / mission.step_size
     if abs(steps - round(steps)) > 1e-9 or round(steps) < 1:
         raise InputError(

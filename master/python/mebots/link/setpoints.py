@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Set-points that a client sends repeatedly (ports 3 and 7)."""
+"""Decodes set-points that a client sends repeatedly (ports 3 and 7)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ OFF = Setpoint(motors=False)
 
 
 class Unsupported(Exception):
-    """The set-point is one that the simulated drone cannot follow."""
+    """Raised for a set-point that the simulated drone cannot follow."""
 
 
 def decode(packet: Packet, flags: Mapping[str, bool]) -> Setpoint | None:
@@ -54,7 +54,7 @@ def decode(packet: Packet, flags: Mapping[str, bool]) -> Setpoint | None:
 
 
 def _sticks(values: tuple, flags: Mapping[str, bool]) -> Setpoint:
-    """Roll, pitch, yaw and thrust. Parameters can change the meaning of these four values."""
+    """Decodes roll, pitch, yaw and thrust. Parameters can change the meaning of these four values."""
     roll, pitch, yaw, thrust = values
     if flags["posSet"] and thrust != 0:
         return Setpoint(position_m=(-pitch, roll), height_m=thrust / 1000.0, yaw_rad=yaw * _RADIANS)
@@ -90,15 +90,17 @@ def _position(values: tuple) -> Setpoint:
 
 
 def _full_state(values: tuple) -> Setpoint:
-    """Position, velocity and acceleration in mm, attitude, rates. The PID controller uses position and yaw."""
+    """Decodes position, velocity and acceleration in mm, attitude, and rates. The PID controller uses position and yaw.
+    """
     w, x, y, z = _quaternion(values[9])
     yaw_rad = arc_tangent(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
     return Setpoint(position_m=(values[0] / 1000.0, values[1] / 1000.0), height_m=values[2] / 1000.0, yaw_rad=yaw_rad)
 
 
 def _quaternion(packed: int) -> tuple[float, float, float, float]:
-    """Decodes a quaternion of 32 bits; returns w, x, y, z. Two bits have the number of the largest component, in the order x, y,
-    z, w; it is positive. Each other component has a sign and nine bits, in units of 1 / (511 sqrt 2)."""
+    """Decodes a quaternion of 32 bits; returns w, x, y, z. Two bits are the number of the largest component, in the
+    order x, y, z, w. This component is positive. Each other component has a sign and nine bits, in units of 1 / (511
+    sqrt 2)."""
     largest = packed >> 30
     components = [0.0, 0.0, 0.0, 0.0]
     for index in (3, 2, 1, 0):

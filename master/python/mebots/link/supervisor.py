@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The supervisor: knows if the drone may fly, flies, has crashed or is locked (port 9).
+"""The supervisor, which determines whether the drone may fly, flies, has crashed or is locked (port 9).
 
 States and conditions are those of the firmware, for a drone that arms itself. A crash of the simulated drone counts as tumbled.
 This state is permanent, because the motors do not restart.
@@ -110,7 +110,7 @@ class Supervisor:
         return []
 
     def arm(self, arms: bool) -> bool:
-        """Returns False if the request is refused."""
+        """Arms or disarms the drone. Returns False if the request is refused."""
         if arms == self._armed:
             return True
         if arms and self.state != State.CHECKS_PASSED:
@@ -119,14 +119,14 @@ class Supervisor:
         return True
 
     def recover(self) -> bool:
-        """Returns False if the drone cannot fly again."""
+        """Handles a request to recover from a crash. Returns False if the drone cannot fly again."""
         if self._crashed and self.tumbled:
             return False
         self._crashed = False
         return True
 
     def update(self, now: Readings, setpoint_age_ms: int, limits_ms: tuple[float, float], checks_tumbling: bool, now_ms: int) -> str | None:
-        """Returns a text for the console after a change.
+        """Updates the state. After a change, returns a text for the console.
 
         :param limits_ms: longest times armed before a flight, and after a landing.
         """
@@ -150,7 +150,8 @@ class Supervisor:
         return _TEXTS.get(after)
 
     def _is_tilted(self, now: Readings, now_ms: int) -> bool:
-        """Returns True if the drone was tilted for a long time, or upside down for a shorter time. A free fall does not count."""
+        """Returns True if the drone was tilted for a long time, or upside down for a shorter time. Times in free fall
+        do not count."""
         x, y, z = (one / _G for one in now.acceleration_m_per_s2)
         if max(abs(x), abs(y), abs(z)) < _FREE_FALL_G:
             self._tilted_ms = None

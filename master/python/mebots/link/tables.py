@@ -33,7 +33,7 @@ FIXED = {
     "pid_rate": {"roll_kp": 250.0, "roll_ki": 500.0, "roll_kd": 2.5, "pitch_kp": 250.0, "pitch_ki": 500.0, "pitch_kd": 2.5,
                  "yaw_kp": 120.0, "yaw_ki": 16.7, "yaw_kd": 0.0},
 }  # fmt: skip
-"""Gains of the simulated controller, which cannot be changed. Writing them has no effect."""
+"""Gains of the simulated controller, which a client cannot change. Writing them has no effect."""
 
 
 def parameters(decks: Iterable[str]) -> list[Parameter]:
@@ -142,6 +142,6 @@ def _vector(read: Callable[[], tuple[float, ...]], names: str, factor: float = 1
 
 
 def _attitude(drone: Source, names: tuple[str, str, str]) -> list:
-    """Degrees. The firmware's pitch is positive with the nose up."""
+    """Returns variables of the attitude in degrees. The firmware's pitch is positive with the nose up."""
     reads = (lambda: drone.now.roll_rad, lambda: -drone.now.pitch_rad, lambda: drone.now.yaw_rad)
     return [(name, FLOAT, lambda read=read: _DEGREES * read()) for name, read in zip(names, reads, strict=True)]

@@ -32,7 +32,7 @@ class Goal(NamedTuple):
 
 
 class Ends(NamedTuple):
-    """Value and two derivatives at an end of a polynomial."""
+    """The value and two derivatives at an end of a polynomial."""
 
     value: float
     rate: float = 0.0
@@ -77,7 +77,7 @@ def _evaluate(coefficients: Sequence[float], t: float) -> tuple[float, float, fl
 
 
 class Piece(NamedTuple):
-    """Polynomials of x, y, z and yaw, over a duration."""
+    """Polynomials of x, y, z and yaw for a duration."""
 
     axes: tuple[Sequence[float], Sequence[float], Sequence[float], Sequence[float]]
     duration_s: float
@@ -97,8 +97,8 @@ class Piece(NamedTuple):
 class Path:
     """A sequence of pieces, scaled in time, rotated and shifted. After its end, a path stays at its last point.
 
-    :param time_scale: 2 takes twice as long.
-    :param backwards: from the end to the start.
+    :param time_scale: factor of the duration; with 2, the path takes twice as long.
+    :param backwards: True follows the path from its end to its start.
     """
 
     def __init__(self, pieces: Sequence[Piece], begin_s: float, time_scale: float = 1.0, backwards: bool = False) -> None:
