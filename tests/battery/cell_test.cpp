@@ -63,7 +63,7 @@ TEST(Cell, CurrentSolvesThePowerBalanceOfTheSeriesResistance) {
     EXPECT_NEAR((4.0 - 0.1 * current_a) * current_a, power_w, 1e-13 * std::max(1.0, std::abs(power_w)));
     EXPECT_LE(current_a, 20);  // the smaller root: at most E / (2 R), the current at the greatest power
   }
-  // P / E with the next term of its series, R P^2 / E^3: no digit is lost by cancellation.
+  // The current is P / E plus the next term of its series, R P^2 / E^3. No digit is lost by cancellation.
   EXPECT_NEAR(terminal_current_a(4.0, 0.1, 1e-12), 2.5e-13 + 0.1 * 1e-24 / 64, 1e-28);
   EXPECT_DOUBLE_EQ(terminal_current_a(4.0, 0.1, 41), 20);  // beyond E^2 / (4 R) = 40 W
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Data files that must be rejected, with a message that names file, key, value and limit.
+// Tests that wrong data files are rejected, with a message that names file, key, value and limit.
 #include "support.hpp"
 
 #include <fstream>

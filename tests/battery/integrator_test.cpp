@@ -30,7 +30,7 @@ TEST(Integrator, RestingPairsDecayExponentially) {
   CellState state{0.8, 0.12, 0.15};
   Ledger ledger;
   for (int i = 0; i < 30; ++i) integrator.advance(state, ledger, {}, Protection::closed, 1.0);
-  // 30 s with a relative tolerance of 1e-9 per step of 1 s.
+  // The tolerance is relative 1e-9 per step of 1 s, for 30 s.
   EXPECT_NEAR(state.pair1_v, 0.12 * std::exp(-30.0 / 20), 1e-9);
   EXPECT_NEAR(state.pair2_v, 0.15 * std::exp(-30.0 / 180), 1e-9);
   // The energy from the capacitors equals the heat in the resistors parallel to them.
@@ -72,7 +72,7 @@ TEST(Integrator, TwoHalfStepsAgreeWithOneWithinTheTolerance) {
   integrator.advance(once, ledger_once, load_of(9), Protection::closed, 0.1);
   integrator.advance(twice, ledger_twice, load_of(9), Protection::closed, 0.05);
   integrator.advance(twice, ledger_twice, load_of(9), Protection::closed, 0.05);
-  // Local error control: 1e-9 relative and 1e-12, 1e-10 V, 1e-10 J absolute, per component.
+  // The error control has per component 1e-9 relative and, absolute, 1e-12 of the charge, 1e-10 V and 1e-10 J.
   EXPECT_NEAR(once.soc, twice.soc, 1e-9);
   EXPECT_NEAR(once.pair1_v, twice.pair1_v, 2e-10);
   EXPECT_NEAR(once.pair2_v, twice.pair2_v, 2e-10);
@@ -109,9 +109,9 @@ TEST(Integrator, CutOffIsLocatedWhereTheVoltageCrosses) {
   const Circuit c = cell.circuit_at(state.soc);
   const double source_v = c.open_circuit_v - state.pair1_v - state.pair2_v;
   const double voltage_v = source_v - c.series_ohm * terminal_current_a(source_v, c.series_ohm, 9);
-  // The voltage is that of the located instant; the interpolant between two steps is of third order.
+  // The voltage is the one at the located instant. The interpolant between two steps is of third order.
   EXPECT_NEAR(voltage_v, cell.cut_off_voltage_v, 1e-6);
-  // Finds the same event with steps of 1 ms.
+  // The same event is found with steps of 1 ms.
   CellState slow{0.12, 0.05, 0.05};
   double passed_s = 0;
   for (;;) {
@@ -129,7 +129,7 @@ struct LongStep {
   Event event;
 };
 
-/// 1000 steps give the same result as one, event included.
+/// 1000 steps give the same result as one step. The event is included.
 void expect_the_same_in_short_steps(const LongStep& step) {
   SCOPED_TRACE(testing::Message() << "charge " << step.soc << ", " << step.demand.terminal_w() << " W, "
                                   << step.duration_s << " s");
@@ -202,7 +202,7 @@ TEST(Integrator, StepThatCannotBeIntegratedIsReportedAndChangesNothing) {
   stiff.pair1_farad = Curve::analytic(0, 0, {4e-9});  // 0.2 ns
   EXPECT_THAT(refusal(stiff, load_of(1)),
               AllOf(HasSubstr("over a step of 60 s at 1 W"), HasSubstr("longer time constants")));
-  // A step that is short enough for the time constant succeeds.
+  // A step that is short compared with the time constant succeeds.
   Integrator integrator(stiff);
   CellState state{0.5, 0.01, 0.02};
   Ledger ledger;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The energy balance: the ledger compared with itself and with sums computed here, independently of the integrator.
+// Tests the energy balance: compares the ledger with itself, and with sums that are computed here, independently of the
+// integrator.
 #include "support.hpp"
 
 #include <cmath>
@@ -7,7 +8,7 @@
 namespace mebots::battery {
 namespace {
 
-/// Integral of the published open-circuit voltage over state of charge, in closed form.
+/// Returns the integral of the published open-circuit voltage over state of charge, in closed form.
 double open_circuit_integral(double from_s, double to_s) {
   const auto antiderivative = [](double s) {
     return 1.031 / 35 * std::exp(-35 * s) + 3.685 * s + 0.2156 * s * s / 2 - 0.1178 * s * s * s / 3 +
@@ -40,7 +41,7 @@ TEST(Ledger, ClosesOverAFlightWithChangingLoadsAndASource) {
   EXPECT_GT(out.energy_polarisation_j, 0.1);
   EXPECT_GT(out.energy_self_discharge_j, 0);
   EXPECT_GT(out.energy_source_j, 10);
-  // Required: 1e-6 of the energy. Runge-Kutta conserves a sum of rates that is zero, so only rounding remains.
+  // The energy must agree to 1e-6. The Runge-Kutta method conserves a sum whose rate is zero, so only rounding remains.
   EXPECT_NEAR(out.energy_imbalance_j, 0, 1e-10 * out.energy_open_circuit_j);
 }
 
@@ -74,7 +75,8 @@ TEST(Ledger, OpenCircuitEnergyIsTheChargeTimesTheVoltageIntegral) {
   const double s = bench.outputs.cell_state_of_charge;
   ASSERT_LT(s, 0.8);
   const double expected_j = bench.outputs.cell_capacity_c * open_circuit_integral(s, 0.95);
-  // Two paths to the same integral; each step's error is controlled to 1e-10 J and 1e-12 of the charge.
+  // The two runs take different steps to the same integral. Each step's error is controlled to 1e-10 J and 1e-12 of the
+  // charge.
   EXPECT_NEAR(bench.outputs.energy_open_circuit_j, expected_j, 1e-6 * expected_j);
   EXPECT_NEAR(bench.outputs.energy_open_circuit_j, expected_j, 1e-7);
 }

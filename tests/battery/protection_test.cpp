@@ -129,7 +129,7 @@ TEST(Protection, OpensAtStateOfChargeZero) {
   EXPECT_FALSE(empty.outputs.cell_connected);
   EXPECT_THAT(empty.events.back(), HasSubstr("empty"));
 
-  // Without a cut-off, a load uses the last charge, and the event is located.
+  // If the cell has no cut-off, a load uses the last charge, and the event is located.
   Cell cell = cell_named("bitcraze_250");
   cell.cut_off_voltage_v = 0;
   Integrator integrator(cell);
@@ -139,7 +139,7 @@ TEST(Protection, OpensAtStateOfChargeZero) {
   const auto [reached_s, event] = integrator.advance(state, ledger, half_watt, Protection::closed, 100);
   EXPECT_EQ(event, Event::empty);
   EXPECT_EQ(state.soc, 0);
-  // 0.9 C between 2.65 V and 2.69 V are 2.4 J, minus the loss in the resistances at 0.2 A.
+  // 0.9 C between 2.65 V and 2.69 V are 2.4 J, from which the loss in the resistances at 0.2 A is subtracted.
   EXPECT_GT(reached_s, 4);
   EXPECT_LT(reached_s, 2.69 * 0.9 / 0.5);
   EXPECT_NEAR(ledger.delivered_j, 0.5 * reached_s, 1e-9);
@@ -198,7 +198,7 @@ Cell straight_cell() {
 }
 
 TEST(Charging, AnEmptyCellIsReleasedWhenTheClosedFormSays) {
-  // V i = P and V = E + R i give V = (E + sqrt(E^2 + 4 R P)) / 2, and t = Q / (b P) times the integral of V dE.
+  // From V i = P and V = E + R i follow V = (E + sqrt(E^2 + 4 R P)) / 2 and t = Q / (b P) times the integral of V dE.
   constexpr double kPower_w = 2;
   constexpr double kFourRp = 4 * 0.2 * kPower_w;
   const auto integral_of_v = [](double e) {
@@ -217,7 +217,7 @@ TEST(Charging, AnEmptyCellIsReleasedWhenTheClosedFormSays) {
   EXPECT_NEAR(reached_s, release_s, 1e-6 * release_s);
   EXPECT_NEAR(2.5 + 1.7 * state.soc, release_e, 1e-7);
   EXPECT_NEAR(ledger.source_j, kPower_w * reached_s, 1e-9);
-  // -integral of E ds Q, which also has a closed form.
+  // This is the negative integral of E ds times Q, which also has a closed form.
   EXPECT_NEAR(ledger.open_circuit_j, -100 * (2.5 * state.soc + 1.7 * state.soc * state.soc / 2), 1e-7);
   EXPECT_NEAR(ledger.imbalance_j(), 0, 1e-10 * ledger.source_j);
 }

@@ -72,13 +72,13 @@ class EasyFlight(unittest.TestCase):
         self.assertLess(abs(summary["lateral_error"]), 0.10)
         cruise = trace["world.drone.phase"] == CRUISE
         self.assertGreater(summary["pictures"], 29 * trace.time[cruise].size * 0.1)
-        # A dot product computes four products.
+        # A dot product computes four products of bytes.
         self.assertGreater(trace["soc.cluster.instructions"][-1], summary["pictures"] * MACS_PER_INFERENCE / 4)
         phases = energy_by_phase(trace)
         for consumer in ("motors", "chip", "camera", "converters", "cell"):
             self.assertGreater(phases["cruise"][consumer], 0)
         everything = sum(sum(consumers.values()) for consumers in phases.values())
-        # The table leaves out self-discharge and the time before the first sample.
+        # The table does not include self-discharge and the time before the first sample.
         self.assertAlmostEqual(everything / summary["energy"]["open_circuit"], 1, delta=1e-3)
 
 
@@ -96,7 +96,7 @@ class HardFlightAdaptive(unittest.TestCase):
 
 
 class HardMission(unittest.TestCase):
-    """configs/gate_hard.json, the mission that users run."""
+    """Tests configs/gate_hard.json, the mission that users run."""
 
     SHIPPED = ROOT / "configs/gate_hard.json"
 
@@ -120,7 +120,7 @@ class HardMission(unittest.TestCase):
         self.assertFalse(summary["gate"]["touched"])
         self.assertLess(abs(summary["lateral_error"]), 0.1)
         flying = trace["world.drone.phase"] == CRUISE
-        # A picture per period, because an inference takes less time.
+        # Each camera period has a picture, because an inference takes less time.
         self.assertGreater(summary["pictures"], 0.95 * flying.sum() * 0.1 / 0.033)
         asked = trace["soc.setpoint.velocity.x"][flying]
         self.assertAlmostEqual(asked.max(), 1.0 * KM_H, delta=1e-4)
@@ -128,10 +128,11 @@ class HardMission(unittest.TestCase):
 
 
 class SecondChip(unittest.TestCase):
-    """The study on board gap8_drone."""
+    """Tests the study on board gap8_drone."""
 
     PLACE = dataclasses.replace(PLACE, results=PLACE.results / "gap8_drone", chip="gap8_drone")
-    # The read-out time: rows of the sensor up to the window's last one, times clocks per row, divided by the clock.
+    # The read-out time is the number of sensor rows up to the window's last row, times the clocks per row, divided by
+    # the clock.
     READ_OUT_S = 322 * 376 / 6e6
 
     def test_a_flight_is_that_of_the_other_chip_with_what_the_shipped_mission_changes(self):

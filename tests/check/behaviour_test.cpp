@@ -48,7 +48,7 @@ TEST(CheckBehaviour, WrongValuesAreFound) {
 }
 
 TEST(CheckBehaviour, AnFmuThatDependsOnTheStopTimeIsFound) {
-  // y(h) = gain (1 - e^-h). The FMU uses the stop time as its gain: 2, its usual value, or 1.
+  // The FMU has y(h) = gain (1 - e^-h), and uses the stop time as its gain: its usual value 2, or 1.
   EXPECT_THAT(of("stop"), IsEmpty());
   Workshop workshop;
   auto description = culprit_description("stop");
@@ -272,7 +272,7 @@ TEST(CheckBehaviour, ReferenceTracesAreReplayed) {
                                               {"documentation/reference/culprit_out.csv", out}}),
                     true);
   };
-  // y = 6 (1 - exp(-1)) one second after u became 3.
+  // One second after u became 3, y is 6 (1 - exp(-1)).
   EXPECT_THAT(with_trace("time,y\n0,0\n1,0\n2,3.792723352971346\n"), IsEmpty());
   EXPECT_THAT(
       with_trace("time,y\n0,0\n1,0\n2,3.9\n"),
@@ -291,7 +291,7 @@ TEST(CheckBehaviour, TracesOfTheLayeredStandardAreReplayed) {
                      {folder + "it_out.csv", out}}),
         true);
   };
-  // u = 1: y = 2 (1 - exp(-1)). The same file is for FMI 2.0 and 3.0: columns of the other version are ignored.
+  // For u = 1, y is 2 (1 - exp(-1)). The same file serves FMI 2.0 and 3.0: columns of the other version are ignored.
   EXPECT_THAT(with_trace("time,binary,y\n0,666f6f,0\n1,666f6f,1.2642411176571153\n"), IsEmpty());
   EXPECT_THAT(with_trace("time,y\n0,0\n1,1.3\n"), Contains(HasSubstr("it_out.csv: first divergence at 1 s")));
 }

@@ -24,7 +24,7 @@ using testing::IsEmpty;
 
 class CheckDescription : public testing::Test {
  protected:
-  /// Returns the findings about the culprit's description with one piece of text replaced.
+  /// Returns the findings about culprit.cpp's description with one piece of text replaced.
   std::vector<std::string> with(const std::string& piece, const std::string& other) {
     auto text = culprit_description("none");
     const auto at = text.find(piece);

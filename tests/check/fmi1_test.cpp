@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots check` on FMUs of FMI 1.0: a sound one (tests/fmus/tank1.c), and one mistake at a time.
+// Tests `mebots check` on FMUs of FMI 1.0: a correct one (tests/fmus/tank1.c), and one mistake at a time.
 #include "support.hpp"
 
 #include "mebots/modeldesc/archive.hpp"

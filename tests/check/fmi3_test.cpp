@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots check` on FMUs of FMI 3.0: sound ones, and one mistake at a time.
+// Tests `mebots check` on FMUs of FMI 3.0: correct ones, and one mistake at a time.
 #include "check_fmu.hpp"
 #include "checks.hpp"
 #include "fmi3_description.hpp"
@@ -76,7 +76,7 @@ TEST(CheckFmi3, EachMistakeOfADescriptionIsNamed) {
   const auto expect = [](const std::string& piece, const std::string& other, const char* text) {
     EXPECT_THAT(of_text(replaced(piece, other)), Contains(HasSubstr(text))) << piece << " -> " << other;
   };
-  // The form of attributes and names, by the grammar of FMI 3.0.
+  // Tests of attributes and names against the grammar of FMI 3.0.
   expect("instantiationToken=", "guid=", "line 2, <fmiModelDescription>: there is no attribute guid in FMI 3.0");
   expect("fmiVersion=\"3.0\"", "fmiVersion=\"3.x\"", "fmiVersion is \"3.x\"");
   expect("canGetAndSetFMUState", "canGetAndSetFMUstate", "there is no attribute canGetAndSetFMUstate");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots check` on FMUs with binaries for several platforms.
+// Tests `mebots check` on FMUs with binaries for several platforms.
 #include "support.hpp"
 
 #include "support/windows_dll.hpp"

@@ -11,7 +11,7 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Returns the findings of the schema checks about the culprit's description with one piece of text replaced.
+/// Returns the findings of the schema checks about culprit.cpp's description with one piece of text replaced.
 std::vector<std::string> with(const std::string& piece, const std::string& other) {
   auto text = culprit_description("none");
   const auto at = text.find(piece);

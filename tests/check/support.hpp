@@ -25,7 +25,7 @@ class Workshop {
   /// Writes a complete FMU with the culprit's library, this description and further entries.
   std::filesystem::path culprit_with(const std::string& description,
                                      std::vector<std::pair<std::string, std::string>> more = {});
-  /// Writes the culprit with another description.
+  /// Writes an FMU like culprit.cpp's, with another description.
   std::filesystem::path described(const std::string& description);
 
  private:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests the chip with suites by others (scripts/conformance.sh): prints a Markdown page, that of docs/conformance.md.
 
-Every program runs translated and interpreted. Exit code 1 for a failure that EXPLAINED does not name, or for one that it names
-and that passes; 2 if a checkout or a tool is missing, with the command that fetches it.
+Every program runs translated and interpreted. The exit code is 1 if a failure is not named in EXPLAINED, or if a named
+one passes. It is 2 if a checkout or a tool is missing; the command that fetches it is printed.
 """
 
 import argparse

@@ -17,14 +17,14 @@ SECONDS = 120  # wall time for one program in one simulator
 
 
 def soc_run(soc, isa="rv32imc"):
-    """Returns the chip's program with the core that follows the specification only: the suites' handlers are aligned
-    to 4 bytes."""
+    """Returns the command of mebots-soc with a core that follows the specification only. The suites' handlers are
+    aligned to 4 bytes, which other cores do not allow."""
     return [soc, "run", "--core", isa]
 
 
 @dataclasses.dataclass
 class Verdict:
-    """The verdict of a test: passed, or the reason why not."""
+    """The verdict of a test: passed, or the reason of the failure."""
 
     name: str
     passed: bool
@@ -32,7 +32,7 @@ class Verdict:
 
 
 class CannotRun(Exception):
-    """A checkout or a tool is missing."""
+    """Raised if a checkout or a tool is missing."""
 
 
 def run(command, **options):

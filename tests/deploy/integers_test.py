@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Deployed integer networks have the same output bits as in onnxruntime, which computes them exactly in float."""
+"""Tests that deployed integer networks have the same output bits as in onnxruntime, which computes them exactly in
+float."""
 
 import sys
 import unittest
@@ -17,7 +18,7 @@ from mebots.deploy.deploying import check_and_measure, lower
 
 
 class IntegerMaker(Maker):
-    """If ``shifts`` is set, writes the operator RequantShift in place of Mul, Add, Div, Floor and Clip."""
+    """With ``shifts``, writes the operator RequantShift in place of Mul, Add, Div, Floor and Clip."""
 
     def __init__(self, seed, shape, shifts=False):
         super().__init__(seed, shape, opset=10)
@@ -27,7 +28,7 @@ class IntegerMaker(Maker):
         return self.constant(self.random.integers(low, high + 1, shape).astype(np.float32))
 
     def requantise(self, source, channels, signed=False, factor=None):
-        """Sums below 2^24 / 256 are exact in float."""
+        """Adds a requantisation. Sums below 2^24 / 256 are exact in float."""
         shape = () if factor else (1, channels, 1, 1)
         multiplier = self.constant(np.float32(factor)) if factor else self.whole(20, 200, *shape)
         addend = self.constant(np.float32(0)) if factor else self.whole(-9000, 9000, *shape)
@@ -70,7 +71,7 @@ class WholeNumbers(DeployCase):
         return deployed
 
     def unchecked(self, maker):
-        """A model with an operator that onnx does not know."""
+        """Returns a model with an operator that onnx does not know."""
         sizes = helper.make_tensor_value_info("x", 1, [1, *maker.shape]), helper.make_tensor_value_info(maker.outputs[0], 1, [1, 5])
         graph = helper.make_graph(maker.nodes, "made", [sizes[0]], [sizes[1]], maker.constants)
         model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", maker.opset)])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Small ONNX networks with random weights, which tests write."""
+"""Writes small ONNX networks with random weights for the tests."""
 
 import hashlib
 import os
@@ -72,7 +72,7 @@ class Maker:
 
 
 def objects(board="ai_deck"):
-    """Returns a folder for the objects of the present kernels for a board, which all tests of a build share."""
+    """Returns a folder for the object files of the present kernels for a board. All tests of a build share it."""
     content = hashlib.sha256(pathlib.Path(chip.__file__).read_bytes())
     content.update(board.encode())
     for folder in ("kernels", "runtime", "gap8/runtime"):

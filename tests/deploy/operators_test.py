@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Each operator with random shapes: numpy, C on this machine, and C on the chip with one and eight cores give the same
-bytes, which are near the floats of onnxruntime."""
+"""Tests each operator with random shapes: NumPy, C on this machine, and C on the chip with one and eight cores must
+give the same bytes, which must be near the floats of onnxruntime."""
 
 import sys
 
@@ -39,7 +39,7 @@ class OperatorCase(DeployCase):
                 scales = deployed.network.scales
                 got = named.view(scales[tensor].real(values[tensor]).ravel())
                 layer = next(one for one in deployed.network.layers if one.output is tensor)
-                # A table's input is rounded, too.
+                # The input of a table is rounded, too.
                 step = max(scales[one].step for one in (tensor, *(layer.inputs if layer.kind == "table" else ())))
                 error = np.abs(got - floats[named.name].reshape(got.shape)).max() / step
                 self.assertLess(error, steps, f"{named.name} of {layer.op}")

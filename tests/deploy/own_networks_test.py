@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The shipped sight network, deployed from ONNX, has nearly the outputs of the firmware's own kernels, and flies a mission."""
+"""Tests that the shipped sight network, deployed from ONNX, has nearly the same outputs as the firmware's own kernels,
+and flies a mission."""
 
 import contextlib
 import csv
@@ -65,7 +66,8 @@ class OwnNetworks(DeployCase):
         self.assertEqual(settings[8, measured["cluster_clock"]], measured["total"]["time"])
 
     def flies(self, out):
-        """The folder as a network is its program as a firmware, and all of its files are inputs of the mission."""
+        """Tests a deployed folder as the network of a mission: it gives the same as its program as the firmware, and
+        all of its files are inputs of the mission."""
         network = self.run_mission(f"soc.network={out}")
         program = self.run_mission(f"soc.firmware={out / 'sight.elf'}")
         self.assertEqual((network / "results.csv").read_bytes(), (program / "results.csv").read_bytes())
@@ -76,7 +78,8 @@ class OwnNetworks(DeployCase):
         self.assertIn("replaces the network of firmware sight or gap8_sight, but the mission flies firmware gate", refused)
 
     def run_mission(self, *settings, code=0):
-        """Returns the folder of the results, or what the program says if it fails. 3.5 s have some pictures after the start."""
+        """Runs a mission. Returns the folder of the results, or the program's output if it fails. The first 3.5 s
+        contain some pictures."""
         results = self.folder / f"results {len(list(self.folder.iterdir()))}"
         mebots = pathlib.Path(os.environ["MEBOTS_BUILD"]) / "bin/mebots"
         words = [mebots, "run", ROOT / "configs/gate_hard.json", "--stop-time", "3.5", "--out", results, "--set", *settings]
@@ -98,7 +101,7 @@ class Contracts(unittest.TestCase):
     GREY = 1 / 255
 
     def network(self, *outputs, shape=(1, 168, 168), step=GREY):
-        """A network without layers: (name, number of values) of each output."""
+        """Returns a network without layers. ``outputs`` are (name, number of values)."""
         picture = Tensor("picture", shape)
         tensors = [Tensor(name, (count,)) for name, count in outputs]
         return Network(picture, tensors, [], dict.fromkeys(tensors, Scale(1 / 127, 0)) | {picture: Scale(step, 0)})

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Models quantised by onnxruntime keep the bits of their weights, and their scales."""
+"""Tests that models quantised by onnxruntime keep the bits of their weights, and their scales."""
 
 import sys
 import unittest
@@ -51,7 +51,7 @@ class QuantisedModels(DeployCase):
             tensor = deployed.network.outputs[0]
             floats = deployed.float_model.run(deployed.pictures.real(stored, deployed.scale))
             scale = deployed.network.scales[tensor]
-            # onnxruntime rounds half to even, the chip half up: a byte of a layer may differ by one.
+            # onnxruntime rounds half to even and the chip rounds half up, so a byte of a layer may differ by one.
             error = np.abs(scale.real(values[tensor]).ravel() - floats[deployed.graph.outputs[0].name].ravel())
             self.assertLess(error.max(), 1.5 * scale.step)
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots deploy` refuses input that it cannot use, with names and exit code 2, and leaves no folder behind."""
+"""Tests that `mebots deploy` refuses input that it cannot use, with names and exit code 2, and leaves no folder behind.
+"""
 
 import contextlib
 import io
@@ -31,7 +32,7 @@ class RefusalCase(DeployCase):
         np.save(self.data, np.zeros((2, 1, 8, 8), dtype=np.float32) + 0.5)
 
     def refuse(self, model, *expected, data=None, options=(), name="model.onnx"):
-        """``model``: bytes of the file, or a model."""
+        """Checks that a model is refused. ``model`` is a model or the bytes of a file."""
         path = self.folder / name
         path.write_bytes(model if isinstance(model, bytes) else model.SerializeToString())
         before = {one.name for one in self.folder.iterdir()}

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every link between the pages of the documentation leads to a file, and to a heading if it names one. Without Sphinx, in a second."""
+"""Checks that every link between pages of the documentation leads to a file, and to a heading if it names one. Needs no
+Sphinx and takes a second."""
 
 import re
 import sys
@@ -14,7 +15,7 @@ CODE = re.compile(r"^(```|~~~).*?^\1\s*$|`[^`\n]*`", re.MULTILINE | re.DOTALL)
 
 
 def slug(heading):
-    """The anchor that GitHub and MyST make of a heading."""
+    """Returns the anchor that GitHub and MyST make from a heading."""
     words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading.strip()).lower()
     return re.sub(r"[^\w\- ]", "", words).replace(" ", "-")
 

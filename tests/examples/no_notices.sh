@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The shipped missions begin without notices: each input has a source or a value that the config states. Usage: no_notices.sh MEBOTS CONFIGS
+# Tests that the shipped missions begin without notices, because each input has a source or a value in the config. Usage: no_notices.sh MEBOTS CONFIGS
 set -euo pipefail
 mebots=$1 configs=$2 count=0
 for config in "$configs"/*.json; do

@@ -60,7 +60,7 @@ def main():
         assert mission["battery.cell.voltage"][-1] < mission["battery.cell.voltage"][0]
         assert mission.unit("motors.power") == "W" and mission.variables == ["battery.cell.voltage", "motors.power"]
 
-        # The same inputs give the same bits.
+        # Equal inputs give equal bits.
         runs = []
         for _ in range(2):
             again = mebots.Mission(str(path))
@@ -70,7 +70,7 @@ def main():
             runs.append(again["battery.cell.voltage"])
         assert (runs[0] == runs[1]).all() and len(runs[0]) == 31
 
-        # The same applies to an instance in a separate process, whose program is next to the package.
+        # This is also true for an instance in a separate process, whose program is next to the package.
         isolated = mebots.Mission(config(folder, process="own"))
         isolated.set("motors.rotor[1].command", 0.5)
         isolated.set_stop_time(0.3)
@@ -88,8 +88,8 @@ def main():
         raises(KeyError, lambda: fresh["world.drone"], "is not recorded")
         raises(KeyError, lambda: fresh["battery.cell.voltag"], "battery.cell.voltage")
 
-        # A mission with all arguments as keywords, closed before its end. Its files equal those of the command line, and are read
-        # back to the same bits.
+        # A mission with all arguments as keywords is closed before its end. Its files must equal those of the command line, and read back to the same
+        # bits.
         out = pathlib.Path(folder) / "out"
         points = []
         with mebots.Mission(path, set={"motors.rotor[1].command": 0.5, "battery.cell.name": "lipol_350"}, stop_time=0.5,
@@ -129,7 +129,7 @@ def main():
         assert early.state == "ended" and early.outcome == "interrupted"
         raises(mebots.InputError, lambda: early.value("battery.cell.voltage"), "has not reached t = 0")
 
-        # Any numeric type is accepted; changes are reported in one order, whatever the order of the calls.
+        # Any numeric type is accepted. Changes are reported in one order, whatever the order of the calls.
         changed = mebots.Mission(path, out=out)
         changed.set_stop_time(2)
         changed.set("motors.rotor[1].command", np.float32(0.5))

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Answers of studies in words: headline, ranked table, fronts, and the number of missions that would decide."""
+"""Tests answers of studies in words: headline, ranked table, fronts, and the number of missions that would decide."""
 
 import json
 import math
@@ -135,7 +135,7 @@ class Answers(StudyCase):
             self.assertFalse(decided(1 + needed // 40).surely_better(0, 1, "out"))
 
     def test_designs_of_a_fixed_study_are_distinguished_by_their_pairs(self):
-        """Five missions each, whose differences are much larger than their spread."""
+        """The designs have five missions each, whose differences are much larger than their spread."""
         found, _ = self.judge([[10 + one, 11 + one, 9 + one, 10.5 + one, 10.2 + one] for one in (0, 0.1, 0.2)])
         self.assertIn("All others are surely worse", found.headlines[0])
 

@@ -15,7 +15,8 @@ from mebots.exploration.answers import Moments, mean_sequence, share_sequence, s
 
 STUDIES = int(os.environ.get("MEBOTS_STUDIES", "200"))
 FLIGHTS = 500
-# The share of wrong decisions varies with so few studies: allows two standard deviations of a share of 5 %.
+# With so few studies, the share of wrong decisions varies. The limit is 5 % plus two standard deviations of such a
+# share.
 MOST_WRONG = 0.05 if STUDIES >= 1000 else 0.05 + 2 * math.sqrt(0.05 * 0.95 / STUDIES)
 
 
@@ -53,7 +54,8 @@ class Intervals(unittest.TestCase):
 
 
 class Sequences(unittest.TestCase):
-    """Counts the studies that find a difference although there is none, if they are evaluated after every mission."""
+    """Counts the studies that find a difference although there is none. The studies are evaluated after every mission.
+    """
 
     def wrong(self, finds):
         chance = random.Random(1)
@@ -68,7 +70,8 @@ class Sequences(unittest.TestCase):
                     successes += chance.random() < share
                     if count < 10:
                         continue
-                    # Uses the evidence instead of the interval's limits: an equivalent test that needs no search.
+                    # This uses the evidence in place of the interval's limits. The test is equivalent and needs no
+                    # search.
                     if interval is share_sequence:
                         if answers.share_evidence(successes, count, share) >= -math.log(0.05):
                             return True

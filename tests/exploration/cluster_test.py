@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots.sweep` with Dask distributed: two workers on this machine, one of which is killed."""
+"""Tests `mebots.sweep` with Dask distributed: two workers on this machine, one of which is killed."""
 
 import os
 import pathlib

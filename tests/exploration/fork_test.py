@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Several runs from one saved state: missions that continue from it, and studies that fork."""
+"""Tests several runs from one saved state: missions that continue from it, and studies that fork."""
 
 import concurrent.futures
 import fractions
@@ -57,7 +57,7 @@ class SavedState(StudyCase):
         self.assertEqual(result(past), self.straight({}))
 
     def test_an_fmu_is_not_set_back_it_is_made_anew(self):
-        """The FMU of the first mission was informed that it is not set back before 0.8 s."""
+        """In the first mission, the FMU was informed that it is not set back before 0.8 s."""
         mission = mebots.Mission(self.folder / "mission.json")
         mission.run_until(0.3)
         state = mission.save_state()

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots.sweep` in programs and notebooks: data frames, a temporary folder, a progress bar and pages."""
+"""Tests `mebots.sweep` in programs and notebooks: data frames, a temporary folder, a progress bar and pages."""
 
 import gc
 import importlib.util

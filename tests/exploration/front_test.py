@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The Pareto front: compared with its definition, for each method of finding it, and for many designs."""
+"""Tests the Pareto front: compares it with its definition, for each method of finding it, and for many designs."""
 
 import random
 import sys

@@ -37,7 +37,7 @@ def library(folder):
 
 
 class Invented(concurrent.futures.Executor):
-    """Returns results immediately, without a simulation."""
+    """An executor that returns results immediately, without a simulation."""
 
     def submit(self, function, batch):
         del function
@@ -89,7 +89,7 @@ def run_with_faults(study, out, faults):
 
 
 def fault_of(fault, raised, torn, again):
-    """Returns what did not end as required, or an empty text."""
+    """Describes how a run did not end as required; empty if it did."""
     if torn or again:
         return f"torn: {torn}" if torn else f"the next run: {again}"
     if fault.removesuffix(io_faults.STICKY) in io_faults.HARMLESS:
@@ -115,7 +115,7 @@ class EachCall(StudyCase):
 
 
 class FullDisk(StudyCase):
-    """Results of missions are on a disk that is full from the 15th of 30 missions on."""
+    """Tests a disk that is full from the 15th of 30 missions on."""
 
     def fly(self, environment, code):
         command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / "out"), "--jobs", "1"]
@@ -179,7 +179,7 @@ class Killed(StudyCase):
             self.assertEqual(self.bytes_of(name), self.bytes_of(name, "whole"))
 
     def test_a_lost_scheduler_gives_a_message_and_the_study_continues_with_another_one(self):
-        """Simulates Dask: it cancels the futures, and its client accepts nothing more."""
+        """An executor that simulates Dask without its scheduler: it cancels the futures and accepts nothing more."""
         self.study()
 
         class Closing(Invented):

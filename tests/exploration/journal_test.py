@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The journal: damaged lines, journals of earlier versions, file systems without locks."""
+"""Tests the journal: damaged lines, journals of earlier versions, file systems without locks."""
 
 import errno
 import json

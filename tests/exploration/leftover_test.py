@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""FMUs that keep data outside of their instances: each mission gives the same result as `mebots run`, or is
+"""Tests FMUs that keep data outside of their instances: each mission gives the same result as `mebots run`, or is
 rejected."""
 
 import json
@@ -57,7 +57,7 @@ class Sweeps(LeftoverCase):
                     self.assertEqual(self.bytes_of("missions.csv", f"{place}{jobs}"), self.bytes_of("missions.csv", f"{place}1"))
 
     def test_so_do_missions_of_several_fmus_and_configs(self):
-        """A factor that changes the config, so that a worker has several configs open."""
+        """The factor changes the config, so that a worker has several configs open."""
         self.mission(a=("static_variable", {}), b=("nothing", {}), c=("rand", {"process": "own"}))
         factors = {"/stop_time": [0.25, 0.5, 0.625, 0.75, 0.875, 1], "a.gain": [1, 2]}
         self.study(design={"kind": "grid", "factors": factors})

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The content of report.html: its numbers are those of the tables, and effects and importances are those of known functions."""
+"""Tests the content of report.html: its numbers are those of the tables, and effects and importances are those of known
+functions."""
 
 import itertools
 import unittest
@@ -52,7 +53,8 @@ class Effects(StudyCase):
             found = effects.importances(self.study_of("random"), [factor("a", ones), factor("b", twos)], [], np.array(ones) + lot.normal(size=40))
             shares.append(found.factors)
         strong, idle = np.mean(shares, axis=0)
-        # Variances 2 and 1, minus a tenth that the levels of the other factor explain by chance.
+        # The variances are 2 and 1. From each, a tenth is subtracted, which the levels of the other factor explain by
+        # chance.
         self.assertAlmostEqual(strong, 2 / 3, delta=0.08)
         self.assertLess(idle, 0.03)
 

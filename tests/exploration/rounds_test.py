@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Decisions between rounds, the front, and the designs that need the extra mebots[sweep]."""
+"""Tests decisions between rounds, the front, and the designs that need the extra mebots[sweep]."""
 
 import signal
 import subprocess

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Rare events, on a random walk whose probability of reaching a height is known in closed form."""
+"""Tests rare events, on a random walk whose probability of reaching a height is known in closed form."""
 
 import json
 import math
@@ -19,8 +19,8 @@ HEIGHT = 39
 
 
 def chance_to_reach(height):
-    """For a walk of STEPS steps of +1 or -1: P(max >= m) = P(S >= m) + P(S > m), by reflection (Feller, volume 1,
-    III.7)."""
+    """Returns the probability that a walk of STEPS steps of +1 or -1 reaches a height: P(max >= m) = P(S >= m) + P(S >
+    m), by reflection (Feller, volume 1, III.7)."""
     def more(least):
         return sum(math.comb(STEPS, ups) for ups in range(STEPS + 1) if 2 * ups - STEPS >= least) / 2**STEPS
 
@@ -41,7 +41,7 @@ class WalkCase(StudyCase):
         return done.stdout + done.stderr
 
     def rare(self, levels, missions, estimates, seed=1, **more):
-        """``levels``: a list, or the goal if levels are to be found."""
+        """Returns a study. ``levels`` is a list, or the goal if the study must find the levels."""
         way = {"levels": levels} if isinstance(levels, list) else {"above": levels}
         return self.study(
             design={"kind": "grid", "factors": {"/stop_time": [STEPS]}}, objectives=None,
@@ -203,8 +203,8 @@ class RareEventsAgainstTheory(WalkCase):
         self.assertLess(float(answer["probability: low"]), exact)
         self.assertGreater(float(answer["probability: high"]), exact)
         self.assertLess(abs(found / exact - 1), 3 * relative)
-        # The number of missions that plain counting needs for this relative error: (1 - p) / (p e^2), all of them
-        # complete.
+        # This is the number of complete missions that plain counting needs for the same relative error: (1 - p) / (p
+        # e^2).
         plain_s = (1 - exact) / (exact * relative**2) * STEPS
         print(f"{found:.3g} ({exact:.3g}), error {relative:.2g}, {plain_s / float(answer['simulated_time [s]']):.0f} times less simulated")
         self.assertGreater(plain_s / float(answer["simulated_time [s]"]), 10)
@@ -226,7 +226,7 @@ class RareEventsAgainstTheory(WalkCase):
         self.assertEqual([float(level) for level in own], levels)
 
     def test_it_agrees_with_counting_where_that_is_possible(self):
-        """Compares three levels with counting, for height 12, which every fourth walk reaches."""
+        """Compares three levels with counting, for height 12, which one walk in four reaches."""
         exact = chance_to_reach(12)
         self.rare([4, 8, 12], 50, 12)
         self.sweep()

@@ -42,7 +42,7 @@ class StudyCase(unittest.TestCase):
         }))
 
     def study(self, **sections):
-        """Returns a study with two designs and ten draws; sections replace those."""
+        """Returns a study with two designs and ten draws. ``sections`` replace sections of it."""
         content = {
             "mission": "mission.json",
             "design": {"kind": "grid", "factors": {"a.gain": [0.2, 1]}},
@@ -54,7 +54,7 @@ class StudyCase(unittest.TestCase):
         return file
 
     def sweep(self, *words, out="out", code=0):
-        """Returns what the program prints on both streams."""
+        """Runs the program. Returns its output on both streams."""
         command = [MEBOTS, "sweep", str(self.folder / "study.json"), "--out", str(self.folder / out), *words]
         done = subprocess.run(command, capture_output=True, text=True, timeout=170)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots sweep` as a user runs it."""
+"""Tests `mebots sweep` as a user runs it."""
 
 import importlib.util
 import json
@@ -118,7 +118,7 @@ class Tables(StudyCase):
                          [("1", "0"), ("1", "1"), ("2", "1"), ("3", "1")])
 
     def signals(self, **values):
-        """Writes files with a constant signal each."""
+        """Writes files of signals, each with one constant value."""
         for name, value in values.items():
             (self.folder / f"{name}.csv").write_text(f"time,u\n0,{value}\n1,{value}\n")
 
@@ -576,7 +576,7 @@ class Python(StudyCase):
         self.assertEqual(result.designs(), self.rows("designs.csv"))
 
     def test_an_empty_environment_gives_the_same_bytes(self):
-        """Python finds its own program by PATH."""
+        """Tests an environment without PATH, by which Python finds its own program."""
         self.study()
         self.sweep()
         packages = os.pathsep.join(path for path in sys.path if path.endswith(("site-packages", "dist-packages")))
@@ -599,7 +599,7 @@ class Python(StudyCase):
 
 
 class Kept(StudyCase):
-    """Folders and files that a study keeps in addition to its tables."""
+    """Tests the folders and files that a study keeps in addition to its tables."""
 
     def test_results_of_each_mission_are_those_of_a_single_run(self):
         self.study(results=True)
@@ -721,7 +721,7 @@ class Summary(StudyCase):
 
 
 class Reset(StudyCase):
-    """After reset(), a mission equals a new one, bit for bit."""
+    """Tests that a mission after reset() equals a new one, bit for bit."""
 
     VARIABLES = ["battery.*", "motors.*", "world.*", "soc.*"]
 

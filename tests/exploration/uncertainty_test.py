@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters drawn from the intervals of data files: by `mebots run` after a run, and in a study."""
+"""Tests parameters drawn from the intervals of data files: by `mebots run` after a run, and in a study."""
 
 import json
 import subprocess

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Navigator, pilot and policy with the real renderer, in a closed loop with a simple model of the drone. Set-points
-// take effect one camera delay after the picture.
+// Tests navigator, pilot and policy with the real renderer, in a closed loop with a simple model of the drone.
+// Set-points take effect one camera delay after the picture.
 
 #include "app/navigator.h"
 #include "app/pilot.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The built firmware on the simulated chip, with pictures of the real renderer and a simple model of the drone. Signals
-// are exchanged as by the master: an output at a communication point takes effect from there on.
+// Tests the built firmware on the simulated chip, with pictures of the real renderer and a simple model of the drone.
+// Signals are exchanged as by the master: an output at a communication point takes effect from that point on.
 
 #include "app/navigator.h"
 
@@ -56,7 +56,7 @@ struct FlightParameters {
   }
 };
 
-/// What the chip sends to the flight controller.
+/// The set-points that the chip sends to the flight controller.
 struct SetPoint {
   explicit SetPoint(const soc::Soc& chip)
       : mode(static_cast<int>(*chip.devices().output("setpoint.mode"))),
@@ -325,8 +325,8 @@ TEST(ChipFlight, FirmwareHoversAndCountsWhenNoPictureComes) {
 }
 
 TEST(ChipFlight, APictureIsExposedWhileTheOneBeforeIsLookedAt) {
-  // Exposure, read-out and the path of the request take 18 ms, an inference 25 to 33 ms: in sequence they would take 46
-  // ms and more.
+  // Exposure, read-out and the latency of the request take 18 ms, and an inference takes 25 to 33 ms. One after the
+  // other, they would take 46 ms and more.
   auto mission = kMission;
   mission.frame_period_s = 0.035;
   const auto outcome = run(mission, {}, 60.0);
@@ -359,7 +359,7 @@ TEST(ChipFlight, TheClockIsLowWhileTheCoreSleeps) {
   const double low_j = lowered.energy[soc::Part::fc_background];
   std::printf("[ measured ] clock tree %.1f mJ with the clock lowered, %.1f mJ without\n", 1e3 * low_j, 1e3 * high_j);
   EXPECT_LT(low_j, 0.45 * high_j);
-  // The executed instructions cost the same.
+  // The energy of the executed instructions is the same.
   EXPECT_NEAR(lowered.energy.core_active_j(), always.energy.core_active_j(), 0.02 * always.energy.core_active_j());
 }
 

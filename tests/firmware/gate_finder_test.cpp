@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gate finder on pictures of the real renderer, from random poses with a seed. Each test prints its measurements.
+// Tests the gate finder on pictures of the real renderer, from random poses with a seed. Each test prints its
+// measurements.
 
 #include "app/gate_finder.h"
 #include "app/navigator.h"
@@ -61,8 +62,8 @@ bool find(const std::vector<std::uint8_t>& pixels, const Camera& camera, gate_vi
   return find_gate(pixels.data(), camera.width(), camera.height(), &view);
 }
 
-/// A drone that approaches the gate: `ahead_m` in front of its plane, up to 20 degrees off its axis, the gate up to 25
-/// degrees off the centre of the picture; 5 cm of altitude error, up to 4 degrees of tilt.
+/// A drone that approaches the gate, `ahead_m` in front of its plane. It is up to 20 degrees off the gate's axis, and
+/// the gate is up to 25 degrees off the centre of the picture, with 5 cm of altitude error and up to 4 degrees of tilt.
 BodyPose approach_pose(Uniform& uniform, const world::scene::Gate& gate, double ahead_m) {
   BodyPose pose;
   const double off_axis = uniform(-20, 20) * kDegree;
@@ -109,7 +110,8 @@ TEST(GateFinder, FindsTheEasyGateFromRandomPosesWhileTheDroneFliesToIt) {
   }
 }
 
-/// The easy scene's room with other paint and light: uniform to noisy walls of middle greys, a white or a black gate.
+/// The easy scene's room with other paint and light: walls from uniform to noisy in middle greys, and a white or a
+/// black gate.
 world::scene::Scene repainted(Uniform& uniform) {
   using Kind = world::scene::Texture::Kind;
   auto scene = load_scene("gate_easy");
@@ -193,7 +195,7 @@ TEST(GateFinder, SeesNoGateInASolidSquare) {
   EXPECT_FALSE(find_gate(pixels.data(), 320, 320, &view));
 }
 
-/// Draws a frame: outer edge six borders, its centre at (x, y).
+/// Draws a frame whose outer edge is six borders and whose centre is at (x, y).
 std::vector<std::uint8_t> drawn_frame(int x, int y, int border, int edge_px = 320) {
   std::vector<std::uint8_t> pixels(static_cast<std::size_t>(edge_px) * edge_px, 100);
   for (int dy = -3 * border; dy < 3 * border; ++dy) {
@@ -211,7 +213,7 @@ TEST(GateFinder, PutsADrawnFrameOfAnySizeWhereItIs) {
     const auto pixels = drawn_frame(150, 165, border);
     gate_view_t view{};
     ASSERT_TRUE(find_gate(pixels.data(), 320, 320, &view));
-    // The tolerance is two work pixels of two pixels each: one for rounding, one because the template matches at
+    // The tolerance is two work pixels of two pixels each: one for rounding, and one because the template matches at
     // several places.
     EXPECT_NEAR(view.center_x_q4 / 16.0, 150, 4.0);
     EXPECT_NEAR(view.center_y_q4 / 16.0, 165, 4.0);

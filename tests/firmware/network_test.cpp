@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The neural network: all implementations use the same arithmetic, defined in Python.
+// Tests that all implementations of the neural network use the same arithmetic, which is defined in Python.
 
 #include "nn/network.h"
 
@@ -60,7 +60,7 @@ TEST(Network, PlainCodeAgreesWithTheDefinitionInPythonOnEveryGoldenVector) {
 }
 
 TEST(Network, ShrunkPictureAgreesWithTheDefinitionInPython) {
-  // The formula of the picture and the hash are those of examples/paper/training/export.py.
+  // The formula of the picture and the hash must be the same as in examples/paper/training/export.py.
   for (const auto [width, height, expected] :
        {std::array<std::uint32_t, 3>{320, 320, 0x5c9579f5}, std::array<std::uint32_t, 3>{324, 244, 0xb893bb05}}) {
     std::vector<std::uint8_t> picture(static_cast<std::size_t>(width) * height);

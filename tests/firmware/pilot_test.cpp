@@ -109,7 +109,8 @@ TEST(Pilot, FliesStraightThroughAGateThatLeftTheViewAndIsDoneBehindIt) {
       ASSERT_EQ(command.yaw_rate_urad_s, 0);
     }
   }
-  // Half a metre behind the plane, with a tolerance of one period for rounding and half a period for the start.
+  // The drone ends half a metre behind the plane. The tolerance is one period for rounding and half a period for the
+  // start.
   EXPECT_NEAR(flown_m, 0.8 + 0.5, 0.045);
   EXPECT_EQ(see(pilot, 1, kNothing, kCruise).velocity_um_s, 0);
 }

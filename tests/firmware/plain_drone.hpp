@@ -9,7 +9,7 @@
 namespace mebots::firmware_test {
 
 /// A drone with predictable motion: velocity and yaw rate follow their set-points as first-order lags, altitude changes
-/// at a constant rate. Sufficient to close the loop around the firmware; fmu_world has the real one.
+/// at a constant rate. This is enough to close the loop around the firmware; fmu_world has the real drone.
 struct PlainDrone {
   static constexpr double kVelocityLag_s = 0.5;
   static constexpr double kYawRateLag_s = 0.1;
@@ -25,7 +25,7 @@ struct PlainDrone {
     pose.yaw_rad += yaw_rate_rad_s * step_s;
     pose.p_WB_m += velocity_m_s * step_s * Eigen::Vector3d(std::cos(pose.yaw_rad), std::sin(pose.yaw_rad), 0);
   }
-  /// True when the altitude is reached.
+  /// True if the altitude is reached.
   bool climb(double step_s, double altitude_m) {
     const double way_m = altitude_m - pose.p_WB_m.z();
     pose.p_WB_m.z() += std::clamp(way_m, -kClimbRate_m_s * step_s, kClimbRate_m_s * step_s);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's speed policies: mean of the last ten outputs, 0.3 as threshold, steps of 0.05 km/h, cruise at 1 km/h.
+// Tests the paper's speed policies: mean of the last ten outputs, 0.3 as threshold, steps of 0.05 km/h, cruise at 1
+// km/h.
 
 #include "app/policy.h"
 
@@ -63,7 +64,7 @@ TEST(Policy, AdaptiveSpeedNeverFallsBelowZero) {
 TEST(Policy, AdaptiveSpeedReturnsToTheCruiseSpeedAtOnceWhenTheMeanOfTheLastTenFallsToThreeTenths) {
   auto policy = adaptive();
   after(policy, 30, 127);
-  // Seven zeros leave three outputs of 1 in the window: mean exactly 0.3.
+  // Seven zeros leave three outputs of 1 in the window, so the mean is exactly 0.3.
   EXPECT_EQ(after(policy, 6, 0), 0);
   EXPECT_EQ(policy_speed_um_s(&policy, 0), kOneKmPerHour);
 }
@@ -72,7 +73,7 @@ TEST(Policy, AdaptiveSpeedForgetsOutputsOlderThanTen) {
   auto policy = adaptive();
   after(policy, 50, 127);
   after(policy, 10, 0);
-  // Nine zeros and one of 127: mean 0.1.
+  // With nine zeros and one output of 127, the mean is 0.1.
   EXPECT_EQ(policy_speed_um_s(&policy, 127), kOneKmPerHour);
 }
 

@@ -40,7 +40,7 @@ std::int8_t in_127ths(double value) {
   return static_cast<std::int8_t>(std::lround(127.0 * std::clamp(value, -1.0, 1.0)));
 }
 
-/// Returns the output of a network with errors of at most `error`.
+/// Returns a network's output with errors of at most `error`.
 sight_t look(const world::scene::Scene& scene, const BodyPose& pose, const Start& start, Uniform& uniform) {
   const world::camera::Intrinsics intrinsics{320, 320, start.field_of_view_rad};
   const auto camera = world::camera::camera_pose({}, pose.p_WB_m, rotation(pose));
@@ -55,7 +55,7 @@ End judge(const world::scene::Gate& gate, const BodyPose& pose) {
   const double across = std::abs(pose.p_WB_m.y() - gate.p_W_m.y());
   const double up = std::abs(pose.p_WB_m.z() - gate.p_W_m.z());
   const double angle = std::remainder(pose.yaw_rad - gate.yaw_rad, 2.0 * M_PI);
-  // A rotated body is as wide as its diagonal, and one of its sides enters the space between the beams first.
+  // A rotated body counts as wide as its diagonal, because one of its corners enters the space between the beams first.
   const double half =
       kHalfDrone_m * (std::cos(angle) + std::abs(std::sin(angle))) + 0.5 * gate.thickness_m * std::abs(std::tan(angle));
   if (across > 0.5 * gate.inner_m || up > 0.5 * gate.inner_m) return End::missed;
@@ -100,7 +100,7 @@ End fly(const world::scene::Scene& scene, const Start& start, std::uint64_t seed
   return End::lost;
 }
 
-/// Returns how many of 200 flights are clean; prints the others.
+/// Returns the number of clean flights among 200, and prints the others.
 int clean_of_200(const char* what, const world::scene::Scene& scene, const std::function<Start(Uniform&)>& draw) {
   constexpr int kFlights = 200;
   std::array<int, 4> ends{};
@@ -240,8 +240,8 @@ TEST(Traverser, GoesStraightOnWithoutTheGateForASecondAndThenSearchesOnItsSide) 
   EXPECT_LT(search.yaw_rate_urad_s, 0);
 }
 
-/// Returns a traverser that has followed a gate for 60 pictures straight ahead, 0.55 m, and is close to it until it
-/// leaves the picture.
+/// Returns a traverser that has followed a gate straight ahead for 60 pictures, which is 0.55 m, and has come so close
+/// that the gate leaves the picture.
 traverser_t leaning(std::int8_t size) {
   auto traverser = new_traverser();
   see(traverser, 60, {0, 0, size, 127});
@@ -270,7 +270,7 @@ std::int8_t size_in_127ths(double size) {
   return in_127ths(size / SIGHT_MOST_SIZE);
 }
 
-/// Size of a frame of 0.6 m at one metre, by the lenses of gate_easy and gate_hard.
+/// Size of a frame of 0.6 m at one metre, with the lenses of gate_easy and gate_hard.
 constexpr double kSizeAt1mBy87Degrees = 0.316;
 constexpr double kSizeAt1mBy50Degrees = 0.645;
 
@@ -375,7 +375,8 @@ TEST(Traverser, DoesNotFollowASightingThatLedAgainstSomethingButOneElsewhere) {
   EXPECT_EQ(traverser.phase, TRAVERSER_APPROACH);
 }
 
-/// Turns by this angle [urad], by 0.0132 rad with each of these pictures, and then hovers. The heading wraps around.
+/// Turns by this angle [urad] in steps of 0.0132 rad, with one of these pictures per step, and then hovers. The heading
+/// wraps around.
 traverser_command_t turn(traverser_t& traverser, std::int32_t by_urad, sight_t sight = kNoGate) {
   traverser_command_t command{};
   for (std::int32_t done = 0; done < by_urad; done += 13200) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The fast cell of bench/flight, which fits many flights at once, agrees with fmu_battery."""
+"""Tests that the fast cell of bench/flight, which fits many flights at once, agrees with fmu_battery."""
 
 import json
 import os
@@ -23,7 +23,8 @@ MASS_KG = 0.0376
 
 class FastCell(unittest.TestCase):
     def fmu_voltage(self, cell, charge, power_w):
-        """Mean terminal voltage in each interval of the fast cell, for a power that depends on the voltage."""
+        """Returns the mean terminal voltage in each interval of the fast cell, for a power that depends on the voltage.
+        """
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "mission.json"
             file.write_text(json.dumps({

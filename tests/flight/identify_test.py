@@ -87,7 +87,7 @@ class Cells(FolderCase):
         found = identify([log], twin.airframe(self.folder), out, fit=["cell"], mass=twin.MASS_KG)
         self.valid(out, self.folder / "fitted.cell.json")
         estimates = {one.name: one for one in found.estimates}
-        # A flight at a nearly constant load. Its charge at the start, and the load before it, are fitted too.
+        # The flight has a nearly constant load. The charge at its start, and the load before it, are fitted, too.
         self.assertAlmostEqual(estimates["series_resistance"].value, 1.5, delta=0.1)
         self.assertEqual(len(estimates) + sum("stays at the base's value" in note for note in found.notes), 3)
         self.assertRegex(found.residuals[0], r"rms \d\.\d mV; with the base cell \d\d")

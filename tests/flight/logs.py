@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Small logs in the formats of the devices, for the tests of recorded flights."""
+"""Writes small logs in the formats of the devices, for the tests of recorded flights."""
 
 import struct
 import zlib
 
 
 def usd_header(events, version=2):
-    """``events``: (id, name, ["group.name(T)", ...])."""
+    """Returns the header of a uSD log. ``events`` are (id, name, ["group.name(T)", ...])."""
     data = struct.pack("<BHH", 0xBC, version, len(events))
     for number, name, variables in events:
         data += struct.pack("<H", number) + name.encode() + b"\0" + struct.pack("<H", len(variables))
@@ -19,7 +19,7 @@ def usd_record(number, time, letters, values, version=2):
 
 
 def usd_log(events, records, version=2):
-    """``records``: (id, time [us or ms], values)."""
+    """Returns a uSD log. ``records`` are (id, time [us or ms], values)."""
     letters = {number: "".join(variable[-2] for variable in variables) for number, _, variables in events}
     data = usd_header(events, version)
     data += b"".join(usd_record(number, time, letters[number], values, version) for number, time, values in records)
@@ -27,7 +27,8 @@ def usd_log(events, records, version=2):
 
 
 def ulog(messages, start_us=1000):
-    """``messages``: name -> (fields as in "float voltage_v;", struct letters, rows of (time in us, values))."""
+    """Returns a ULog file. ``messages`` maps names to (fields as in "float voltage_v;", struct letters, rows of (time
+    in us, values))."""
 
     def message(kind, body):
         return struct.pack("<HB", len(body), ord(kind)) + body

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Rules that find bad samples of a flight log."""
+"""Tests the rules that find bad samples of a flight log."""
 
 import pathlib
 import unittest
@@ -15,7 +15,7 @@ TIMES = np.arange(0, 10, 0.01)
 
 
 def log(**changes):
-    """A hover of 10 s, with some noise; ``changes`` replace values by the signals' names."""
+    """Returns a log of a hover of 10 s with some noise. ``changes`` replaces values by the signals' names."""
     noise = np.random.default_rng(1).normal(0, 1, (9, len(TIMES)))
     values = {name: 0.6 + 0.02 * noise[i] for i, name in enumerate(COMMANDS)}
     values |= {name: 2000 + 20 * noise[4 + i] for i, name in enumerate(SPEEDS)}

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots replay`: what it finds in a flight that the models themselves generated, and its errors for unusable logs."""
+"""Tests `mebots replay`: its findings in a flight that the models themselves generated, and its errors for unusable
+logs."""
 
 import csv
 import json

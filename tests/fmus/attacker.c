@@ -58,7 +58,7 @@ typedef struct {
 static const char* all_targets;
 static char own_folder[512];
 
-/// Returns the value of a key in `targets`; empty if there is none. Valid during the next three calls.
+/// Returns the value of a key in `targets`; empty if there is none. The text is valid during the next three calls.
 static const char* target(const char* key) {
   static char values[4][PATH];
   static int turn;
@@ -82,7 +82,7 @@ static pid_t victim(void) {
   return (pid_t)atoi(target("process"));
 }
 
-/// True for a descriptor, which is closed.
+/// Returns true for a valid descriptor, which it closes.
 static int opens(const char* path, int flags) {
   const int file = open(path, flags | O_CLOEXEC, 0600);
   if (file >= 0) close(file);
@@ -253,7 +253,7 @@ static int list_devices(void) {
   return access("/sys/class", R_OK) == 0;
 }
 
-// Memory and messages between processes.
+// Attacks on memory and messages between processes.
 static int attach_segment(void) {
   const int segment = shmget((key_t)atoi(target("key")), 0, 0);
   return segment >= 0;
@@ -445,7 +445,7 @@ static int join_namespace(void) {
   return space >= 0;
 }
 
-// Secrets and rights.
+// Attacks on secrets and rights.
 static int read_variable(void) {
   return getenv("MEBOTS_TEST_SECRET") != NULL;
 }

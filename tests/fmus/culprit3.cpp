@@ -183,7 +183,7 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance, std::size_t* count) {
   return fmi3OK;
 }
 
-// Every element has the same value: the output.
+// Every element has the same value, which is the output.
 #define MEBOTS_DEFINE(name, type)                                                                              \
   fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference[], std::size_t, type values[],      \
                            std::size_t count) {                                                                \
@@ -202,7 +202,7 @@ fmi3Status fmi3SetString(fmi3Instance, const fmi3ValueReference[], std::size_t, 
   return fmi3Error;
 }
 
-// The FMU does not support these.
+// The FMU does not support these functions.
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance) {
   return fmi3Error;
 }

@@ -58,8 +58,8 @@
     return count == 0 ? fmi2OK : fmi2Error;                                                                           \
   }
 
-/// Variables of one type as an array of a model: FIELD(component) with NUMBER values; CHANGED(component) after a
-/// change.
+/// Variables of one type as an array of a model: FIELD(component) with NUMBER values. CHANGED(component) is called
+/// after a change.
 #define FMI2_VALUES(TYPE, FIELD, NUMBER, CHANGED)                                                                 \
   FMI2_DEFINE fmi2Status fmi2Get##TYPE(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2##TYPE v[]) { \
     for (size_t i = 0; i < n; ++i) {                                                                              \

@@ -114,7 +114,7 @@ fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference[], std::
   return fmi3OK;
 }
 
-/// The model partition of a clock.
+/// Handles the model partition of a clock.
 fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference references[], std::size_t count,
                         const fmi3Clock[]) {
   auto& metronome = of(instance);

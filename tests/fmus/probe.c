@@ -88,7 +88,7 @@ typedef struct {
   int bad_string;  // string_out is at an invalid address
 } Probe;
 
-/// C++ exceptions, in probe_throw.cpp.
+/// These C++ exceptions are in probe_throw.cpp.
 void probe_throw(const char* kind);
 
 static void say(Probe* p, fmi2Status status, const char* category, const char* text, double value) {
@@ -196,7 +196,7 @@ static void meddle_with_thread(void) {
   if (timer_create(CLOCK_MONOTONIC, &event, &timer) == 0) timer_settime(timer, 0, &much_later, NULL);
 }
 
-// Called when the library is unloaded.
+// This function is called when the library is unloaded.
 static int dies_at_end = 0;
 static int exits_at_end = 0;
 __attribute__((destructor)) static void end(void) {
@@ -226,7 +226,7 @@ FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tole
   return fmi2OK;
 }
 
-// Runs until it ends, long after its FMU was freed.
+// This thread runs until it ends, long after its FMU was freed.
 static void* stay(void* nothing) {
   for (int i = 0; i < 100; ++i) usleep(1000);
   return nothing;
@@ -302,7 +302,7 @@ static int deeper(int depth) {
   return deeper(depth + 1) + frame[(depth + 1) % 4096];
 }
 
-// Like many programs, uses memory without checking the allocation.
+// Uses memory without checking the allocation, as many programs do.
 static void take_all_memory(void) {
   for (;;) {
     const size_t size = 16 << 20;
@@ -310,7 +310,7 @@ static void take_all_memory(void) {
   }
 }
 
-// Passes a different environment from the one that the instance was given, as some tools' FMUs do.
+// Passes another environment than the one that the instance was given, as FMUs of some tools do.
 static void say_for(Probe* p, void* environment, const char* name, const char* text) {
   p->callbacks.logger(environment, name, fmi2Warning, "logStatusWarning", text);
 }
@@ -399,7 +399,7 @@ static int open_of(pid_t process, const char* what, int access) {
   return open(path, access | O_CLOEXEC);
 }
 
-/// Tries signals in every form of the kernel.
+/// Tries signals in every form that the kernel offers.
 static int takes_no_signal(pid_t process) {
   siginfo_t info = {.si_signo = SIGKILL, .si_code = SI_QUEUE};
   const int folder = open_of(process, "", O_RDONLY | O_DIRECTORY);
@@ -427,8 +427,8 @@ static int is_not_changed(pid_t process) {
          refused(fcntl(0, F_SETOWN, process)) && refused(fcntl(0, F_SETSIG, SIGKILL));
 }
 
-/// Tries every way to harm its parent and a process named by the test; one that is not refused ends the run. In a
-/// separate process namespace neither is visible.
+/// Tries every way to harm its parent and a process named by the test; a way that is not refused ends the run. In a
+/// separate process namespace, neither process is visible.
 static void harm_others(void) {
   const char* bystander = getenv("MEBOTS_TEST_BYSTANDER");
   if (getppid() == 1) return;
@@ -520,7 +520,7 @@ static void leave(Probe* p, const char* fault) {
   }
 }
 
-/// Many long messages in one call.
+/// Sends many long messages in one call.
 static void flood_log(Probe* p) {
   enum { kMessages = 600, kBytes = 65000 };
   char* text = calloc(1, kBytes + 1);

@@ -3,8 +3,8 @@
 //
 //   x[i]' = v[i],   v[i]' = -stiffness x[i] + force[i]
 //
-// A state event turns the velocity of a mass at `wall`; `hits` counts them, and the time of the last one is `hit_time`,
-// a Float32. If x[1] is beyond `domain`, the call for derivatives returns fmi3Discard.
+// A state event reverses the velocity of a mass at `wall`. `hits` counts the events, and `hit_time`, a Float32, is the
+// time of the last one. If x[1] is beyond `domain`, the call for derivatives returns fmi3Discard.
 #include "mebots/fmi3/functions.hpp"
 
 #include <algorithm>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes as an .fmu archive: rejected with an Error, or all entries are inside the folder and within the size
-// limits. Runs in memory; some of the inputs also go through the disk, to test interactions between the entries' names.
+// Reads any bytes as an .fmu archive. It is rejected with an Error, or all entries are inside the folder and within the
+// size limits. Runs in memory; some of the inputs also go through the disk, to test interactions between the entries'
+// names.
 #include "checks.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/archive_reader.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Any text as a cell and as converters: rejected with an Error, or data with which a model can compute.
+// Reads any text as a cell and as converters. It is rejected with an Error, or gives data with which a model can
+// compute.
 #include "cell.hpp"
 #include "converter.hpp"
 

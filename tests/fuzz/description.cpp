@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text as a description.json: rejected with an Error, or a description whose modelDescription.xml reads back as the
-// same.
+// Reads any text as a description.json. It is rejected with an Error, or gives a description whose modelDescription.xml
+// reads back as the same.
 #include "description.hpp"
 
 #include "generate.hpp"
@@ -14,7 +14,7 @@ namespace {
 
 using namespace mebots;
 
-/// Returns an empty text if arrays have the names of other variables, which FMI 3.0 forbids.
+/// Returns the text of FMI 3.0; empty if arrays have the names of other variables, which FMI 3.0 forbids.
 std::string fmi3_token(const modeldesc::Description& description, const modeldesc::ModelDescription& model) {
   try {
     const auto text = write_fmi3_xml(description, model);

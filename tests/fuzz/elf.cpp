@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Any bytes as a program: rejected with an Error, or a program that satisfies all assumptions of the platform.
+// Reads any bytes as a program. They are rejected with an Error, or give a program that satisfies all assumptions of
+// the platform.
 #include "elf/elf.hpp"
 
 #include "mebots/error.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text as a modelDescription.xml of FMI 3.0: rejected with an Error, or a description whose references are sound,
-// also after the arrays are replaced by their elements. The target links the reader alone, without checks and archives,
-// which would take most of the time.
+// Reads any text as a modelDescription.xml of FMI 3.0. It is rejected with an Error, or gives a description whose
+// references are sound, also after the arrays are replaced by their elements. The target links the reader alone,
+// without checks and archives, which would take most of the time.
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/array_elements.hpp"
 #include "mebots/modeldesc/xml.hpp"
@@ -40,7 +40,7 @@ void require_sound(const ModelDescription& model) {
   }
 }
 
-/// Returns false for sizes that a single input would spend seconds on.
+/// Returns false for sizes on which a single input would spend seconds.
 bool is_small(const ModelDescription& model) {
   constexpr std::uint64_t kMost = 1000;
   std::uint64_t total = 0;
@@ -56,7 +56,7 @@ bool is_small(const ModelDescription& model) {
   return total <= kMost;
 }
 
-/// The number of elements is finite, and no two variables but aliases have one reference.
+/// The number of elements is finite, and two variables have the same reference only if they are aliases.
 void require_elements(const ModelDescription& model) {
   const auto elements = mebots::modeldesc::with_elements(model);
   require_sound(elements);

@@ -21,7 +21,7 @@ class FolderOfInput {
   const std::filesystem::path& path() const { return folder_.path(); }
 
   /// Writes the files of an input: the first one, then further ones, each after a line "=== name". Leaves out names
-  /// that leave the folder or already exist; the reader finds no such file.
+  /// that lead out of the folder or already exist; the reader then finds no such file.
   void fill(std::string_view input, std::string_view first) {
     constexpr std::string_view kMark = "\n=== ";
     std::string_view name = first;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes from a debugger: packets are answered or rejected until all were sent, without damage to the simulator. The
-// chip may then behave in any way, because the debugger may have written anything into it.
+// Handles any bytes from a debugger: packets are answered or rejected until all were sent, without damage to the
+// simulator. The chip may then behave in any way, because the debugger may have written anything into it.
 #include "debug/gdb_server.hpp"
 
 #include <poll.h>
@@ -49,7 +49,7 @@ struct Debugger {
 };
 Debugger debugger;
 
-// Descriptors that are not open, so closing them has no effect.
+// Descriptors that are not open, so that closing them has no effect.
 constexpr int kListener = 1 << 28;
 constexpr int kLine = kListener + 1;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes from a client of a live run: each request is answered or rejected, and only requests with the token reach
-// the run.
+// Handles any bytes from a client of a live run: each request is answered or rejected, and only requests with the token
+// reach the run.
 #include "server.hpp"
 
 #include "require.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text as a modelDescription.xml: rejected with an Error, or a description that is written and read back as the
-// same. In both cases, the checks of `mebots check` must not crash.
+// Reads any text as a modelDescription.xml. It is rejected with an Error, or gives a description that is written and
+// read back as the same. In both cases, the checks of `mebots check` must not crash.
 #include "checks.hpp"
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"

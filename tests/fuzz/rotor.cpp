@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Any text as a rotor file: rejected with an Error, or read.
+// Reads any text as a rotor file. It is rejected with an Error, or read.
 #include "rotor_data.hpp"
 
 #include "mebots/error.hpp"

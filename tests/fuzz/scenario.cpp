@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Any text as a scenario file, alone and for a system: rejected with an Error, or overrides of existing instances.
+// Reads any text as a scenario file, alone and for a system. It is rejected with an Error, or gives overrides of
+// existing instances.
 #include "io/config/load_system.hpp"
 #include "mebots/error.hpp"
 #include "memory_file.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Any text as a scene and as a drone: rejected with an Error, or read.
+// Reads any text as a scene and as a drone. It is rejected with an Error, or read.
 #include "scene/load.hpp"
 
 #include "mebots/error.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes after the checksum of an FMU's state: fmi2DeSerializeFMUstate and fmi2SetFMUstate reject them, or the
+// Reads any bytes after the checksum of an FMU's state: fmi2DeSerializeFMUstate and fmi2SetFMUstate reject them, or the
 // instance continues from there. The model has one member of each kind that a state can contain.
 #include "mebots/fmi2/functions.hpp"
 #include "mebots/fmu/definition.hpp"

@@ -3,7 +3,7 @@
 set -euo pipefail
 mebots demo --out flight --expect passed
 [[ -s flight/results.csv && -s flight/summary.json ]]
-# A copied config works too, and a user's FMUs take precedence over the shipped ones.
+# A copied config also works, and a user's FMUs take precedence over the shipped ones.
 cp "$MEBOTS/share/mebots/configs/battery_motors.json" copy.json
 mebots run copy.json --quiet --out copy
 # A config that extends another finds it, and the chip with GAP8's own devices.

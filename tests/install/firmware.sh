@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# A bare-metal program from a template: alone, and in the mission.
+# Tests a bare-metal program from a template, alone and in the mission.
 set -euo pipefail
 mebots new-firmware napper --out "my napper"
 cmake -S "my napper" -B build -G Ninja >configure.log
@@ -10,7 +10,7 @@ mebots demo --out flight --stop-time 0.1 --set soc.firmware="$PWD/build/firmware
 [[ $(grep -c 'awake at' flight.log) == 5 ]] || { echo "FAILED: the mission did not run this firmware"; exit 1; }
 if mebots new-firmware Napper 2>refused.log; then echo "FAILED: a name that is not a C identifier"; exit 1; fi
 
-# printf() and malloc() of picolibc, and C++: here with objects that need constructors.
+# Tests printf() and malloc() of picolibc, and C++ with objects that need constructors.
 mkdir library
 cat >library/CMakeLists.txt <<'END'
 cmake_minimum_required(VERSION 3.25)

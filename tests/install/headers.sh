@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Every installed header compiles alone, includes no third-party header and exists once; <mebots/run.hpp> includes little.
+# Tests that every installed header compiles alone, includes no third-party header and exists once, and that <mebots/run.hpp> includes little.
 set -euo pipefail
 include=$MEBOTS/include
 count=0
@@ -21,7 +21,7 @@ twice=$( (cd "$include" && find . -name '*.hpp'; cd "$MEBOTS/share/mebots/fmu_so
 runners=$(find "$include/mebots" -maxdepth 1 -name '*.hpp' | wc -l)
 ((runners <= 11)) || { echo "FAILED: $runners headers for who runs systems"; exit 1; }
 
-# Lines from our files in the preprocessor's output.
+# Counts lines from MEbots' files in the preprocessor's output.
 lines=$(echo '#include <mebots/run.hpp>' | g++ -std=c++20 -E -I"$include" -x c++ - |
   awk -v ours="$include/" '/^# [0-9]+ "/ { counts = index($0, ours) > 0; next } counts && NF { ++lines } END { print lines + 0 }')
 ((lines > 50 && lines <= 2000)) || { echo "FAILED: <mebots/run.hpp> brings $lines lines of ours"; exit 1; }

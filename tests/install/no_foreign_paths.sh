@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# No file of the installation contains paths of sources or build: texts, programs, libraries, and the content of the FMUs. Therefore the
-# FMUs have the same bytes from any folder (scripts/same_bytes.sh builds them in two). A path relative to the build folder, into which a
-# compiler cache may convert an absolute one, is rejected too.
+# Tests that no file of the installation contains paths of sources or build: no text, program or library, and no file in an FMU. Therefore the FMUs
+# have the same bytes from any folder (scripts/same_bytes.sh builds them in two). A path relative to the build folder, into which a compiler cache may
+# convert an absolute one, is rejected too.
 set -euo pipefail
 mkdir unpacked
 for fmu in "$MEBOTS"/share/mebots/fmus/*.fmu; do

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# FMUs from descriptions: scalars only, and all types with groups; in mebots' namespaces, in the user's own, in none.
+# Tests FMUs from descriptions: one with scalars only, one with all types and groups; in mebots' namespaces, in the
+# user's own, and in none.
 set -euo pipefail
 launcher=$(command -v ccache || true)
 try() {  # DESCRIPTION NAME NAMESPACE

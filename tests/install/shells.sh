@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Manual pages have no errors, and the installed shells complete commands, options and values.
+# Tests that manual pages have no errors, and that the installed shells complete commands, options and values.
 set -euo pipefail
 share=$MEBOTS/share
 pages=$(find "$share/man/man1" -name '*.1' | wc -l)
@@ -50,7 +50,7 @@ if command -v fish >/dev/null; then
   grep -q '^--stop-time' <<<"$offered" || { echo "FAILED: fish offers: $offered"; exit 1; }
 fi
 if command -v zsh >/dev/null; then
-  # zsh completes in an interactive line only. Therefore this loads the function, and zsh's own parser checks the lists of options.
+  # zsh completes only in an interactive line. Therefore this loads the function, and zsh's own parser checks the lists of options.
   zsh -f -c "autoload -Uz compinit && compinit -u -d '$PWD/zcompdump' && source '$share/zsh/site-functions/_mebots' && [[ \$_comps[mebots] == _mebots ]]" \
     || { echo "FAILED: zsh does not take the completion"; exit 1; }
 fi

@@ -20,7 +20,7 @@ import sys
 import tempfile
 import time
 
-# Beginnings of commands that do not run here, and why.
+# Beginnings of commands that do not run here, with the reason.
 SKIPPED = {
     "first-flight": {
         "scripts/demo.sh": "builds the checkout",
@@ -62,7 +62,7 @@ class Step:
 
 
 def saved_name(text):
-    """Returns the file that a paragraph asks to save the following block as, or "replace"."""
+    """Returns the file name under which a paragraph asks to save the following block, or "replace"."""
     found = re.search(r"(?:[Ss]ave this as|replace) `([^`]+)`(?: next to it| by)?[^`]*:?$|[Ss]ave this as `([^`]+)`", text.replace("\n", " ").strip())
     return (found[1] or found[2]) if found else ""
 
@@ -104,7 +104,8 @@ def read_notebook(page):
 
 
 def edit_heater(steps, blocks):
-    """The changes that own-fmu asks for in the generated model: constructor, start and step, the members, one more test."""
+    """Returns the changes that own-fmu asks for in the generated model: constructor, start and step, the members, and
+    one more test."""
     code, members, test = (content for _, language, content in blocks if language == "cpp")
     script = f"""
 import pathlib, re
@@ -196,7 +197,7 @@ class Shell:
         self._shell = subprocess.Popen(["bash", "--norc"], cwd=home, env=environment, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
     def run(self, command):
-        """Returns the exit code and what was printed."""
+        """Runs a command. Returns the exit code and the output."""
         end = "---end of command---"
         self._shell.stdin.write(f"{{ {command}\n}} </dev/null; status=$?; echo; echo '{end}' $status\n")
         self._shell.stdin.flush()

@@ -49,7 +49,7 @@ def write_metadata(sources, tree):
 
 
 def pack(tree, info, wheel):
-    """Packs without compression: the file lives for one test."""
+    """Packs without compression, because the file exists for one test only."""
     record = []
     with zipfile.ZipFile(wheel, "w") as archive:
         for file in sorted(path for path in tree.rglob("*") if path.is_file()):

@@ -211,7 +211,7 @@ def without_wall_time(summary):
 
 
 def kept_in(out):
-    """Returns the contents of all files of a run by name; checkpoint.bin is left out."""
+    """Returns the contents of all files of a run by name, except checkpoint.bin."""
     kept = {}
     for file in sorted(out.rglob("*")) if out.exists() else []:
         if file.is_dir() or file.name == "checkpoint.bin":

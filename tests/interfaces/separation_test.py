@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""In missions of one Python process and of a sweep, each FMU (tests/fmus/tenant) computes with the gain from its own archive.
+"""Tests that in missions of one Python process and of a sweep, each FMU (tests/fmus/tenant) computes with the gain from
+its own archive.
 
 Usage: separation_test.py MEBOTS FMU_FOLDER (with PYTHONPATH set to the package).
 """
@@ -33,8 +34,8 @@ def check(what, found, right):
 
 
 def two_missions(folder):
-    """Both missions are open at the same time, and then one after the other: the loader never unloads a library with unique
-    symbols."""
+    """Runs both missions at the same time, and then one after the other. The latter matters because the loader never
+    unloads a library with unique symbols."""
     for kind in ("library", "unique", "opens"):
         two, three = (mebots.Mission(config(folder, f"{kind}{gain}", f"{kind}_{gain}")) for gain in (2, 3))
         for _ in range(5):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots.System`: systems that a program builds."""
+"""Tests `mebots.System`: systems that a program builds."""
 
 import json
 import os

@@ -33,7 +33,7 @@ def alone(fmu, steps=250, step=0.002, **parameters):
 
 
 def of_config(file, fmus, seconds):
-    """Returns one of our configs, limited to some seconds."""
+    """Returns one of MEbots' configs, limited to some seconds."""
     config = json.loads(file.read_text())
     for instance in config["instances"].values():
         instance["fmu"] = str(fmus / f"{instance['fmu']}.fmu")
@@ -48,8 +48,8 @@ def ring(fmu, count, source, target, steps, step):
 
 
 def of_python(folder):
-    """Returns two slaves of pythonfmu that exchange every type that it supports. It builds an archive for every
-    machine."""
+    """Returns two slaves of pythonfmu that exchange every type that it supports. pythonfmu builds an archive for every
+    platform."""
     import pythonfmu
 
     fmu = pythonfmu.FmuBuilder.build_FMU(str(pathlib.Path(__file__).parent / "python_slave.py"), dest=str(folder))
@@ -96,7 +96,7 @@ def make(name, mebots):
 
 
 def run_apart(name, system, mebots, folder):
-    """Runs in a separate process, so that the crash of a tool is a line in the table."""
+    """Runs a tool in a separate process, so that a crash of the tool becomes a line in the table."""
     folder = pathlib.Path(tempfile.mkdtemp(dir=folder))
     job, answer = folder / "job.json", folder / "answer.json"
     job.write_text(json.dumps({"tool": name, "system": system, "mebots": str(mebots)}))

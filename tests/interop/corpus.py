@@ -42,7 +42,7 @@ SAME = 1e-12   # relative: rounding of sums in another order
 HALVED_STEPS = 200  # limit for the number of steps of the coarsest run with halved steps
 GROWS = 1.05   # of an error: allowance for rounding of the last point
 
-# Differences from a truth whose reason is in the FMU, by the end of its path. The reason is printed.
+# Differences from a truth whose cause is in the FMU, by the end of the FMU's path. The cause is printed.
 EXPLAINED = {
     "MassSpringDamper1.fmu": "adds its steps of 0.01 s up in floating point; five points are one such step ahead, all others exact to 1e-8",
     "initializer/src/test/resources/watertank-c.fmu": "its level rises by 1 in each step, whatever the step's length",
@@ -55,17 +55,17 @@ def nanoseconds(seconds):
 
 
 def family(tool):
-    """OpenModelica Compiler OMCompiler v1.13.0-dev -> OpenModelica"""
+    """Returns the family of a tool, such as "OpenModelica" for "OpenModelica Compiler OMCompiler v1.13.0-dev"."""
     name = re.split(r" (?:Compiler|Tool|Version)|,| ?v?\d+\.| \(", tool)[0].strip()
     return name if name and name != "none" else "(not said)"
 
 
 class NotOurs(Exception):
-    """Not an FMI 2.0 co-simulation FMU for this machine."""
+    """Raised for a file that is not an FMI 2.0 co-simulation FMU for this machine."""
 
 
 def plan(fmu):
-    """Returns the plan of a run: names of outputs by type; start and step in nanoseconds; number of steps."""
+    """Returns the plan of a run: names of outputs by type, start and step in nanoseconds, and number of steps."""
     try:
         with zipfile.ZipFile(fmu) as archive:
             members = set(archive.namelist())
@@ -117,7 +117,7 @@ def complaint(result):
 
 
 def call(command, **more):
-    """Runs a program; a timeout is a result too. Its texts need not be UTF-8."""
+    """Runs a program. A timeout is a result, too. The program's output need not be UTF-8."""
     late = subprocess.CompletedProcess(command, 124, "", LATE)
     try:
         result = subprocess.run(["prlimit", f"--cpu={SECONDS}:{SECONDS + 1}", *command], capture_output=True, text=True,
@@ -266,13 +266,13 @@ def compare_with_truths(row, what, known):
 
 
 def error_of(what, columns, known):
-    """Returns the largest error against the first truth at the points of the longest steps."""
+    """Returns the largest error against the first truth, at the points of the run with the longest steps."""
     return truths.compare(known[0], times_of(what), what["step_ns"] / 1e9, columns)[1]
 
 
 def halved_steps(program, what, known, folder):
-    """Returns how the error changes with halved steps: "exact", "shrinks", "stays", "grows", or why this is not
-    known."""
+    """Returns how the error changes with halved steps: "exact", "shrinks", "stays", "grows", or the reason why this is
+    not known."""
     if not what["variable_step"]:
         return "fixed steps only"
     if what["step_ns"] % 4:
@@ -336,7 +336,7 @@ def examine(program, base, fmu):
 
 
 def different(fmus):
-    """Returns one FMU of each content, and the number of further ones with the same bytes."""
+    """Returns one FMU of each content, and the number of FMUs with the same bytes as another."""
     first, repeated = {}, 0
     for fmu in fmus:
         digest = hashlib.sha256(fmu.read_bytes()).digest()
@@ -346,7 +346,7 @@ def different(fmus):
 
 
 def word_of(row):
-    """Returns the verdict as a class."""
+    """Returns the class of a verdict."""
     if not re.match(r"\d", row["verdict"]):
         return row["verdict"]
     return "within 1e-12" if row["difference"] <= SAME else "numbers differ"
@@ -359,7 +359,7 @@ def truth_text(row):
 
 
 def show_truths(rows):
-    """Prints the table of truths: how many FMUs have one of each kind, and how many agree."""
+    """Prints the table of truths: the number of FMUs with a truth of each kind, and how many of them agree."""
     rows = [row for row in rows if row["verdict"] != "left out" and row["run"] == "runs"]
     print("\n| FMU | truth | halved steps | explanation |\n|---|---|---|---|")
     for row in rows:

@@ -109,7 +109,7 @@ def check_state(description, folder):
 
 
 def first_value(description, folder, variable, changes):
-    """Returns an output at t = 0 with other start values of some inputs."""
+    """Returns an output at t = 0 with other start values for some inputs."""
     instance = Instance(description, folder, "first", start=False)
     instance.fmu.setupExperiment(startTime=0.0)
     instance.fmu.enterInitializationMode()

@@ -2,7 +2,7 @@
 """Compares a run on two kinds of processor: other_processor.py FOLDER FOLDER.
 
 Results and pictures must have the same bits. If they differ, a table lists the columns, the time of the first difference and its
-size: the earliest is closest to the cause.
+size: the earliest difference is closest to the cause.
 """
 import csv
 import hashlib

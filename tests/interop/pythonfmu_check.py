@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""FMUs of pythonfmu run without preparations: each in its own process, with the Python of MEBOTS_PYTHON or of PATH.
+"""Tests that FMUs of pythonfmu run without preparations, each in its own process, with the Python of MEBOTS_PYTHON or
+of PATH.
 
 Usage: pythonfmu_check.py MEBOTS
 

@@ -18,7 +18,7 @@ import tempfile
 import fmpy
 import fmpy.fmi2
 
-# Another compiler may round the same source differently; larger differences mean a changed model.
+# Another compiler may round the same source differently. Larger differences show a changed model.
 RELATIVE = 1e-6
 ABSOLUTE = 1e-9
 

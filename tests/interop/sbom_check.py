@@ -23,7 +23,7 @@ def require(holds, what):
 
 
 def check(text, where):
-    """Checks the requirements of SPDX 2.3 on our documents (clauses 6, 7 and 11), and that all ids exist. Returns
+    """Checks the requirements of SPDX 2.3 on MEbots' documents (clauses 6, 7 and 11), and that all ids exist. Returns
     the packages."""
     bill = json.loads(text)
     require(bill["spdxVersion"] == "SPDX-2.3" and bill["dataLicense"] == "CC0-1.0", f"{where}: not SPDX 2.3")

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""SSP between tools: ours opens in OMSimulator with the same numbers, and one written by OMSimulator runs here.
+"""Tests SSPs between tools: an SSP of MEbots gives the same numbers in OMSimulator, and an SSP that OMSimulator wrote
+runs in mebots.
 
 Usage: ssp_check.py MEBOTS CONFIG.json
 
-Searches OMSimulator in $OMSIMULATOR and on PATH; skipped (77) without it.
+Searches OMSimulator in $OMSIMULATOR and on PATH. If it is not there, the test is skipped (exit code 77).
 """
 
 import json

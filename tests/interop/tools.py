@@ -47,8 +47,8 @@ def variables(instance):
 
 
 def outputs(instance, types=("Real", "Integer", "Boolean", "Enumeration", "String")):
-    """Returns the outputs to compare. Of texts, only those of pythonfmu: ours compute a picture's base64 when they
-    are read."""
+    """Returns the outputs to compare. Of texts, only those of pythonfmu are compared, because MEbots' FMUs compute the
+    base64 text of a picture when it is read."""
     texts = of_python(instance)
     return [v for v in variables(instance).values() if v.causality == "output" and v.type in types
             and not v.name.endswith(POINTERS) and (v.type != "String" or texts)]
@@ -255,7 +255,8 @@ def at_points(times, step, steps):
 
 
 class Libcosim:
-    """libcosim. Its interface has no enumerations: their connections and parameters are left out and listed."""
+    """Runs a system in libcosim. Its interface has no enumerations, so connections and parameters of enumerations are
+    left out and listed."""
 
     name = "libcosim"
     types = {"Real": "real", "Integer": "integer", "Boolean": "boolean", "String": "string"}

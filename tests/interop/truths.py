@@ -143,7 +143,8 @@ def modelica_block(model):
 
 
 def euler(rate, start, times, step, event=None):
-    """Explicit Euler in steps of `step`, which divides the distances of `times`; one row per time."""
+    """Returns a solution by explicit Euler with steps of `step`, which divides the distances of `times`. It has one row
+    per time."""
     state = np.array(start, dtype=float)
     rows = [state.copy()]
     for before, after in zip(times, times[1:]):
@@ -163,7 +164,7 @@ def solved(rate, start, times):
 
 
 def linear(matrix, constant, start):
-    """The solution of x' = A x + b by the matrix exponential."""
+    """Returns the solution of x' = A x + b by the matrix exponential."""
     n = len(start)
     whole = np.zeros((n + 1, n + 1))
     whole[:n, :n], whole[:n, n] = matrix, constant
@@ -189,7 +190,7 @@ def of_method(names, truth, rate, start, internal=None, event=None):
 
 
 def of_tolerance(model, truth):
-    """Returns the bound of a solver with error control: errors of steps add up."""
+    """Returns the bound for a solver with error control, in which the errors of steps add up."""
     steps = 100
 
     def bound(times, _step):
@@ -240,7 +241,7 @@ def openmodelica(model):
 
 
 def bouncing(height, speed, gravity, damping, stop_speed, times):
-    """Free flight between impacts; each impact reverses and reduces the speed."""
+    """Returns the free flight between impacts. Each impact reverses and reduces the speed."""
     rows, begin, h, v, g = [], times[0], height, speed, gravity
     for t in times:
         while g > 0:
@@ -269,8 +270,8 @@ def ball(model, names, start, gravity, damping, stop_speed, internal, source):
 
 
 def internal_step(model, usual):
-    """Returns the step of a Reference FMU's solver: that in its description, or the usual one; None is the
-    communication step of old versions."""
+    """Returns the step of a Reference FMU's solver: the step in its description, or the usual step. None stands for the
+    communication step, which old versions use."""
     said = getattr(model.description.coSimulation, "fixedInternalStepSize", None)
     return float(said) if said else usual if model.has("time") else None
 
@@ -328,7 +329,7 @@ def reference_fmu(model):
 
 
 def pendulum(model):
-    """FMIZoo.jl: a mass on a spring, with and without a damper or a force."""
+    """Returns the truth for FMIZoo.jl's mass on a spring, with and without a damper or a force."""
     if not model.name.startswith("Spring") or "Friction" in model.name or not model.has("mass.s", "spring.c", "mass.m"):
         return None
     mass, stiffness = model["mass.m"], model["spring.c"]

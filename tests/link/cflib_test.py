@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Scripts with `mebots link`: cflib's own classes connect, log, set parameters and fly, as in its published examples."""
+"""Tests scripts with `mebots link`: cflib's own classes connect, log, set parameters and fly, as in its published
+examples."""
 
 import math
 import threading
@@ -138,7 +139,8 @@ class Flights(CflibCase):
         self.fly_by_the_wall_clock(self.fly_with_position_commander)
 
     def fly_by_the_wall_clock(self, fly):
-        """These commanders sleep by the wall clock. A flight on a machine that was too busy is repeated."""
+        """Runs a flight whose commanders sleep by the wall clock. If the machine was too busy, the flight is repeated.
+        """
         for attempt in range(3):
             try:
                 return fly()
@@ -203,7 +205,8 @@ class Flights(CflibCase):
         self.check_replay()
 
     def check_replay(self):
-        """Without the script, the recorded run repeats bit by bit. If a packet is missing in the recording, it does not."""
+        """Checks that the recorded run repeats bit by bit without the script, and that it does not if a packet is
+        missing in the recording."""
         printed = self.stop()
         bits = self.recording()[-1]["bits"]
         self.assertIn(bits, printed)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""`mebots link` without cflib: random datagrams, recordings, and errors of its user."""
+"""Tests `mebots link` without cflib: random datagrams, recordings, and errors of the user."""
 
 import json
 import os
@@ -24,7 +24,7 @@ SUPERVISOR = 9
 
 
 class Client:
-    """A socket that has requested a drone's greeting."""
+    """A socket that has received a drone's greeting."""
 
     def __init__(self, port):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)

@@ -44,7 +44,7 @@ class LinkCase(unittest.TestCase):
         self.server = None
 
     def start(self, *options, drones=1, config=CONFIG, port=None):
-        """Starts a server; returns its first port."""
+        """Starts a server. Returns its first port."""
         port = port or free_port(drones)
         command = [MEBOTS, "link", str(config), "--out", str(self.out), "--port", str(port), *options]
         command += ["--drones", str(drones)] if drones > 1 else []
@@ -68,7 +68,7 @@ class LinkCase(unittest.TestCase):
         self.server.stdout.close()
 
     def stop(self, code=0):
-        """Ends the server as Ctrl-C does; returns what it printed."""
+        """Ends the server as Ctrl-C does. Returns its output."""
         self.server.send_signal(signal.SIGINT)
         return self.end(code)
 
@@ -78,7 +78,7 @@ class LinkCase(unittest.TestCase):
         return printed
 
     def replay(self, *options, code=0, config=CONFIG):
-        """Repeats the recorded run; returns what the program printed."""
+        """Repeats the recorded run. Returns the program's output."""
         command = [MEBOTS, "link", str(config), "--replay", str(self.out / "link.jsonl"), *options]
         done = subprocess.run(command, capture_output=True, text=True, timeout=120)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)

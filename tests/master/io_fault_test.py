@@ -88,7 +88,7 @@ def rows_of(file):
 
 
 def content(out):
-    """Returns the contents that must be equal again, by file name."""
+    """Returns the contents of the files that must be equal again, by file name."""
     files = {path.name: path.read_bytes() for path in out.iterdir() if path.is_file()}
     if "summary.json" in files:
         files["summary.json"] = without_times(files["summary.json"])

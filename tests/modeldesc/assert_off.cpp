@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Assertions as in the preset release, whatever the preset of this build is.
+// Tests assertions as in the preset release, whatever the preset of this build is.
 #undef MEBOTS_ASSERTIONS
 #include "mebots/assert.hpp"
 

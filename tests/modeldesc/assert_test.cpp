@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Assertions as in the presets dev and ci, whatever the preset of this build is.
+// Tests assertions as in the presets dev and ci, whatever the preset of this build is.
 #ifndef MEBOTS_ASSERTIONS
 #define MEBOTS_ASSERTIONS
 #endif

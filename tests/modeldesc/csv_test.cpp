@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reader of CSV files: cells, places of errors, and files in other formats.
+// Tests the reader of CSV files: cells, places of errors, and files in other formats.
 #include "mebots/data/csv.hpp"
 #include "mebots/error.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reader of JSON files: places, kinds, and all mistakes of a file at once.
+// Tests the reader of JSON files: places, kinds, and all mistakes of a file at once.
 #include "mebots/data/document.hpp"
 #include "mebots/data/find_file.hpp"
 #include "mebots/data/object.hpp"
@@ -180,8 +180,8 @@ TEST(Document, TakesTimeInProportionToItsLength) {
     return std::chrono::duration<double>(Clock::now() - start).count();
   };
   seconds(1000);
-  // 50 times the length; the bound of ten times that plus a tenth of a second allows for a busy machine. Quadratic time
-  // would be 2500.
+  // The text is 50 times as long. The bound is ten times the linear time, plus a tenth of a second, because the machine
+  // may be busy. With quadratic time, the factor would be 2500.
   EXPECT_LT(seconds(100'000), 500 * seconds(2000) + 0.1);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// modelDescription.xml of FMI 1.0, described in the terms of FMI 2.0.
+// Tests reading modelDescription.xml of FMI 1.0 in the terms of FMI 2.0.
 #include "mebots/error.hpp"
 #include "mebots/modeldesc/xml.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shell's interface of FMI 3.0, used like an importing tool does: unpacked, loaded with dlopen, called through C.
+// Tests the shell's interface of FMI 3.0 as an importing tool uses it: unpacked, loaded with dlopen, called through C.
 #include "mebots/fmi3/functions.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/elf_library.hpp"

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-/// The test FMU, used like an importing tool does: unpacked, loaded with dlopen, called through C.
+/// The test FMU, used as an importing tool uses it: unpacked, loaded with dlopen, called through C.
 namespace mebots::test {
 
 using Library = fmi2::Functions;
@@ -25,7 +25,7 @@ class LagFmu {
   const Library& library() const { return library_; }
   const modeldesc::ModelDescription& description() const { return description_; }
   std::filesystem::path binary() const;
-  /// `resources/` as a file: URI with percent-encoding.
+  /// Returns `resources/` as a file: URI with percent-encoding.
   std::string resource_uri() const;
   fmi2ValueReference reference(std::string_view name) const;
 
@@ -37,7 +37,7 @@ class LagFmu {
   Library library_{};
 };
 
-/// Its C functions.
+/// Returns the C functions of the FMU.
 inline const Library& library() {
   return LagFmu::get().library();
 }

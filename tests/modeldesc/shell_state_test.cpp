@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Steps the lag with a changing input; equal calls give equal bits.
+/// Steps the lag with a changing input. Equal calls give equal bits.
 void drive(Lag& lag, int from, int to) {
   for (int i = from; i < to; ++i) {
     ASSERT_EQ(lag.set("left.u", i % 7 - 3), fmi2OK);
@@ -170,12 +170,12 @@ TEST(ShellState, DamagedOrForeignBytesAreRefused) {
   std::vector<char> longer = good;
   longer.push_back('x');
   refused(longer);
-  // The instance continues.
+  // The instance continues after the restored state.
   drive(lag, 5, 6);
 }
 
-/// Returns the same bytes with another hash of the layout and a correct checksum, as another build of the description
-/// would write them. The header has magic number, format, two texts with their lengths, layout and checksum.
+/// Returns the same bytes with another hash of the layout and a correct checksum. Another build of the description
+/// would write such bytes. The header has magic number, format, two texts with their lengths, layout and checksum.
 std::vector<char> of_another_build(std::vector<char> bytes) {
   const auto number_at = [&](std::size_t at) {
     std::uint64_t number = 0;

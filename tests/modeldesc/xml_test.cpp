@@ -46,7 +46,7 @@ TEST(Xml, KeepsNumbersToTheLastBitAndTextToTheLastCharacter) {
   expect_round_trip(x);
 }
 
-/// A foreign description: flat names, omitted defaults, unknown attributes and elements.
+/// A description by another tool: flat names, omitted defaults, unknown attributes and elements.
 std::string foreign(const std::string& variables, const std::string& structure = "") {
   return R"(<?xml version="1.0"?>
 <!DOCTYPE fmiModelDescription [<!ENTITY secret SYSTEM "file:///etc/passwd">]>

@@ -39,7 +39,8 @@ double ripple_w(const RotorData& rotor, const RotorDrive& drive) {
   return rotor.motor->ripple_conductance_s * std::pow(drive.voltage_v * (1 - drive.duty), 2);
 }
 
-/// The solution of the motor's equations by the Runge-Kutta method of order 4: speed, copper loss and shaft work.
+/// Returns the solution of the motor's equations by the Runge-Kutta method of order 4: speed, copper loss and shaft
+/// work.
 struct Reference {
   double speed = 0;
   double copper_j = 0;
@@ -137,7 +138,7 @@ TEST(ElectricMotor, ResultDoesNotDependOnTheStep) {
 }
 
 TEST(ElectricMotor, DiodeBlocksBrakingCurrent) {
-  // Far below the back EMF the rotor slows down as if it were switched off.
+  // Far below the back EMF, the rotor slows down as if the motor were switched off.
   const RotorData rotor = legacy_rotor();
   const RotorStep idle = advance_motor(rotor, drive_at(rotor, 0.1, 3.6), 2000, 0.01);
   const RotorStep off = advance_motor(rotor, drive_at(rotor, 0, 3.6), 2000, 0.01);
@@ -206,7 +207,7 @@ TEST(ElectricMotor, BusResistanceTakesTheSurgeOfTheFirstStepOff) {
   EXPECT_LT(held.least_v, 2.8);
   EXPECT_NEAR(sagging.greatest_w, 17.5, 0.5);
   EXPECT_GT(sagging.least_v, 3.2);
-  // In the steady state, both test stands have equal values, because the current no longer changes.
+  // In the steady state, both calculations give equal values, because the current no longer changes.
   EXPECT_NEAR(sagging.stand.inputs.bus_voltage_v, held.stand.inputs.bus_voltage_v, 1e-9);
   EXPECT_NEAR(sagging.stand.outputs.power_w, held.stand.outputs.power_w, 1e-8);
 }

@@ -23,8 +23,8 @@ TEST(HoverPropel, HoverPowerGrowsWithMassToThreeHalvesAndFallsWithTheRootOfDensi
 }
 
 TEST(HoverPropel, HoverPowerIsAboveTheIdealOfMomentumTheory) {
-  // The least power that lifts the mass with this disc area: (m g)^1.5 / sqrt(2 rho A), with a propeller radius of
-  // 23.55 mm.
+  // Returns the least power that lifts the mass with this disc area: (m g)^1.5 / sqrt(2 rho A), with a propeller radius
+  // of 23.55 mm.
   const double disc_m2 = 4 * std::numbers::pi * 0.02355 * 0.02355;
   const double ideal_w = std::pow(0.04 * 9.80665, 1.5) / std::sqrt(2 * 1.225 * disc_m2);
   EXPECT_GT(hover_power_w(bench_rotor(), 0.04, 1.225), ideal_w);

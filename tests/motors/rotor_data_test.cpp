@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rotor files compared with the table that they quote, and files that must be rejected.
+// Compares the rotor files with the table that they quote, and tests that wrong files are rejected.
 #include "support.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The closed form compared with numerical integration of the same equation.
+// Compares the closed form with numerical integration of the same equation.
 #include "speed_course.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace mebots::motors {
 namespace {
 
-/// Classical Runge-Kutta for w, integral of w and integral of w^2.
+/// Returns w, the integral of w and the integral of w^2 by the classical Runge-Kutta method.
 std::array<double, 3> integrate(const SpeedLaw& law, double initial, double steady, double time_s, int steps) {
   using State = std::array<double, 3>;
   const auto rate = [&](const State& y) -> State {

@@ -27,7 +27,8 @@ NAMES = {"linux64": ("linux64", "x86_64-linux", ".so"), "win64": ("win64", "x86_
 KINDS = {"Real": "real", "Integer": "integer", "Enumeration": "integer", "Boolean": "boolean", "String": "string",
          "Float64": "real", "Int32": "integer", "UInt64": None, "Binary": None}
 
-# Inputs by the start of their names, and what they follow: mean and half of the range. Others keep their start values.
+# Inputs by the start of their names, with the mean and half of the range of the course that they follow. Other inputs
+# keep their start values.
 COURSES = {"motors.power": (6.0, 2.0), "chip.power": (0.1, 0.05), "rotor": (0.55, 0.1), "bus.voltage": (3.8, 0.1), "body.speed": (1.0, 1.0)}
 THRUST_N = (0.11, 0.02)
 
@@ -37,7 +38,8 @@ def bits(value):
 
 
 def course(name, step):
-    """Return an input's value at a step: a saw tooth, so that no library function is needed; None for inputs that rest."""
+    """Return an input's value at a step: a saw tooth, which needs no library function; None for inputs that stay
+    constant."""
     mean_range = next((value for start, value in COURSES.items() if name.startswith(start)), None)
     if name.endswith(".thrust"):
         mean_range = THRUST_N

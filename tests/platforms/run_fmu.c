@@ -196,7 +196,7 @@ static void read_values(const char* type, Reference reference, size_t count) {
   }
 }
 
-// Carries out an order. `rest` is the line after its first word.
+// Executes an order. `rest` is the line after its first word.
 static void perform(const char* order, char* rest) {
   if (strcmp(order, "library") == 0) {
     fmu = open_library(rest);

@@ -62,7 +62,7 @@ inline std::string set_cluster_clock(std::uint32_t factor) {
   return fmt::format("li s0, FLL_BASE\n li a0, 1 << 26 | {}\n sw a0, FLL_BYTES + FLL_CONFIG1_OFFSET(s0)", factor);
 }
 
-/// The cores whose bits are set in `cores` run a program whose exceptions and interrupts all go to `fault`.
+/// Runs a program on the cores whose bits are set in `cores`. All its exceptions and interrupts go to `fault`.
 inline Gap8System timed_system(unsigned cores, std::string_view code, const Settings& settings = {}) {
   auto board = Gap8System::gap8();
   board.instruction_caches = {};  // refills would delay the read after the event

@@ -14,7 +14,7 @@
 
 namespace mebots::soc::test {
 
-/// Differences of a machine from a CV32E40P without fetch waits.
+/// The differences of a machine from a CV32E40P without fetch waits.
 struct MachineSettings {
   CoreKind kind = CoreKind::rv32imc;
   InstructionCacheSettings instruction_cache = {};
@@ -39,7 +39,7 @@ class Machine : private Bus {
   Stop run(std::uint64_t limit = 10'000'000) { return hart_.run(limit); }
 
   Hart& hart() { return hart_; }
-  /// Returns null without a cache.
+  /// Returns the cache; null if there is none.
   InstructionCache* instruction_cache() { return instruction_cache_.get(); }
   Memory& memory() { return memory_; }
   const Elf& program() const { return program_; }

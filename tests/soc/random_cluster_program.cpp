@@ -21,7 +21,7 @@ class ClusterAuthor : RandomText {
       if (row.extension != Extension::xpulp || is_hardware_loop(row.op) || is_branch(row.op)) continue;
       (is_load(row.op) || is_store(row.op) ? accesses_ : computing_).push_back(&row);
     }
-    // Each program has its own size and frequencies.
+    // Each program has its own size and frequencies of instructions.
     routines_ = 4U << below(3);
     length_ = 10U << below(3);
     patching_ = below(4);

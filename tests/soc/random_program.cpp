@@ -62,7 +62,7 @@ stack_top:
   }
 
  private:
-  // More registers than the host has. t0, t1, t2, gp and s0 to s2 have fixed purposes.
+  // The program uses more registers than the host has. t0, t1, t2, gp and s0 to s2 have fixed purposes.
   static constexpr std::array<std::string_view, 18> kRegisters{"a0", "a1", "a2", "a3", "a4", "a5", "a6",  "a7",  "s3",
                                                                "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "tp"};
   static constexpr std::array<std::string_view, 3> kShifts{"slli", "srli", "srai"};

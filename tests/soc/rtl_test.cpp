@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Cycles compared with those measured on the RTL of CV32E40P and RI5CY (rtl/README.md).
+// Compares cycles with those measured on the RTL of CV32E40P and RI5CY (rtl/README.md).
 #include "hart/observer.hpp"
 #include "machine.hpp"
 
@@ -76,7 +75,7 @@ void expect_exact(const Table& found, const Table& expected) {
 }
 
 TEST(Rtl, StandardMicroProgramsTakeTheCyclesOfCv32e40p) {
-  // The rest of this build is Xpulp in CORE-V encodings, which this platform does not have. It ends in its trap
+  // The rest of this build has Xpulp in CORE-V encodings, which this platform lacks. The program ends in its trap
   // handler.
   Machine machine(Elf::read(MEBOTS_RTL_CV32E40P), CoreKind::cv32e40p);
   EXPECT_EQ(machine.run(), Stop::watch);

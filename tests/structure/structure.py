@@ -81,7 +81,8 @@ class Part:
         return any(file.is_relative_to(folder) for folder in self.public)
 
     def layer(self, folder):
-        """Returns the place of a folder's layer in the order and the entry that names the folder, or None."""
+        """Returns the place of a folder's layer in the order, and the entry that names the folder; None if there is
+        none."""
         found = None
         for place, layer in enumerate(self.layers):
             for entry in layer["folders"]:
@@ -101,7 +102,7 @@ class Structure:
                          for name in includes_of(root / file)]
 
     def find(self, file, name):
-        """Returns the file of ours that an include of this name reads, or None."""
+        """Returns the file of MEbots that an include of this name reads; None if there is none."""
         part = self.owners[file]
         paths = [file.parent, *part.paths, *(path for other in self.parts.values() for path in other.paths)]
         for path in paths:
@@ -208,7 +209,7 @@ def imports_of_typescript(root, file):
 
 
 def mistakes_of_modules(root, description):
-    """Modules import each other one way only."""
+    """Returns mistakes of Python modules, which may import each other in one direction only."""
     folder = root / description["root"]
     ending, imports = {"python": (".py", imports_of_python),
                        "typescript": (".ts", imports_of_typescript)}[description["language"]]
@@ -220,7 +221,7 @@ def mistakes_of_modules(root, description):
 
 
 def table(part):
-    """The layers of a part as a table for the page, the top one first."""
+    """Returns the layers of a part as a table for the page, the top layer first."""
     lines = ["| layer | what lives there |", "|---|---|"]
     for layer in reversed(part.layers):
         folders = ", ".join(f"`{folder}/`" for folder in layer["folders"])

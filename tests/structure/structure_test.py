@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The product follows the order of tests/structure/layers.json, and the checker finds each kind of mistake."""
+"""Tests that the product follows the order of tests/structure/layers.json, and that the checker finds each kind of
+mistake."""
 import json
 import tempfile
 import unittest

@@ -7,8 +7,8 @@
 
 namespace mebots::test {
 
-/// A temporary folder, deleted by the destructor. Its name contains a space, as users' folders do, unless another tool
-/// cannot handle that.
+/// A temporary folder, deleted by the destructor. Its name contains a space, as users' folders may, except for tests
+/// with a tool that does not support spaces.
 class Folder {
  public:
   explicit Folder(std::string_view name = "mebots test");
@@ -26,7 +26,7 @@ class Folder {
 /// Returns the bytes of a file; empty if it cannot be read.
 std::string read_file(const std::filesystem::path& file);
 
-/// Throws std::runtime_error if it cannot be written.
+/// Writes a file. Throws std::runtime_error if that fails.
 void write_file(const std::filesystem::path& file, std::string_view bytes);
 
 }  // namespace mebots::test

@@ -79,7 +79,7 @@ static int is_of_folder(int descriptor) {
   return is_inside(path);
 }
 
-// Closing a file that was only read loses nothing.
+// A failed close of a file that was only read loses no data.
 static int is_written(int descriptor) {
   return (fcntl(descriptor, F_GETFL) & O_ACCMODE) != O_RDONLY && is_of_folder(descriptor);
 }

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 
 KINDS = ("write", "pwrite", "fsync", "fdatasync", "rename", "link", "close", "ftruncate")
-"""Kinds of calls, in the order of io_faults.c."""
+"""The kinds of calls, in the order of io_faults.c."""
 SHORT = -1
 FAULTS = {"ENOSPC": errno.ENOSPC, "EIO": errno.EIO, "EINTR": errno.EINTR, "short write": SHORT}
 HARMLESS = ("EINTR", "short write")
@@ -25,7 +25,7 @@ def faults_of(kind):
 
 
 def library(folder):
-    """Compiles the library; returns its path, or None without a C compiler."""
+    """Compiles the library. Returns its path, or None if there is no C compiler."""
     compiler = shutil.which("cc")
     if compiler is None:
         return None
@@ -60,8 +60,8 @@ def numbers(count, most):
 
 
 def table_row(files, kind, fault, count, ends):
-    """Returns a row of the table of faults. ``ends`` counts the outcomes of a fault; an empty text is the required
-    one."""
+    """Returns a row of the table of faults. ``ends`` counts the outcomes of a fault; an empty text stands for the
+    required outcome."""
     others = "; ".join(f"{number}: {text}" for text, number in ends.items() if text)
     return f"| {files} | {kind} | {fault} | {ends.total()} of {count} | {ends['']} | {others} |"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The JSON in a page of a study or of a replayed flight."""
+"""Reads the JSON in a page of a study or of a replayed flight."""
 
 import base64
 import json

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The drone's missions with its firmware on GAP8's own devices: fmu_gap8_drone in place of fmu_soc.
+// Tests the drone's missions with its firmware on GAP8's own devices: fmu_gap8_drone in place of fmu_soc.
 #include "missions.hpp"
 
 #include <gmock/gmock.h>
@@ -54,12 +54,12 @@ TEST(Gap8Drone, TheFirmwareSetsTheClocksAndTheVoltageThatTheMissionSays) {
   const auto chip_j = [](const auto& flight) {
     return flight.summary.at("chip_energy").at("total").template get<double>();
   };
-  // Almost proportional: the paths to L2 are shorter in cycles of the cluster's clock.
+  // The time is almost proportional: in cycles of the cluster's clock, the latency to L2 is shorter.
   EXPECT_NEAR(inference_s(slow) / inference_s(usual), 87.0 / 25.0, 0.25);
   EXPECT_LT(chip_j(slow), 0.8 * chip_j(usual)) << "the voltage goes in squared";
 }
 
-/// Errors about pictures: reported before t = 0, with the place, both sizes and the remedy.
+/// Tests errors about pictures. They are reported before t = 0, with the place, both sizes and the remedy.
 TEST(Gap8Drone, PicturesOfAnotherSizeThanTheSensorsAreRefusedBeforeTheFlight) {
   const Folder folder;
   const auto flight =

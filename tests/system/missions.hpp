@@ -28,7 +28,7 @@ struct Flight {
   std::string results;  ///< results.csv
 };
 
-/// `mebots run CONFIG --out OUT --set ...`
+/// Runs `mebots run CONFIG --out OUT --set ...`.
 Flight fly(const std::filesystem::path& config, const std::filesystem::path& out,
            const std::vector<std::string>& sets = {}, const std::vector<std::string>& more = {});
 

@@ -3,7 +3,7 @@
 
 Usage: old_models_test.py MEBOTS CONFIG SHA256
 
-SHA256: the first digits of the hash of results.csv.
+SHA256 is the beginning of the hash of results.csv.
 """
 import hashlib
 import pathlib

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mission has the same bits on every x86-64 processor: it uses no function that glibc selects by processor.
+// Tests that a mission has the same bits on every x86-64 processor, because it uses no function that glibc selects by
+// processor.
 #include "missions.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Invalid input is rejected before the run: exit code 102, a reason, no result printed.
+// Tests that invalid input is rejected before the run: exit code 102, a reason, no result printed.
 #include "support.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The cluster's cores in profile and trace: each has its own, and their sum is that of the chip.
+// Tests the cluster's cores in profile and trace: each core has its own, and their sum is that of the chip.
 #include "board_system.hpp"
 #include "observe/profile.hpp"
 #include "observe/session.hpp"
@@ -223,8 +222,8 @@ TEST(ClusterProfile, IsTheSameForTranslatedAndInterpretedCode) {
   }
 }
 
-/// With an observer that is attached only at times, the chip behaves as without: instruction cache, banks, DMA,
-/// arbitration at devices.
+/// With an observer that is attached only at times, the chip behaves as without an observer: instruction cache, banks,
+/// DMA, arbitration at devices.
 TEST(ClusterObservers, ComeAndGoWithoutChangingABitOfTheRun) {
   struct Case {
     bool translate;

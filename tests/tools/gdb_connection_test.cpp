@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The bytes of a debugger, divided into packets in any way.
+// Tests that a debugger's bytes may be divided into packets in any way.
 #include "debug/connection.hpp"
 
 #include <arpa/inet.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// gdb-multiarch itself, in batch mode, against `mebots-soc run --gdb 0`.
+// Tests gdb-multiarch itself, in batch mode, with `mebots-soc run --gdb 0`.
 #include "support.hpp"
 
 #include <fmt/format.h>

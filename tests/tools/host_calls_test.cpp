@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Programs that call the host: semihosting, system calls through tohost, and a C library that uses them.
+// Tests programs that call the host: semihosting, system calls through tohost, and a C library that uses them.
 #include "support.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The gate firmware inside the FMU's model has the same bits with and without observers.
+// Tests that the gate firmware inside the FMU's model has the same bits with and without observers.
 #include "fmu/model.hpp"
 
 #include "support.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Power over time: its integral is the energy, and states follow each other without a gap.
+// Tests power over time: its integral is the energy, and states follow each other without a gap.
 #include "observe/power_trace.hpp"
 
 #include "board_system.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Time and energy per function and call stack: each function has its own time, and the parts add up to the total
+// Tests time and energy per function and call stack: each function has its own time, and the parts add up to the total
 // exactly.
 #include "observe/profile.hpp"
 
@@ -309,7 +308,7 @@ table: .word leaf, tail
   }
 }
 
-/// The output for `steps` steps of a program that sleeps until 1 ms.
+/// Returns the output for `steps` steps of a program that sleeps until 1 ms.
 nlohmann::json windowed(int steps, std::int64_t step_ns, Cost& total) {
   const auto text = fmt::format("{}\n{}", kSleepsUntilATimer, Profiled::kFunctions);
   const Folder folder;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Programs of users: with system calls, with their own RAM or board, with a console; and the messages and limits that
-// end them.
+// Tests programs of users: with system calls, with their own RAM or board, and with a console. Also tests the messages
+// and limits that end them.
 #include "support.hpp"
 
 #include <fmt/format.h>

@@ -36,6 +36,6 @@ export async function openUrl(browser, url, { width = 1400, height = 900, dark =
   return { page, problems, requests };
 }
 
-/** The same for a page on the disk, opened at a time of the run; null opens it without a time. */
+/** Opens a page on the disk, as open() does, at a time of the run; null opens it without a time. */
 export const open = (browser, file, { time = 0, ...options } = {}) =>
   openUrl(browser, pathToFileURL(file).href + (time === null ? "" : `#t=${time}`), options);

@@ -11,7 +11,7 @@ import { join, resolve } from "node:path";
 const [, , mebots, configs, out, chromium] = process.argv;
 mkdirSync(out, { recursive: true });
 
-/** Long enough to be viewed: some seconds of wall time. */
+/** A run that is long enough to be viewed: some seconds of wall time. */
 const system = join(out, "system.json");
 writeFileSync(system, JSON.stringify({
   ...JSON.parse(readFileSync(join(configs, "battery_motors.json"), "utf8")),
@@ -76,8 +76,7 @@ async function until(live, isSo) {
   throw new Error("it was not so within 20 s");
 }
 
-/** Returns the number of its steps, and checks that several queries give the same number. A run answers between two steps, so a run
-that is not paused makes a step before the next query. */
+/** Returns the number of steps of a paused run, and checks that several queries give the same number. A run answers between two steps, so a run that is not paused makes a step before the next query. */
 async function stoodAt(live) {
   const looks = [];
   for (let i = 0; i < 20; ++i) looks.push((await header(live)).runs[0].summary.steps);
@@ -98,7 +97,7 @@ const overHttp = {
         known = `?rows=${rows}&pictures=0&log=${log}`; // like the page's request for new data
         ++looks;
       } catch {
-        // The run ended meanwhile; its exit code shows how.
+        // The run has ended in the meantime. Its exit code shows how.
       }
     }
     const code = await ended;

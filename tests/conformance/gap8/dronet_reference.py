@@ -23,7 +23,7 @@ def saturate(values):
 
 
 def shifted(values, norm):
-    """Rounds half up."""
+    """Shifts right and rounds half up."""
     return saturate(values + (1 << (norm - 1)) >> norm)
 
 

@@ -38,7 +38,7 @@ double next() {
   return ++steps;
 }
 #elif defined(LEFTOVER_FIRST_INSTANCE)
-// Only the first instance of a process computes differently: the memory changes once.
+// Only the first instance of a process computes differently, because the memory changes once.
 bool is_first = true;
 double kept = 1;
 void begin_instance() {
@@ -49,7 +49,7 @@ double next() {
   return kept;
 }
 #elif defined(LEFTOVER_STATIC_OBJECT)
-// The bytes of the object itself do not change; the memory to which it points does.
+// The bytes of the object itself do not change, but the memory to which it points does.
 std::map<std::string, int> counts{{"steps", 0}};
 void begin_instance() {}
 double next() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A library inside a tenant.
+// A library that a tenant FMU contains.
 double tenant_gain(void);
 __attribute__((visibility("default"))) double tenant_gain(void) {
   return TENANT_GAIN;

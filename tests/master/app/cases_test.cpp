@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `mebots test`: runs an FMU alone with inputs and expected outputs in CSV files.
+// Tests `mebots test`, which runs an FMU alone with inputs and expected outputs in CSV files.
 #include "cases/run_case.hpp"
 #include "test_system.hpp"
 
@@ -22,7 +22,7 @@ class CaseFolder {
   std::filesystem::path path() const { return folder_.path(); }
   void write(const std::string& name, const std::string& text) const { test::write_file(path() / name, text); }
 
-  /// Returns the result of one case; `keys` are additional to `expected`.
+  /// Returns the result of one case. `keys` are members of the case in addition to `expected`.
   cases::CaseResult run(const std::string& expected, const std::string& keys = "", bool isolate = false) const {
     write("out.csv", expected);
     write("cases.json", fmt::format(R"({{"cases": {{"one": {{"expected": "out.csv"{}}}}}}})", keys));

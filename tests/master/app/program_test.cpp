@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program from a user's view: arguments, exit codes, and the content of streams and files.
+// Tests the program from a user's view: arguments, exit codes, and the content of streams and files.
 #include "base/sha256.hpp"
 #include "test_system.hpp"
 
@@ -391,7 +391,7 @@ TEST_F(Program, AnInterruptEndsCleanlyWithItsResults) {
   const auto child = fork();
   if (child == 0) {
     if (chdir(folder.path().c_str()) != 0) _exit(99);
-    // Each step sleeps 20 ms: the whole run would take 20 s.
+    // Each step sleeps for 20 ms, so the whole run would take 20 s.
     execl(MEBOTS_PROGRAM, MEBOTS_PROGRAM, "run", "two.json", "--quiet", "--stop-time", "100", "--set", "a.fault=slow",
           "--set", "a.fault_time=0", nullptr);
     _exit(98);

@@ -15,7 +15,8 @@ namespace {
 using test::TestRun;
 using testing::HasSubstr;
 
-/// Returns t_k in nanoseconds from thirds of a nanosecond: an independent computation for steps of n / 3 nanoseconds.
+/// Returns t_k in nanoseconds, computed from thirds of a nanosecond: an independent computation for steps of n / 3
+/// nanoseconds.
 std::int64_t rounded_thirds(std::int64_t thirds) {
   const auto whole = thirds >= 0 ? thirds / 3 : -((-thirds + 2) / 3);
   return whole + (thirds - 3 * whole == 2 ? 1 : 0);
@@ -46,7 +47,7 @@ TEST(TimeGrid, PointsOfARatioAreExactAndNeverDrift) {
 }
 
 TEST(TimeGrid, InternalTimeRoundsTiesToEven) {
-  // 25 / 2 ns: every other point is half-way between two nanoseconds.
+  // With a step of 25 / 2 ns, every second point is half-way between two nanoseconds.
   const TimeGrid grid(0, {1, 80'000'000});
   EXPECT_EQ(grid.time_ns(1), 12);
   EXPECT_EQ(grid.time_ns(2), 25);
@@ -107,7 +108,7 @@ TEST(TimeGrid, ATimeBetweenThePointsIsTakenAsItIs) {
   EXPECT_EQ(grid.length_s(100'000'000, 333'333'333), 1.0 / 3 - 0.1);
 }
 
-/// A probe that outputs the end t + h and the length h of its last step as received.
+/// A probe that outputs the end t + h and the length h of its last step, as it received them.
 std::string probe_system(const std::string& times, const std::string& instance = "", const std::string& more = "") {
   return fmt::format(R"({{{}, "instances": {{"a": {{"fmu": "PROBE"{}}}}}, "connections": []{}}})", times, instance,
                      more);

@@ -35,7 +35,7 @@ TEST(Time, RefusesTimesOutOfRange) {
 }
 
 TEST(Time, EveryMultipleOfADecimalStepComesBackAsTheNearestDouble) {
-  // k / 10 is correctly rounded, and so must be the seconds of k * 100 ms.
+  // k / 10 is correctly rounded, and the seconds of k * 100 ms must be, too.
   for (std::int64_t k = 0; k <= 1'000'000; ++k) {
     ASSERT_EQ(to_seconds(k * 100'000'000), static_cast<double>(k) / 10);
   }
@@ -94,7 +94,8 @@ TEST(Time, RoundsToWholeNumbersWithTiesToEven) {
   EXPECT_EQ(nearest_whole(-8, 3), -3);
 }
 
-/// True if x is the double nearest to numerator / denominator: both neighbours are at least as far away.
+/// True if x is the double nearest to numerator / denominator, which means that both neighbours are at least as far
+/// away.
 bool is_nearest(WideInteger numerator, std::int64_t denominator, double x) {
   // For x = m / 2^s, the distance times 2^s and the denominator is |numerator 2^s - m denominator|, a whole number.
   const auto distance = [&](double value, int s) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clocks of FMI 3.0: tests/fmus/metronome.cpp, with periodic, countdown and triggered clocks.
+// Tests clocks of FMI 3.0 with tests/fmus/metronome.cpp, which has periodic, countdown and triggered clocks.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@ namespace {
 using test::TestRun;
 using testing::HasSubstr;
 
-/// Metronomes "a" and "b": `parameters` and `more` are of "a".
+/// Two metronomes, "a" and "b". `parameters` and `more` are of "a".
 std::string metronomes(const std::string& connections = "", const std::string& parameters = "",
                        const std::string& more = "") {
   return fmt::format(R"({{"step": 0.1, "stop_time": 1, "instances": {{

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The transfer of values from outputs to inputs, and steps that do not simply succeed.
+// Tests the transfer of values from outputs to inputs, and steps that are pending, discarded or end early.
 #include "fmi/fmu.hpp"
 #include "slave/fmi/fmi2_slave.hpp"
 #include "test_system.hpp"
@@ -219,13 +219,13 @@ std::string loop(const std::string& parameters) {
 }
 
 TEST(InitialLoops, SolvesALinearLoopThatSweepsMakeDiverge) {
-  // x = 4 - 3 x
+  // The loop is x = 4 - 3 x.
   EXPECT_NEAR(at_start(loop(R"("a": 4, "b": -3)"), "b.loop_out"), 1, 1e-11);  // Newton stops at 1e-12 relative
 }
 
 TEST(InitialLoops, AQuadraticLoopIsSolved) {
-  // x = 1.9 - x^2: repeated evaluation from 0 does not converge, because the magnitude of the slope is above 1 at both
-  // roots.
+  // The loop is x = 1.9 - x^2. Repeated evaluation from 0 does not converge, because the magnitude of the slope is
+  // above 1 at both roots.
   const double x = at_start(loop(R"("a": 1.9, "c": -1)"), "b.loop_out");
   EXPECT_NEAR(x + x * x, 1.9, 1e-11);
 }
@@ -340,8 +340,8 @@ TEST(CouplingOrder, DerivativesMakeJacobiAndGaussSeidelSecondOrder) {
 }
 
 TEST(InputDerivatives, AnInputWithTwoKnownEndsFollowsALine) {
-  // b steps after a, so it has t^2 at both ends of its step. This is the trapezoidal rule, whose result is h^2/6 above
-  // 1/3.
+  // b steps after a, so it has t^2 at both ends of its step. This gives the trapezoidal rule, whose result is h^2/6
+  // above 1/3.
   TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})", R"(, "algorithm": "gauss-seidel")",
                    R"("step": 0.1, "stop_time": 1)"));
   run.to_end();
@@ -356,7 +356,7 @@ TEST(InputDerivatives, TheyAreScaledAsTheValueIs) {
 }
 
 TEST(InputDerivatives, AnOverriddenVariableHasTheDerivativesOfItsOverride) {
-  // t^2 with slope 2 t, changed by the override from 0.5 s on.
+  // The output is t^2 with slope 2 t. The override changes it from 0.5 s on.
   const auto area = [](const std::string& variable, const std::string& action) {
     TestRun run(pair("", R"({"from": "a.ramp_out", "to": "b.ramp_in"})",
                      fmt::format(R"(, "scenario": [{{"variable": "{}", "from": 0.5, {}}}])", variable, action),
@@ -368,7 +368,7 @@ TEST(InputDerivatives, AnOverriddenVariableHasTheDerivativesOfItsOverride) {
   for (const auto* variable : {"a.ramp_out", "b.ramp_in"}) {
     EXPECT_NEAR(area(variable, R"("set": 3)"), 1.5, 1e-12) << variable;
     EXPECT_NEAR(area(variable, R"("freeze": true)"), 0.125, 1e-12) << variable;
-    // From 0.25 with slope 2 on: the area under a line.
+    // From 0.25 with slope 2 on, the result is the area under a line.
     EXPECT_NEAR(area(variable, R"("ramp": 1.25, "over": 0.5)"), 0.125 + 0.25, 1e-12) << variable;
   }
   const double plain = area("b.bare_in", R"("set": 0)");
@@ -449,7 +449,7 @@ TEST(Pending, AnInstanceWhoseStepCannotBeEndedIsNeitherTerminatedNorFreed) {
   EXPECT_NO_THROW(run.simulation().terminate());
 }
 
-/// Reuses the memory of the slaves that were freed, for `seconds`.
+/// Allocates memory for `seconds`, so that the memory of slaves that were freed is used again.
 void reuse_freed_memory(double seconds) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (std::chrono::steady_clock::now() < until) {

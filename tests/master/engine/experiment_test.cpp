@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments of fmi2SetupExperiment, and values that are legal in C but not in FMI: tests/fmus/experiment.c.
+// Tests arguments of fmi2SetupExperiment, and values that are legal in C but not in FMI, with tests/fmus/experiment.c.
 #include "io/config/load_system.hpp"
 #include "mebots/mission.hpp"
 #include "test_system.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FMUs of FMI 1.0 for co-simulation: tests/fmus/tank1.c.
+// Tests FMUs of FMI 1.0 for co-simulation with tests/fmus/tank1.c.
 #include "test_system.hpp"
 
 #include <fmt/format.h>

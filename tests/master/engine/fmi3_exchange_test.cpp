@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Model exchange of FMI 3.0: tests/fmus/springs.cpp, masses on springs. Their number is a structural parameter.
+// Tests model exchange of FMI 3.0 with tests/fmus/springs.cpp, masses on springs. Their number is a structural
+// parameter.
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Co-simulation of FMI 3.0: tests/fmus/bank, integrators. Their number is a structural parameter.
+// Tests co-simulation of FMI 3.0 with tests/fmus/bank, integrators. Their number is a structural parameter.
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loops of initial values, compared with a search over all edges on random systems.
+// Tests the search for loops of initial values: compares it with a search over all edges on random systems.
 #include "engine/ensemble.hpp"
 #include "mebots/modeldesc/archive.hpp"
 #include "mebots/modeldesc/xml.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instances of model exchange as slaves of a system: tests/fmus/mass.c.
+// Tests instances of model exchange as slaves of a system, with tests/fmus/mass.c.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -36,8 +36,8 @@ std::string exchange_refused(const std::string& config) {
   return test::input_error([&] { TestRun run(config); });
 }
 
-/// Two masses connected by a spring of stiffness 3, both with a spring of stiffness 1: a receives the force of b, b the
-/// position of a.
+/// Two masses connected by a spring of stiffness 3, both also on a spring of stiffness 1. a receives the force of b, b
+/// the position of a.
 const std::string kPair = mass("a", R"("x": 1)") + ", " + mass("b", R"("grip": 3)");
 const std::string kOwnProcess = R"(, "process": "own")";
 const std::string kPairConnections = R"({"from": "b.pull", "to": "a.force"}, {"from": "a.x", "to": "b.other_x"})";
@@ -49,7 +49,8 @@ TEST(ModelExchange, IntegratesOneInstanceExactly) {
 }
 
 TEST(ModelExchange, EvaluatesConnectionsAtEveryStepOfTheSolver) {
-  // The sum oscillates with sqrt(1), the difference with sqrt(1 + 2 * 3): exact for any communication step.
+  // The sum oscillates with frequency sqrt(1), the difference with sqrt(1 + 2 * 3). This is exact for any communication
+  // step.
   for (const auto* times : {R"("step": 0.1, "stop_time": 2)", R"("step": 2, "stop_time": 2)"}) {
     TestRun run(system_of(kPair, kPairConnections, "", times));
     EXPECT_EQ(run.system.continuous_systems.size(), 1U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connections that end at an input whose type lacks values of the output's: tests/fmus/widths.cpp.
+// Tests connections to an input whose type lacks some values of the output's type, with tests/fmus/widths.cpp.
 #include "test_system.hpp"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many instances of an FMU, at the same time and one after the other. scripts/scale.sh runs the full version.
+// Tests many instances of an FMU, at the same time and one after the other. scripts/scale.sh runs the full version.
 #include "slave/fmi/fmi2_slave.hpp"
 #include "support/sanitizer.hpp"
 #include "test_system.hpp"
@@ -48,7 +48,7 @@ void report(const char* what, int count, const Holdings& before, const Holdings&
              before.mappings, after.mappings, before.heap_bytes, after.heap_bytes);
 }
 
-/// The FMU that is loaded repeatedly: the cheapest, or the one set by scripts/scale.sh.
+/// The FMU that is loaded repeatedly: the cheapest one, or the one that scripts/scale.sh sets.
 std::filesystem::path cycled_fmu() {
   const char* asked = std::getenv("MEBOTS_CYCLED_FMU");  // NOLINT(concurrency-mt-unsafe): before any thread
   return asked == nullptr ? PASSTHROUGH_FMU : asked;
@@ -107,7 +107,7 @@ TEST(Scale, AWholeRunTakesTimeInProportionToItsInstancesAndConnections) {
   constexpr int kFew = 2500;
   constexpr int kTimes = 8;
   const double few = std::max({seconds_of(kFew), seconds_of(kFew), seconds_of(kFew)});
-  // Measured: 7 times as long; 43 times if every connection searched all instances.
+  // The measured factor is 7. If every connection searched all instances, it would be 43.
   EXPECT_LT(seconds_of(kTimes * kFew), 2.5 * kTimes * few);
 }
 

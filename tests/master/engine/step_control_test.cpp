@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Communication steps whose length follows the coupling's error, with FMUs that are exact inside.
+// Tests communication steps whose length follows the coupling error, with FMUs that integrate exactly.
 #include "run/run.hpp"
 #include "test_system.hpp"
 
@@ -59,8 +59,8 @@ std::string refusal(const Settings& settings) {
 }
 
 TEST(StepControl, TheErrorFallsWithTheTolerance) {
-  // Held inputs: the deviation in a step grows with h, so its integral with h^2. A tolerance 100 times smaller makes
-  // steps 10 times shorter, and so the error.
+  // With held inputs, the deviation in a step grows with h, and its integral with h^2. A tolerance that is 100 times
+  // smaller makes the steps and the error 10 times smaller.
   double before = 0;
   for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
     TestRun run(masses({.control = fmt::format(R"({{"max_step": 0.1, "relative_tolerance": {},
@@ -171,7 +171,7 @@ TEST(StepControl, NoStepPassesAForcedPoint) {
   TestRun run(masses({.more = scenario}));
   const auto times = run.to_end().column("time");
   EXPECT_THAT(times, AllOf(Contains(1.2345), Contains(2.3456)));
-  // The condition holds from the first point at which a.mass_x is below 0; its override ends 0.7531 s later.
+  // The condition holds from the first point at which a.mass_x is below 0. Its override ends 0.7531 s later.
   const auto places = run.column("a.mass_x");
   const auto first = std::ranges::find_if(places, [](double x) { return x < 0; }) - places.begin();
   EXPECT_THAT(times, Contains(testing::DoubleNear(times[static_cast<std::size_t>(first)] + 0.7531, 1e-12)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments that an FMU passes to callbacks are not trusted.
+// Tests that arguments which an FMU passes to callbacks are not trusted.
 #include "fmi/call/callbacks.hpp"
 #include "message/message_text.hpp"
 #include "test_system.hpp"

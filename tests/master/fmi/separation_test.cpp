@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Libraries and symbols of FMUs stay separate: each FMU (tests/fmus/tenant) uses its own gain.
+// Tests that libraries and symbols of FMUs stay separate: each FMU (tests/fmus/tenant) must use its own gain.
 #include "fmi/library_state.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
 #include "slave/isolation/child_process.hpp"

@@ -283,7 +283,7 @@ TEST(Config, ReadingTakesTimeByTheNumberOfInstancesNotByItsSquare) {
     EXPECT_EQ(read_config(folder.path() / "many.json").instances.size(), static_cast<std::size_t>(count));
     return static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   };
-  // Ten times as many elements: a linear reader takes ten times as long, apart from caches; a quadratic one a hundred
+  // The list has ten times as many elements. A linear reader takes about ten times as long, a quadratic one a hundred
   // times.
   EXPECT_LT(seconds(100'000), 40 * seconds(10'000));
 }
@@ -307,7 +307,7 @@ TEST(Config, ManyUnknownNamesAreRefusedWithoutLookingForTheNearestOfEach) {
     EXPECT_THAT(text, HasSubstr(fmt::format("and {} more", count - 20)));
     return taken_s;
   };
-  // Ten times as many elements: a linear reader takes ten times as long, apart from caches; one that compares all pairs
+  // The list has ten times as many elements. A linear reader takes about ten times as long, one that compares all pairs
   // a hundred times.
   EXPECT_LT(seconds(20'000), 40 * seconds(2'000));
 }
@@ -332,7 +332,7 @@ TEST(Config, FmusThatDoNotExistAreRefusedAsFastAsOthersAreRead) {
       const auto text = test::input_error([&] { read_config(file); });
       EXPECT_THAT(text, AllOf(HasSubstr("there is no FMU "), HasSubstr(fmt::format("and {} more", kCount - 20))));
     });
-    // Measured: 2 to 6 times as long. Searching all folders for every instance would take 100 times.
+    // The measured factor is 2 to 6. If all folders were searched for every instance, it would be 100.
     EXPECT_LT(missing_s, 30 * good_s) << missing;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An FMU that runs without a config: the origin of its times, the recorded variables, and their names.
+// Tests an FMU that runs without a config: the origin of its times, the recorded variables, and their names.
 #include "base/time.hpp"
 #include "io/config/load_system.hpp"
 #include "mebots/mission.hpp"

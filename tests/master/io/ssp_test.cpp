@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SSP 1.0 as another format: files of other tools run, and written files are equivalent to the config.
+// Tests SSP 1.0 as another format: files of other tools run, and written files are equivalent to the config.
 #include "io/ssp/ssp.hpp"
 #include "io/config/load_system.hpp"
 #include "resolve/resolve.hpp"
@@ -340,7 +340,8 @@ TEST_F(Ssp, ValuesAreConvertedFromTheUnitOfTheirFile) {  // 6.2.1, 7.1.1
     return error_of("<ssd:Elements>" + part("a", "", binding(parameters)) + "</ssd:Elements>");
   };
   EXPECT_THAT(mistaken(real("speed_in", "1", "C")), AllOf(HasSubstr("line 6"), HasSubstr("differ in dimension")));
-  // Units that no file defines: usual names are known; for others the number is unchanged. Both give a notice.
+  // Units that no file defines. Usual names are known; for other names, the number is unchanged. Both cases give a
+  // notice.
   EXPECT_DOUBLE_EQ(given(real("speed_in", "36", "[km/h]"))["speed_in"].get<double>(), 10);
   EXPECT_EQ(given(real("speed_in", "36", "bananas"))["speed_in"], 36.0);
   EXPECT_THAT(
@@ -407,7 +408,7 @@ TEST_F(Ssp, ConnectionsMapDiscreteValuesInARun) {
   ssp(system);
   auto result = run({"run", "test.ssp", "--out", "r"});
   ASSERT_EQ(result.code, 0) << result.err;
-  // The results are the same after a round trip through our own writer.
+  // A round trip through the writer does not change the results.
   EXPECT_EQ(run({"convert", "test.ssp", "copy.json"}).code, 0);
   EXPECT_EQ(run({"convert", "copy.json", "copy.ssp"}).code, 0);
   EXPECT_EQ(run({"run", "copy.ssp", "--out", "c"}).code, 0);

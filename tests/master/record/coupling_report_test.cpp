@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coupling report of a run: deviations of inputs from their sources, and the energy created in bonds.
+// Tests the coupling report of a run: deviations of inputs from their sources, and the energy created in bonds.
 #include "record/coupling.hpp"
 #include "run/run.hpp"
 #include "test_system.hpp"
@@ -131,7 +131,7 @@ TEST(InputDeviation, AnInputThatKnowsItsSourcesDerivativesIsFarOnlyInTheFirstSte
 
 TEST(InputDeviation, IsZeroOnALineBetweenTwoKnownEnds) {
   EXPECT_NEAR(deviation(ramp("{}", true, "gauss-seidel"))["largest"].get<double>(), 0, 1e-14);
-  // The held value is that of the later end, so it is wrong at the start.
+  // The held value is that of the step's end, so it is wrong at the start.
   const auto input = deviation(ramp("{}", false, "gauss-seidel"));
   EXPECT_NEAR(input["largest"].get<double>(), 2 * (1 - 0.81), 1e-12);
   EXPECT_EQ(input["largest_at"], 0.9);

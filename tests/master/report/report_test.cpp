@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a results folder to the content of a page. tests/web checks the browser.
+// Tests how a results folder becomes the content of a page. tests/web tests the page in a browser.
 #include "test_system.hpp"
 
 #include "base/packed.hpp"

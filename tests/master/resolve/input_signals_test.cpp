@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inputs from columns of a CSV file: the values that an FMU receives and when, and files that do not fit.
+// Tests inputs from columns of a CSV file: which values an FMU receives and when, and files that do not fit.
 #include "io/config/load_system.hpp"
 #include "model/signal.hpp"
 #include "run/run.hpp"
@@ -76,7 +76,7 @@ std::pair<ErrorCode, std::string> refusal_of_file(const std::string& csv, const 
   return refusal(probe_with(files, inputs));
 }
 
-// The value at a point is the input of the step that ends there; at 0 s it is that of initialisation.
+// The value at a point is the input of the step that ends there. The value at 0 s is that of initialisation.
 
 TEST(InputSignals, ARealIsInterpolatedAtTheStartOfEachStep) {
   const Files files("time,u\n0,0\n1,10\n");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run that is killed at any moment resumes from its last checkpoint, with the same bits as an undisturbed run.
+// Tests that a run which is killed at any moment resumes from its last checkpoint, with the same bits as an undisturbed
+// run.
 #include "test_system.hpp"
 
 #include <fmt/format.h>
@@ -143,7 +144,7 @@ TEST_F(Checkpoints, TruncatesResultsAfterTheLastCheckpoint) {
   }
   kill(child, SIGKILL);
   wait(child);
-  // Complete and incomplete rows after the checkpoint, and an unfinished checkpoint.
+  // The file has complete and incomplete rows after the checkpoint, and there is an unfinished checkpoint.
   write_file(folder.path() / "killed/results.csv", result("killed", "results.csv") + "7,7,7\n0.123,4");
   write_file(folder.path() / "killed/log.txt", result("killed", "log.txt") + "[ half");
   write_file(folder.path() / "killed/checkpoint.bin.new", "half a checkp");

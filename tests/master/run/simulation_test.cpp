@@ -30,7 +30,7 @@ TEST(Simulation, TimesAreCountedSoThatALongRunEndsExactly) {
   EXPECT_EQ(run.simulation().time_ns(), 100'000'000'000'000);
   EXPECT_EQ(run.column("a.steps").back(), 1'000'000);
   EXPECT_EQ(run.column("time").back(), 100000.0);
-  // The FMU adds t and h itself: one rounding of a number near 1e5.
+  // The FMU itself adds t and h, so there is one rounding of a number near 1e5.
   EXPECT_NEAR(run.column("a.last_end").back(), 100000.0, 2e-11);
 }
 
@@ -40,7 +40,7 @@ TEST(Simulation, RowsStandAtTheStartAndAtEveryCommunicationPoint) {
 }
 
 TEST(Simulation, OutputsTravelInOneStepAsJacobiSays) {
-  // a counts its steps; in each step b adds the count that it received, a's output at t_k.
+  // a counts its steps. In each step, b adds the count that it received, which is a's output at t_k.
   TestRun run(R"({"step": 0.5, "stop_time": 2, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"real_in": 1}},
       "b": {"fmu": "PROBE"}, "c": {"fmu": "PROBE"}},
@@ -63,7 +63,7 @@ TEST(Simulation, ADirectChainHasItsInitialValuesAtTheStart) {
 }
 
 TEST(Simulation, AnInitialLoopThatConvergesIsSolved) {
-  // x = 0.5 y + 1, y = 0.5 x: x = 4/3, y = 2/3.
+  // From x = 0.5 y + 1 and y = 0.5 x follow x = 4/3 and y = 2/3.
   TestRun run(R"({"step": 0.1, "stop_time": 0.1, "instances": {
       "a": {"fmu": "PROBE", "parameters": {"gain": 0.5, "offset": 1}}, "b": {"fmu": "PROBE", "parameters": {"gain": 0.5}}},
     "connections": [{"from": "a.real_out", "to": "b.real_in"}, {"from": "b.real_out", "to": "a.real_in"}]})");

@@ -64,7 +64,7 @@ TEST(State, AStateTravelsAsBytes) {
 }
 
 TEST(State, AnFmuHearsThatItMayBeSetBackOnlyWhereThatCanHappen) {
-  // noSetFMUStatePriorToCurrentPoint: libcosim's quarter truck does not advance if it is false.
+  // noSetFMUStatePriorToCurrentPoint matters: libcosim's quarter truck does not advance if it is false.
   const auto set_backs = [](const std::string& more, bool keep) {
     TestRun run(fmt::format(
         R"({{"step": 0.1, "stop_time": 0.4, "instances": {{"a": {{"fmu": "PROBE"{}}}}}, "connections": [], "record": ["a.set_backs"]}})",

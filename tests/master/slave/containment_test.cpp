@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Changes that an FMU makes to the process shared with the master and other FMUs: they are reported with the FMU's
-// name, and reverted if possible.
+// Tests changes that an FMU makes to the process which it shares with the master and other FMUs: they are reported with
+// the FMU's name, and reverted if possible.
 #include "fmi/call/foreign_call.hpp"
 #include "fmi/process/process_state.hpp"
 #include "support/sanitizer.hpp"
@@ -163,7 +163,7 @@ TEST(EnvironmentVariables, AreRestoredEvenIfTheWholeTableWasReplaced) {
 }
 
 TEST_F(Containment, EveryInstanceIsWatched) {
-  // Both instances have the same FMU; b is the second one.
+  // Both instances are of the same FMU; b is the second one.
   const auto ended = run_program({"run", "two.json", "--set", "b.fault=meddle"}, folder.path());
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.err,
@@ -216,8 +216,8 @@ TEST_F(Containment, CodeInWhichAThreadRunsStaysInMemory) {
       "instances": {{"a": {{"fmu": "PROBE", "parameters": {{"fault": "{}", "fault_time": 0.5}}}}}}}})",
                        fault);
   };
-  // Counts only additional libraries, because other tests left some in this process. After fmi2Fatal, a library stays
-  // loaded, too.
+  // Only additional libraries are counted, because other tests have left libraries in this process. After fmi2Fatal, a
+  // library stays loaded, too.
   const auto mapped = [] {
     std::istringstream maps(read_file("/proc/self/maps"));
     int count = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FMUs in separate processes: they compute the same bits as in the master's process, and cannot crash it.
+// Tests FMUs in separate processes: they compute the same bits as in the master's process, and cannot crash it.
 #include "fmi/unpack_folder.hpp"
 #include "slave/isolation/guard.hpp"
 #include "support/sanitizer.hpp"
@@ -89,7 +89,7 @@ class Isolation : public testing::Test {
   modeldesc::TemporaryFolder folder{"mebots-test"};
 };
 
-/// Returns exit code and error of `mebots run two.json --isolate` under a limit of open files.
+/// Returns exit code and error of `mebots run two.json --isolate` with a limit of open files.
 ProgramResult run_below(const std::string& limit, const std::filesystem::path& folder) {
   const auto command = fmt::format("cd '{0}' && {{ ulimit {1} && '{2}' run two.json --isolate --quiet; }} 2>'{0}/err'",
                                    folder.string(), limit, MEBOTS_PROGRAM);
@@ -476,7 +476,7 @@ TEST_F(Isolation, AKilledMasterLeavesNoProcessAndTheNextOneCleansUp) {
   waitpid(child, nullptr, 0);
   EXPECT_TRUE(all_end());
   EXPECT_FALSE(std::filesystem::is_empty(temporary));
-  // A process that ends loses its environment before its files, and its locks only with the files.
+  // A process that ends loses its environment before its files, and its locks only together with the files.
   for (const auto& entry : std::filesystem::directory_iterator(temporary)) {
     const int owner = open((entry.path() / "owner").c_str(), O_RDWR | O_CLOEXEC);
     if (owner < 0) continue;

@@ -18,7 +18,7 @@ namespace {
 using Laws = PlainModel::Laws;
 using Values = PlainModel::Values;
 
-/// x' = -rate (x - input), with the input as second and x as output.
+/// The model x' = -rate (x - input), whose second variable is the input, with x as output.
 Laws decay(double rate) {
   return {.states = 1, .values = 2, .derivatives = [rate](double, const Values& v, auto d) {
             d[0] = -rate * (v[0] - v[1]);
@@ -105,7 +105,7 @@ TEST(ContinuousSystem, EvaluatesConnectionsInsideTheRightHandSide) {
 }
 
 TEST(ContinuousSystem, ReadsOutputsAfterTheInputsThatTheyDependOn) {
-  // A chain of gains y = 3 u, connected in the worst order, without declared dependencies.
+  // A chain of gains y = 3 u. They are connected in the worst order, without declared dependencies.
   const Laws gain = {.values = 2, .outputs = [](double, Values& v) { v[1] = 3 * v[0]; }};
   PlainModel last("c", gain, {0, 0});
   PlainModel middle("b", gain, {0, 0});
@@ -119,7 +119,7 @@ TEST(ContinuousSystem, ReadsOutputsAfterTheInputsThatTheyDependOn) {
 }
 
 TEST(ContinuousSystem, SettlesALoopThatContracts) {
-  // y = 0.5 u + 1 and u = y: both are 2.
+  // From y = 0.5 u + 1 and u = y, both are 2.
   const Laws half = {.values = 2, .outputs = [](double, Values& v) { v[1] = 0.5 * v[0] + 1; }};
   PlainModel a("a", half, {0, 0});
   PlainModel b("b", {.values = 2, .outputs = [](double, Values& v) { v[1] = v[0]; }}, {0, 0});
@@ -143,7 +143,7 @@ TEST(ContinuousSystem, FindsTheTimesOfImpactsExactly) {
   PlainModel ball("ball", bouncing_ball(0.7, 0.1), {1, 0});
   ContinuousSystem system(parts_of({&ball}, {}, 1e-10), {});
   system.initialize(0);
-  // Falls for sqrt(2 h / g), then flies for 2 e^n v / g after the n-th impact.
+  // The ball falls for sqrt(2 h / g). After impact number n, it flies for 2 e^n v / g.
   const double first_s = std::sqrt(2 / 9.81);
   const double speed = 9.81 * first_s;
   system.advance(first_s + 0.7 * speed / 9.81);  // the top of the first flight
@@ -184,7 +184,7 @@ TEST(ContinuousSystem, SolvesRobertsonsStiffKinetics) {
 }
 
 TEST(ContinuousSystem, HandlesTimeEventsAtTheirTimes) {
-  // Adds 1 to its state every 0.3 s.
+  // A model that adds 1 to its state every 0.3 s.
   const Laws clock = {.states = 1,
                       .values = 2,
                       .derivatives = [](double, const Values&, auto d) { d[0] = 0; },

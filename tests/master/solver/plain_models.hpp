@@ -17,7 +17,7 @@
 /// Continuous models in plain C++, without FMI.
 namespace mebots::master {
 
-/// A model as functions of its variables: `values` holds all Reals by reference, the states first.
+/// A model as functions of its variables. `values` holds all Reals by reference, the states first.
 class PlainModel : public ContinuousInstance {
  public:
   using Values = std::vector<double>;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The skeleton that mebots-boardgen generates for a device, compiled as a library and used in a chip. Only the device's
-// behaviour is missing.
+// Tests the skeleton that mebots-boardgen generates for a device, compiled as a library and used in a chip. Only the
+// device's behaviour is missing.
 #include "board_system.hpp"
 #include "headers.hpp"
 

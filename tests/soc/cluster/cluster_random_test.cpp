@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random programs of fabric controller and cluster, run in all ways that must give the same bits.
+// Runs random programs of fabric controller and cluster in all ways that must give the same bits.
 #include "board_system.hpp"
 #include "hart/observer.hpp"
 #include "random_cluster_program.hpp"
@@ -74,7 +74,7 @@ class Comparison {
     settings_.translate = true;
   }
 
-  /// Ends early if the program ends with a repeated trap.
+  /// The test ends early if the program ends with a repeated trap.
   void run(std::int64_t end_ns, unsigned stops) {
     watch(true);
     for (unsigned stop = 0; stop < stops && straight_->soc.running(); ++stop) {

@@ -61,7 +61,7 @@ core: csrr s0, mhartid
                      settings, board);
 }
 
-/// 256 loads. Without conflicts, each takes one cycle.
+/// The program has 256 loads. Without conflicts, each takes one cycle.
 constexpr std::string_view kHammer = ".rept 128\n lw a1, 0(a0)\n lw a2, 0(a0)\n.endr\n";
 
 std::vector<std::uint32_t> cycles_of(std::string_view body, unsigned cores,
@@ -449,7 +449,7 @@ _start: li s0, POWER_MANAGER_BASE
   EXPECT_EQ(system.result(0), 1U) << "refused";
 }
 
-/// The runtime's self-test on boards with our devices and with GAP8's.
+/// Runs the runtime's self-test on boards with MEbots' devices and with GAP8's.
 struct RuntimeOn {
   std::string_view board;
   std::string_view program;

@@ -67,7 +67,7 @@ TEST(Elf, GivesSegmentsEntryAndSymbols) {
   EXPECT_GE(in_memory, 100U + 8U) << "what the file does not give, too";
 }
 
-/// A function of four instructions on lines 7, 9, 9 and 12 of power.c, in a version of DWARF.
+/// Line numbers of a function of four instructions on lines 7, 9, 9 and 12 of power.c, in a version of DWARF.
 std::vector<std::uint8_t> program_with_lines(int version) {
   return assemble_file(
       fmt::format(".section .text\n.file 1 \"app/power.c\"\n.option norvc\n_start: .type _start, @function\n"
@@ -159,7 +159,7 @@ TEST(Elf, DoesNotCrashTheReaderWithDamagedBytes) {
   EXPECT_GT(refused, 100);
 }
 
-/// Two program headers of 16 bytes of file each: code at 0x1000, and data with these addresses and sizes.
+/// Two program headers, each for 16 bytes of the file: code at 0x1000, and data with these addresses and sizes.
 std::vector<std::uint8_t> with_data_segment(std::uint32_t run, std::uint32_t load, std::uint32_t file_size,
                                             std::uint32_t memory_size, std::uint32_t entry = 0x1000) {
   std::vector<std::uint8_t> bytes(52 + 2 * 32 + 32);

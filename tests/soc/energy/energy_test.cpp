@@ -162,7 +162,7 @@ _start: li s0, POWER_MANAGER_BASE
 core: wfi
     j core
 )");
-  // 50000 iterations of 4 cycles at 100 MHz: 2 ms, and some cycles of latency.
+  // 50000 iterations of 4 cycles at 100 MHz take 2 ms; latency adds some cycles.
   system.soc.advance(5'000'000);
   const auto ledger = system.soc.energy();
   constexpr double kOnS = 2e-3;
@@ -197,7 +197,7 @@ TEST(Energy, AddsUpOverTheClustersCoresToTheLedgerAtAllSettings) {
   const auto before_j = meter.core_j(1, now.of_cores[1]);
   add(now, 0, {5'000'000, 170, 30, 2});
   EXPECT_EQ(meter.core_j(1, now.of_cores[1]), before_j) << "it did nothing";
-  // No time has passed, so gated clocks only contribute the part that awake cores replace.
+  // No time has passed, so gated clocks contribute only the part that awake cores replace.
   const auto ledger = meter.at(now);
   const auto all_j = ledger[Part::cluster_cores] + ledger[Part::l1] + ledger[Part::l2] + ledger[Part::interconnect];
   EXPECT_NEAR(meter.core_j(0, now.of_cores[0]) + before_j, all_j, kRounding * all_j);

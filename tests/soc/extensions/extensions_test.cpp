@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Programs with the options of a core: A, F, Zfinx, Zba, Zbb, Zbc, Zbs. Expected values come from the manual's
+// Tests programs with the options of a core: A, F, Zfinx, Zba, Zbb, Zbc, Zbs. Expected values come from the manual's
 // definitions, bit by bit. The programs come from Debian's assembler, so that a wrong encoding is found, too.
 #include "hart/csr_numbers.hpp"
 #include "machine.hpp"
@@ -42,7 +41,7 @@ std::uint32_t from_bits(const std::function<bool(unsigned)>& rule) {
   return word;
 }
 
-/// Bit `number` of the product of two polynomials over GF(2).
+/// Returns bit `number` of the product of two polynomials over GF(2).
 bool product_bit(std::uint32_t a, std::uint32_t b, unsigned number) {
   bool sum = false;
   for (unsigned i = 0; i < 32; ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Single precision against IEEE 754-2019: special values, all rounding modes at the borders of the format, and random
-// operands beside exact arithmetic in double precision.
+// Tests single precision against IEEE 754-2019: special values, all rounding modes at the limits of the format, and
+// random operands, compared with exact arithmetic in double precision.
 #include "instructions/float32.hpp"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ TEST(Float32, RoundsSumsInAllModes) {
   EXPECT_EQ(sum(kOne, 0x33800000), (Outcomes{{{kOne, 1}, {kOne, 1}, {kOne, 1}, {kOne + 1, 1}, {kOne + 1, 1}}}));
   EXPECT_EQ(sum(kOne | kSign, 0xb3800000),
             (Outcomes{{{0xbf800000, 1}, {0xbf800000, 1}, {0xbf800001, 1}, {0xbf800000, 1}, {0xbf800001, 1}}}));
-  // Beyond the format: infinity, or the largest number
+  // Beyond the format, the result is infinity or the largest number.
   const unsigned over = kOverflow | kInexact;
   EXPECT_EQ(sum(kLargest, kLargest),
             (Outcomes{{{kInfinity, over}, {kLargest, over}, {kLargest, over}, {kInfinity, over}, {kInfinity, over}}}));
@@ -73,7 +73,7 @@ TEST(Float32, DetectsTininessAfterRounding) {
     return all([=](Context& c) { return multiply(a, b, c); });
   };
   const unsigned under = kUnderflow | kInexact;
-  // Half of the least number
+  // The value is half of the least number.
   EXPECT_EQ(product(kLeast, 0x3f000000), (Outcomes{{{0, under}, {0, under}, {0, under}, {1, under}, {1, under}}}));
   // (1 - 2^-24) * 2^-126: rounded to 24 bits, it stays below 2^-126, and so is tiny.
   EXPECT_EQ(product(0x3f7fffff, kLeastNormal), (Outcomes{{{kLeastNormal, under},
@@ -112,7 +112,7 @@ TEST(Float32, RoundsAProductAndSumOnce) {
   Context context;
   EXPECT_EQ(multiply_add(0x3f800001, 0x3f800001, 0xbf800002, context), 0x28800000U);
   EXPECT_EQ(context.flags, 0);
-  // A product far below the sum only rounds it.
+  // A product far below the sum affects only the rounding of the sum.
   EXPECT_EQ(all([](Context& c) { return multiply_add(kLeast, kLeast | kSign, kOne, c); }),
             (Outcomes{{{kOne, 1}, {kOne - 1, 1}, {kOne - 1, 1}, {kOne, 1}, {kOne, 1}}}));
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// U mode and physical memory protection. Expected behaviour: The RISC-V Instruction Set Manual, volume II (20240411),
-// sections 3.1 and 3.7.
+// Tests U mode and physical memory protection. Expected behaviour: The RISC-V Instruction Set Manual, volume II
+// (20240411), sections 3.1 and 3.7.
 #include "hart/csr_numbers.hpp"
 #include "hart/pmp.hpp"
 #include "machine.hpp"
@@ -157,7 +156,7 @@ TEST(Pmp, BindsMachineModeOnlyWhereLocked) {
   const auto locked = trap_of(guarded_data(0x91, address) + access, "");
   EXPECT_EQ(locked->reg(kCause), cause::kStoreAccess);
   EXPECT_EQ(locked->reg(kStatus) & 0x1800U, 0x1800U) << "from machine mode";
-  // MPRV: machine mode loads and stores with the rights of MPP.
+  // With MPRV, machine mode loads and stores with the rights of the mode in MPP.
   const auto as_user = "li t0, 0x1800\n csrc mstatus, t0\n li t0, 0x20000\n csrs mstatus, t0\n";
   EXPECT_EQ(trap_of(guarded_data(0x10, address) + as_user + access, "")->reg(kCause), cause::kStoreAccess);
 }

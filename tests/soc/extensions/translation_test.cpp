@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Random programs with the options of a core: translated code and the interpreter must agree in all registers, flags
-// and counts at every limit.
+// Runs random programs with the options of a core: translated code and the interpreter must agree in all registers,
+// flags and counts at every limit.
 #include "machine.hpp"
 #include "support/same_state.hpp"
 
@@ -55,7 +54,7 @@ class Generator {
   std::uint32_t word() { return static_cast<std::uint32_t>(random_()); }
   std::uint32_t below(std::uint32_t count) { return word() % count; }
 
-  /// Often a special float: zero, infinity, NaN, a subnormal or a small whole number.
+  /// Returns an operand, which is often a special float: zero, infinity, NaN, a subnormal or a small whole number.
   std::uint32_t number() {
     const std::array<std::uint32_t, 6> special{0, 0x7f800000, 0x7fc00000, 0x7f800001, word() & 0x7fffffU, 0x40400000};
     if (below(3) == 0) return special[below(special.size())] ^ (word() & 0x80000000U);

@@ -34,7 +34,7 @@ std::filesystem::path resources() {
   return folder;
 }
 
-/// The file of a program in L2.
+/// Returns the file of a program in L2.
 std::string program(std::string_view name, std::string_view text) {
   const auto path = resources() / name;
   const auto bytes = assemble_file(text, 0x1C000000);
@@ -240,7 +240,7 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
         answered_at.push_back(static_cast<double>(t + 2 * kMs));
       }
       if (variables.outputs.camera_trigger != variables.inputs.camera_frame_id) {
-        // Takes the role of the world: the picture is available one step after the request.
+        // Takes the role of the world: provides the picture one step after the request.
         variables.inputs.camera_frame_id = variables.outputs.camera_trigger;
         if (by_pointer) {
           variables.inputs.camera_frame = fmu::BinaryRef::to(picture);
@@ -256,8 +256,8 @@ TEST(Model, PictureByPointerAndByBase64GiveTheSame) {
     EXPECT_FALSE(variables.outputs.core_running);
     EXPECT_FALSE(variables.outputs.core_faulted);
   }
-  // Requested in the first step, visible at 2 ms, provided in the step that starts then, + 16.6667 ms: visible at 20
-  // ms.
+  // The picture is requested in the first step, visible to the world at 2 ms, provided in the step that starts then,
+  // and complete 16.6667 ms later, so it is visible at 20 ms.
   EXPECT_THAT(answered_at, testing::ElementsAre(20e6, 20e6));
 }
 

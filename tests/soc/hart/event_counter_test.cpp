@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// RI5CY's event counters. Expected counts follow from the events' definitions (RI5CY user manual 4.45, "Performance
-// counters") and the instructions of each program.
+// Tests RI5CY's event counters. Expected counts follow from the events' definitions (RI5CY user manual 4.45,
+// "Performance counters") and the instructions of each program.
 #include "hart/observer.hpp"
 #include "machine.hpp"
 #include "mebots/state/save.hpp"

@@ -491,8 +491,8 @@ void expect_the_same_in_pieces(const Elf& program, CoreKind kind) {
 }
 
 TEST(Run, CountsTheSameForAllSplits) {
-  // Everything with a delay: loads, dependent jumps, branches, divisions, misaligned accesses, calls. A jump overlaps
-  // with a misaligned load directly before it, also if the limit is between the two.
+  // The code contains every kind of delay: loads, dependent jumps, branches, divisions, misaligned accesses, calls. A
+  // jump overlaps with a misaligned load directly before it, also if the limit is between the two.
   const auto program = assemble(fmt::format(R"(
 _start: la s0, data
     li s1, 40

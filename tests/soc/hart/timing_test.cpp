@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Cycles of each class of instructions. The expected values are those of the table in hart/timing.hpp and README.md,
-// not results of the model.
+// Tests the cycles of each class of instructions. The expected values come from the table in hart/timing.hpp and
+// README.md, not from the model.
 #include "machine.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Xpulp v2 by examples: values calculated by hand from the RI5CY user manual, and special cases of hardware loops. The
-// words come from Debian's assembler through .insn, with the numbers of the manual's tables.
+// Tests Xpulp v2 by examples: values calculated by hand from the RI5CY user manual, and special cases of hardware
+// loops. The words come from Debian's assembler through .insn, with the numbers of the manual's tables.
 #include "hart/observer.hpp"
 #include "machine.hpp"
 #include "mebots/state/save.hpp"
@@ -216,7 +215,7 @@ room: .word 0, 0, 0, 0
   EXPECT_EQ(machine.reg(18), 0x818283f4U);
 }
 
-/// An observed instruction is decoded alone for the present pipeline; otherwise it is in a block.
+/// An observed instruction is decoded alone for the present pipeline; all others are in a block.
 TEST(Xpulp, JumpAfterAMisalignedLoadTakesTheSameTimeWithAnObserver) {
   // t4 points to the jump's target; p.lw a3, 0(t4!) writes it, too.
   constexpr std::string_view kLoads[] = {".insn i 0x0b, 2, a3, t4, 0", "lw a3, 0(t4)", "lw ra, 0(t4)"};

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The generator of the tables of instructions refuses contradictory rows, and names their place."""
+"""Tests that the generator of the tables of instructions refuses contradictory rows, and names their place."""
 
 import pathlib
 import subprocess
@@ -12,7 +12,7 @@ ADD = "add   0000000 ..... ..... 000 ..... 0110011  @r\n"
 
 
 def generate(rows):
-    """Exit code and message of the generator for a table with these rows."""
+    """Returns exit code and message of the generator for a table with these rows."""
     with tempfile.TemporaryDirectory() as folder:
         table = pathlib.Path(folder) / "trial.decode"
         table.write_text(rows, encoding="utf-8")

@@ -56,7 +56,7 @@ TEST(EncodingTable, HasOneRowPerCompressedWord) {
   }
 }
 
-/// Every 32-bit word with random operands belongs to at most one row, and decoding finds that row.
+/// Every 32-bit word with random operands belongs to at most one row, and decoding must find that row.
 TEST(EncodingTable, IsDecodedRowByRow) {
   std::mt19937 random(2);  // NOLINT: the same words each time
   for (const auto& row : encodings()) {
@@ -89,7 +89,8 @@ TEST(EncodingTable, NamesEachRowOnceAndCoversEveryOperation) {
   EXPECT_EQ(ops.size(), static_cast<std::size_t>(kOpCount) - 3) << "all but illegal, end_of_block, loop_end";
 }
 
-/// "addi sp, sp, -16" and "addi	sp,sp,-16", "0x10" and "16", "2a <.data+0x2a>" and "0x0000002a" become equal.
+/// Makes equivalent texts equal: "addi sp, sp, -16" and "addi sp,sp,-16", "0x10" and "16", "2a <.data+0x2a>" and
+/// "0x0000002a".
 std::string normal(const std::string& line, bool target_is_hex) {
   auto text = line.substr(0, line.find(" <"));
   text = text.substr(0, text.find(" #"));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Results of each instruction, compared with a second formulation: bit by bit, or in arithmetic wider than 64 bits. The
-// programs come from Debian's assembler, so that a wrong encoding is found, too.
+// Tests the results of each instruction: compares them with a second formulation, bit by bit, or in arithmetic wider
+// than 64 bits. The programs come from Debian's assembler, so that a wrong encoding is found, too.
 #include "machine.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +27,7 @@ std::uint32_t word_of(Wide value) {
   return static_cast<std::uint32_t>(value & Wide{0xffffffff});
 }
 
-/// Quotient rounded towards zero, by repeated subtraction of shifted divisors.
+/// Returns the quotient rounded towards zero, by repeated subtraction of shifted divisors.
 Wide quotient(Wide dividend, Wide divisor) {
   const bool negative = (dividend < 0) != (divisor < 0);
   Wide rest = dividend < 0 ? -dividend : dividend;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Random programs on the platform and on QEMU's RISC-V virt machine, whose RAM is a file. Registers stored by the
+// Runs random programs on the platform and on QEMU's RISC-V virt machine, whose RAM is a file. Registers stored by the
 // program every few instructions, traps and data must be equal. MEBOTS_LOCKSTEP_INSTRUCTIONS is the number of random
 // instructions; scripts/lockstep.sh runs many.
 #include "program.hpp"

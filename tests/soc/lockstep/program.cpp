@@ -165,7 +165,7 @@ class Maker {
     emit(sw(5, 16, kSp));
     emit(csr(2, 5, kMepc, 0));
     emit(sw(5, 20, kSp));
-    // Skips the instruction, of 2 or 4 bytes.
+    // The handler skips the instruction, of 2 or 4 bytes.
     emit(i_type(0x03, 5, 6, 5, 0));
     emit(i_type(0x13, 7, 6, 6, 3));
     emit(addi(6, 6, static_cast<std::uint32_t>(-3)));
@@ -202,7 +202,7 @@ class Maker {
   }
 
   void finish() {
-    // Next iteration; a jump reaches farther than a branch.
+    // The next iteration starts with a jump, because a jump reaches farther than a branch.
     emit(jal(0, turn_at_ - here()));
     overwrite(leave_at_, branch(4, 31, 28, 8));                // blt turn, turns: skips the next instruction
     overwrite(leave_at_ + 4, jal(0, here() - leave_at_ - 4));  // end of the program
@@ -245,7 +245,8 @@ class Maker {
       const bool access = is_load(row.op) || is_store(row.op);
       if (access && decoded.rs1 != kSp && decoded.rs1 != kPointer && decoded.rs1 != kOtherPointer) {
         if (is_compressed(row.format)) continue;
-        // Sometimes an access fault; aligned, because the fault address of a misaligned access may differ.
+        // Sometimes causes an access fault. The access is aligned, because the fault address of a misaligned access may
+        // differ.
         const bool faults = below(16) == 0;
         value = (value & ~(31U << 15)) | (faults ? kNowhere : kPointer + below(2)) << 15;
         if (faults) value &= is_store(row.op) ? 0xfffff07fU : 0xff0fffffU;

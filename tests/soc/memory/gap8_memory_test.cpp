@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// GAP8's memories for its cores: latencies of L2, banks of L1, test and set.
+// Tests GAP8's memories for its cores: latencies of L2, banks of L1, test and set.
 #include "gap8_system.hpp"
 #include "support/same_state.hpp"
 
@@ -65,7 +64,7 @@ std::uint64_t cycles_of_core(std::uint32_t who, const Factors& factors, unsigned
   return system.soc.hart(1 + core).counters().cycles;
 }
 
-/// kLoopCycles: the cycles of an addition, a taken branch and the load, without the wait of the load.
+/// kLoopCycles is the number of cycles of an addition, a taken branch and the load, without the wait of the load.
 constexpr std::uint64_t kLoads = 256;
 constexpr std::uint64_t kLoopCycles = 5;
 

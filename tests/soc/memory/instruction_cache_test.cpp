@@ -45,7 +45,7 @@ TEST(InstructionCache, ALineHasArrivedForAllWhenAllCoresArePastItsArrival) {
   EXPECT_TRUE(arrived(5));
   EXPECT_FALSE(arrived(6));
   EXPECT_TRUE(cache.holds(6));
-  // The only user of the cache has waited for the line. A second core that starts now has not.
+  // The only user of the cache has waited for the line. A second core that starts now has not waited.
   cache.settle(200);
   cache.set_alone(true);
   cache.fetch(7, 200);
@@ -148,7 +148,7 @@ TEST(Fetch, FenceOfInstructionsEmptiesTheCache) {
   std::uint64_t with = 0;
   counters_of(assemble(straight_code(10, "nop")), &without);
   counters_of(assemble(straight_code(10, "fence.i")), &with);
-  // Every iteration fetches its 16 lines again. The line of the fence is fetched before and after it.
+  // Every iteration fetches its 16 lines again. The line that contains the fence is fetched before and after the fence.
   EXPECT_EQ(with, without + 10 * 1 + 9 * 15);
 }
 
@@ -217,7 +217,7 @@ TEST(Fetch, HasTheSameRefillsInTheSameCyclesForAllLimits) {
 }
 
 TEST(Fetch, CoresOfAClusterFetchSharedCodeOnce) {
-  // All eight cores run the same cold code in step: one fetches a line, the others wait for its arrival.
+  // All eight cores run the same cold code at the same time: one fetches a line, the others wait for its arrival.
   constexpr std::string_view kText = R"(
 _start: li s0, POWER_MANAGER_BASE
     la a0, core

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The time of a program from a picture to set-points, and its parts.
+// Tests the time of a program from a picture to set-points, and its parts.
 #include "board_system.hpp"
 #include "support/same_state.hpp"
 
@@ -97,8 +97,8 @@ TEST(Decisions, RefuseTimesOutOfOrder) {
   }
 }
 
-/// Requests a picture and sleeps until it arrives; 20,000 iterations of the fabric controller, then 40,000 of two cores
-/// of the cluster while it sleeps; then it sends.
+/// Requests a picture and sleeps until it arrives. Then the fabric controller runs 20,000 iterations, and two cores of
+/// the cluster run 40,000 while it sleeps. Then the program sends.
 constexpr std::string_view kDecides = R"(
 _start: li s0, CAMERA_BASE
     li s2, FLIGHT_BASE
@@ -164,7 +164,7 @@ TEST(Decisions, HavePartsThatAddUpToTheLatency) {
   EXPECT_GE(last.latency, 16'666'700'000);
   EXPECT_NEAR(static_cast<double>(part(last, DecisionPart::exposure) + part(last, DecisionPart::read_out)),
               16'666'700'000., 1.);
-  // An iteration is an addition and a taken branch: 1 + 3 cycles.
+  // An iteration is an addition and a taken branch, which take 1 + 3 cycles.
   const auto cluster_ps = 40'000 * 4 * 1e12 / 87e6;
   EXPECT_NEAR(static_cast<double>(part(last, DecisionPart::inference)), cluster_ps, 0.01 * cluster_ps);
   const auto controller_ps = 20'000 * 4 * 1e12 / 100e6;

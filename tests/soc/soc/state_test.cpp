@@ -130,8 +130,8 @@ TEST(StepSize, DoesNotChangeTheRun) {
   }
 }
 
-/// A load directly before an access to a device costs a cycle, whichever of the two begins a block. Blocks are cut by
-/// limits, and after 64 instructions.
+/// A load directly before an access to a device costs a cycle, even if a new block begins between the two. Limits cut
+/// blocks, and so do 64 instructions.
 TEST(StepSize, DoesNotChangeTheTimeOfADeviceAccessAfterALoad) {
   for (int before = 60; before < 68; ++before) {
     const auto program = BoardSystem::assembled(fmt::format(R"(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Translated code against the interpreter: registers, memory, cycles, instructions, energy and accesses must be the
-// same at every limit.
+// Compares translated code with the interpreter: registers, memory, cycles, instructions, energy and accesses must be
+// the same at every limit.
 #include "board_system.hpp"
 #include "machine.hpp"
 #include "random_program.hpp"
@@ -48,7 +48,7 @@ struct Pair {
     }
   }
 
-  /// Returns false if they differ, or have ended.
+  /// Compares two runs. Returns false if they differ, or have ended.
   bool run(std::uint64_t limit) {
     const auto stop = translated.run(limit);
     EXPECT_EQ(stop, interpreted.run(limit));
@@ -180,7 +180,8 @@ _start: la s0, data
     .balign 4
 data: .word 0
 )");
-  // A core of a cluster: a block that starts before the limit is not cut, so it can stop after the store.
+  // The hart is a core of a cluster: a block that starts before the limit is not cut, so the core can stop after the
+  // store.
   Pair pair(program, {.kind = CoreKind::ri5cy, .loose_limit = true});
   std::mt19937 random(7);
   bool same = true;

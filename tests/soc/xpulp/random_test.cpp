@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Random Xpulp programs on the platform and on a second description of the instruction set (reference.hpp).
+// Runs random Xpulp programs on the platform and on a second description of the instruction set (reference.hpp).
 // MEBOTS_LOCKSTEP_INSTRUCTIONS is the number of executed instructions; scripts/lockstep.sh runs many.
 #include "random_xpulp.hpp"
 #include "reference.hpp"

@@ -59,8 +59,8 @@ class Random {
 /// Generates instruction words from the rows of the encoding table, with operands that keep accesses inside the RAM.
 class Generator {
  public:
-  /// `mostly_dots`: half of the instructions are dot products, on registers that other instructions seldom use;
-  /// standard arithmetic instructions may use them. `left_out`: words that programs must not contain.
+  /// With `mostly_dots`, half of the instructions are dot products, on registers that other instructions seldom use;
+  /// standard arithmetic instructions may use them. `left_out` are words that programs must not contain.
   explicit Generator(Random& random, bool mostly_dots = false, std::function<bool(std::uint32_t)> left_out = {})
       : random_(random), mostly_dots_(mostly_dots), left_out_(std::move(left_out)) {
     for (const auto& row : encodings()) {
@@ -71,7 +71,7 @@ class Generator {
     }
   }
 
-  /// An instruction without a jump.
+  /// Returns an instruction without a jump.
   std::uint32_t plain() {
     for (;;) {
       const auto word = any_plain();
@@ -80,7 +80,7 @@ class Generator {
     }
   }
 
-  /// An instruction without a jump. It may be one that `left_out_` excludes.
+  /// Returns an instruction without a jump. It may be one that `left_out_` excludes.
   std::uint32_t any_plain() {
     if (mostly_dots_ && random_.below(2) == 0) {
       const auto& row = *dots_[random_.below(static_cast<std::uint32_t>(dots_.size()))];
@@ -210,7 +210,7 @@ class Generator {
         }
         [[fallthrough]];
       default:
-        // A loop set up by three instructions. The end is set first or last.
+        // Writes a loop that three instructions set up. The end is set first or last.
         if (random_.below(2) == 0) {
           lp(0, 0, 6);
           lp(3, 0, turns);

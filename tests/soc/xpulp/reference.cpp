@@ -10,7 +10,7 @@ std::uint32_t bits_of(std::uint32_t word, unsigned high, unsigned low) {
   return static_cast<std::uint32_t>((std::uint64_t{word} >> low) & ((std::uint64_t{1} << (high - low + 1)) - 1));
 }
 
-/// A field of `width` bits as a signed number.
+/// Returns a field of `width` bits as a signed number.
 std::int64_t as_signed(std::uint64_t value, unsigned width) {
   value &= (std::uint64_t{1} << width) - 1;
   const auto half = std::uint64_t{1} << (width - 1);
@@ -246,7 +246,7 @@ bool XpulpReference::alu(std::uint32_t word) {
       return true;
     }
     case 0b0001010: {
-      // Bound of the immediate forms: 2^(n-1) - 1, and 0 for n = 0.
+      // Returns the bound of the immediate forms: 2^(n-1) - 1, and 0 for n = 0.
       const auto bound = kind == 1 || kind == 2 ? (field2 == 0 ? 0 : (std::int64_t{1} << (field2 - 1)) - 1) : sb;
       if (kind == 1 || kind == 5) {
         d = word_of(sa > bound ? bound : sa < -bound - 1 ? -bound - 1 : sa);
@@ -379,7 +379,7 @@ bool XpulpReference::simd(std::uint32_t word) {
     const auto field = bits_of(value, index * width + width - 1, index * width);
     return sign ? as_signed(field, width) : as_unsigned(field, width);
   };
-  // The second operand of part i; unsigned operations have an unsigned immediate.
+  // Returns the second operand of part i. Unsigned operations have an unsigned immediate.
   const auto second = [&](unsigned index, bool sign, bool unsigned_immediate) -> std::int64_t {
     if (!immediate) return part(rs2, vector ? index : 0, sign);
     const auto value = unsigned_immediate ? as_unsigned(six, 6) : as_signed(six, 6);

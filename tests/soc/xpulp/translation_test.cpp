@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Xpulp in translated code against the interpreter: the same state at every limit, for all rows of the table.
+// Compares Xpulp in translated code with the interpreter: the same state at every limit, for all rows of the table.
 #include "random_xpulp.hpp"
 
 #include "hart/csr_numbers.hpp"
@@ -101,7 +100,7 @@ TEST(XpulpTranslation, RunsAsInterpreted) {
   }
 }
 
-/// Registers that dot products use most are in vector registers, whatever other instructions use them.
+/// Registers that dot products mostly use are in vector registers, whatever other instructions use them.
 TEST(XpulpTranslation, RunsDotProductsAsInterpreted) {
   std::set<const Encoding*> seen;
   for (std::uint64_t seed = 101; seed <= 180; ++seed) {

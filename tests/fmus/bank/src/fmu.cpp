@@ -5,7 +5,7 @@
 namespace mebots::bank {
 namespace {
 
-/// Binds the model, which needs no resources: the importing tool may pass no path for them.
+/// Binds the model. The model needs no resources, so the importing tool may pass no path for them.
 class BankModel final : public fmu::Model {
  public:
   explicit BankModel(Variables& variables) : variables_(variables), bank_(variables.parameters) {

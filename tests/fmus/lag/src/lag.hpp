@@ -12,7 +12,7 @@
 
 namespace mebots::lag {
 
-/// y' = (gain u - y) / time_constant, stepped by its exact solution for held u.
+/// The model y' = (gain u - y) / time_constant, stepped by its exact solution for constant u.
 class Lag {
  public:
   /// Reads the label file. Throws mebots::Error if it is missing.

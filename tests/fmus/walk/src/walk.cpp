@@ -6,7 +6,7 @@
 namespace mebots::walk {
 namespace {
 
-/// The last step of SplitMix64 (Steele, Lea, Flood 2014): all bits of the result depend on all bits of the key.
+/// The last step of SplitMix64 (Steele, Lea, Flood 2014). Each bit of the result depends on all bits of the key.
 std::uint64_t mixed(std::uint64_t key) {
   key += 0x9e3779b97f4a7c15;
   key = (key ^ (key >> 30U)) * 0xbf58476d1ce4e5b9;

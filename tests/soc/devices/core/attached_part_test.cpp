@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of the board outside the chip: energy of memories, pads, camera and regulators by state, time and bytes.
+// Tests parts of the board outside the chip: energy of memories, pads, camera and regulators by state, time and bytes.
 #include "devices/core/attached_part.hpp"
 #include "board_system.hpp"
 #include "devices/gap8/himax.hpp"

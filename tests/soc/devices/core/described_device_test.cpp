@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A device that exists only in the board file: the time-of-flight sensor of examples/time_of_flight.
+// Tests a device that exists only in the board file: the time-of-flight sensor of examples/time_of_flight.
 #include "devices/core/described_device.hpp"
 
 #include "mebots/error.hpp"

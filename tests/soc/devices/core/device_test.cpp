@@ -247,7 +247,7 @@ _start: li s0, FLIGHT_BASE
 }
 
 TEST(Request, IsVisibleAtTheNextCommunicationPoint) {
-  // At 100 MHz: 99 instructions of one cycle each before the commit, one of them a store with a latency.
+  // At 100 MHz, 99 instructions of one cycle each precede the commit. One of them is a store with a latency.
   const auto program = BoardSystem::assembled(
       "_start: .option norvc\nli s0, FLIGHT_BASE\naddi a0, zero, 3\nsw a0, FLIGHT_MODE_OFFSET(s0)\n.rept "
       "95\nnop\n.endr\n"

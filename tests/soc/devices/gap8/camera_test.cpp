@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The camera of a GAPuino on GAP8's uDMA: a program configures an HM01B0 over I2C and reads it through the camera
-// interface, like the driver of GreenWaves' gap_sdk.
+// Tests the camera of a GAPuino on GAP8's uDMA: a program configures an HM01B0 over I2C and reads it through the camera
+// interface, as the driver of GreenWaves' gap_sdk does.
 #include "board_system.hpp"
 #include "devices/gap8/himax.hpp"
 #include "support/same_state.hpp"
@@ -371,7 +371,8 @@ TEST_P(Gap8CameraCommand, StoresALateFrameWithTheSensorsSettingsOfItsReadOut) {
   EXPECT_EQ(stored_by(system), picture_of(Himax::kWindowHeight));
 }
 
-/// Stores a window of RGB565, weighted by the filter, with one register of the interface cleared after its last row.
+/// Stores a window of RGB565, weighted by the filter. One register of the interface is cleared after the window's last
+/// row.
 std::vector<std::uint8_t> stored_frame_of_a_window(std::optional<std::uint32_t> cleared_behind_it) {
   BoardSystem system(takes_a_picture(), {}, gap8_board_of_camera());
   *system.soc.devices().input("camera.frame_height") = Himax::kWindowHeight;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The timer of GAP8's cluster: its counters, and programs that wait for its events.
+// Tests the timer of GAP8's cluster: its counters, and programs that wait for its events.
 #include "devices/gap8/timer.hpp"
 #include "gap8_system.hpp"
 #include "runtime/registers.h"

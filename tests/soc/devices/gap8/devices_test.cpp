@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GAP8's own devices on its own memory map (configs/boards/gap8.json), register by register against the public headers.
+// Tests GAP8's own devices on its own memory map (configs/boards/gap8.json), register by register, against the public
+// headers.
 #include "board_system.hpp"
 #include "devices/core/described_device.hpp"
 #include "devices/gap8/event_unit.hpp"

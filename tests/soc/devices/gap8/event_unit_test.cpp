@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The event unit of GAP8's cluster, register by register against archi/eu/eu_v3.h, and eight cores that meet at a
-// barrier.
+// Tests the event unit of GAP8's cluster, register by register, against archi/eu/eu_v3.h, and eight cores that meet at
+// a barrier.
 #include "devices/gap8/cluster_event_unit.hpp"
 #include "gap8_system.hpp"
 #include "runtime/registers.h"

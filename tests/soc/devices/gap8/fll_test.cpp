@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// GAP8's clock loops while the cluster is running: time, energy and bits when a core changes the clock.
+// Tests GAP8's clock loops while the cluster is running: time, energy and bits when a core changes the clock.
 #include "gap8_system.hpp"
 #include "support/same_state.hpp"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The DMA of GAP8's cluster, register by register against archi/dma/mchan_v6.h, and its interrupts.
+// Tests the DMA of GAP8's cluster, register by register, against archi/dma/mchan_v6.h, and its interrupts.
 #include "devices/gap8/mchan.hpp"
 #include "gap8_system.hpp"
 #include "runtime/registers.h"

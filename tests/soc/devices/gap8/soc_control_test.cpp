@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// SoC control of GAP8: the end of a program, the number of cores, and registers without a model.
+// Tests SoC control of GAP8: the end of a program, the number of cores, and registers without a model.
 #include "gap8_system.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +18,8 @@
 namespace mebots::soc::test {
 namespace {
 
-/// A program with exceptions to `ends`. The fabric controller continues with `rest`, cores 1 and 5 at `core`.
+/// Returns a program whose exceptions go to `ends`. The fabric controller continues with `rest`, cores 1 and 5 at
+/// `core`.
 std::string with_handler(std::string_view rest) {
   constexpr std::string_view kVectors = R"(
     .balign 256

@@ -136,7 +136,7 @@ TEST(Camera, RefusesFewerLinesThanRows) {
 }
 
 TEST(Camera, DropsPicturesOfAnotherSizeAndReportsItOnce) {
-  // 160 x 160 would fill 80 rows of 320 without a remainder.
+  // A picture of 160 x 160 would fill 80 rows of 320 without a remainder.
   BoardSystem system(fmt::format(fmt::runtime(kAsk), 320 * 320, 0));
   system.soc.advance(2 * kMs);
   system.camera().offer(picture(160 * 160), system.soc.now());

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// Board virt: its devices against the specifications that they name, and interrupts exact to the cycle. Expected cycles
-// are computed from the clock and the RISC-V specifications; nothing here was recorded.
+// Tests board virt: its devices against the specifications that they name, and interrupts exact to the cycle. Expected
+// cycles are computed from the clock and the RISC-V specifications; none was recorded.
 #include "assembler.hpp"
 #include "devices/core/chip_host.hpp"
 #include "soc/soc.hpp"
@@ -88,7 +87,8 @@ void store(Device& device, std::uint32_t offset, std::uint32_t value, Picosecond
   EXPECT_TRUE(device.store(offset, now, value));
 }
 
-/// A program that waits in `wait` for the timer at tick `compare`. The handler's first instruction reads mcycle.
+/// Returns a program that waits in `wait` for the timer at tick `compare`. The handler's first instruction reads
+/// mcycle.
 std::string timer_program(std::uint32_t compare, std::string_view wait) {
   return fmt::format(R"(
 _start: la t0, handler
@@ -181,7 +181,7 @@ _start: li t0, COUNT
 1:  j 1b
 )");
   system.soc.run_cycles(2'000);
-  // Reading mcycle takes four cycles; the load starts then. Ten cycles of 100 MHz are a tick.
+  // Reading mcycle takes four cycles, and the load starts after it. Ten cycles of 100 MHz are a tick.
   EXPECT_EQ(system.result(1), (system.result(0) + 4) / 10);
   EXPECT_EQ(system.result(3), (system.result(2) + 4) / 10);
   EXPECT_GT(system.result(3), 17U);
