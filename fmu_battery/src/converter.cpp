@@ -62,8 +62,8 @@ Converter read_converter(const std::string& name, const data::Node& node) {
   if (!object.sound()) return {};
   const auto efficiencies = node.at("efficiency").at("value");
   if (efficiency.size() != current_a.size()) {
-    efficiencies.fail(ErrorCode::invalid_value,
-                      fmt::format("{} entries for {} of output_current", efficiency.size(), current_a.size()));
+    efficiencies.fail(ErrorCode::invalid_value, fmt::format("there are {} entries here, but {} in output_current",
+                                                            efficiency.size(), current_a.size()));
   }
   check_rising_input(efficiencies, current_a, efficiency);
   return {name, voltage_v, std::move(current_a), std::move(efficiency)};

@@ -55,7 +55,7 @@ Curve Curve::read(const data::Node& node, std::string_view unit) {
   if (curve.table_s_.front() != 0) table.complain(ErrorCode::invalid_value, "the table must begin at 0");
   if (curve.table_s_.back() != 1) table.complain(ErrorCode::invalid_value, "the table must end at 1");
   if (curve.table_value_.size() != curve.table_s_.size()) {
-    node.at("value").fail(ErrorCode::invalid_value, fmt::format("{} entries for {} of state_of_charge",
+    node.at("value").fail(ErrorCode::invalid_value, fmt::format("there are {} entries here, but {} in state_of_charge",
                                                                 curve.table_value_.size(), curve.table_s_.size()));
   }
   return curve;

@@ -38,9 +38,9 @@ void read_steady_speed(const data::Node& node, RotorData& rotor) {
   object.read("slope_above", rotor.slope_above_rad_per_sv, data::quantity("rad/(s.V)", Limits::at_least(0)));
   object.finish();
   if (object.sound() && rotor.speed_rad_per_s.size() != rotor.effective_voltage_v.size()) {
-    node.at("speed").at("value").fail(
-        ErrorCode::invalid_value, fmt::format("{} entries for {} of effective_voltage", rotor.speed_rad_per_s.size(),
-                                              rotor.effective_voltage_v.size()));
+    node.at("speed").at("value").fail(ErrorCode::invalid_value,
+                                      fmt::format("there are {} entries here, but {} in effective_voltage",
+                                                  rotor.speed_rad_per_s.size(), rotor.effective_voltage_v.size()));
   }
 }
 

@@ -50,7 +50,7 @@ int demo(std::vector<std::string> options) {
 void add_demo(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("demo", "Fly the shipped mission: a drone finds a gate and flies through it");
   command->prefix_command();
-  command->footer(help_footer({"the same as of `mebots run`; the options are the same, too"},
+  command->footer(help_footer({"the exit codes and the options are those of `mebots run`"},
                               {"mebots demo", "mebots demo --out flight --set soc.mission.cruise_speed=0.4"}));
   command->callback([command, &action] { action = [options = command->remaining()] { return demo(options); }; });
 }

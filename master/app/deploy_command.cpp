@@ -64,17 +64,19 @@ void add_deploy(CLI::App& app, Action& action) {
   command->add_option("--board", options->board, "Board whose memories limit the network; default: ai_deck")
       ->type_name("BOARD")
       ->check(not_empty());
-  command->add_option("--crop", options->crop, "First column and row of the part to use of larger pictures")
+  command->add_option("--crop", options->crop, "First column and row of the part of larger pictures that is used")
       ->type_name("LEFT,TOP")
       ->check(not_empty());
   command
       ->add_option("--percentile", options->percentile,
                    "Percentage of a tensor's values within its range; default: all values")
       ->check(positive());
-  command->add_option("--input-scale", options->input_scale, "Input of the network per grey level; default: 1/255")
+  command
+      ->add_option("--input-scale", options->input_scale,
+                   "Increase of the network's input per grey level; default: 1/255")
       ->check(positive());
   command->add_option("--input-offset", options->input_offset, "Input of the network at grey level 0; default: 0");
-  command->add_option("--pictures", options->pictures, "Most pictures for the calibration; default: 256")
+  command->add_option("--pictures", options->pictures, "Largest number of pictures for the calibration; default: 256")
       ->check(CLI::PositiveNumber);
   command->add_option("--vectors", options->vectors, "Test vectors to write; default: 4")
       ->check(CLI::NonNegativeNumber);

@@ -58,7 +58,9 @@ void add_options(CLI::App& command, LinkOptions& options) {
       ->check(not_empty());
   command.add_option("--set", options.set, "Replace parameters or start values of the config")
       ->type_name("INSTANCE.VARIABLE=VALUE");
-  command.add_option("--drones", options.drones, "Runs of the config, each with its own world and port; default: 1")
+  command
+      .add_option("--drones", options.drones,
+                  "Number of runs of the config, each with its own world and port; default: 1")
       ->check(CLI::Range(1U, 100U));
   command.add_option("--spacing", options.spacing_m,
                      "Distance between the starts of these runs along y [m]; default: 1");
@@ -85,8 +87,8 @@ void add_link(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("link", "Let scripts for a Crazyflie (cflib, CRTP over UDP) fly simulated drones");
   add_options(*command, *options);
   command->footer(help_footer(
-      {"0 the run has ended, or Ctrl-C ended it", "1 a model or the disk failed, or a replay has other bits",
-       "2 the input cannot be used"},
+      {"0 the run has ended, or Ctrl-C ended it",
+       "1 a model or the disk failed, or a replay gave other bits than the recorded run", "2 the input cannot be used"},
       {"mebots link configs/link.json --out results/link", "mebots link configs/link.json --drones 2 --idle 5",
        "mebots link configs/link.json --replay results/link/link.jsonl"}));
   command->callback([options, &action] {

@@ -42,8 +42,8 @@ void add_live_options(CLI::App& command, LiveViewOptions& options) {
                    ->check(CLI::Range(0, 65535));
   command
       .add_option("--live-start", options.start,
-                  "browser: the first step waits until a browser opens the page; now: it does not. Default: browser on "
-                  "a terminal, now otherwise")
+                  "Start of the first step. browser: when a browser opens the page; now: at once. Default: browser on "
+                  "a terminal, otherwise now")
       ->type_name("WHEN")
       ->check(CLI::IsMember({"browser", "now"}))
       ->needs(live);

@@ -65,7 +65,8 @@ void add_new_sensor(CLI::App& app, Action& action) {
   command->add_option("--senses", sensor.senses, "Variable that it measures: a Real output of world, motors or battery")
       ->type_name("INSTANCE.VARIABLE")
       ->capture_default_str();
-  command->add_option("--board", sensor.board, "Board file that gets the sensor; default: GAP8 alone")
+  command
+      ->add_option("--board", sensor.board, "Board file to which the sensor is added; default: a board with GAP8 alone")
       ->type_name("FILE.json")
       ->check(CLI::ExistingFile);
   command->add_flag("--cpp", sensor.with_code,

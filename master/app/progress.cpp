@@ -103,7 +103,8 @@ void Progress::ended(const master::Point& /*point*/) {
 
 std::string why_unexpected(const master::Run& run, const std::vector<std::string>& expected) {
   const auto outcome = run.outcome();
-  if (!run.report().faults.empty()) return fmt::format("after the end: {}", run.report().faults.front());
+  if (!run.report().faults.empty())
+    return fmt::format("error after the end of the run: {}", run.report().faults.front());
   if (expected.empty() || std::ranges::find(expected, outcome) != expected.end()) return "";
   return fmt::format("the outcome is '{}', and {} was expected", outcome, fmt::join(expected, " or "));
 }

@@ -53,7 +53,7 @@ void add_sweep(CLI::App& app, Action& action) {
           "Folder for missions.csv, designs.csv, journal.jsonl and report.html; an interrupted study continues there")
       ->type_name("FOLDER")
       ->check(not_empty());
-  command->add_option("--jobs", options->jobs, "Missions to run in parallel; default: one per processor")
+  command->add_option("--jobs", options->jobs, "Number of missions that run in parallel; default: one per processor")
       ->check(CLI::Range(1U, 1024U));
   command->add_flag("--dry-run", options->dry_run, "Check the study; estimate missions, time and disk space");
   command->add_option("--status", options->status, "Show the progress of the study in this folder; run nothing")

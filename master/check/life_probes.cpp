@@ -275,9 +275,9 @@ void check_half_steps(const Library& library, double tolerance) {
     const double difference = std::abs(a.reals[i] - b.reals[i]);
     if (difference <= tolerance * magnitudes[i]) continue;
     library.witness().warning(
-        fmt::format(
-            "{}: {} after {} steps of {} s, {} after twice as many halves: {:.2g} of its largest value, more than {:g}",
-            variables[i]->name, a.reals[i], target.steps, h, b.reals[i], difference / magnitudes[i], tolerance),
+        fmt::format("{}: {} after {} steps of {} s, but {} after twice as many half steps. The difference is {:.2g} of "
+                    "the largest magnitude, and {:g} is allowed",
+                    variables[i]->name, a.reals[i], target.steps, h, b.reals[i], difference / magnitudes[i], tolerance),
         "use shorter steps inside the FMU, declare a smaller stepSize in DefaultExperiment, or allow more with "
         "--half-step-tolerance");
   }

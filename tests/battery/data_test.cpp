@@ -104,7 +104,7 @@ TEST_F(DataFile, OpenCircuitVoltageThatFallsIsRefused) {
 
 TEST_F(DataFile, TableOfUnequalLengthsIsRefused) {
   json["series_resistance"] = {{"unit", "Ohm"}, {"state_of_charge", {0, 1}}, {"value", {0.1, 0.1, 0.1}}};
-  EXPECT_THAT(refused(), HasSubstr("/series_resistance/value: 3 entries for 2 of state_of_charge"));
+  EXPECT_THAT(refused(), HasSubstr("/series_resistance/value: there are 3 entries here, but 2 in state_of_charge"));
 }
 
 TEST_F(DataFile, NegativeResistanceAnywhereIsRefused) {

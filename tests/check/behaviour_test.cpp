@@ -44,7 +44,7 @@ TEST(CheckBehaviour, WrongValuesAreFound) {
               Contains(HasSubstr("error: gain is 3 in initialisation mode; modelDescription.xml declares start 2")));
   EXPECT_THAT(of("nan"), Contains(HasSubstr("error: y is nan at 0.1 s")));
   EXPECT_THAT(of("limits"), Contains(HasSubstr("warning: y = 1000 at 0.1 s is outside of its min and max")));
-  EXPECT_THAT(of("coarse"), Contains(HasSubstr("after twice as many halves")));
+  EXPECT_THAT(of("coarse"), Contains(HasSubstr("after twice as many half steps")));
 }
 
 TEST(CheckBehaviour, AnFmuThatDependsOnTheStopTimeIsFound) {

@@ -96,7 +96,7 @@ class Cells(FolderCase):
     def test_an_aged_cell_has_its_own_capacity_and_intervals_that_a_draw_can_use(self):
         base = shipped("cell", "bitcraze_250_flights")
         base["capacity_factor"] |= {"value": 0.8, "interval": [0.7, 0.9]}
-        found = CellFit({"capacity": (1.1, 1.0, 1.2), "series_resistance": (1.2, 1.14, 1.26)}, {"polarisation": "not asked for"}, 0.01, 0.02, 100)
+        found = CellFit({"capacity": (1.1, 1.0, 1.2), "series_resistance": (1.2, 1.14, 1.26)}, {"polarisation": "not requested"}, 0.01, 0.02, 100)
         estimates = []
         describe_cell(base, found, 1, estimates, [], [])
         capacity = next(one for one in estimates if one.name == "capacity")

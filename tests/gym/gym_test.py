@@ -114,7 +114,7 @@ class Environments(unittest.TestCase):
     def test_mistakes_name_what_is_wrong(self):
         with self.assertRaisesRegex(mebots.InputError, "setpoint.forward"):
             hover(actions={"world.setpoint.forward": (-1, 1)})
-        with self.assertRaisesRegex(mebots.InputError, "all actions are tuples"):
+        with self.assertRaisesRegex(mebots.InputError, "all actions must be tuples"):
             hover(actions={"world.setpoint.velocity.x": (-1, 1), "world.setpoint.velocity.y": [0, 1]})
         with self.assertRaisesRegex(mebots.InputError, "needs an input"):
             hover(actions={})

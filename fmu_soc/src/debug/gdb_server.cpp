@@ -222,7 +222,7 @@ std::string GdbServer::monitor(std::string_view command) const {
     return fmt::format("{} cycles, {} instructions\n", counters.cycles, counters.instructions);
   }
   if (command == "time") {
-    return fmt::format("{:.9g} s, of it asleep {:.9g} s\n", static_cast<double>(threads_.time()) * 1e-12,
+    return fmt::format("{:.9g} s, asleep for {:.9g} s of them\n", static_cast<double>(threads_.time()) * 1e-12,
                        static_cast<double>(soc_.sleep_time()) * 1e-12);
   }
   if (command == "energy") {

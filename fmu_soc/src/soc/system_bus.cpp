@@ -71,11 +71,13 @@ std::string UnmodelledRegisters::text(std::uint32_t address, bool stores, std::s
                                       const BoardDevice* entry) const {
   const auto what =
       entry == nullptr
-          ? std::string("no device of the board is there; one of its kind in C++, or a described one")
-          : fmt::format("device {} of kind {} has no such register; one more in its C++, or a described one",
-                        entry->name, entry->kind);
-  return fmt::format("{} 0x{:08x}{}{}: {}, would answer. It {}", stores ? "store into" : "load from", address,
-                     function.empty() ? "" : " in ", function, what, stores ? "is lost" : "reads 0");
+          ? std::string("the board has no device there. Add one to the board file, described or with a kind in C++")
+          : fmt::format(
+                "device {} of kind {} has no such register. Add it to the kind's C++, or describe the device in the "
+                "board file",
+                entry->name, entry->kind);
+  return fmt::format("{} 0x{:08x}{}{} {}: {}", stores ? "store into" : "load from", address,
+                     function.empty() ? "" : " in ", function, stores ? "is lost" : "reads 0", what);
 }
 
 /// True if the fabric controller accesses a device that it shares with the cluster, and the cluster must first reach

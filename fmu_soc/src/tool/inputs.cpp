@@ -258,7 +258,7 @@ std::vector<std::vector<std::uint8_t>> read_pictures(const std::filesystem::path
   for (const auto& path : paths) {
     auto picture = path.extension() == ".png" ? read_png(path) : read_pgm(path);
     if (std::cmp_not_equal(picture.width, width) || std::cmp_less(picture.height, least_height)) {
-      refuse(path, fmt::format("it has {} x {} pixels; the camera takes {} x {} or more rows", picture.width,
+      refuse(path, fmt::format("it has {} x {} pixels; the camera needs {} columns and at least {} rows", picture.width,
                                picture.height, width, least_height));
     }
     pictures.push_back(std::move(picture.grey));

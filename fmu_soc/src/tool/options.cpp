@@ -72,8 +72,8 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("--flash", options.flash, "Initial content of the board's flash")->type_name("FILE");
   command
       .add_option("--pictures", options.pictures,
-                  "Folder of what the board's camera sees: .png and .pgm files, one a picture, in the order of their "
-                  "names; the program ends when it waits for one more")
+                  "Folder of the pictures that the board's camera takes: .png and .pgm files in the order of their "
+                  "names. The program ends when it waits for a picture after the last one")
       ->type_name("FOLDER");
   command
       .add_option("--signature", options.signature,
@@ -122,8 +122,8 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("--gdb", options.gdb_port, "Wait for gdb on this port of 127.0.0.1; 0: any free port")
       ->check(CLI::Range(0, 65535));
   command.add_flag("--control", options.control,
-                   "Run as commands on standard input say, a JSON object a line: for tests in Python");
-  command.add_option("--max-instructions", options.max_instructions, "Stop after exactly this many")
+                   "Take commands from standard input, one JSON object per line, for tests in Python");
+  command.add_option("--max-instructions", options.max_instructions, "Stop after exactly this number of instructions")
       ->type_name("N")
       ->check(CLI::Validator(
           [](const std::string& text) {

@@ -185,7 +185,7 @@ Json json_of(const std::vector<ChipReport::Part>& parts) {
 void print(const ChipReport& report) {
   print_counts(report);
   const auto asleep = report.time_s > 0 ? 100 * report.asleep_s / report.time_s : 0;
-  fmt::print("time {}, of it asleep {} ({:.1f} %)\n\n", quantity_text(report.time_s, "s"),
+  fmt::print("time {}, asleep for {} ({:.1f} %)\n\n", quantity_text(report.time_s, "s"),
              quantity_text(report.asleep_s, "s"), asleep);
   print_energy(report);
   fmt::print("\nhost {:.1f} MIPS\n", report.host_mips);

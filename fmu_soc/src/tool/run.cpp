@@ -199,7 +199,7 @@ std::string missing_end_text(const Soc& soc, const Options& options, Reached rea
   auto text = fmt::format("{} at {}", reason_text(soc, options, reached), place);
   if (soc.spins()) {
     text += ", an endless jump to itself: no enabled interrupt can end it";
-    if (!soc.program().symbol("tohost")) text += "; the program has no symbol tohost to end by";
+    if (!soc.program().symbol("tohost")) text += "; the program cannot end itself, because it has no symbol tohost";
   }
   if (const auto exception = soc.unfinished_exception_text(); !exception.empty()) {
     text += fmt::format("; no handler has returned since {}", exception);
@@ -231,10 +231,10 @@ void print_remarks(const Soc& soc, bool is_alone) {
     fmt::print(stderr, "mebots-soc: {}; --core rv32imc is a core without this rule\n", text);
   };
   if (remarks.moved_mtvec) {
-    print(
-        fmt::format("notice: the program wrote 0x{:08x} to mtvec; CV32E40P clears bits 7 to 2, so that handlers need "
-                    ".balign 256{}",
-                    *remarks.moved_mtvec, is_alone ? ". Without a board, traps entered the address written" : ""));
+    print(fmt::format(
+        "notice: the program wrote 0x{:08x} to mtvec; CV32E40P clears bits 7 to 2, so that handlers need "
+        ".balign 256{}",
+        *remarks.moved_mtvec, is_alone ? ". Without a board, traps enter the address that was written" : ""));
   }
   if (remarks.read_stopped_counter) {
     print(fmt::format("notice: the program read {}, which CV32E40P stops at reset: clear mcountinhibit first",

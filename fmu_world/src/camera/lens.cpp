@@ -72,9 +72,9 @@ Lens::Lens(const Intrinsics& intrinsics, const LensSettings& settings) : intrins
   pinhole_.height = 2 * static_cast<int>(std::ceil(highest_px));
   if (pinhole_.width > kMost_px || pinhole_.height > kMost_px) {
     throw Error(
-        fmt::format("camera.distortion: k1 = {} and k2 = {} need a picture of {} x {} pixels behind the lens; {} are "
-                    "the most to either side",
-                    settings.k1, settings.k2, pinhole_.width, pinhole_.height, kMost_px));
+        fmt::format("camera.distortion: k1 = {} and k2 = {} need a picture of {} x {} pixels behind the lens; at "
+                    "most {} x {} are possible",
+                    settings.k1, settings.k2, pinhole_.width, pinhole_.height, kMost_px, kMost_px));
   }
   pinhole_.horizontal_field_of_view_rad = 2.0 * std::atan(0.5 * pinhole_.width / f);
   looks_.resize(pixels);

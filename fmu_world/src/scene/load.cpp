@@ -211,8 +211,8 @@ Heights read_heights(const Node& node) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].size() < 2) elements[i].fail(ErrorCode::invalid_value, "at least two numbers are needed");
     if (rows[i].size() != rows[0].size()) {
-      elements[i].fail(ErrorCode::invalid_value,
-                       fmt::format("{} numbers for {} of the first row", rows[i].size(), rows[0].size()));
+      elements[i].fail(ErrorCode::invalid_value, fmt::format("this row has {} numbers, but the first row has {}",
+                                                             rows[i].size(), rows[0].size()));
     }
   }
   return rows;

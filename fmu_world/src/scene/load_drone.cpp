@@ -47,8 +47,8 @@ std::vector<ThrustPoint> read_thrust_curve(const Node& node) {
   if (!object.sound()) return curve;
   if (command.size() < 2) node.at("command").complain(ErrorCode::invalid_value, "at least two numbers are needed");
   if (thrust.size() != command.size()) {
-    node.at("thrust").fail(ErrorCode::invalid_value, fmt::format("{} numbers for {} of command; each needs its own",
-                                                                 thrust.size(), command.size()));
+    node.at("thrust").fail(ErrorCode::invalid_value,
+                           fmt::format("there are {} numbers here, but {} in command", thrust.size(), command.size()));
   }
   if (command[0] != 0.0 || thrust[0] != 0.0) {
     node.at("command").complain(ErrorCode::invalid_value, "command and thrust must both begin with 0");
@@ -115,7 +115,7 @@ FlowData read_flow(const Node& node) {
         .complain(
             ErrorCode::invalid_value,
             fmt::format("a sample could have {:.3g} counts, more than 32 bits can hold: use a coarser resolution, or "
-                        "reduce pixels_per_rad, fastest, noise or period smaller",
+                        "reduce pixels_per_rad, fastest, noise or period",
                         most_counts(flow)));
   }
   return flow;

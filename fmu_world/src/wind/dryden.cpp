@@ -35,8 +35,9 @@ Dryden::Dryden(const Settings& settings) : settings_(settings) {
   // combined to sqrt(3) x1 + (1 - sqrt(3)) x2. White noise n of intensity tau gives this sum a variance of 1.
   const double rate_per_s = settings.speed_m_per_s / settings.length_m;
   if (settings.intensity_m_per_s > 0.0 && !(rate_per_s >= kSlowest_per_s && rate_per_s <= kFastest_per_s)) {
-    throw Error(fmt::format("gust.speed = {} m/s over gust.length = {} m is {:g} per s and must be from {:g} to {:g}",
-                            settings.speed_m_per_s, settings.length_m, rate_per_s, kSlowest_per_s, kFastest_per_s));
+    throw Error(
+        fmt::format("gust.speed = {} m/s divided by gust.length = {} m is {:g} per s, but must be from {:g} to {:g}",
+                    settings.speed_m_per_s, settings.length_m, rate_per_s, kSlowest_per_s, kFastest_per_s));
   }
   const double e = static_cast<double>(kPeriod_ns) * 1e-9 * settings.speed_m_per_s / settings.length_m;
   decay_ = std::exp(-e);

@@ -191,7 +191,7 @@ def _action_space(actions: Mapping[str, tuple[float, float] | Sequence[float]]) 
     for name, values in actions.items():
         if isinstance(values, tuple) or not len(values):
             raise InputError(
-                f"actions: '{name}': {values!r}: all actions are tuples (least, greatest), or all are lists of values", "invalid_value"
+                f"actions: '{name}': {values!r}: all actions must be tuples (least, greatest), or all must be lists of values", "invalid_value"
             )
     return gymnasium.spaces.MultiDiscrete([len(values) for values in actions.values()])
 

@@ -88,7 +88,7 @@ class Mission:
             None if uncertainty is None else uncertainty == "calibration",
         )
         if set is not None and not isinstance(set, Mapping):
-            raise TypeError(f"set is a dict of variables and their values, not {set!r}")
+            raise TypeError(f"set must be a dict of variables and their values, not {set!r}")
         for variable, value in (set or {}).items():
             self.set(variable, value)
         if record is not None:

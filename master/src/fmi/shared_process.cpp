@@ -188,8 +188,9 @@ class ProcessComparison {
     for (const auto& symbol : own) {
       const auto found = by_name.find(symbol.name);
       if (found == by_name.end() || !collide(symbol, *found->second)) continue;
-      return certain(fmt::format("both it and {} define {}, of which a process keeps one (STB_GNU_UNIQUE)", owner,
-                                 readable(symbol.name)));
+      return certain(
+          fmt::format("it and {} both define {}, and a process can have only one such symbol (STB_GNU_UNIQUE)", owner,
+                      readable(symbol.name)));
     }
     return std::nullopt;
   }
@@ -206,7 +207,7 @@ class ProcessComparison {
       const fs::path file = dladdr(place, &info) != 0 && info.dli_fname != nullptr ? info.dli_fname : "";
       if (needs_->shared.contains(file) || is_c_library(file.filename().native())) continue;
       const auto* const owner = archive_of(file);
-      found = certain(fmt::format("its {} would be that of {}, whose symbols are global", readable(name),
+      found = certain(fmt::format("its calls of {} would reach {}, whose symbols are global", readable(name),
                                   owner == nullptr ? shown(file) : *owner));
       break;
     }

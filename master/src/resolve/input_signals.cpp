@@ -208,7 +208,8 @@ class SignalReader {
     const auto& written = use.description.unit;
     const auto place = fmt::format("{}: {}: '{}'", use.description.place, opened.file.name(), title.name);
     if (!title.unit.empty() && !written.empty() && written != title.unit) {
-      fail(place, ErrorCode::wrong_unit, fmt::format("its title has [{}], the config has [{}]", title.unit, written));
+      fail(place, ErrorCode::wrong_unit,
+           fmt::format("the unit in its title is [{}], but the config has [{}]", title.unit, written));
     }
     const auto& unit = title.unit.empty() ? written : title.unit;
     if (unit.empty()) return;

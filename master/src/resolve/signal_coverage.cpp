@@ -90,8 +90,9 @@ void SignalCoverage::add_notices() {
                       file_, changes.late, points, to_seconds(changes.first_ns)));
     }
     if (changes.skipped > 0) {
-      notices.push_back(fmt::format("{}: {} of {} rows are skipped: several are {}; a smaller step would see them",
-                                    file_, changes.skipped, changes.rows, points));
+      notices.push_back(
+          fmt::format("{}: {} of {} rows are skipped, because several rows are {}. Use a smaller step to include them",
+                      file_, changes.skipped, changes.rows, points));
     }
   }
 }

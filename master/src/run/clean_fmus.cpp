@@ -84,18 +84,17 @@ ProcessUse::ProcessUse(const ResolvedSystem& system) {
   for (const auto& [function, fmu] : functions) {
     const auto found = all.by_what.find(function->what);
     if (found != all.by_what.end() && function->remedy == Remedy::none) {
-      throw InputError(
-          ErrorCode::not_offered,
-          fmt::format("{}: it imports {}, which changes {}, and in this process {} ran before, which does the same: "
-                      "another run would not begin as in a fresh process. {}",
-                      fmu, readable_name(*function), function->what, found->second.fmu, kWayOut));
+      throw InputError(ErrorCode::not_offered,
+                       fmt::format("{}: it imports {}, which changes {}. {} ran in this process before and does the "
+                                   "same, so another run would not begin as in a fresh process. {}",
+                                   fmu, readable_name(*function), function->what, found->second.fmu, kWayOut));
     }
     if (function->remedy != Remedy::renewed) continue;
     renews = true;
     if (found != all.by_what.end() && found->second.runs > 0) {
       throw InputError(ErrorCode::not_offered,
-                       fmt::format("{}: it imports {}, which changes {}, and so does {} in another run that has not "
-                                   "ended: each would change the other. {}",
+                       fmt::format("{}: it imports {}, which changes {}. {} does the same in another run that has not "
+                                   "ended, so each run would change the other. {}",
                                    fmu, readable_name(*function), function->what, found->second.fmu, kWayOut));
     }
   }

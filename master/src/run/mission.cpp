@@ -135,7 +135,7 @@ void Mission::reset() {
   auto& impl = *impl_;
   if (impl.config.empty() || impl.run->busy()) {
     throw InputError(ErrorCode::wrong_call_order, !impl.config.empty()
-                                                      ? "reset() from a listener: it is called in the middle of a step"
+                                                      ? "reset() was called from a listener, in the middle of a step"
                                                       : "reset(): this mission was resumed from a checkpoint");
   }
   impl.run->close();  // releases the results folder

@@ -103,8 +103,8 @@ Run::~Run() {
 Run::Busy::Busy(Run& run, std::string_view what) : run_(&run) {
   if (run.busy_) {
     throw InputError(ErrorCode::wrong_call_order,
-                     fmt::format("{} from a listener or another thread, in the middle of a step. interrupt() ends the "
-                                 "run after it",
+                     fmt::format("{} was called from a listener or another thread in the middle of a step. Call "
+                                 "interrupt() to end the run after this step",
                                  what));
   }
   run.busy_ = true;
@@ -522,7 +522,7 @@ void Run::finish() {
   } catch (const Error& error) {
     // If an interrupt ended the call of an instance, the message about the end of the run already contains the error.
     if (end.reason != EndReason::interrupted) {
-      report_.notices.push_back(fmt::format("after the end: {}", error.what()));
+      report_.notices.push_back(fmt::format("error after the end of the run: {}", error.what()));
       say(Severity::warning, "notice", report_.notices.back());
       const bool lost = error.code() == ErrorCode::fmu_lost || error.code() == ErrorCode::fmu_timeout;
       if (lost) report_.faults.emplace_back(error.what());
@@ -548,7 +548,7 @@ void Run::finish() {
 /// Reports a fault that occurred after the results were complete.
 void Run::report_fault(const std::string& text) {
   report_.faults.push_back(text);
-  report_.notices.push_back(fmt::format("after the end: {}", text));
+  report_.notices.push_back(fmt::format("error after the end of the run: {}", text));
   say(Severity::error, "notice", report_.notices.back());
 }
 
@@ -572,7 +572,7 @@ void Run::free_fmus(bool unloads) {
   std::vector<std::string> lines;
   for (const auto& fault : faults) {
     report_.faults.push_back(fault);
-    report_.notices.push_back(fmt::format("after the end: {}", fault));
+    report_.notices.push_back(fmt::format("error after the end of the run: {}", fault));
     lines.push_back(message_text({{}, Severity::error, "notice", report_.notices.back(), time_ns()}));
   }
   if (!frees_at_end_ || !files_ || !files_->kept()) return;

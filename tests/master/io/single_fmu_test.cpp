@@ -45,7 +45,7 @@ TEST(SingleFmu, TimesThatTheFmuDoesNotStateHaveDefaults) {
   EXPECT_THAT(times(R"(<DefaultExperiment startTime="3"/>)"), ElementsAre(3, 4, 0.002));
   EXPECT_THAT(times(R"(<DefaultExperiment stepSize="0.25"/>)"), ElementsAre(0, 1, 0.25));
   EXPECT_THAT(notices(""), Contains(AllOf(HasSubstr("from 0 s (by default"), HasSubstr("to 1 s (by default"),
-                                          HasSubstr("part in 500"))));
+                                          HasSubstr("1/500 of the run"))));
 }
 
 TEST(SingleFmu, StepsMayBeRatios) {

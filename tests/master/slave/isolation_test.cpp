@@ -337,7 +337,8 @@ TEST_F(Isolation, KeepsTheResultsIfFreeingAnInstanceFails) {
     EXPECT_THAT(run_result.err, AllOf(HasSubstr("b: error:"), HasSubstr(message))) << fault;
     EXPECT_TRUE(result("results.csv") == csv) << fault;
     EXPECT_EQ(summary()["outcome"], "completed");
-    EXPECT_THAT(summary()["notices"].dump(), AllOf(HasSubstr("after the end: instance 'b'"), HasSubstr(message)));
+    EXPECT_THAT(summary()["notices"].dump(),
+                AllOf(HasSubstr("error after the end of the run: instance 'b'"), HasSubstr(message)));
     EXPECT_THAT(result("log.txt"), HasSubstr(message));
   }
   give_b(R"("process": "own", "on_failure": "continue")");

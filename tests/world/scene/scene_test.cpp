@@ -132,7 +132,7 @@ TEST_F(SceneFile, ReportsAllMistakesOfThingsWithLineAndValue) {
   EXPECT_THAT(all, AllOf(HasSubstr("/boxes/0/texture/file: "), HasSubstr("there is no file 'nowhere.png'")));
   EXPECT_THAT(all, HasSubstr("/boxes/1/path/points/0/time: a path begins at time 0"));
   EXPECT_THAT(all, HasSubstr("/boxes/1/path/points/1/time: each time must be greater than the one before"));
-  EXPECT_THAT(all, HasSubstr("/terrain/heights/1: 2 numbers for 3 of the first row"));
+  EXPECT_THAT(all, HasSubstr("/terrain/heights/1: this row has 2 numbers, but the first row has 3"));
 }
 
 TEST_F(SceneFile, RefusesAPathThatJumpsWhenItRepeats) {

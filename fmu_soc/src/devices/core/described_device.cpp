@@ -127,8 +127,8 @@ bool DescribedDevice::pass_over(std::uint32_t offset, std::string_view access) {
   warned_.push_back(offset);
   const auto function = host_.function();
   host_.complain(
-      fmt::format("{}: {} 0x{:08x}{}{}: no register of device {} is modelled there: it reads 0, and stores are "
-                  "lost; a register in the board file would keep what is stored",
+      fmt::format("{}: {} 0x{:08x}{}{}: device {} has no register there. Loads give 0 and stores are lost. Add a "
+                  "register to the board file to keep stored values",
                   entry_.name, access, entry_.base + offset, function.empty() ? "" : " in ", function, entry_.name));
   return true;
 }

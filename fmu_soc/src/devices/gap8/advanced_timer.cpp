@@ -183,7 +183,7 @@ bool AdvancedTimer::store(std::uint32_t offset, Picoseconds now, std::uint32_t v
   if (reg == kPwmConfig) {
     stored.config = value;
     if ((value >> kPwmModeShift & kPwmModeMask) != 0 && !std::exchange(warned_pads_[timer], true)) {
-      warn_("counting at an input pad is not modelled: it counts its clock");
+      warn_("counting at an input pad is not modelled: the timer counts its clock instead");
     }
   }
   if (reg == kPwmLimits) stored.limits = value;

@@ -235,8 +235,8 @@ void UdmaCamera::begin_step(Picoseconds now) {
 void UdmaCamera::require_parameters() const {
   if (frame_width_ == Himax::kWidth && (frame_height_ == 0 || frame_height_ >= Himax::kWindowHeight)) return;
   throw Error(
-      fmt::format("{}: camera.frame_width {} and camera.frame_height {}: the sensor takes pictures of {} columns "
-                  "with at least {} rows; camera.frame_height 0 takes any rows",
+      fmt::format("{}: camera.frame_width {} and camera.frame_height {}: the sensor needs pictures of {} columns and "
+                  "at least {} rows; with camera.frame_height = 0, any number of rows is accepted",
                   host_.entry.name, frame_width_, frame_height_, Himax::kWidth, Himax::kWindowHeight));
 }
 
@@ -244,10 +244,11 @@ void UdmaCamera::require_parameters() const {
 void UdmaCamera::require_size(std::size_t bytes) const {
   const auto rows = static_cast<std::size_t>(frame_height_);
   if (rows == 0 || bytes == static_cast<std::size_t>(frame_width_) * rows) return;
-  throw Error(fmt::format(
-      "{}: picture {} of the camera has {} bytes, not {} x {} as camera.frame_width and camera.frame_height "
-      "say: set camera.width and camera.height of the world to the same; camera.frame_height 0 takes any rows",
-      host_.entry.name, requests_, bytes, frame_width_, rows));
+  throw Error(
+      fmt::format("{}: picture {} of the camera has {} bytes, but camera.frame_width and camera.frame_height demand {} "
+                  "x {}. Set camera.width and camera.height of the world to these values; with camera.frame_height = "
+                  "0, any number of rows is accepted",
+                  host_.entry.name, requests_, bytes, frame_width_, rows));
 }
 
 void InterfaceSettings::visit(state::Visitor& v) {

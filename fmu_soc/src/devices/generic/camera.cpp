@@ -102,7 +102,7 @@ void Camera::time_lines(Picoseconds now) {
   if (rows > frame_lines_ || exposure_lines_ > frame_lines_ - kBlankLines) {
     throw Error(
         fmt::format("{0}.frame_lines {1} is too few for pictures of {2} rows and {0}.exposure_lines {3}: it must be at "
-                    "least the rows, and the exposure and {4} more",
+                    "least the number of rows, and at least the exposure plus {4}",
                     entry_.name, frame_lines_, rows, exposure_lines_, kBlankLines));
   }
   const auto lines = [this](double count) {
@@ -134,17 +134,17 @@ void Camera::finish() {
     if (!state_.warned_of_format) {
       state_.warned_of_format = true;
       host_.complain(
-          fmt::format("picture {0} has {1} bytes, not {2} as {3}.frame_width {4} and {3}.frame_height {5} say: it and "
-                      "others of another size are dropped. Set the two to camera.width and camera.height of the world; "
-                      "{3}.frame_height 0 takes any rows",
+          fmt::format("picture {0} has {1} bytes, but {3}.frame_width {4} and {3}.frame_height {5} make {2}. Pictures "
+                      "of another size are dropped. Set {3}.frame_width and {3}.frame_height to camera.width and "
+                      "camera.height of the world; with {3}.frame_height = 0, any number of rows is accepted",
                       state_.requests, size, width * height, entry_.name, width, height));
     }
   } else if (size > state_.buffer_size || width == 0 || size % width != 0 ||
              !host_.write_memory(state_.buffer, picture_)) {
     state_.status |= kRefused;
-    host_.complain(
-        fmt::format("picture {} has {} bytes, rows of {}; the firmware's buffer at 0x{:08x} holds {}: dropped",
-                    state_.requests, size, width, state_.buffer, state_.buffer_size));
+    host_.complain(fmt::format(
+        "picture {} was dropped: it has {} bytes in rows of {}, and the firmware's buffer at 0x{:08x} holds {}",
+        state_.requests, size, width, state_.buffer, state_.buffer_size));
   } else {
     state_.status |= kReady;
     state_.width = width;

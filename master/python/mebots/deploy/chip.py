@@ -54,7 +54,7 @@ def run_program(words: Sequence[str | os.PathLike[str]], what: str) -> str:
     try:
         done = subprocess.run([os.fspath(one) for one in words], capture_output=True, text=True, timeout=_TIME_LIMIT_S, check=False)
     except subprocess.TimeoutExpired as error:
-        raise Error(f"{what}: no end after {_TIME_LIMIT_S} s") from error
+        raise Error(f"{what} did not end within {_TIME_LIMIT_S} s") from error
     if done.returncode != 0:
         text = (done.stderr or done.stdout).strip().splitlines()
         raise Error(f"{what} failed with exit code {done.returncode}: " + "\n".join(text[-12:]))
@@ -212,7 +212,7 @@ def with_request(built: pathlib.Path, request: Request, out: pathlib.Path) -> pa
     content = bytearray(built.read_bytes())
     at = content.find(_MARK)
     if at < 0 or content.find(_MARK, at + 1) >= 0:
-        raise Error(f"{built}: the place of the request was not found")
+        raise Error(f"{built}: the marked place for the request was not found; build the program again")
     words = struct.pack(f"<{3 + len(request.bytes)}i", request.cores, request.clock_hz, request.layers, *request.bytes) + request.picture.astype(np.uint8).tobytes()
     at += len(_MARK)
     content[at : at + len(words)] = words

@@ -138,7 +138,7 @@ def _arithmetic(sign: float, multiplies: bool, inverts: bool) -> Callable[[Impor
         if constant is None:
             a, b = owner.input(0), owner.input(1)
             if a.shape != b.shape:
-                raise owner.refuse(f"tensors of shapes {[1, *a.shape]} and {[1, *b.shape]}", "Two of one shape are possible")
+                raise owner.refuse(f"tensors of shapes {[1, *a.shape]} and {[1, *b.shape]}", "Two tensors of the same shape are possible")
             if inverts or sign < 0:
                 raise owner.refuse("its operands are both computed by the network", "Add and Mul of two tensors are possible")
             owner.add("multiply" if multiplies else "add", [a, b])
@@ -169,7 +169,7 @@ def _pool(kind: str) -> Callable[[Importer], None]:
             raise owner.refuse("ceil_mode is set", "Export with ceil_mode=False")
         geometry = _geometry(owner, owner.attribute("kernel_shape", []))
         if geometry["dilations"] != (1, 1):
-            raise owner.refuse("its window has dilations", "Windows without are possible")
+            raise owner.refuse("its window has dilations", "Windows without dilations are possible")
         owner.add(kind, [owner.input()], counts_pads=bool(owner.attribute("count_include_pad", 0)), **geometry)
 
     return work

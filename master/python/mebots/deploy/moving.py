@@ -166,7 +166,7 @@ def _gather(owner: Importer) -> None:
     axis = int(owner.attribute("axis", 0)) % rank
     indices = np.asarray(owner.constant(1)).astype(np.int64)
     if axis == 0 or indices.ndim > 1 or (indices.size > 1 and len(set(np.diff(indices))) > 1):
-        raise owner.refuse(f"axis {axis} with indices {indices.tolist()}", "One index, or indices at equal distances, of another axis than the batch are possible")
+        raise owner.refuse(f"axis {axis} with indices {indices.tolist()}", "One index, or equally spaced indices, of an axis other than the batch are possible")
     first = int(indices.ravel()[0]) % source.shape[axis - 1]
     if indices.ndim == 0:
         if rank == 2:
@@ -200,7 +200,7 @@ def _pad(owner: Importer) -> None:
     for place, axis in enumerate(listed):
         begin[axis], end[axis] = pads[place], pads[len(pads) // 2 + place]
     if min(begin) < 0 or min(end) < 0 or begin[0] or end[0]:
-        raise owner.refuse(f"pads {pads}", "Pads of 0 and more, and none of the batch, are possible")
+        raise owner.refuse(f"pads {pads}", "Pads must be at least 0, and the batch cannot be padded")
     parts = tuple(slice(b, b + size) for b, size in zip(begin, (1, *source.shape), strict=True))
     _add(owner, source, lambda view: view, lambda view: view[parts], fill=value)
 
@@ -228,7 +228,7 @@ def _resize(owner: Importer) -> None:
     target = owner.shape_of(owner.node.output[0])
     factors = [b // a for a, b in zip((1, *source.shape), target, strict=True)]
     if any(a * f != b for a, f, b in zip((1, *source.shape), factors, target, strict=True)) or factors[:2] != [1, 1]:
-        raise owner.refuse(f"from shape {[1, *source.shape]} to {list(target)}", "Rows and columns times whole numbers are possible")
+        raise owner.refuse(f"from shape {[1, *source.shape]} to {list(target)}", "Rows and columns can be multiplied by whole numbers")
     _check_resize(owner, source, factors)
 
     def repeated(view: np.ndarray) -> np.ndarray:
@@ -256,7 +256,7 @@ def _check_resize(owner: Importer, source: Tensor, factors: list[int]) -> None:
             raise owner.refuse(f"coordinate_transformation_mode {where}", "asymmetric and half_pixel are possible")
         chosen = {"floor": np.floor(at), "ceil": np.ceil(at), "round_prefer_floor": np.ceil(at - 0.5), "round_prefer_ceil": np.floor(at + 0.5)}[nearest]
         if (np.clip(chosen, 0, size - 1) != x // factor).any():
-            raise owner.refuse(f"nearest_mode {nearest} with {where} takes other values than repetition", "Use asymmetric with floor, as torch does")
+            raise owner.refuse(f"nearest_mode {nearest} with {where} does not repeat each value", "Use asymmetric with floor, as torch does")
 
 
 OPERATORS: dict[str, Callable[[Any], None]] = {

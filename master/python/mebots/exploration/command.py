@@ -281,6 +281,6 @@ def _dry_run(study: Study, options: argparse.Namespace) -> int:
         line_bytes = len(json.dumps(record)) + 1 + files
         time_s = count * record["processor_time"] / jobs
         print(_size(campaign))
-        print(f"about {duration_text(time_s)} with {jobs} jobs ({record['processor_time']:.2f} s a mission, measured on one)")
+        print(f"about {duration_text(time_s)} with {jobs} jobs ({record['processor_time']:.2f} s per mission, measured on one mission)")
         print(f"about {count * (line_bytes + 200) / 1e6:.1f} MB of disk")
     return DONE

@@ -242,7 +242,7 @@ class _Problem:
 def fit_cell(base: dict[str, Any], flights: Sequence[Flight], folder: pathlib.Path, wanted: Sequence[str] = FACTORS) -> CellFit:
     """Fits the cell. ``folder`` holds temporary files and may be deleted afterwards."""
     free = list(wanted)
-    kept = {name: "not asked for" for name in FACTORS if name not in free}
+    kept = {name: "not requested" for name in FACTORS if name not in free}
     before = _solve(base, flights, [], folder)
     while True:
         fit = _solve(base, flights, free, folder)

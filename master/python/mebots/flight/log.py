@@ -88,8 +88,8 @@ class FlightLog:
         emptied = [name for name in absent if name in self.signals]
         if emptied:
             raise InputError(
-                f"{self.file}: {purpose} needs {', '.join(emptied)}, of which fewer than two samples are good: not a finite number, "
-                "a time that does not increase, or an impossible value; check units and times in the mapping",
+                f"{self.file}: {purpose} needs {', '.join(emptied)}, but fewer than two samples are valid. Samples are invalid if they "
+                "are not finite, their time does not increase, or their value is impossible; check units and times in the mapping",
                 "invalid_value",
             )
         if absent:

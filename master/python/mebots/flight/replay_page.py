@@ -49,7 +49,7 @@ def answer(result: Replay) -> str:
         found = [one for one in result.errors if one.quantity == quantity]
         if found:
             one = found[0]
-            parts.append(f"{what}: {one.mean:+.3g} {one.unit} in the mean ({100 * one.relative:+.1f} %), rms {one.rms:.3g} {one.unit}, n = {one.n}")
+            parts.append(f"{what}: {one.mean:+.3g} {one.unit} on average ({100 * one.relative:+.1f} %), rms {one.rms:.3g} {one.unit}, n = {one.n}")
     return "; ".join(parts) or "The log contains nothing to compare with."
 
 

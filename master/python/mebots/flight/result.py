@@ -57,7 +57,7 @@ def shown(result: Replay) -> str:
     widths = [max(len(line[i]) for line in lines) for i in range(len(FIELDS))]
     text = ["  ".join(cell.ljust(width) if i < 3 else cell.rjust(width) for i, (cell, width) in enumerate(zip(line, widths, strict=True))).rstrip() for line in lines]
     summary = result.summary
-    text += ["", "errors are model less measurement; p5, p50 and p95 are percentiles of the error"]
+    text += ["", "errors are model minus measurement; p5, p50 and p95 are percentiles of the error"]
     text.append(
         f"{summary['airframe']}, {summary['mass']['source']}; charge {100 * summary['initial_charge']:.1f} to "
         f"{100 * summary['final_charge']:.1f} %, {summary['charge_used_c'] / 3.6:.1f} mAh, {summary['energy_j']:.0f} J, "

@@ -190,10 +190,10 @@ class Drone:
             self._parameters.set(name, PID)
             self._print("LINK: the simulated controller is PID (1)\n")
         elif name == "stabilizer.estimator" and value not in (0, KALMAN):
-            self._print_once("LINK: the config selects the estimate\n")
+            self._print_once("LINK: only the config can select the estimator\n")
         elif name in _LIMITED and not 0.0 <= value <= _MOST_GAIN:  # false for NaN, too
             self._parameters.set(name, min(max(value, 0.0), _MOST_GAIN) if math.isfinite(value) else 0.0)
-            self._print(f"LINK: {name} is from 0 to {_MOST_GAIN:g}\n")
+            self._print(f"LINK: {name} must be from 0 to {_MOST_GAIN:g}\n")
         elif name.partition(".")[2] in FIXED.get(name.partition(".")[0], ()):
             self._print_once(f"LINK: {name} has no effect\n")
 

@@ -72,7 +72,7 @@ Origin step_of(const modeldesc::DefaultExperiment& experiment, const GivenTimes&
   }
   const auto step = usable(experiment.step_size_s);
   if (step && is_step(*step, length_ns)) return {*step, kByFmu};
-  const auto text = fmt::format("a part in {} of the run, {}", kDefaultSteps, kByDefault);
+  const auto text = fmt::format("1/{} of the run, {}", kDefaultSteps, kByDefault);
   const auto part = reduced(length_ns, WideInteger{kDefaultSteps} * kNanosecondsPerSecond);
   const bool fits = part.denominator <= kNanosecondsPerSecond && is_step(part, length_ns);
   return {fits ? part : exact_time_of(std::max<std::int64_t>(length_ns / kDefaultSteps, 1)), text};

@@ -480,7 +480,8 @@ TEST(Gap8Camera, RefusesAPictureOfAnotherSize) {
     give(system, picture_of(648));
     FAIL() << "taken";
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("has 209952 bytes, not 324 x 324"));
+    EXPECT_THAT(error.what(), testing::HasSubstr(
+                                  "has 209952 bytes, but camera.frame_width and camera.frame_height demand 324 x 324"));
   }
 }
 

@@ -134,7 +134,7 @@ _start: li s1, 0x1C060000
   EXPECT_EQ(system.result(2), 0x600dU);
   ASSERT_EQ(system.faults.size(), 3U);
   EXPECT_THAT(system.faults[0], HasSubstr("store into 0x1a103004 in _start"));
-  EXPECT_THAT(system.faults[0], HasSubstr("no device of the board is there"));
+  EXPECT_THAT(system.faults[0], HasSubstr("the board has no device there"));
   EXPECT_THAT(system.faults[1], HasSubstr("load from 0x1a1000f0"));
   EXPECT_THAT(system.faults[1], HasSubstr("device fll of kind gap8_fll has no such register"));
   EXPECT_FALSE(system.soc.faulted());

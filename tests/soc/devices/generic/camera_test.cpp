@@ -145,9 +145,8 @@ TEST(Camera, DropsPicturesOfAnotherSizeAndReportsItOnce) {
   EXPECT_EQ(system.result(7), 1U) << "the program learns of it";
   EXPECT_EQ(system.result(3), 0U);
   ASSERT_EQ(system.faults.size(), 1U);
-  EXPECT_THAT(system.faults[0],
-              testing::StartsWith("picture 1 has 25600 bytes, not 102400 as camera.frame_width 320 and "
-                                  "camera.frame_height 320 say"));
+  EXPECT_THAT(system.faults[0], testing::StartsWith("picture 1 has 25600 bytes, but camera.frame_width 320 and "
+                                                    "camera.frame_height 320 make 102400"));
 
   ASSERT_TRUE(system.camera().store(0, system.soc.now(), 1));
   system.camera().offer(picture(8 * 320), system.soc.now());
