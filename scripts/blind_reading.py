@@ -12,6 +12,7 @@ fragment. Code, comments of HTML and targets of links do not count.
 from __future__ import annotations
 
 import argparse
+import ast
 import pathlib
 import random
 import re
@@ -27,6 +28,9 @@ MESSAGES = {"error", "warning", "log", "output", "text"}
 HELP = {"help", "variable", "schema"}
 # Lists of changes and generated reports are not pages to read at once.
 NOT_PAGES = {"CHANGELOG.md", "examples/paper/REPORT.md", "docs/blind-reading.md"}
+# Licences and instructions to tools are not read as prose.
+NO_PROSE = re.compile(r"SPDX|clang-format o|NOLINT")
+BLOCK = re.compile(r"^[ \t]*/\*+(.*?)\*/", re.MULTILINE | re.DOTALL)
 
 
 class Draw(NamedTuple):
@@ -34,21 +38,41 @@ class Draw(NamedTuple):
     text: str
 
 
-def comments(commit: str | None) -> Iterator[Draw]:
+def docstrings(source: str) -> Iterator[tuple[int, str]]:
+    """Yields the line and the text of every docstring of a Python file."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)) and (text := ast.get_docstring(node)):
+            yield node.body[0].lineno, text
+
+
+def line_comments(source: str) -> Iterator[tuple[int, str]]:
     """Yields comments of whole lines; consecutive lines are one comment."""
+    block: list[str] = []
+    for number, line in enumerate(source.split("\n") + [""], 1):
+        found = prose_lint.COMMENT.match(line)
+        if found and not re.match(r'\s*(?:\*|""")', line) and not NO_PROSE.search(line):
+            block.append(found[1])
+        elif block:
+            yield number - len(block), " ".join(block)
+            block = []
+
+
+def block_comments(source: str) -> Iterator[tuple[int, str]]:
+    for found in BLOCK.finditer(source):
+        if not NO_PROSE.search(found[1]):
+            yield source.count("\n", 0, found.start()) + 1, re.sub(r"^\s*\*\s?", "", found[1], flags=re.MULTILINE)
+
+
+def comments(commit: str | None) -> Iterator[Draw]:
+    """Yields comments of whole lines and docstrings, each up to its end."""
     for path in list_messages.names(commit, ["."]):
         if pathlib.Path(path).suffix not in prose_lint.SOURCES:
             continue
-        block: list[str] = []
-        for number, line in enumerate(list_messages.read(path, commit).split("\n") + [""], 1):
-            found = prose_lint.COMMENT.match(line)
-            if found and "SPDX" not in line:
-                block.append(found[1])
-            elif block:
-                text = list_messages.one_line(" ".join(block))
-                if len(text.split()) >= 4:
-                    yield Draw(f"{path}:{number - len(block)}", text)
-                block = []
+        source = list_messages.read(path, commit)
+        longer = docstrings(source) if path.endswith(".py") else block_comments(source)
+        for line, text in sorted([*line_comments(source), *longer]):
+            if len(text.split()) >= 4:
+                yield Draw(f"{path}:{line}", list_messages.one_line(text))
 
 
 def drawn(seed: int, commit: str | None) -> dict[str, list[Draw]]:
