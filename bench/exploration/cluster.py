@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs many missions on a Dask cluster of two workers on this machine. One worker is killed after a third of them.
+"""Runs many missions on a Dask cluster of two workers on this machine. One worker is killed after a third of the
+missions.
 
 Usage: cluster.py FMU MISSIONS     with the package mebots in PYTHONPATH; the FMU has the parameters and inputs of the probe FMU.
 Prints the duration, the time at which the worker was killed, and how often each mission is in the journal.

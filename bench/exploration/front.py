@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Processor time for the places of designs on the front: two objectives, 30 missions per design, noise of 0.05.
+"""Measures the processor time to find which designs are on the Pareto front: two objectives, 30 missions per design,
+noise of 0.05.
 
 Usage: front.py FMU DESIGNS...     with the package mebots in PYTHONPATH. The means are spread over a unit square, or all of them
 are on the front, a quarter of a circle.
@@ -23,7 +24,7 @@ NOISE = 0.05
 
 
 def study(fmu):
-    """Returns a study with two objectives; only these matter."""
+    """Returns a study with two objectives. Its other parts do not matter."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "mission.json").write_text(json.dumps({

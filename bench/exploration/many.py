@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Missions per second of a study whose missions compute nothing: the overhead of orders, journal, answers and tables.
+"""Measures missions per second of a study whose missions compute nothing: the overhead of orders, journal, answers and
+tables.
 
 Usage: many.py FMU MISSIONS DESIGNS [OUT]     with the package mebots in PYTHONPATH; the FMU's real input 'motors.power' or
 'real_in' is drawn. Prints missions, processor time, missions per second, and peak memory and disk space of the study's process.

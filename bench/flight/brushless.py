@@ -19,7 +19,7 @@ SETS = (("brushless_flights", 0.037), ("brushless_flights_payload", 0.0444))  # 
 
 
 def coefficients(folder, name, mass_kg):
-    """Returns the median of each flight."""
+    """Returns the median of the thrust coefficient in each flight."""
     paths = data.distinct(path for path in (Path(folder) / data.IMRC / name / "data").iterdir() if path.stat().st_size and not path.suffix)
     found = [flight_coefficient(data.flight_of(data.read_usd(path), path.name, mass_kg)) for path in paths]
     return np.array([np.median(one) for one in found if len(one)])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cell of fmu_battery and the power of a hovering drone, vectorised over flights."""
+"""Models the cell of fmu_battery and the power of a hovering drone, vectorised over flights."""
 import json
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +14,7 @@ GRID = np.linspace(0, 1, 4001)
 
 
 class Rotors:
-    """Steady power of the four rotors of a file with `motor`."""
+    """Computes the steady power of the four rotors of a rotor file with `motor`."""
 
     def __init__(self, name="crazyflie_legacy"):
         data = json.loads((PARAMS / f"fmu_motors/params/rotors/{name}.json").read_text())
@@ -32,7 +32,7 @@ class Rotors:
         return 4 * self._power(np.minimum(needed, supply_v), speed, supply_v)
 
     def driven(self, duty, supply_v):
-        """Returns duty cycles of four rotors in the first axis."""
+        """Returns the duty cycles of four rotors, as the first axis of the array."""
         effective = duty * supply_v
         square = self.ohm * self.drag / self.emf
         speed = 2 * effective / (self.emf + np.sqrt(self.emf**2 + 4 * square * effective))
@@ -48,7 +48,7 @@ def _curve(data):
 
 @dataclass
 class Cell:
-    """Curves over GRID; `resistance` scales all resistances."""
+    """The curves of a cell over GRID. `resistance` scales all resistances."""
     open_circuit: np.ndarray
     series: np.ndarray
     pairs: list                # of (resistance, time constant)
@@ -102,7 +102,7 @@ CRACIUN_DECKS_W = 0.5       # assumed: receiver of the Loco deck, 160 mA at 3.3 
 
 @dataclass
 class Set:
-    """Flights of one set as arrays of equal length, padded with nan."""
+    """The flights of one set as arrays of equal length, padded with nan."""
     flights: list
     rotors: Rotors
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draws docs/img/flight_unseen.png and flight_errors.png from flights that were not used for any fit, and
+"""Draws docs/img/flight_unseen.png and flight_errors.png from flights that no fit used, and
 flight_endurance.png from hover flights of the model.
 
     .venv/bin/python bench/flight/figures.py FOLDER [--jobs N]
@@ -62,7 +62,7 @@ def voltage(axis, flights):
 
 
 def thrust(axis, folder):
-    """Draws the thrust by the measured rotor speeds, and the thrust by weight and measured acceleration."""
+    """Draws two thrusts over time: from the measured rotor speeds, and from weight and measured acceleration."""
     flight = data.flight(folder, THRUST_FLIGHT)
     pulls = [np.mean((flight.speed_rad_per_s[:, s]**2).sum(axis=0) * flight.upright[s]) for s in flight.blocks()]
     times = [flight.time_s[s].mean() for s in flight.blocks()]
@@ -77,7 +77,8 @@ def thrust(axis, folder):
 
 
 def voltage_errors(axis, title, flights):
-    """Draws the share of flights below an error, for both cells: without a fit, and after the first seconds."""
+    """Draws the share of flights whose error is below a limit, for both cells: without a fit, and with one after the
+    first seconds."""
     flown = Set(flights, Rotors())
     curves = [(name, colour, "-", rms(flown.errors(Cell.load(name), 1.0)), "blind") for name, colour in CELLS]
     curves.append((CHARGED, style.PALETTE[3], "-", rms(flown.errors(Cell.load(CHARGED), 1.0)), "blind"))

@@ -4,12 +4,13 @@
 
     .venv/bin/python bench/flight/fit_cell.py FOLDER [--full VOLTS]
 
-FOLDER is described in flight_data.py. Flights whose SHA-256 is even are fitted, the others never. The flights have no
-current: the power is that of crazyflie_legacy at the weight of the drone (cell_model.py). Open-circuit voltage and the shape
-of all curves over charge are Chen and Rincon-Mora's, and the capacity is the nominal one: flights that use less than half of
-the charge cannot separate it from slow changes of the resistance. `--full` raises the open-circuit voltage in proportion to
-the charge, so that the full cell has this voltage. The fitted values are the series resistance, resistance and time constant
-of one pair, and a factor of all resistances per flight, because the cells are not named. A second pair gets 0 Ohm in the fit.
+FOLDER is described in flight_data.py. The fit uses the flights whose SHA-256 is even, and never the others. The flights
+have no current: the power is that of crazyflie_legacy at the weight of the drone (cell_model.py). Open-circuit voltage
+and the shape of all curves over charge are Chen and Rincon-Mora's, and the capacity is the nominal one: flights that
+use less than half of the charge cannot separate the capacity from slow changes of the resistance. `--full` raises the
+open-circuit voltage in proportion to the charge, so that the full cell has this voltage. The fitted values are the
+series resistance, resistance and time constant of one pair, and a factor of all resistances per flight, because the
+cells are not named. A second pair gets 0 Ohm in the fit.
 """
 import argparse
 from dataclasses import replace
@@ -27,7 +28,8 @@ COMMON = 3      # values shared by all flights: series resistance, resistance an
 
 
 def scaled(base, series, pairs):
-    """Scales the curves of cell ``base``, so that resistance and RC pairs have the given values at full charge."""
+    """Scales the curves of cell ``base``, so that the resistance and the RC pairs have the given values at full charge.
+    """
     return replace(base, series=base.series / base.series[-1] * series,
                    pairs=[(ohm / ohm[-1] * value, tau / tau[-1] * time) for (ohm, tau), (value, time) in zip(base.pairs, pairs)])
 

@@ -18,7 +18,7 @@ import flight_data as data
 TORQUE_PER_THRUST = 0.007350863  # m, utiasDSL/drone-models, cf2x_L250
 TORQUE_DOUBT = 0.15
 LEAST_THRUST_G = 24              # of four rotors: below the weight of the lightest drone, k decreases and the load
-                                 # cells drift noticeably
+                                 # Cells drift noticeably.
 LEAST_DUTY = 0.35                # below, the ripple of the current reaches zero, which the equations neglect
 LOG_DELAY_S = 0.004              # from command to logged speed, by cross correlation on jana04
 ENDS_S = 1.0
@@ -40,7 +40,7 @@ def stand_coefficient(stand):
 
 
 def motor_at(stand, drag, law):
-    """Returns effective voltage and power at the measured speed."""
+    """Returns the effective voltage and the power at the measured speed."""
     emf, resistance, ripple = law
     current = drag * stand.speed_rad_per_s**2 / emf
     voltage = emf * stand.speed_rad_per_s + resistance * current
@@ -57,7 +57,7 @@ def steady_points(flight):
 
 
 def fit_motor(powered, spun, drag):
-    """Returns K, R and g: least squares of relative errors, each source with the same weight."""
+    """Fits K, R and g by least squares of relative errors. Each source has the same weight."""
     def errors(logs):
         law, parts = np.exp(logs), []
         for source in (powered, *spun):
@@ -70,8 +70,8 @@ def fit_motor(powered, spun, drag):
 
 
 def simulated_speed(flight, drag, law, inertia):
-    """Returns speeds by the equations, from the first measured one on; small explicit steps suffice for a lag of 80
-    ms."""
+    """Computes speeds with the equations, from the first measured speed on. Small explicit steps suffice for a lag of
+    80 ms."""
     emf, resistance, _ = law
     speed, course = flight.speed_rad_per_s[:, 0].copy(), np.empty_like(flight.speed_rad_per_s)
     steps = np.diff(flight.time_s, append=flight.time_s[-1])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Public flights and motor stands of the Crazyflie: the place of each file, its permitted use, and its reader.
+"""Reads public flights and motor stands of the Crazyflie. States the place of each file and its permitted use.
 
 A folder contains checkouts named like their repositories: crazyflie-data-collection (IMRCLab), Crazyflie-2.0-battery-data
 (RaresCraciun), nanobench-iros2026 (syediu). Most have no licence, so none of their files is in this repository. Needs the
@@ -57,7 +57,7 @@ def read_usd(path):
 
 @dataclass
 class Flight:
-    """The rotors' data of a flight. Arrays over time; those of rotors have four rows."""
+    """The rotors' data of a flight, as arrays over time. Arrays of rotors have four rows."""
     name: str
     mass_kg: float
     time_s: np.ndarray
@@ -68,7 +68,7 @@ class Flight:
     climb_m_per_s: np.ndarray
 
     def blocks(self, length_s=1.0):
-        """Returns slices of about `length_s` in which every rotor turns."""
+        """Returns slices of about `length_s` of the flight in which every rotor turns."""
         edges = np.searchsorted(self.time_s, np.arange(self.time_s[0], self.time_s[-1], length_s))
         whole = [slice(a, b) for a, b in zip(edges, edges[1:])]
         return [s for s in whole if (self.speed_rad_per_s[:, s] > 500).all()]

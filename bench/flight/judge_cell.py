@@ -5,10 +5,11 @@
     .venv/bin/python bench/flight/judge_cell.py FOLDER
 
 FOLDER is described in flight_data.py. Sets: Craciun's flights with an odd SHA-256, and NanoBench's, whose power follows from
-the logged duty cycles. `blind` uses the cell file and the voltage at rest before the flight. `own start` fits one factor
-of all resistances to the first 20 s and is judged on the rest. `flight before` takes the factor of a whole earlier
-flight. In NanoBench it is one of the same cell, which started less than 5 minutes before and ended within 0.1 V below the
-rest voltage of this one. In Craciun's set, where no cell is named, it is the flight with the previous number.
+the logged duty cycles. The predictions have three names. `blind` uses the cell file and the voltage at rest before the
+flight. `own start` fits one factor of all resistances to the first 20 s and is judged on the rest. `flight before`
+takes the factor of a whole earlier flight. In NanoBench, that is a flight of the same cell that started less than 5
+minutes earlier and ended within 0.1 V below the rest voltage of the judged flight. In Craciun's set, where no cell is
+named, it is the flight with the previous number.
 """
 import argparse
 
@@ -25,7 +26,7 @@ SAG_AT_S = 5.0
 
 
 def spread(values):
-    """Returns median, mean, 90th percentile and largest, in mV."""
+    """Returns median, mean, 90th percentile and largest value, in mV."""
     mv = 1e3 * np.asarray(values)
     return f"{np.median(mv):.0f}, {mv.mean():.0f}, {np.percentile(mv, 90):.0f}, {mv.max():.0f}"
 
@@ -45,7 +46,7 @@ def before(flights, judged):
 
 
 def sag_and_slope(voltage, rest):
-    """Returns the drop from rest to 5 s after the start, and the slope from 10 s to the end [V/s]."""
+    """Returns the voltage drop from rest to 5 s after the start, and the slope from 10 s to the end [V/s]."""
     sag = rest - voltage[:, round(SAG_AT_S / data.STEP_S)]
     slopes = []
     for row in voltage:

@@ -47,7 +47,7 @@ def horizontal_drag(folder, name):
 
 def climb_drag(folder):
     """Returns the drag along the vertical [N s/m], its standard error, and the number of slices. The first rotor's
-    sensor fails in these flights, so rotors 2 to 4 represent all."""
+    sensor fails in these flights, so rotors 2 to 4 stand for all four."""
     rise, share = [], []
     for name in data.CLIMBING_FLIGHTS:
         f = data.flight(folder, name)

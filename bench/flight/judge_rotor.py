@@ -25,7 +25,7 @@ GRAMS = ((15, 20), (20, 25), (25, 30), (30, 35), (35, 40), (40, 45))
 
 
 def spread(errors):
-    """Returns mean, standard deviation, 5th and 95th percentile, in percent."""
+    """Returns the mean, the standard deviation, and the 5th and 95th percentile, in percent."""
     e = 100 * np.asarray(errors)
     return f"{e.mean():+.1f} (sd {e.std():.1f}, 5 to 95 %: {np.percentile(e, 5):+.1f} to {np.percentile(e, 95):+.1f})"
 

@@ -98,7 +98,7 @@ def read(path):
 
 
 def charge_at(rest_v):
-    """Returns the state of charge of the airframe's cell with this open-circuit voltage."""
+    """Returns the state of charge at which the airframe's cell has this open-circuit voltage."""
     cell = json.loads(AIRFRAME.read_text())["cell"]
     curve = json.loads((ROOT / f"fmu_battery/params/cells/{cell}.json").read_text())["open_circuit_voltage"]
     grid = np.linspace(0, 1, 4001)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""fmu_motors with one rotor file, driven by given duty cycles and voltage."""
+"""Runs fmu_motors with one rotor file, driven by given duty cycles and voltage."""
 import json
 import tempfile
 from functools import lru_cache
@@ -58,7 +58,7 @@ class Motors:
 
     @lru_cache(maxsize=None)
     def settled(self, voltage_v):
-        """Returns speed and power of one rotor at DUTIES."""
+        """Returns the steady speed and power of one rotor at DUTIES."""
         slave, now, rows = self._begin(), 0.0, []
         for duty in DUTIES:
             slave.setReal([self.at[n] for n in [*COMMAND, "bus.voltage"]], [duty] * 4 + [voltage_v])

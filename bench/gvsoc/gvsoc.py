@@ -38,7 +38,7 @@ def compiler():
 def processor_time(command, folder):
     """Returns (output, exit code, processor time [s]) of a command."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    # GVSoC's program starts others: in a session of their own, all of them can be ended.
+    # GVSoC's program starts other programs. In a session of their own, all of them can be ended together.
     with subprocess.Popen([str(part) for part in command], cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True, errors="replace", start_new_session=True) as running:
         try:

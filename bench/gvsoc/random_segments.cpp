@@ -99,7 +99,7 @@ class Author {
     return word;
   }
 
-  /// Loads and stores of their own pointer would rarely occur by chance.
+  /// Random loads and stores that overwrite their own pointer would occur too rarely.
   std::uint32_t any_watched() {
     switch (random_.below(4)) {
       case 0: {

@@ -33,7 +33,8 @@ def signed(value, bits):
 
 
 def known(word, rs1, rs2, rd):
-    """The class in which GVSoC is known to differ from RI5CY's RTL, with these operands; None outside all of them.
+    """Returns the class of instructions in which GVSoC is known to differ from RI5CY's RTL with these operands, or
+    None.
 
     >>> known(0x0045250B, 0x1C060000, 0, 0x1C060000)   # p.lw x10, 4(x10!)
     'a load with post-increment into its own pointer'

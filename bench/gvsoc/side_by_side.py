@@ -6,8 +6,9 @@ Usage: side_by_side.py BUILD [--hello ELF] [--coremark CHECKOUT] [--repeats N]
 
 BUILD is a build folder; bench/gvsoc/gvsoc.py describes how GVSoC is found. Programs of bench/soc and CoreMark run on one core
 of the cluster, with code in L2 behind the instruction cache and data in L1; hello runs on the fabric controller of board
-pulp_open. Processor time is that of the whole process, the least of the alternating repeats. Instructions are those executed by
-all cores of mebots-soc. The exit code is 1 if results differ. Needs riscv64-unknown-elf-gcc and picolibc.
+pulp_open. The processor time is that of the whole process: the least of the repeats, which alternate between the
+simulators. Instructions are those executed by all cores of mebots-soc. The exit code is 1 if results differ. Needs
+riscv64-unknown-elf-gcc and picolibc.
 """
 import argparse
 import pathlib

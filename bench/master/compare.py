@@ -27,7 +27,7 @@ import time
 
 STEP = 0.1
 SCENES = {
-    # name: (instances, connections as (from, to))
+    # Each entry is a name with the instances and the connections as (from, to).
     "one FMU": (1, []),
     "chain of four": (4, [(0, 1), (1, 2), (2, 3)]),
     "ring of sixteen": (16, [(i, (i + 1) % 16) for i in range(16)]),

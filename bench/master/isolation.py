@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The cost of separate processes: opening an instance, and a communication step of it, in the master's process, in a separate
-process and in a sandbox. Usage: isolation.py MEBOTS PASSTHROUGH.fmu [--sizes 1,50,500] [--repeats 3]
+"""Measures the cost of separate processes: opening an instance, and its communication step, in the master's process, in
+a separate process and in a sandbox. Usage: isolation.py MEBOTS PASSTHROUGH.fmu [--sizes 1,50,500] [--repeats 3]
 
 Measures processor time of mebots and all its processes, on which other work has little influence, and wall time. A step is the
 difference between a long run and a short one, divided by steps and instances. An opening is the short run minus that of one

@@ -35,7 +35,7 @@ struct Shape {
 constexpr std::int64_t kStepNs = 100'000'000;
 constexpr std::int64_t kInstanceSteps = 4'000'000;  // per measurement: long compared with the clock's resolution
 
-/// Returns this thread's own processor time: other work affects it only by emptying the caches.
+/// Returns the processor time of this thread. Other programs change it only because they use the caches.
 double cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -111,8 +111,8 @@ double by_master(const Shape& shape, const std::filesystem::path& fmu, FmuLibrar
   return time * 1e9 / static_cast<double>(steps * shape.instances);
 }
 
-/// ns per call of fmi2GetReal: the bare call; with the check of the floating-point environment; and by the master,
-/// which also sets the instance for callbacks and checks the result.
+/// Measures the ns per call of fmi2GetReal: the bare call; with the check of the floating-point environment; and by the
+/// master, which also sets the instance for callbacks and checks the result.
 struct CallCosts {
   double bare, watched, by_master;
 };

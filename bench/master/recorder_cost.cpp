@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cost of recording per communication point: ten Real variables whose 17 digits change in every row.
+// Measures the cost of recording per communication point: ten Real variables whose 17 digits change in every row.
 //
 //     recorder_cost FILE.fmu    (the probe of tests/fmus: build/ci/test_fmus/probe.fmu)
 #include "io/config/load_system.hpp"
@@ -79,7 +79,7 @@ void steps_with_csv(benchmark::State& state) {
   recorder.flush();
 }
 
-/// The recorder's work on the simulation's thread: one row of ten values.
+/// Measures the recorder's work on the simulation's thread for a row of ten values.
 void rows(benchmark::State& state) {
   Ring ring;
   OutputFile file("/dev/null");

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Error over number of steps with fixed and with controlled communication steps, on the quarter truck of libcosim, compared with
-libcosim's ECCO: a Markdown table and a figure.
+"""Measures the error over the number of steps with fixed and with controlled communication steps, on the quarter truck
+of libcosim. Compares it with libcosim's ECCO. Writes a Markdown table and a figure.
 
     step_control.py MEBOTS FOLDER OSCILLATOR.fmu [--out docs/img/step_control.png]
 
@@ -13,7 +13,7 @@ state in every step while a state is kept (noSetFMUStatePriorToCurrentPoint = fa
 
 The truck is linear (nd = 0.5), so its exact course is a matrix exponential. Steps inside the FMUs are so short that their own error is
 below that of the coupling. The error is the largest difference of the positions of chassis and wheel from the exact course at any
-communication point within 4 s, over the largest position.
+communication point within 4 s, divided by the largest position.
 """
 
 import argparse
@@ -40,7 +40,7 @@ NAMESPACE = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 
 
 class ExactTruck:
-    """The exact course of positions, chassis and wheel, whose ground rises at a time."""
+    """The exact course of the positions of chassis and wheel. The ground rises at a given time."""
 
     def __init__(self, kerb_time):
         self.kerb_time = kerb_time
@@ -78,7 +78,7 @@ class LibcosimTruck:
 
 
 class OwnTruck:
-    """The quarter truck from our own FMUs. Positions are relative to the truck's position after the kerb."""
+    """The quarter truck of MEbots' FMUs. Positions are relative to the truck's position after the kerb."""
 
     kerb_time = KERB_TIME
     positions = ("chassis.x", "wheel.x")
@@ -115,7 +115,7 @@ def config(truck, step, control=None, algorithm="jacobi"):
 
 
 def run(mebots, truck, *settings, **more):
-    """Returns steps performed, repeated ones included, and the error."""
+    """Returns the number of steps, repeated ones included, and the error."""
     exact = ExactTruck(truck.kerb_time)
     system = config(truck, *settings, **more)
     with tempfile.TemporaryDirectory() as name:
@@ -130,7 +130,7 @@ def run(mebots, truck, *settings, **more):
 
 
 def ecco(folder, tolerance):
-    """Returns the same for libcosim, with the settings of its example except the tolerances."""
+    """Returns the number of steps and the error of libcosim, with the settings of its example except the tolerances."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
     from libcosimpy.CosimObserver import CosimObserver
@@ -180,7 +180,7 @@ def measure_truck(mebots, truck, rollback, add):
 
 
 def measure(mebots, folder, fmu):
-    """Returns {truck: {way: [(setting, steps, error)]}}."""
+    """Returns {truck: {kind of step: [(setting, steps, error)]}}."""
     trucks = {}
 
     def adder(truck, suffix=""):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests whether runs with threads are ever slower than without. Alternates the same systems with `threads` 1 and "auto".
+"""Measures if runs with threads are slower than runs without. Alternates the same systems with `threads` 1 and "auto".
 
 Usage: threads.py MEBOTS PASSTHROUGH.fmu [CONFIG...] [--repeats N]
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Cycles of cores that access the same banks of L1 at the same time, on board gap8, compared with the RTL's arbitration: a
-table in Markdown with the mean deviation of a core and that of the last core, for rotating orders and for the tree's order.
+"""Compares the cycles of cores that access the same banks of L1 at the same time, on board gap8, with the RTL's
+arbitration. Prints a table in Markdown with the mean deviation of a core and that of the last core, for rotating orders
+and for the tree's order.
 
 Usage: banks.py BUILD [--each] [--quanta 32,64,128]
 
@@ -33,16 +34,16 @@ DELAYS = (0, 13, 27, 38, 51, 77)  # cycles before each run
 
 
 def any_bank(seed):
-    """Returns loads of any bank with other work between them; each core accesses five words further than the
-    previous one."""
+    """Returns loads of any bank with other work between them. Each core accesses the words five after those of the
+    previous core."""
     pick = random.Random(seed)
     body = [pick.randrange(BANKS) for _ in range(16)] + [None] * 16
     pick.shuffle(body)
     return body, 5
 
 
-# For one iteration of the loop: the word of each load, or None for an instruction that loads nothing, and the offset in
-# words of the same load in the next core.
+# For one iteration of the loop: the word that each load reads, or None for an instruction that loads nothing, and the
+# distance in words to the word that the same load reads in the next core.
 FORMS = {
     "one_bank": ([0] * 16, 0),                   # in every cycle
     "straight": ([0] * 256, 0),                  # the same, without the end of a loop: blocks of 64 instructions
@@ -80,7 +81,7 @@ def expected(form, cores, loads):
 
 
 def turns_of(form, loads):
-    """Returns the number of iterations; None if it is not whole."""
+    """Returns the number of iterations of the loop, or None if it is not a whole number."""
     in_body = sum(word is not None for word in FORMS[form][0])
     return loads // in_body if loads % in_body == 0 else None
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Cycles of 18 kernels, written after GreenWaves' CNN benchmark, on board gap8, compared with the published ones of the
-benchmark on a GAPuino (cycles.json): a table in Markdown. Seven are fits, eight validations, three not comparable.
+"""Compares the cycles of 18 kernels on board gap8 with the published cycles of GreenWaves' CNN benchmark on a GAPuino
+(cycles.json). The kernels are written after that benchmark. Prints a table in Markdown: seven rows are fits, eight are
+validations, and three are not comparable.
 
 Usage: cycles.py BUILD [--check] [--gvsoc]
 
@@ -23,7 +24,7 @@ sys.path.insert(0, str(ROOT / "bench/gvsoc"))
 import gvsoc  # noqa: E402
 
 MOST_OFF = {"fit": 0.05, "validation": 0.15}
-# The layer whose filter is at another address, as in the benchmark. So it is not the layer that was fitted.
+# In this layer the filter is at another address, as in the benchmark. Therefore it is not the layer that was fitted.
 OTHER_FILTER = ("linear, vector", 8)
 
 

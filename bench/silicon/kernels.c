@@ -11,7 +11,7 @@ static int8_t narrow(int32_t sum) {
   return (int8_t)(value > 127 ? 127 : value < -128 ? -128 : value);
 }
 
-// Returns the first of `count` rows for a core.
+// Returns the first of the `count` rows that belong to a core.
 static unsigned first_of(unsigned count, const job_t* job, unsigned core) {
   return count * core / job->cores;
 }
@@ -65,7 +65,7 @@ void convolution_scalar(const job_t* shared, unsigned core) {
   }
 }
 
-// Moves along a column: four words and four bytes are kept in registers, and one of each is loaded.
+// Moves along a column: four words and four bytes are kept in registers, and each step loads one word and one byte.
 void convolution_vector(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
   const unsigned begin = first_of(kOut, &job, core);
@@ -84,7 +84,7 @@ void convolution_vector(const job_t* shared, unsigned core) {
     uint32_t last = (uint8_t)q[0] | (uint32_t)(uint8_t)q[kWidth] << 8 | (uint32_t)(uint8_t)q[2 * kWidth] << 16 |
                     (uint32_t)(uint8_t)q[3 * kWidth] << 24;
     q += 4 * kWidth;
-    // Unrolled four times, so that no word moves between registers.
+    // The loop is unrolled four times, so that no word moves between registers.
 #pragma GCC unroll 4
     for (unsigned y = begin; y < end; ++y) {
       const uint32_t r4 = xpulp_lw_post(p, kWidth);
@@ -211,7 +211,7 @@ AVERAGE(average_scalar, "8",
         XPULP_LB_POST("t0", "1", "%[top]") XPULP_LB_POST("t1", "1", "%[top]")
         XPULP_LB_POST("t2", "1", "%[bottom]") XPULP_LB_POST("t3", "1", "%[bottom]")
         "add t0, t0, t1\n\t" "add t2, t2, t3\n\t" ".insn r 0x5b, 2, 2, t0, t0, t2\n\t" /* p.addN: >> 2 */)
-// The two pixels of each row are a half; shuffle2 makes them a word, and waits a cycle for its load.
+// Each of the two pixels of a row is a halfword. shuffle2 joins them to a word, and waits a cycle for its load.
 AVERAGE(average_vector, "6",
         XPULP_LH_POST("t0", "2", "%[top]") XPULP_LH_POST("t1", "2", "%[bottom]")
         ".insn r 0x57, 1, 0x64, t0, t1, %[halves]\n\t" /* pv.shuffle2.b */
@@ -222,7 +222,7 @@ static unsigned bit_of(const int8_t* bits, unsigned at) {
   return (uint8_t)bits[at / 8] >> at % 8 & 1;
 }
 
-// Returns how many of a window's bits equal the filter's.
+// Returns the number of a window's bits that equal the filter's bits.
 void xnor_plain(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
   const unsigned end = first_of(kOut, &job, core + 1);
@@ -239,13 +239,13 @@ void xnor_plain(const job_t* shared, unsigned core) {
   }
 }
 
-// Returns six bits from a bit address on.
+// Returns six bits, beginning at a bit address.
 static uint32_t six_bits(const int8_t* bits, unsigned at) {
   const xpulp_half half = *(const xpulp_half*)(bits + at / 8);
   return (uint32_t)half >> at % 8 & 63;
 }
 
-// Moves along two columns at the same time: a word contains five rows of six bits, of which one row is loaded.
+// Moves along two columns at the same time. A word contains five rows of six bits; each step loads one row.
 void xnor_scalar(const job_t* shared, unsigned core) {
   const job_t job = *shared;  // it lies in L2
   const unsigned end = first_of(kOut / 2, &job, core + 1);

@@ -20,7 +20,7 @@ typedef struct {
   unsigned cores;
 } job_t;
 
-// Does the share of core `core` of `job->cores`.
+// Computes the share of core `core` among `job->cores` cores.
 typedef void (*kernel_t)(const job_t* job, unsigned core);
 
 void convolution_plain(const job_t* job, unsigned core);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-silicon-phases: the cost of each phase of phases.c on a chip with the given energies. Prints JSON for
+// mebots-silicon-phases measures the cost of each phase of phases.c on a chip with the given energies. Prints JSON for
 // power.py: seconds, cycles and instructions of the cluster, joules of each part.
 
 #include "mebots/error.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 using namespace mebots::soc;
 
-/// The state of the chip at a printed line.
+/// The state of the chip when the program prints a line.
 struct Mark {
   std::string line;
   Picoseconds time = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The phases measured with an oscilloscope in GreenWaves' benchmark, one after the other: a line "begin NAME" before
-// each and "end" after it. The fabric controller sleeps in all of them.
+// Runs the phases that GreenWaves' benchmark measured with an oscilloscope, one after the other. Prints a line "begin
+// NAME" before each phase and "end" after it. The fabric controller sleeps in all phases.
 #include "kernels.h"
 
 #include "drivers/timer.h"
@@ -27,7 +27,7 @@ static void fill(void* argument) {
   for (unsigned i = 0; i < sizeof pixels; ++i) pixels[i] = (int8_t)((noise = noise * 1664525u + 1013904223u) >> 24);
   for (unsigned i = 0; i < sizeof weights; ++i) weights[i] = (int8_t)((noise = noise * 1664525u + 1013904223u) >> 24);
   for (unsigned i = 0; i < sizeof filter; ++i) filter[i] = (int8_t)(i < kTaps ? weights[i] : 0);
-  // Four columns of each row, then the fifth column, its corner last.
+  // Computes four columns of each row, then the fifth column, and its corner last.
   for (unsigned row = 0; row < 5; ++row) {
     for (unsigned column = 0; column < 4; ++column) filter_by_words[row * 4 + column] = filter[row * 5 + column];
     filter_by_words[20 + row] = filter[row * 5 + 4];
@@ -42,7 +42,7 @@ static void run(void* argument) {
   }
 }
 
-// Sum of all results, so that the forms of a kernel can be compared.
+// The sum of all results, so that the forms of a kernel can be compared.
 static uint32_t checksum;
 static void add_up(void* argument) {
   (void)argument;

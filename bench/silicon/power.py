@@ -20,7 +20,7 @@ HERE = pathlib.Path(__file__).parent
 MODELS = ("gap8", "gap8_silicon")
 TOP = (1.2, 250, 175)
 CAMERA_W = 1.75e-3 * 2.8  # configs/boards/gap8.json, camera
-# A longer run of the same program, so that one-time costs cancel out.
+# A longer run of the same program, so that one-time costs cancel.
 FEW, MANY = 2, 6
 
 
@@ -71,12 +71,12 @@ class Model:
         return phase["leakage"] / phase["seconds"]
 
     def gain(self, over, name, cycles):
-        """Returns the energy of `over` divided by that of a phase, for their numbers of cycles."""
+        """Returns the energy of phase `over` divided by that of phase `name`, for their numbers of cycles."""
         return self.power_w(over) * cycles[0] / (self.power_w(name) * cycles[1])
 
 
 def of_dronet(build, model, folder):
-    """Returns energy per picture and mean power of the board at 100 MHz."""
+    """Returns the energy per picture and the mean power of the board at 100 MHz."""
     dronet = folder / "pulp-dronet/pulp-dronet-v1"
     frames = sorted((folder / "Himax_Dataset/test_2").glob("frame_2[2-9].pgm"))
     found = []
@@ -118,8 +118,8 @@ def figure(model, point, rail_v, dronet):
 
 def extremes(model, points, rail_v, dronet):
     """Returns the least and the greatest ratio of silicon to model, over currents and energies that were not used
-    for calibration and whose own program ran, without the leaking chip. They are few, so this is not a confidence
-    interval."""
+    for calibration and whose own program ran, without the leaking chip. These values are few, so the result is not a
+    confidence interval."""
     fixed = {"gap8": (), "gap8_silicon": ("calibration",)}[model.name]
     ratios = {}
     for point in points:
@@ -159,7 +159,8 @@ def calibrate(model, points, rail_v):
 
     leakage = reset_w / watts("fc_asleep 0 1", "leakage")
     fabric = (fabric_w - reset_w) / watts("fc_asleep 0 1", "fc_background")
-    # The leakage of the cluster's cores and banks scales with that of the fabric controller; its own does not.
+    # The leakage of the cluster's cores and banks is scaled with that of the fabric controller. The fabric controller's
+    # own leakage is not scaled.
     own_w = chip["energy"]["cluster_leakage"]["values"]["25"]["1.2"]["any"]
     others_w = watts("cluster_idle 0 1", "leakage") - watts("fc_asleep 0 1", "leakage") - own_w
     clocked_w = watts("cluster_idle 0 1", "cluster_background", "dma", "cluster_cores")

@@ -33,13 +33,13 @@ def function(number, chance):
 
 
 def source(code_bytes):
-    """Returns C source of `unsigned turn(unsigned)`, which calls functions with about `code_bytes` of code, each
-    once."""
+    """Returns the C source of `unsigned turn(unsigned)`. It calls each of several functions once, which have about
+    `code_bytes` of code together."""
     chance = random.Random(20)
     count = max(1, round(code_bytes / FUNCTION_BYTES))
     functions = "\n".join(function(number, chance) for number in range(count))
     calls = [f"  x = f{number}(x, {chance.randrange(1, 1 << 12)});" for number in range(count)]
-    # Compiling one function with thousands of calls takes too long.
+    # A single function with thousands of calls takes too long to compile.
     groups = [calls[first:first + 50] for first in range(0, count, 50)]
     parts = "\n".join(f"static __attribute__((noinline)) unsigned part{i}(unsigned x) {{\n" + "\n".join(group) +
                       "\n  return x;\n}" for i, group in enumerate(groups))

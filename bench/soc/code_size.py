@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Speed of mebots-soc over the code size, compared with QEMU and Spike on the same programs.
+"""Measures the speed of mebots-soc over the code size, and compares it with QEMU and Spike on the same programs.
 
     scripts/setup.sh bench
     bench/soc/code_size.py [--build build/release] [--repeats 3] [--sizes 1,4,16,64,256,512] [--plot FILE.png]
@@ -56,7 +56,7 @@ def build_programs(size, instructions, folder):
 
 
 def contenders(build):
-    """Returns name -> command that precedes the program, and its kind of program."""
+    """Returns for each simulator's name the beginning of its command line, and its kind of program."""
     found = {name: (command, "qemu" if for_qemu else "bare") for name, (command, for_qemu) in simulators(build).items()
              if name != "mebots interpreter"}
     soc, _ = found.pop("mebots translated")
@@ -90,7 +90,8 @@ def measure(size, sims, instructions, repeats, folder):
 
 
 def spread(heights, least):
-    """Returns the heights in the same order. Raises each height that is less than `least` above the next lower one."""
+    """Spreads the labels of a plot: raises each height that is less than `least` above the next lower one. Returns the
+    heights in the same order."""
     lifted, below = {}, float("-inf")
     for i in sorted(range(len(heights)), key=heights.__getitem__):
         below = lifted[i] = max(heights[i], below + least)

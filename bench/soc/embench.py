@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Speed of mebots-soc on Embench-IoT and CoreMark, compared with QEMU -icount.
+"""Measures the speed of mebots-soc on Embench-IoT and CoreMark, and compares it with QEMU -icount.
 
     git clone https://github.com/embench/embench-iot; git clone https://github.com/eembc/coremark
     bench/soc/embench.py --embench embench-iot --coremark coremark [--build build/release] [--repeats 3] [--only crc32,ud]
@@ -30,7 +30,7 @@ BOARD_SUPPORT = "void initialise_board(void) {}\nvoid start_trigger(void) {}\nvo
 
 
 def compile_command(sources, options, place, path):
-    # The C library must be named for this architecture; no default fits.
+    # The C library must be built for this architecture. The compiler has no suitable default.
     flags = [flag for flag in GCC if flag not in ("-nostdlib", "-ffreestanding")]
     return (flags + ["-march=rv32imc", "--specs=picolibc.specs", "-nostartfiles", "-w"] + place + options +
             ["-T", HERE / "programs/link.ld", HERE / "programs/start.S", *sources, "-lm", "-o", path])
@@ -42,7 +42,7 @@ def compile_program(sources, options, for_qemu, path):
 
 
 def embench_programs(checkout, support):
-    """Returns name -> sources and options, given the scale of its length."""
+    """Returns for each name the program's sources and options, which depend on the scale of its length."""
     common = [checkout / "support" / name for name in ("main.c", "beebsc.c", "board.c")]
     options = [f"-I{support}", f"-I{checkout / 'support'}", "-DWARMUP_HEAT=1", "-DHAVE_CONFIG_H"]
     (support / "config.h").write_text("")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Costs of mebots-soc in addition to instructions: starting, observing a run, code that changes.
+"""Measures the costs of mebots-soc in addition to instructions: starting, observing a run, code that changes.
 
     scripts/setup.sh bench
     bench/soc/events.py [--build build/release] [--repeats 5]
@@ -8,8 +8,9 @@
 | case | what is measured |
 |---|---|
 | start | a run of exactly a million instructions of programs/mixed.c, from the start of the process to its end |
-| profile, power trace | a long run with `--profile`, `--power-trace`, over the same run without; mixed code and the cluster |
-| patch | a run with 200,000 stores into code (programs/patches.c) minus one with 100,000, here and on Spike |
+| profile, power trace | a long run with `--profile`, `--power-trace`, divided by the same run without; mixed code and
+the cluster | | patch | a run with 200,000 stores into code (programs/patches.c) minus one with 100,000, here and on
+Spike |
 
 Processor time; medians of alternating pairs. Exit code 1 if a program's checksums differ.
 """

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Speed of mebots-soc compared with QEMU and Spike on the same bare-metal programs.
+"""Compares the speed of mebots-soc with QEMU and Spike on the same bare-metal programs.
 
     scripts/setup.sh bench
     bench/soc/run.py [--build build/release] [--repeats 3] [--scale 1.0] [--programs convolution,sieve,mixed]
@@ -11,9 +11,9 @@ simulator on every program, one after the other, `repeats` times. The rate of a 
     (instructions of the long run - of the short run) / (processor time of the long run - of the short run)
 
 so that start-up, loading and translation of cold code cancel out, and other work on the host has little influence.
-mebots-soc counts cycles, energy and memory accesses in every run. The instruction counts are its own; the others run
-the same binary, and every run must end with the same checksum. Exit code 1 if one does not, or if the interpreter and
-the translated core of mebots-soc differ in instructions, cycles or energy.
+mebots-soc counts cycles, energy and memory accesses in every run. The instruction counts are those of mebots-soc. The
+other simulators run the same binary, and every run must end with the same checksum. The exit code is 1 if a checksum
+differs, or if the interpreter and the translated core of mebots-soc differ in instructions, cycles or energy.
 
 In the same rounds, mebots-soc runs programs/cluster.c on one core of the cluster and on eight: the rate is that of all
 its cores together.
@@ -50,7 +50,8 @@ def spike_path():
 
 
 def simulators(build):
-    """Returns name -> command line before the program, and whether the program is QEMU's version."""
+    """Returns for each simulator's name the beginning of its command line, and if it runs QEMU's version of the
+    program."""
     soc = str(build / "bin" / "mebots-soc")
     qemu = ["qemu-system-riscv32", "-M", "virt", "-cpu", "rv32", "-m", "16", "-bios", "none", "-display", "none",
             "-serial", "none", "-monitor", "none"]

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Time to save, restore and serialise the state of an FMU through fmi2*FMUstate, the best and the median of many.
+"""Measures the time to save, restore and serialise the state of an FMU through fmi2*FMUstate. Prints the shortest and
+the median time of many repeats.
 
 Usage: state.py [FMU] [--repeats 200]      default: build/release/fmus/fmu_soc.fmu
 """

@@ -31,7 +31,7 @@ ROWS = {"level position [m]": [0, 1], "height [m]": [2], "velocity [m/s]": [3, 4
 
 
 def wish(t):
-    """Returns mode, forward velocity, yaw rate."""
+    """Returns the mode, the forward velocity and the yaw rate that the drone gets at a time."""
     if t < 5.0:
         return 1, 0.0, 0.0
     return 2, 0.6 if 6.0 < t < 14.0 or 22.0 < t < 30.0 else 0.0, 0.5 if 16.0 < t < 20.0 else 0.0

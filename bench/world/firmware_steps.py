@@ -35,7 +35,7 @@ STATE = ([f"drone.position.{a}" for a in "xyz"] + [f"drone.velocity.{a}" for a i
          [f"drone.angular_velocity.{a}" for a in "xyz"])
 COMMAND = [f"rotor[{i}].command" for i in (1, 2, 3, 4)]
 HOVER = {"forward": 0.0, "left": 0.0, "yaw_rate": 0.0, "altitude": 1.0}
-# name: goal after the step, column of the state, from, to, judged seconds
+# Each row: name, goal after the step, column of the state, its value before and after the step, judged seconds.
 STEPS = {
     "pitch, 20 degrees": ({"forward": 3.0}, 7, 0.0, np.radians(20.0), 0.6),
     "velocity, 0.5 m/s": ({"forward": 0.5}, 3, 0.0, 0.5, 8.0),
@@ -74,7 +74,7 @@ class Fmu:
 
 
 def fly(archive, unpacked, drone, goal, seconds, lag, controller, library=None):
-    """Returns the state at each step from the change of the goal on."""
+    """Returns the state at each step, beginning with the change of the goal."""
     fmu = Fmu(archive, unpacked, controller)
     own = None
     if library:  # a copy per flight, because the controller's state is in global variables
@@ -108,7 +108,7 @@ def fly(archive, unpacked, drone, goal, seconds, lag, controller, library=None):
 
 
 def judged(values, begin, end):
-    """Returns rise from 10 to 90 %, overshoot, and the time after which it stays within 5 %."""
+    """Returns rise from 10 to 90 %, overshoot, and the time after which the response stays within 5 %."""
     share = (values - begin) / (end - begin)
     above = [np.argmax(share >= level) if (share >= level).any() else None for level in (0.1, 0.9)]
     rise = (above[1] - above[0]) * STEP if None not in above else np.nan

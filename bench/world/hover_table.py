@@ -32,7 +32,7 @@ DRAWS = {"draws": {"replicates": 19}, "uncertainty": "calibration"}  # of a stud
 
 
 def flown(folder, jobs, cells=CELLS, **sections):
-    """{(cell, payload): [(seconds, outcome)]}"""
+    """Returns {(cell, payload): [(seconds, outcome)]}."""
     masses = {round(BARE_KG + payload / 1000, 4): payload for payload in PAYLOADS_G}
     study = {
         "mission": str(ROOT / "configs/hover.json"),
@@ -50,8 +50,8 @@ def flown(folder, jobs, cells=CELLS, **sections):
 
 
 def shown(value, draws):
-    """Returns the least and greatest of the draws, and how many of them did not take off or descended before the
-    cell was empty."""
+    """Returns the least and the greatest value of the draws. Also returns the number of draws in which the drone did
+    not take off, or descended before the cell was empty."""
     seconds = [time for time, _ in draws]
     early = sum(outcome != "battery_empty" for _, outcome in draws)
     (time, outcome), = value

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures speed and memory of a world with several drones. The speed is the number of drones times simulated time over
-// wall-clock time. The drones hover with the Crazyflie's own cascade; rotors are a lag of first order. No pictures, no
-// chips, no master.
+// wall-clock time. The drones hover with the Crazyflie's own cascade; each rotor is a first-order lag. There are no
+// pictures, chips or master.
 #include "model.hpp"
 #include "scene/load.hpp"
 #include "stabiliser/stabiliser.hpp"
@@ -32,7 +32,7 @@ double resident_mib() {
   return static_cast<double>(resident * sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
 }
 
-/// Processor time of one core, which other load on the machine changes little.
+/// Returns the processor time of one core, on which other load of the machine has little influence.
 double processor_s() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Processor time of a picture: of the shipped scenes, and over the number of objects in a scene.
+"""Measures the processor time of a picture: of the shipped scenes, and over the number of objects in a scene.
 
     .venv/bin/python bench/world/renderer.py build/release/bin/mebots-camera
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Code that changes: TURNS times, overwrites the immediate of an instruction and calls the function that contains it.
-// main() returns the sum of the results.
+// Changes its own code. TURNS times, it overwrites the immediate of an instruction and calls the function that contains
+// the instruction. main() returns the sum of the results.
 #include <stdint.h>
 
-// addi a0, zero, 0; ret
+// The function is: addi a0, zero, 0; ret
 static uint32_t function[] = {0x00000513, 0x00008067};
 
 int main(void) {

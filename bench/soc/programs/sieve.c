@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Primes below 100 000 by a sieve.
+// Computes the primes below 100 000 by a sieve.
 #include <stdint.h>
 
 #define LIMIT 100000
