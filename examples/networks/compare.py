@@ -15,13 +15,13 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 CONFIGS = HERE.parents[1] / "configs"
 NETWORKS = ("sight", "sight_three_quarters", "sight_half")
-# The parameters that the sight firmware needs in each mission, and the ranges of the starts, as in examples/paper/sight.
+# The parameters that the sight firmware needs in each mission, and the ranges of the random starts. Both are those of examples/paper/sight.
 MISSIONS = {
     "gate_easy": (
         {"soc.firmware": ["sight"], "soc.mission.policy": ["adaptive"], "soc.mission.yaw_rate_scale": [0.8], "soc.mission.frame_period": [0.033]},
         {"world.start.offset.x": 0.5, "world.start.offset.y": 0.5, "world.start.yaw_offset": 0.3},
     ),
-    # A flight without success may search until the end; one with success takes 35 s.
+    # A flight without success may search until this time. A successful flight takes 35 s.
     "gate_hard": ({"/stop_time": [90]}, {"world.start.offset.x": 0.3, "world.start.offset.y": 0.1, "world.start.yaw_offset": 0.02}),
 }
 OBJECTIVES = {
@@ -35,7 +35,7 @@ COLUMNS = ("network", "mission", "flights", "passed", "of them touched", "infere
 
 
 def study(mission, folder, flights):
-    """The empty network is the firmware's own, with kernels scheduled by hand."""
+    """Writes the study of a mission. An empty network is the firmware's own network, with kernels scheduled by hand."""
     settings, ranges = MISSIONS[mission]
     draws = {name: {"uniform": [-most, most]} for name, most in ranges.items()} | {"world.sensors.seed": {"integer": [1, 1_000_000]}}
     return {

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Accuracy of PULP-DroNet v2 over the Himax data set, in float and in integers, with the intervals of both and of the loss.
+"""Measures the accuracy of PULP-DroNet v2 on the Himax data set, in float and in integers. Prints the intervals of both
+accuracies and of their difference.
 
 MODEL is model_original_himax.onnx or model_original.onnx of github.com/pulp-platform/pulp-dronet (pulp-dronet-v2/gapflow);
-PICTURES is a checkout of github.com/pulp-platform/Himax_Dataset. Steering has no labels there: its root mean square
-difference from float is printed."""
+PICTURES is a checkout of github.com/pulp-platform/Himax_Dataset. The data set has no labels for steering, so the root
+mean square difference between integers and float is printed."""
 
 import argparse
 import pathlib

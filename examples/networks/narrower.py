@@ -33,7 +33,7 @@ PRIOR = 1e-2
 
 
 def shapes(channels):
-    """Shapes of the weights: output, row, column, input."""
+    """Returns the shapes of the weights: output, row, column, input."""
     kernels = (5, 3, 3, 3, 3, 3, 3, 6)
     return [(out, kernel, kernel, into) for out, kernel, into in zip((*channels, OUTPUTS), kernels, (1, *channels), strict=True)]
 
@@ -44,7 +44,7 @@ def in_float(layers):
 
 
 def in_integers(layers):
-    """Returns weights, biases and shifts: the greatest shift with weights of a byte."""
+    """Returns weights, biases and shifts. Each shift is the greatest with which the weights fit into a byte."""
     result = []
     for weights, biases in layers:
         largest = np.abs(weights).max(axis=(1, 2, 3)).clip(1e-6)
@@ -55,7 +55,7 @@ def in_integers(layers):
 
 
 def windows(values, kernel, stride):
-    """(pictures, rows, columns, channels) to (pictures, rows, columns, window)."""
+    """Converts an array (pictures, rows, columns, channels) to its windows (pictures, rows, columns, window)."""
     border = kernel // 2 if kernel < 6 else 0  # the last layer sees all of its input
     padded = np.pad(values, ((0, 0), (border, border), (border, border), (0, 0)))
     seen = np.lib.stride_tricks.sliding_window_view(padded, (kernel, kernel), axis=(1, 2))[:, ::stride, ::stride]
@@ -63,7 +63,8 @@ def windows(values, kernel, stride):
 
 
 def sums(number, layer, values):
-    """Values of layer `number` before they are limited; of the first one after its pool, which gives the same."""
+    """Returns the values of layer `number` before they are limited. For the first layer, returns them after its pool,
+    which gives the same result."""
     weights, biases = layer
     stride = STRIDES[number] if number < len(STRIDES) else 1
     result = windows(values, weights.shape[1], stride) @ weights.reshape(len(weights), -1).T + biases
@@ -88,7 +89,7 @@ def pictures_of(pixels):
 
 
 def drawn(values, number, kernel, random):
-    """Returns windows of layer `number` at random places, and those places."""
+    """Returns windows of layer `number` at random places, and these places."""
     stride = STRIDES[number] if number < len(STRIDES) else 1
     seen = windows(values, kernel, stride)
     places = random.integers(0, np.prod(seen.shape[:3]), min(SAMPLES, np.prod(seen.shape[:3])))
@@ -96,13 +97,14 @@ def drawn(values, number, kernel, random):
 
 
 def solved(gram, product, prior=0.0, ridge=RIDGE):
-    """Least squares. A ridge, relative to the scale of the values, holds the solution near `prior`."""
+    """Solves a least-squares problem. A ridge, relative to the scale of the values, keeps the solution near `prior`."""
     inner = gram + ridge * np.trace(gram) / len(gram) * np.eye(len(gram))
     return prior + np.linalg.solve(inner, product - gram @ prior if np.ndim(prior) else product)
 
 
 def chosen(seen, weights, keep):
-    """Returns the channels of the input to keep: removes one after the other, each time that without which a fit of the layer is best."""
+    """Returns the channels of the input to keep. Removes one channel after the other, each time the one without which a
+    fit of the layer is best."""
     outputs, window, channels = len(weights), weights.shape[1] * weights.shape[2], weights.shape[3]
     if window > 9:  # too many unknowns for a fit: the channels with the greatest part of the sums
         part = weights.reshape(outputs, window, channels) ** 2 * seen.var(axis=0).reshape(window, channels)
@@ -122,7 +124,8 @@ def chosen(seen, weights, keep):
 
 
 def fitted(seen, wanted, weights, limits):
-    """Fits weights and biases, beginning with `weights`. A value beyond a limit counts as the limit: it is wrong only if the wanted one is within."""
+    """Fits weights and biases, beginning with `weights`. A value beyond a limit counts as the limit. Such a value is an
+    error only if the wanted value is within the limits."""
     seen = np.column_stack([seen, np.ones(len(seen))])
     prior = np.vstack([weights.reshape(len(weights), -1).T, (wanted - seen[:, :-1] @ weights.reshape(len(weights), -1).T).mean(axis=0)])
     gram = seen.T @ seen

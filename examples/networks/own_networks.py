@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes our networks as ONNX, each with pictures for the calibration (.npy): navigator and sight, which are shipped as firmware, and
-the sight network with three quarters and a half of the channels (narrower.py).
+"""Writes MEbots' networks as ONNX, each with pictures for the calibration (.npy): navigator and sight, which are
+shipped as firmware, and the sight network with three quarters and a half of the channels (narrower.py).
 
 Their weights are whole numbers, so the float model has nearly the values of the firmware's own kernels."""
 
@@ -21,7 +21,8 @@ HERE = "examples/networks"
 
 
 class Known(typing.NamedTuple):
-    """``channels`` of the convolutions. ``pictures``: golden pictures of the training, for the calibration."""
+    """A network to write. ``channels`` are those of the convolutions. ``pictures`` are golden pictures of the training,
+    for the calibration."""
 
     folder: str
     channels: tuple
@@ -61,8 +62,8 @@ def read_layers(name):
 
 
 def scaled(layer, step_in, step_out):
-    """Returns the layer's weights and bias in float, for these steps of inputs and outputs. The biases include half a unit for
-    rounding."""
+    """Returns the layer's weights and bias in float, where an input and an output have these steps. The biases include
+    half a unit for rounding."""
     weights, biases, shifts = layer
     factor = 2.0 ** -shifts.astype(float) * step_out
     half = 2.0 ** (shifts.astype(float) - 1)
@@ -70,7 +71,8 @@ def scaled(layer, step_in, step_out):
 
 
 def model(name):
-    """The input is grey levels / 255 - 128 / 255; the outputs are in [-1, 1]."""
+    """Returns the network as a model in float. Its input is grey levels / 255 - 128 / 255, and its outputs are in [-1,
+    1]."""
     layers = read_layers(name)
     nodes = []
     constants = [numpy_helper.from_array(np.float32(value), key) for key, value in (("least", 0), ("most", 1))]

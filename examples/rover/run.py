@@ -24,7 +24,8 @@ STUCK, BUMPED = 3, 2  # the firmware's exit codes
 
 
 class Rover:
-    """Wheels that follow the requested speed with a lag; the right one is 3 % thinner than the firmware assumes."""
+    """The robot's wheels follow the requested speed with a lag. The right wheel is 3 % thinner than the firmware
+    assumes."""
 
     LAG_S, TRACK_M, THINNER = 0.1, 0.2, 0.97
 
@@ -48,7 +49,8 @@ def require(good, complaint):
 
 
 def run_alone(build):
-    """Runs without turning wheels: the firmware detects it, with the `start` of every variable of board.json."""
+    """Runs the firmware alone, so that the wheels do not turn. The firmware detects it. Every variable of board.json
+    has its `start`."""
     done = subprocess.run([build / "bin/mebots-soc", "run", build / "firmware/rover.elf", "--board", HERE / "board.json"],
                           text=True, capture_output=True, check=False)
     print(done.stdout, end="")
@@ -98,9 +100,10 @@ def main():
     rover, code = drive(build / "fmus/rover.fmu", {"errand.distance": 2.0, "errand.speed": 0.4})
     print(f"errand of 2 m at 0.4 m/s: exit code {code}, x {rover.x:.3f} m, y {rover.y:.3f} m, heading {rover.heading:.4f} rad")
     require(code == 0, "it did not arrive")
-    # A delay of one period of 20 ms, and the lag of the wheels: 0.4 m/s x 0.13 s; the thinner wheel takes 1.5 %.
+    # The stop is late by one period of 20 ms and by the lag of the wheels, 0.4 m/s x 0.13 s. The thinner wheel takes
+    # 1.5 %.
     require(1.95 < rover.x < 2.06, "it did not stop where it should")
-    # Without steering 3 % of 2 m over a track of 0.2 m would be a turn of 0.3 rad.
+    # Without steering, the 3 % of 2 m on a track of 0.2 m would turn the rover by 0.3 rad.
     require(abs(rover.heading) < 0.1, "the gyro does not keep its heading")
 
     rover, code = drive(build / "fmus/rover.fmu", {"errand.distance": 2.0}, wall_m=0.8)

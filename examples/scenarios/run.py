@@ -22,7 +22,8 @@ COLUMNS = ["world.drone.position.*", "motors.power"]
 
 
 def fly(build, scenario, out):
-    """Returns the results of one flight; the config is that of the mission and records the drawn variables."""
+    """Returns the results of one flight. The config is that of the mission; in addition, it records the variables that
+    are drawn."""
     config = json.loads((ROOT / "configs" / "gate_easy.json").read_text())
     config["record"] = COLUMNS
     config.pop("pictures")

@@ -62,7 +62,7 @@ def check_flight(text, columns, summary):
     changes = [k for k in range(1, len(reported)) if reported[k] != reported[k - 1]]
     require(len(changes) > MEASUREMENTS // 2, f"the drone climbs, but only {len(changes)} different distances came")
     for k in changes:
-        # Measured in one of the last steps, from the world's output at its start.
+        # The distance was measured in one of the last steps, with the world's output at the start of that step.
         candidates = [round(below[i], 3) for i in range(max(0, k - 3), k)]
         require(any(abs(reported[k] - candidate) < 1e-9 for candidate in candidates),
                 f"row {k}: the chip reported {reported[k]} m, the world was at {candidates} m")
@@ -70,7 +70,7 @@ def check_flight(text, columns, summary):
     require(reported[changes[-1]] > reported[changes[0]], "the drone did not climb")
     ranging_j = MEASUREMENTS * SUPPLY_V * RANGING_A * RANGING_S
     require(abs(summary["sensor_energy"] / ranging_j - 1) < 0.01, "the sensor's energy is not that of its data sheet")
-    # Loads report a step late: 2 ms of standby are missing.
+    # The loads arrive a step late, so 2 ms of standby are missing.
     require(abs(summary["sensor_energy_of_the_battery"] / summary["sensor_energy"] - 1) < 1e-3,
             f"the battery gave the sensor another energy: {summary}")
     print(f"\n{len(changes)} distances from {reported[changes[0]]} m to {max(reported)} m, each as the world had it; "

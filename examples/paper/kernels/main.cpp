@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-network-bench: the cost of an inference of the navigator network on the cluster, by operating point and number
-// of cores. Prints a table in Markdown.
+// mebots-network-bench measures the cost of an inference of the navigator network on the cluster, by operating point
+// and number of cores. Prints a table in Markdown.
 
 #include "mebots/error.hpp"
 #include "soc/soc.hpp"
@@ -24,7 +24,7 @@ struct OperatingPoint {
   double fabric_hz;
 };
 
-/// The resolution of the energy: its error is that of one step in all inferences together.
+/// The resolution of the energy. The error of all inferences together is one step of it.
 constexpr std::int64_t kLookNs = 5'000;
 
 void measure(const OperatingPoint& point, const std::string& board_path, const mebots::soc::Elf& program) {

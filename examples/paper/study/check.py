@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Repeats a few of the published flights, and checks that they give the published results, bit for bit."""
+"""Repeats some published flights, and checks that the results have the bits of the published ones."""
 
 import experiments
 from missions import BATTERIES

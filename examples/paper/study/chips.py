@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The same flights with two chips: tables and texts of the report from the data of both."""
+"""Compares the same flights with two chips: makes tables and texts of the report from the data of both."""
 
 import re
 
@@ -24,8 +24,9 @@ def plain(outcome):
 
 
 def of_targets(first, second):
-    """Returns (target, what, paper's, first's, second's) with the bench's motors, and (target, what, reading,
-    first's, second's) of the rows that have other readings."""
+    """Returns two lists. The first has (target, what, the paper's value, the first chip's, the second chip's) with the
+    bench's motors. The second has (target, what, reading, the first chip's, the second chip's) for the rows with other
+    readings."""
     pairs = list(zip(targets.rows(first), targets.rows(second), strict=True))
     bench = [(a.target, a.what, a.paper, a.texts()[0], b.texts()[0]) for a, b in pairs]
     read = [(a.target, a.what, READINGS[name][0], of_first, of_second) for a, b in pairs
@@ -35,7 +36,7 @@ def of_targets(first, second):
 
 
 def targets_apart(first, second):
-    """Returns {unit: (largest difference of a target between both chips, its name)}."""
+    """Returns for each unit the largest difference of a target between both chips, and the target's name."""
     apart = dict.fromkeys(("s", "%"), (-1.0, ""))
     for a, b in zip(targets.rows(first), targets.rows(second), strict=True):
         units = [after.strip(" ,") for after in re.findall(r"{[^}]*}( [^ ,]*)?", a.form)]
@@ -47,13 +48,14 @@ def targets_apart(first, second):
 
 
 def lives_of_both(first, second):
-    """Returns (motors, battery, kind, first's, second's) of each endurance flight."""
+    """Returns for each endurance flight its motors, battery and kind, and the values of the first and of the second
+    chip."""
     return [(motors, battery, kind, first["lives"][motors][battery][kind], second["lives"][motors][battery][kind])
             for motors in MOTORS for battery in BATTERIES for kind in IN_THE_AIR]
 
 
 def ends_apart(first, second):
-    """Returns the number of flights of both experiments, and those that end otherwise with the second chip."""
+    """Returns the number of flights of both experiments, and the flights that end differently with the second chip."""
     ends = [(f"{kind} on {BATTERIES[battery][0]}'s cell, {MOTORS[motors]}", a["crashed"], b["crashed"])
             for motors, battery, kind, a, b in lives_of_both(first, second)]
     ends += [(f"hard, {name}", *(data["speeds"][name]["outcome"] for data in (first, second))) for name in HARD_NAMES]
@@ -110,7 +112,8 @@ def describe_joules(both):
 
 
 def joules(one):
-    """Returns the joules of a flight's decisions: the chip's, the camera's, and the chip's share of the cell's."""
+    """Returns the energies [J] of a flight's decisions: the chip's, the camera's, and the chip's share of the cell's
+    energy."""
     return f"{one['chip_j']:.3f}", f"{one['camera_j']:.3f}", f"{100 * one['chip_j'] / one['cell_j']:.3f}"
 
 

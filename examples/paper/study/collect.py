@@ -52,8 +52,8 @@ def batteries(summaries):
 
 
 def life(summary):
-    """Returns the duration of a flight by two clocks that start when it leaves the ground: until 10 % of the charge
-    are left, and until it is on the ground [s]. Also returns how it ended."""
+    """Returns the duration of a flight by two clocks that start when it leaves the ground: until 10 % of the charge are
+    left, and until the drone is on the ground [s]. Also returns how the flight ended."""
     trace = Trace(summary["folder"])
     start, end = trace.flown()
     charge = trace["battery.cell.state_of_charge"]
@@ -64,7 +64,7 @@ def life(summary):
 
 
 def lives(summaries, motors):
-    """{battery: {hover, cruise, empty: life}}"""
+    """Returns {battery: {hover, cruise, empty: life}}."""
     return {battery: {kind: life(summaries[named(motors, f"endurance-{battery}-{kind}")])
                       for kind in ("hover", "cruise", "empty")} for battery in BATTERIES}
 
@@ -151,7 +151,7 @@ def adaptive(summary):
 
 
 def wilson(passed, count, z=1.96):
-    """Confidence interval of a share, 95 % (Wilson 1927)."""
+    """Returns the 95 % confidence interval of a share (Wilson 1927)."""
     share = passed / count
     middle = (share + z * z / (2 * count)) / (1 + z * z / count)
     half = z / (1 + z * z / count) * math.sqrt(share * (1 - share) / count + z * z / (4 * count * count))

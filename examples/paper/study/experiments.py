@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flights of the paper's two experiments, and of further questions."""
+"""Lists the flights of the paper's two experiments, and those of further questions."""
 
 import dataclasses
 import random
@@ -25,7 +25,7 @@ def named(motors, name):
 
 
 def batteries():
-    """Charge used by the easy flight, with real and with equal masses."""
+    """Returns the easy flights with real and with equal masses, whose used charge is compared."""
     return [Flight(f"a-{battery}-{speed}-{'equal' if equal else 'real'}", "easy", speed, battery=battery,
                    equal_mass=equal)
             for battery in BATTERIES for speed in EASY_SPEEDS for equal in (False, True)]
@@ -41,23 +41,23 @@ def in_the_air(motors, battery, name, speed, landing_charge):
 
 
 def endurance(motors="bench"):
-    """Landing at 10 % charge, hovering and cruising."""
+    """Returns the flights that hover or cruise, and land at 10 % charge."""
     return [in_the_air(motors, battery, name, speed, 0.10)
             for battery in BATTERIES for name, speed in (("hover", 0.0), ("cruise", 1.5))]
 
 
 def empties(motors="bench"):
-    """Hovering until the protection opens."""
+    """Returns the flights that hover until the protection opens."""
     return [in_the_air(motors, battery, "empty", 0.0, 0.0) for battery in BATTERIES]
 
 
 def landing(motors, battery, percent):
-    """Hovering until a landing begins at a charge."""
+    """Returns a flight that hovers until its landing begins at a given charge."""
     return in_the_air(motors, battery, f"landing-{percent:.1f}", 0.0, percent / 100)
 
 
 def speeds():
-    """The hard flight at constant speeds and with the adaptive policy."""
+    """Returns the hard flights at constant speeds and with the adaptive policy."""
     record = tuple(RECORDED + CHIP_PARTS)
     flights = [Flight(f"b-{speed}", "hard", speed, pictures=True) for speed in HARD_SPEEDS]
     return [*flights, Flight("b-adaptive", "hard", ADAPTIVE_SPEED, adaptive=True, pictures=True, record=record)]
@@ -85,7 +85,7 @@ def starts(name, count, seed):
 
 def clocks(count):
     """Returns {(cores, clock MHz): flights}: the same random starts of the hard scenario, with the adaptive policy,
-    at several clocks of the cluster, on eight cores and on one."""
+    at several clocks of the cluster, on eight cores and on one core."""
     drawn = starts("hard", count, seed=2)
 
     def at(clock, cores):

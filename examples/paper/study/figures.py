@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The study's figures, drawn from its data."""
+"""Draws the study's figures from its data."""
 
 import base64
 import io
@@ -130,8 +130,8 @@ def clocks(rows):
 
 
 def chips(both):
-    """Draws the same by chip, one plot for eight cores and one for one core: {chip: (rows, tolerance according to
-    checks against silicon, as shares)}."""
+    """Draws the chip's mean energy up to the gate by chip, with one plot for eight cores and one for one core: {chip:
+    (rows, tolerance according to checks against silicon, as shares)}."""
     figure, plots = plt.subplots(1, 2, figsize=(8, 3.4), constrained_layout=True, sharey=True)
     for axes, cores in zip(plots, (8, 1)):
         for (chip, (rows, (low, high))), marker, colour in zip(both.items(), "os", (style.BLUE, style.VERMILION)):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flights of the study: the differences between flights, and the conversion of a flight to a config of `mebots
-run`."""
+"""Defines the flights of the study: the differences between flights, and the conversion of a flight to a config of
+`mebots run`."""
 
 import copy
 import dataclasses
@@ -20,7 +20,7 @@ BATTERIES = {  # name in fmu_battery/params/cells -> (label, capacity mAh, mass 
 CELLS = {"bitcraze_250": "bitcraze_250_flights", **{name: f"{name}_scaled" for name in ("ufx_250", "cyclone_300", "lipol_350")}}
 """The cell files of the flights, by battery."""
 MODELS = "fitted on flights"
-"""The models of rotors, cells and the chip's energies in the experiments. Data without this entry used those of
+"""The models of rotors, cells and the chip's energies in the experiments. Data without this entry used the models of
 2015."""
 HEAVIEST_G = max(mass for _, _, mass in BATTERIES.values())
 
@@ -31,7 +31,8 @@ FIRST_CHIP, SECOND_CHIP = CHIPS  # the report is about the first chip and compar
 SHIPPED = ("gate_easy", "gate_hard")
 LENS = "world.camera.field_of_view"
 
-# Both motor models are run; other omissions of the paper are computed from the loads of a flight (replay.py).
+# Flights are run with both motor models. The paper's other omissions are computed from the loads of a flight
+# (replay.py).
 MOTORS = {"bench": "bench motors", "paper": "paper's motors"}
 
 
@@ -58,8 +59,8 @@ def shipped(name, chip):
 
 
 def lens(field_of_view, chip):
-    """Returns the field of view of a chip's camera [rad] whose centre sees the same as this one: that of the shipped
-    mission which has it."""
+    """Returns the field of view of a chip's camera [rad] whose centre shows the same as the given field of view. It is
+    that of the shipped mission with the chip."""
     def of(name, on):
         return shipped(name, on)["instances"]["world"]["parameters"].get(LENS.removeprefix("world."))
     return {of(name, FIRST_CHIP): of(name, chip) for name in SHIPPED}[field_of_view]
@@ -126,7 +127,7 @@ CHIP_PARTS = [f"soc.energy.{part}" for part in ("fabric_controller", "cluster_co
 
 
 def config(flight, chip):
-    """Returns the config of a flight: that of the easy gate on this chip, changed."""
+    """Returns the config of a flight: the config of the easy gate on this chip, with the flight's changes."""
     system = copy.deepcopy(shipped("gate_easy", chip))
     system["text"] = flight.name
     system["stop_time"] = flight.stop_time

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Replays a flight's loads with another cell. Computes the results of the battery's FMU for the recorded powers of a
-flight, with the paper's motors, with or without the flight controller's power and the cell's resistance. The path
-is that of the flight."""
+flight, with the paper's motors, with or without the flight controller's power and the cell's resistance. The flight
+path stays the same."""
 
 import functools
 import json
@@ -15,8 +15,8 @@ from fmpy.fmi2 import FMU2Slave
 from missions import CELLS, ROOT
 from results import CRUISE
 
-# The columns next to the bench's; each omits one more effect: label, flight controller's power included, cell's resistance
-# included.
+# The columns next to the bench's. Each column omits one more effect. An entry has its label, and states if the flight controller's power and the
+# cell's resistance are included.
 READINGS = {"paper": ("paper's motors", True, True), "no_avionics": ("without flight controller", False, True),
             "no_losses": ("nor cell resistance", False, False)}
 LOADS = {"motors.power": "motors.power", "soc.power": "soc.power", "camera.power": "soc.camera.power",

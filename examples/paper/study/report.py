@@ -243,7 +243,7 @@ def numbers(rows, texts):
 
 
 def on_both_chips(page, data, beside):
-    """`beside` contains the results of the second chip."""
+    """Adds the comparison of both chips to a page. `beside` contains the results of the second chip."""
     first, second = FIRST_CHIP, SECOND_CHIP
     both = {first: data, second: beside}
     page.heading("The same flights on GAP8's own devices")

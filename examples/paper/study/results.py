@@ -15,7 +15,7 @@ LAST_STRETCH_M = (1.4, 0.2)
 
 
 class Trace:
-    """results.csv as columns by name, without units."""
+    """The columns of results.csv by name, without units."""
 
     def __init__(self, folder):
         with open(pathlib.Path(folder) / "results.csv", newline="") as file:

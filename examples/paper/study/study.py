@@ -48,7 +48,7 @@ def fly_experiments(place, data):
 
 def fly_landings(place, data):
     data["landing"] = {motors: landing.fly(place, motors) for motors in MOTORS}
-    # The standard battery's last failed landing and the first successful one.
+    # The last failed landing and the first successful one with the standard battery.
     charges = [landing.least(data["landing"]["bench"]["bitcraze_250"]) - landing.STEP * too_low for too_low in (1, 0)]
     flights = [experiments.landing("bench", "bitcraze_250", charge) for charge in charges]
     flown = fly_all(flights, place)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the paper's results with ours, for each interpretation of what the paper does not state: one row per
-target."""
+"""Compares the paper's results with those of MEbots. There is one row per target, and one column per interpretation of
+the values that the paper omits."""
 
 import dataclasses
 
@@ -13,7 +13,7 @@ NOTHING = "-"  # not run with these motors
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """`values` are the arguments of `form`, for each of COLUMNS or for the first only."""
+    """A row of the table. `values` are the arguments of `form`, for each of COLUMNS or for the first only."""
     target: str
     what: str
     paper: str
@@ -27,7 +27,8 @@ class Row:
 
 
 def row(target, what, paper, form, values, tells):
-    """`values` is a list of the displayed values in each column; several in one column as a tuple."""
+    """Returns a row. `values` is a list of the displayed values in each column; several values in one column are a
+    tuple."""
     return Row(target, what, paper, form, [shown if isinstance(shown, tuple) else (shown,) for shown in values], tells)
 
 

@@ -19,8 +19,8 @@ FULL_EDGE, NO_EDGE = 1.05, 2.1
 
 
 def fly(speed_km_h, adaptive, fades):
-    """Lateral offset where the gate's plane is crossed [m], positive = left, and the time from the start of the
-    cruise to there [s]."""
+    """Returns the lateral offset at the gate's plane [m], positive = left, and the time from the start of the cruise to
+    that plane [s]."""
     place = scenario("hard")
     gate = scene(place["world.scene.name"])["gates"][0]
     tangent = math.tan(place["world.camera.field_of_view"] / 2)

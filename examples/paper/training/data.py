@@ -9,7 +9,7 @@ from network import EDGE
 
 
 class Pictures:
-    """Pictures (grey levels minus 128) and the expert's command for each."""
+    """Pictures (grey levels minus 128), and the expert's command for each picture."""
 
     def __init__(self, path):
         path = pathlib.Path(path)
@@ -26,7 +26,8 @@ class Pictures:
 
 
 def batches(pictures, size, random=None):
-    """Yields batches as (pixels, yaw); with a random generator in random order, half of them mirrored."""
+    """Yields batches as (pixels, yaw). With a random generator, the order is random and half of the pictures are
+    mirrored."""
     order = np.arange(len(pictures)) if random is None else random.permutation(len(pictures))
     for begin in range(0, len(order), size):
         chosen = order[begin:begin + size]

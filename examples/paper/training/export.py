@@ -17,7 +17,8 @@ NETWORKS = {"navigator": (Pictures, ("yaw",), {"test": 20, "easy": 6, "hard": 6}
 
 
 def shrunk_pattern(width, height):
-    """Returns the checksum of a shrunk picture given by a formula; tests/firmware/network_test.cpp has the same."""
+    """Returns the checksum of a shrunk picture given by a formula; tests/firmware/network_test.cpp has the same
+    formula."""
     y, x = np.mgrid[:height, :width]
     return integer_network.checksum(integer_network.shrink((3 * x * x + 7 * y + x * y) % 256).astype(np.int8))
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The network in whole numbers, by numpy alone: this defines what every kernel of the firmware computes.
+"""Computes the network in whole numbers with NumPy alone. These results define what every kernel of the firmware
+computes.
 
 Layers are (weights[out][row][column][in] int8, biases[out] int32, shifts[out] uint8). An output is
 clip((sum of weight x input + bias + half) >> shift): [0, 255] after a convolution, [-127, 127] after the dense layer.
@@ -13,7 +14,7 @@ EDGE = 168
 
 def shrink(picture):
     """Returns the network's picture (168 x 168, grey level minus 128) from the camera's: rounded means of 2 x 2
-    pixels, evenly spaced from edge to edge. The same as fmu_soc/firmware/nn/shrink.c."""
+    pixels, evenly spaced from edge to edge. fmu_soc/firmware/nn/shrink.c computes the same."""
     picture = np.asarray(picture).astype(np.int32)
     rows, columns = (np.arange(EDGE) * (length - 2) // (EDGE - 1) for length in picture.shape)
     total = sum(picture[np.ix_(rows + i, columns + j)] for i in (0, 1) for j in (0, 1))

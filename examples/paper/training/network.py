@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Networks from a picture to numbers: their shapes, in floating point for training and with integers for deployment."""
+"""Defines networks from a picture to numbers: their shapes, in floating point for training and with integers for
+deployment."""
 
 import dataclasses
 
@@ -20,12 +21,13 @@ class Shape:
         return 6 * 6 * self.convolutions[-1][1]
 
 
-# The Stargate navigator, camera only: one yaw command.
+# The Stargate navigator with the camera as its only sensor: one yaw command.
 NAVIGATOR = Shape(((1, 4, 5, 2, True),
                    (4, 4, 3, 2, False), (4, 4, 3, 1, False),
                    (4, 16, 3, 2, False), (16, 16, 3, 1, False),
                    (16, 32, 3, 2, False), (32, 32, 3, 1, False)), 1)
-# The position of the gate: yaw, rise, size, visible (sight.py). 1.7 times the navigator's products.
+# The position of the gate: yaw, rise, size, visible (sight.py). An inference has 1.7 times the navigator's
+# multiplications.
 SIGHT = Shape(((1, 8, 5, 2, True),
                (8, 8, 3, 2, False), (8, 8, 3, 1, False),
                (8, 16, 3, 2, False), (16, 16, 3, 1, False),
@@ -37,8 +39,8 @@ OUTPUT_STEP = 1.0 / 127     # of one count of an output
 
 
 class Navigator(nn.Module):
-    """Floating point, with batch normalisation. Takes pictures in grey levels minus 128, returns the outputs of
-    each; a single output without its own dimension."""
+    """The network in floating point, with batch normalisation. Takes pictures in grey levels minus 128, and returns the
+    outputs of each picture. A single output has no dimension of its own."""
 
     def __init__(self, shape=NAVIGATOR):
         super().__init__()
@@ -80,10 +82,10 @@ class _Round(torch.autograd.Function):
 
 
 class IntegerNavigator(nn.Module):
-    """The network as computed by the chip, trainable: every value is a whole number in a float, every sum is below
-    2^24 and therefore exact. An output count is clip((sum of weight x input + bias + half) >> shift), with one
-    shift per output channel: the scale of the weights is a power of two times the ratio of the steps, so no
-    multiplier is needed."""
+    """The network as the chip computes it, in a form that can be trained: every value is a whole number in a float,
+    every sum is below 2^24 and therefore exact. An output count is clip((sum of weight x input + bias + half) >>
+    shift), with one shift per output channel: the scale of the weights is a power of two times the ratio of the steps,
+    so no multiplier is needed."""
 
     def __init__(self, navigator):
         super().__init__()

@@ -8,9 +8,9 @@ import numpy as np
 
 from network import EDGE
 
-# The network's outputs, each in [-1, 1]. yaw, rise: the opening's centre, to the left of and above the picture's
-# centre, relative to half the picture. size: half the frame's edge over half the picture's width, over MOST_SIZE;
-# visible: above 0 with a gate.
+# The network's outputs, each in [-1, 1]. yaw and rise are the position of the opening's centre, to the left of and
+# above the picture's centre, relative to half the picture. size is half the frame's edge, divided by half the picture's
+# width and by MOST_SIZE. visible is above 0 if there is a gate.
 OUTPUTS = ("yaw", "rise", "size", "visible")
 MOST_SIZE = 2.0
 
@@ -40,7 +40,8 @@ class Sights:
 
 
 def batches(sights, size, random=None):
-    """Yields batches as (pixels, wanted); with a random generator in random order, half of them mirrored."""
+    """Yields batches as (pixels, wanted). With a random generator, the order is random and half of the pictures are
+    mirrored."""
     order = np.arange(len(sights)) if random is None else random.permutation(len(sights))
     for begin in range(0, len(order), size):
         chosen = order[begin:begin + size]

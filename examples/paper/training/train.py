@@ -35,7 +35,7 @@ def metrics(yaw, pictures):
 
 
 def fit(model, train, validation, epochs, rate, decay, scale, device, name, batch=BATCH):
-    """Trains with Adam and a rate that rises and falls once. Prints a line per epoch."""
+    """Trains with Adam. The learning rate rises and falls once. Prints a line per epoch."""
     random = np.random.default_rng(SEED)
     optimizer = torch.optim.Adam(model.parameters(), lr=rate, weight_decay=decay)
     steps = epochs * -(-len(train) // batch)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Trains the sight network in floating point, then continues with the integers of the chip; with --begin, instead
-continues with a trained one among clutter."""
+continues to train a trained network among clutter."""
 
 import argparse
 import json
@@ -22,13 +22,13 @@ LOGIT = 6.0
 VISIBLE_WEIGHT = 0.08
 # Among clutter, the main question is whether there is a gate.
 CLUTTER_VISIBLE_WEIGHT = 0.15
-# The number of pictures of the first training that the one among clutter includes, so that the network keeps its
+# The number of pictures of the first training that the training among clutter includes, so that the network keeps its
 # abilities.
 KEPT = 10000
 
 
 def loss_of(outputs, wanted, visible_weight):
-    """Returns errors of place and size if there is a gate, and of its detection."""
+    """Returns the errors of place and size if there is a gate, and the error of its detection."""
     there = wanted[:, 3:]
     place = functional.smooth_l1_loss(outputs[:, :3] * there, wanted[:, :3] * there, beta=0.05)
     return place + visible_weight * functional.binary_cross_entropy_with_logits(LOGIT * outputs[:, 3:], there)
@@ -42,7 +42,7 @@ def answers(model, sights, scale):
 
 
 def metrics(outputs, sights):
-    """Returns errors in units of the outputs if there is a gate, and the shares of missed gates and of false ones."""
+    """Returns errors in units of the outputs if there is a gate, and the shares of missed gates and of false gates."""
     there = sights.visible
     error = np.abs(outputs - sights.wanted)[there]
     result = {"missed": float((outputs[there, 3] <= 0).mean()),
@@ -54,7 +54,8 @@ def metrics(outputs, sights):
 
 
 def fit(model, train, validation, epochs, rate, decay, scale, name, keep, visible_weight=VISIBLE_WEIGHT):
-    """Trains with Adam and a rate that rises and falls once. Prints a line and saves the weights after each epoch."""
+    """Trains with Adam. The learning rate rises and falls once. Prints a line and saves the weights after each epoch.
+    """
     random = np.random.default_rng(SEED)
     optimizer = torch.optim.Adam(model.parameters(), lr=rate, weight_decay=decay)
     steps = epochs * -(-len(train) // BATCH)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drives straight on for the errand's distance, keeping the heading of the start, and stops.
-// Exit code 0: arrived; 2: the bumper was hit; 3: the wheels do not turn.
+// Drives straight for the errand's distance with the heading of the start, and stops. Exit code 0: arrived; 2: the
+// bumper was hit; 3: the wheels do not turn.
 #include "board.h"
 #include "drivers/timer.h"
 #include "runtime/console.h"

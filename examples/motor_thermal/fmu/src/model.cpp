@@ -13,11 +13,11 @@ namespace {
 /// Temperature coefficient of copper's resistance at 20 degrees Celsius [1/K]: IEC 60028, annealed copper.
 constexpr double kCopper_per_k = 0.00393;
 constexpr double kReference_k = 293.15;
-/// Far above the limits of insulation and magnet: the parameters must be wrong.
+/// This temperature is far above the limits of insulation and magnet. If it is reached, the parameters must be wrong.
 constexpr double kRunaway_k = 1000;
 constexpr double kMotors = 4;
 
-/// The functions of one eigenvalue over the step: exp(l t), and its first and second integrals.
+/// Three functions of an eigenvalue l over the step t: exp(l t), and its first and second integrals.
 struct Mode {
   double grown;
   double once;
@@ -44,7 +44,7 @@ void Model::start(const Inputs& /*inputs*/, Outputs& outputs) {
 void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& outputs) {
   const double t = 1e-9 * static_cast<double>(duration_ns);
   const auto& p = parameters_;
-  // The driver switches: the winding carries current all the time, the battery only during the duty cycle.
+  // The driver switches. The winding carries current all the time, but the battery only during the duty cycle.
   const double effective_v = inputs.motor_command * inputs.bus_voltage_v;
   current_a_ = effective_v > 0 ? inputs.motor_power_w / kMotors / effective_v : 0;
   const double loss_w = current_a_ * current_a_ * p.winding_resistance_ohm;
@@ -59,8 +59,8 @@ void Model::step(const Inputs& inputs, std::int64_t duration_ns, Outputs& output
   const double x = winding_k_ - inputs.air_temperature_k;
   const double y = case_k_ - inputs.air_temperature_k;
 
-  // Two eigenvalues l1 >= l2, real since b c >= 0; a function of A is f(l1) P + f(l2) (1 - P), P = (A - l2) / (l1 -
-  // l2).
+  // The matrix has two eigenvalues l1 >= l2, which are real because b c >= 0. A function of A is f(l1) P + f(l2) (1 -
+  // P), with P = (A - l2) / (l1 - l2).
   const double middle = 0.5 * (a + d);
   const double half_gap = std::hypot(0.5 * (a - d), std::sqrt(b * c));
   const Mode m1 = mode(middle + half_gap, t);

@@ -9,12 +9,12 @@
 
 namespace mebots::motor_thermal {
 
-/// Two heat capacities, one inside the other:
+/// A motor is two heat capacities, one inside the other:
 ///
 ///     C_w dT_w/dt = I^2 R (1 + a (T_w - 20 degC)) - G_w (T_w - T_c)
 ///     C_c dT_c/dt = G_w (T_w - T_c) - G_c (T_c - T_air)
 ///
-/// For constant inputs this is linear in (T_w, T_c), so a step of any length is the exact solution.
+/// For constant inputs, these equations are linear in (T_w, T_c), so a step of any length is the exact solution.
 class Model {
  public:
   /// `resources` is not used. Each parameter is checked against its limits in the description.

@@ -25,7 +25,7 @@ using world::scene::Picture;
 using world::scene::Scene;
 using world::scene::Texture;
 
-/// A place on the floor with a heading, around which the parts of a thing are placed.
+/// A place on the floor with a heading. The parts of a thing are placed around it.
 struct Stand {
   Vector3d p_W_m;
   double yaw_rad = 0.0;
@@ -90,7 +90,7 @@ void crate(Random& random, const Stand& stand, double edge_m, double bottom_m, S
     scene.boxes.push_back(part(stand, middle, Vector3d::Constant(edge_m), texture));
     return;
   }
-  // Beams around the front and the back.
+  // Adds beams around the front and the back.
   scene.boxes.push_back(part(stand, middle, Vector3d::Constant(edge_m), plain(level)));
   const double beam = edge_m * random.between(0.08, 0.2);
   const auto frame = plain(std::clamp(level + random.between(-90.0, 90.0), 0.0, 255.0));

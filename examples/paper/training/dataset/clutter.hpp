@@ -13,7 +13,7 @@ struct Floor {
   double half_width_m = 4.0;
 };
 
-/// Adds a thing that is not a gate but resembles one or is typical near gates: a framed picture on a wall or a stand, a
+/// Adds a thing that is not a gate, but resembles one or is often near gates: a framed picture on a wall or a stand, a
 /// crate with framed sides, a table, a doorway, a shelf, a tree, a pillar with a bumper.
 void add_clutter(Random& random, const Floor& floor, world::scene::Scene& scene);
 

@@ -15,7 +15,7 @@ constexpr double kNoCommandEdge = 2.1;
 constexpr double kLeastVisiblePart = 0.25;
 /// A gate seen at a flatter angle than this is a beam, not an opening.
 constexpr double kLeastCosine = 0.3;
-/// A point that is nearer along the optical axis is outside of the picture.
+/// A point that is nearer along the optical axis than this is outside of the picture.
 constexpr double kLeastDepth_m = 0.05;
 constexpr double kBeside = 100.0;
 
@@ -31,8 +31,8 @@ Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics&
   const Vector3d to_gate_W = gate.p_W_m - camera.p_WC_m;
   advice.distance_m = ahead_W.dot(to_gate_W);
   const double tangent = std::tan(0.5 * intrinsics.horizontal_field_of_view_rad);
-  // Offset of a point in half widths of the picture; outside of every edge if it is to the side of the camera or behind
-  // it.
+  // Returns the offset of a point in half widths of the picture. If the point is to the side of the camera or behind
+  // it, the offset is outside of every edge.
   const auto offset_of = [&](const Vector3d& p_W) {
     const Vector3d p_C = camera.R_WC.transpose() * (p_W - camera.p_WC_m);
     return p_C.x() > kLeastDepth_m ? p_C.y() / p_C.x() / tangent : std::copysign(kBeside, p_C.y());
@@ -52,7 +52,7 @@ Advice expert(const world::scene::Scene& scene, const world::camera::Intrinsics&
     return advice;
   }
   advice.visibility = Visibility::enough;
-  // Fades linearly over the distance, which is the inverse of the apparent edge.
+  // The command fades linearly over the distance, which is the inverse of the apparent edge.
   const double near = advice.distance_m * tangent / gate.outer_m;
   advice.strength =
       std::clamp((near - 1.0 / kNoCommandEdge) / (1.0 / kFullCommandEdge - 1.0 / kNoCommandEdge), 0.0, 1.0);

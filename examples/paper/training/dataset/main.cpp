@@ -160,7 +160,7 @@ BodyPose random_pose(Random& random, const mebots::world::scene::Scene& scene, d
   return tilted(random, p, yaw, 0.035);
 }
 
-/// Places a camera of the sight network so that the gate is in view or nearly so.
+/// Places a camera of the sight network so that the gate is in the picture or just outside.
 void place_before(Random& random, const mebots::world::scene::Gate& gate, double half_view_rad, Vector3d& p,
                   double& yaw) {
   const double distance = random.chance(0.6) ? random.between(0.5, 7.5) : random.log_between(0.3, 2.5);
@@ -173,7 +173,8 @@ void place_before(Random& random, const mebots::world::scene::Gate& gate, double
   yaw = towards - bearing;
 }
 
-/// Like the view above, for the sight network: other heights, stronger tilt, and more pictures without a gate.
+/// Returns a view like the one above, for the sight network: other heights, stronger tilt, and more pictures without a
+/// gate.
 BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, double half_view_rad) {
   double yaw = random.between(-M_PI, M_PI);
   Vector3d p{random.between(-1.5, 4.0), random.between(-2.0, 2.0), random.between(0.5, 1.6)};
@@ -184,7 +185,7 @@ BodyPose random_view(Random& random, const mebots::world::scene::Scene& scene, d
   return tilted(random, p, yaw, 0.045);
 }
 
-/// Returns the target of a camera that looks at anything but a gate: any wall or thing.
+/// Returns the target of a camera that looks at a wall or a thing, but not at a gate.
 Vector3d random_thing(Random& random, const mebots::world::scene::Scene& scene) {
   const int boxes = static_cast<int>(scene.boxes.size());
   const int cylinders = static_cast<int>(scene.cylinders.size());
@@ -212,7 +213,7 @@ BodyPose view_of_clutter(Random& random, const mebots::world::scene::Scene& scen
   return tilted(random, p, yaw, 0.045);
 }
 
-/// Returns everything that can hide a gate as boxes; a cylinder as its bounding box.
+/// Returns everything that can hide a gate as boxes. A cylinder is replaced by its bounding box.
 std::vector<mebots::world::scene::Box> obstacles(const mebots::world::scene::Scene& scene) {
   auto boxes = scene.boxes;
   for (const auto& cylinder : scene.cylinders) {
@@ -347,7 +348,7 @@ class Writer {
 constexpr double kNarrowest_rad = 0.87;
 constexpr double kWidest_rad = 1.51844;
 
-/// For the sight network, a wider range that includes both.
+/// For the sight network, the range is wider and includes both lenses.
 constexpr double kNarrowestSight_rad = 0.82;
 constexpr double kWidestSight_rad = 1.56;
 

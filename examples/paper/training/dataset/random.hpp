@@ -7,7 +7,7 @@
 
 namespace mebots::training {
 
-/// Random numbers that are the same on every machine, unlike those of std::uniform_real_distribution.
+/// Draws random numbers that are the same on every machine, unlike those of std::uniform_real_distribution.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : bits_(seed) {}

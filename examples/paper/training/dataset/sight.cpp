@@ -13,11 +13,11 @@ using Eigen::Vector3d;
 
 /// A gate seen at a flatter angle than this is a beam, not an opening.
 constexpr double kFlatCosine = 0.3;
-/// A point that is nearer along the optical axis is outside of the picture.
+/// A point that is nearer along the optical axis than this is outside of the picture.
 constexpr double kBesideDepth_m = 0.05;
 /// The share of the points along the opening's edge that must be in the picture.
 constexpr double kLeastInnerPart = 0.15;
-/// The depth of these points in the beams, from the inner edge to the outer one.
+/// The depth of these points in the beams, as a share of the way from the inner edge to the outer edge.
 constexpr double kIntoBeam = 0.2;
 
 Sight sight_of_gate(const world::scene::Gate& gate, const world::camera::Intrinsics& intrinsics,

@@ -9,8 +9,9 @@ namespace mebots::training {
 
 /// The position of the nearest gate in a picture, which the sight network learns.
 struct Sight {
-  /// enough: in the picture. none: not even a corner of it. sliver: too little or too flat for a correct answer; also a
-  /// gate that the camera is about to fly through, whose inner edges are all outside of the picture.
+  /// enough: the gate is in the picture. none: not even a corner of the gate is in the picture. sliver: the visible
+  /// part is too small or too flat for a correct answer; also a gate that the camera is about to fly through, whose
+  /// inner edges are all outside of the picture.
   Visibility visibility = Visibility::none;
   /// Centre of the opening relative to the picture's centre: left over half the width, up over half the height, in [-1,
   /// 1].
