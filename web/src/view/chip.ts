@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of `mebots-soc run`: counts of the cores, time in states, energy of parts and devices.
+// Shows the report of `mebots-soc run`: counts of the cores, time in states, energy of parts and devices.
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
 import { shown } from "../data/units";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Data that panels share with their drawings: curves, colours and dashes of runs, and the width of the axes.
+// Defines data that panels share with their drawings: curves, colours and dashes of runs, and the width of the axes.
 import type { Curve, Run } from "../data/run";
 import { colour } from "../theme";
 

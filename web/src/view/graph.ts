@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The system as a graph: instances on a ring, and one arrow for all connections from one to another.
+// Draws the system as a graph: instances on a ring, and one arrow for all connections from one instance to another.
 import type { Clock } from "../clock";
 import type { SystemInfo } from "../data/payload";
 import type { Run } from "../data/run";
@@ -121,7 +121,8 @@ function overlap(one: Place, other: Place): boolean {
   return 2 * Math.abs(one.x - other.x) < one.width + other.width && 2 * Math.abs(one.y - other.y) < one.height + other.height;
 }
 
-/** Returns the name of the only variable, or the number of values; with units, if there is space. */
+/** /** Returns the name of the variable if there is only one, otherwise the number of values. Adds units if there is
+ * space. */ */
 function labelOf({ from, connections }: Bundle): string {
   const units = [...new Set(connections.map(({ unit, type }) => shownUnit(unit ?? "") || (type === "Binary" ? "bytes" : "")))].filter(Boolean);
   if (connections.length === 1) return shortened(connections[0].from.slice(from.length + 1)) + (units.length > 0 ? ` [${units[0]}]` : "");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// States over time, one lane each: named blocks of an enumeration, on and off, shades of a share.
+// Draws states over time, each in one lane: named blocks of an enumeration, on and off, or shades of a share.
 import type { Clock } from "../clock";
 import { element } from "../dom";
 import { colour, styleColour } from "../theme";
@@ -25,7 +25,8 @@ interface Lane {
   height: number;
 }
 
-/** Their area is aligned with that of the plots, so that a time is at the same place in all of them. */
+/** /** The area of the lanes is aligned with that of the plots, so that a time is at the same place in all of them.
+ * */ */
 export class Lanes implements Drawing {
   readonly root = element("div", { class: "lanes" });
   private readonly canvas = element("canvas", {});
@@ -92,7 +93,7 @@ export class Lanes implements Drawing {
     for (const lane of this.lanes) this.drawLane(context, lane, most.get(lane.entry.curve.unit) ?? 1, area.clientWidth);
   }
 
-  /** By unit, of the lanes of shades: those of one unit can be compared. */
+  /** /** The greatest value of each unit in the lanes of shades, so that lanes of one unit can be compared. */ */
   private greatest(): Map<string, number> {
     const most = new Map<string, number>();
     for (const { entry: { curve } } of this.lanes.filter(({ entry }) => !isWords(entry))) {
@@ -150,7 +151,7 @@ export class Lanes implements Drawing {
   }
 }
 
-/** States have names, or are on and off. */
+/** /** True if the states have names, or are on and off. */ */
 function isWords({ run, curve }: RunCurve): boolean {
   const info = run.info(curve.variable);
   return !curve.isRate && (info?.items !== undefined || info?.type === "Boolean");

@@ -15,12 +15,12 @@ import type { Window } from "./window";
 interface Options {
   /** Adds a button that removes the panel. */
   onClose?: () => void;
-  /** Of curves [px]. */
+  /** /** Height of the curves [px]. */ */
   height?: number;
 }
 
 export function makePanel(info: PanelInfo, allRuns: Run[], clock: Clock, window: Window, { onClose, height }: Options = {}): HTMLElement {
-  // Parts with a constant sum have no sum to compare: only the first run's are shown.
+  // Stacked parts that always have the same sum need no comparison of sums: only the first run's parts are shown.
   const runs = isShares(info, allRuns[0]) ? allRuns.slice(0, 1) : allRuns;
   const curves = curvesOf(info, runs);
   const kind = info.kind === "stack" && runs.length > 1 ? "lines" : info.kind;
@@ -79,7 +79,7 @@ function meanNote(window: Window): HTMLElement {
   return note;
 }
 
-/** Each run's curves. If several runs have stacked parts or many lanes, only each run's sum. */
+/** /** Returns each run's curves. If several runs have stacked parts or many lanes, returns only each run's sum. */ */
 function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   const curves: RunCurve[] = [];
   const isParts = info.kind === "stack" || (info.kind === "lanes" && info.curves.every(({ rate_of }) => rate_of !== undefined));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The latest picture of the camera.
+// Shows the latest picture of the camera.
 import type { Clock } from "../clock";
 import type { Picture, Run } from "../data/run";
 import { shownTime } from "../data/units";

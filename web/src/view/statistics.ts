@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The run in numbers: results, cost and inputs.
+// Shows the run in numbers: results, cost and inputs.
 import type { Json } from "../data/payload";
 import type { Run } from "../data/run";
 import { shown, shownUnit } from "../data/units";
@@ -15,7 +15,7 @@ export interface FinalValue {
   unit: string;
 }
 
-/** The values of the config's `summary`, inner labels with their outer ones. */
+/** /** The values of the config's `summary`. Labels inside a label are written after it. */ */
 export function finalValues(summary: Json): FinalValue[] {
   const found: FinalValue[] = [];
   const walk = (values: Json, units: Json, path: string[]) => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several views in one place, one at a time. A view is created when it is first shown.
+// Shows several views in one place, one at a time. A view is created when it is first shown.
 import { element } from "../dom";
 
 export interface Tab {

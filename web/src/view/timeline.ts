@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bottom of the page: play, speed, the shown time, and a line of the whole run with its marks.
+// Draws the bottom of the page: play, speed, the shown time, and a line of the whole run with its marks.
 import type { Clock } from "../clock";
 import type { Message } from "../data/messages";
 import { shortText } from "../data/messages";

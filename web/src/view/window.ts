@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The time span that all plots show (at first the whole run), and the time under the pointer, which all plots mark.
+// Holds the time span that all plots show (at first the whole run), and the time under the pointer, which all plots
+// mark.
 
 export class Window {
   private from = 0;
@@ -12,7 +13,7 @@ export class Window {
     this.to = end;
   }
 
-  /** Extends the span with the run if it shows the whole run. */
+  /** /** If the span is the whole run, extends it together with the run. */ */
   extend(end: number): void {
     const whole = this.isWhole;
     this.end = end;
@@ -57,7 +58,7 @@ export class Window {
     this.set(0, this.end);
   }
 
-  /** The time under the pointer, null if it is on no plot. */
+  /** /** The time under the pointer, or null if the pointer is on no plot. */ */
   get pointed(): number | null {
     return this.at;
   }
