@@ -2,7 +2,7 @@
 
 # mebots_gap8_drone_board(<file>)
 # Generates board gap8_drone: board gap8 with flight link, gauge and mission parameters of board ai_deck, at addresses that are
-# free in GAP8's map. It is generated from both files, so that nothing is written twice.
+# free in GAP8's map. Both files are its source, so that nothing is written twice.
 function(mebots_gap8_drone_board file)
   set(boards ${PROJECT_SOURCE_DIR}/configs/boards)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${boards}/gap8.json ${boards}/ai_deck.json)

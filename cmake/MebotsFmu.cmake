@@ -8,9 +8,9 @@
 #   [LINKED_IN <file>...]         files of the libraries that are linked in: their licences and their rows in the bill of
 #                                 materials (documentation/sbom.spdx.json) go into the archive
 #   [BOARD <file>]                board description whose variables join description.json
-#   [RESOURCES <dir>...]          folders whose contents go to resources/
-#   [RESOURCE_FILES <file>...]    single files that go to resources/; built ones too
-#   [SOURCE_DIR <dir>]            where everything is looked for, instead of the calling folder
+#   [RESOURCES <dir>...]          folders whose contents are packed into resources/
+#   [RESOURCE_FILES <file>...]    single files that are packed into resources/, also built ones
+#   [SOURCE_DIR <dir>]            where all files are searched, instead of the calling folder
 #   [IDENTIFIER <name>]           the "name" of description.json, when the archive has another one
 #   [COUNT <n>]                   copies of what description.json repeats, such as drones; default: 1
 #   [MODEL <target>]              the model's library of another mebots_add_fmu(), instead of MODEL_SOURCES

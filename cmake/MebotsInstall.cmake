@@ -136,11 +136,12 @@ if(MEBOTS_CHIP)
   install(DIRECTORY fmu_soc/firmware/runtime fmu_soc/firmware/drivers fmu_soc/firmware/gap8
     fmu_soc/firmware/kernels fmu_soc/firmware/app fmu_soc/firmware/flight DESTINATION ${share}/fmu_soc/firmware)
   install(FILES ${PROJECT_BINARY_DIR}/boards/gap8_drone.json DESTINATION ${share}/configs/boards)
-  # For mebots_soc_fmu(), which compiles its model with the variables of each board. These headers are not public.
+  # mebots_soc_fmu() needs these headers, because it compiles its model with the variables of each board. They are not
+  # public.
   install(FILES fmu_soc/description.json fmu_soc/model.png DESTINATION ${share}/fmu_soc)
   install(FILES fmu_soc/src/fmu.cpp DESTINATION ${share}/fmu_soc/src)
   install(FILES fmu_soc/src/fmu/model.cpp fmu_soc/src/fmu/variable_fields.cpp DESTINATION ${share}/fmu_soc/src/fmu)
-  # The chip's headers that these three include; they are determined during the installation.
+  # These three headers include headers of the chip, which are determined during the installation.
   install(CODE "
     set(root \"${PROJECT_SOURCE_DIR}/fmu_soc/src\")
     include(\"${PROJECT_SOURCE_DIR}/cmake/MebotsHeaders.cmake\")
@@ -159,7 +160,8 @@ if(MEBOTS_CHIP)
   endforeach()
 endif()
 
-# Not at the top of the build folder, where find_package() would take it for the package of that folder.
+# The file is not at the top of the build folder, because find_package() would take it there for the package of that
+# folder.
 set(installed_package ${PROJECT_BINARY_DIR}/generated/package)
 configure_package_config_file(cmake/mebotsConfig.cmake.in ${installed_package}/mebotsConfig.cmake
   INSTALL_DESTINATION ${package_dir} PATH_VARS share NO_SET_AND_CHECK_MACRO)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# The target mebots_math: the mathematical functions of musl's C library, copied from Debian's static archive. glibc selects
-# variants of sin(), exp(), pow() ... by the processor (with FMA or without), and their last bits differ. musl has one variant of
-# each, for any x86-64. Functions that are exact in both (sqrt, floor, fmod, remainder ...) are still glibc's.
+# Adds the target mebots_math: the mathematical functions of musl's C library, copied from Debian's static archive. glibc selects variants of sin(),
+# exp(), pow() ... by the processor (with FMA or without), and their last bits differ. musl has one variant of each, for any x86-64. Functions that
+# are exact in both (sqrt, floor, fmod, remainder ...) are still glibc's.
 
 set(functions
   acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf exp exp10 exp2 expm1 hypot lgamma log log10 log1p log2
@@ -10,7 +10,7 @@ set(functions_of_float ${functions})
 list(TRANSFORM functions_of_float APPEND f)
 list(APPEND functions ${functions_of_float})
 
-# Internal functions that these call.
+# Internal functions that the mathematical functions call.
 set(helpers
   __cos __cosdf __expo2 __expo2f __math_divzero __math_divzerof __math_invalid __math_invalidf __math_oflow __math_oflowf
   __math_uflow __math_uflowf __math_xflow __math_xflowf __rem_pio2 __rem_pio2_large __rem_pio2f __sin __sindf __tan __tandf
@@ -47,6 +47,6 @@ target_compile_options(mebots_math INTERFACE ${options})
 target_link_options(mebots_math INTERFACE LINKER:--exclude-libs,libmebots_math.a)
 add_library(mebots::math ALIAS mebots_math)
 
-# The licence, for the archives into which it is linked.
+# The licence for the archives into which the library is linked.
 mebots_part(math_part linked ${MUSL_ARCHIVE})
 set_target_properties(mebots_math PROPERTIES MEBOTS_PART "${math_part}")

@@ -165,7 +165,7 @@ function(mebots_add_firmware name)
   endforeach()
   set(objects)
   foreach(source IN LISTS sources)
-    # Named by their path in the project, or in MEbots, so that names are unique.
+    # Objects are named by their path in the project, or in MEbots, so that names are unique.
     file(RELATIVE_PATH shown ${PROJECT_SOURCE_DIR} ${source})
     if(shown MATCHES "^\\.\\./")
       file(RELATIVE_PATH shown ${root} ${source})
@@ -240,7 +240,7 @@ function(mebots_device_library name)
   if(TARGET soc_files)
     target_include_directories(${name}_devices PRIVATE $<TARGET_PROPERTY:soc_files,INTERFACE_INCLUDE_DIRECTORIES>)
   endif()
-  # Contains its own copy of the C++ library, like an FMU, so that it runs on the same machines.
+  # The library contains its own copy of the C++ library, like an FMU, so that it runs on the same machines.
   if(NOT MEBOTS_SANITIZE)
     target_link_options(${name}_devices PRIVATE -static-libstdc++ -static-libgcc -Wl,-z,defs)
   endif()

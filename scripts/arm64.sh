@@ -25,7 +25,7 @@ cmake --preset release -B build/arm64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.c
   -DMEBOTS_SOC_TRANSLATE=OFF -DMEBOTS_EXAMPLES=OFF -DMEBOTS_PYTHON=OFF -DMEBOTS_PAGES=OFF
 cmake --build build/arm64
 
-# A fused multiply-add has other bits than on x86-64. Computing code must not contain one.
+# A fused multiply-add has other bits than the two operations on x86-64, so computing code must not contain one.
 for binary in $(find build/arm64/fmu_binaries -name "*.so") "$sysroot/usr/lib/aarch64-linux-gnu/libccd.so.2.0"; do
   fused=$(aarch64-linux-gnu-objdump --disassemble --demangle --no-show-raw-insn "$binary" |
     awk '/^[0-9a-f]+ </ { name = $0 } $2 ~ /^(fn?m(add|sub)|fml[as])$/ { print name }' | sort -u)

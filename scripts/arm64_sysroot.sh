@@ -11,7 +11,7 @@ mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
 target=aarch64-linux-gnu
 libraries=$sysroot/usr/lib/$target
 
-# The libraries of scripts/setup.sh for that processor, except those for tests and translation.
+# Lists the libraries of scripts/setup.sh for that processor, except those for tests and translation.
 packages=$(sed -n '/^packages=(/,/^)/p' scripts/setup.sh | sed 's/#.*//' | grep -oE '\b[a-z0-9.+-]+-dev\b' |
   grep -vE '^(libxbyak|libgtest|libgmock|libbenchmark|libclang-rt-[0-9]+|python3|pybind11)-dev$' | paste -sd,)
 wanted=$packages$'\n'$(sha256sum <scripts/arm64_sysroot.sh)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Tests the chip's instruction set with suites by others, from checkouts in one folder: riscv-tests, riscv-arch-test with Spike's results,
-# Embench-IoT and CoreMark with Spike's count of instructions. Prints a page (docs/conformance.md). Exit code 1 for anything unexplained, 2
+# Tests the chip's instruction set with suites by others, from checkouts in one folder: riscv-tests, riscv-arch-test with Spike's results, Embench-IoT
+# and CoreMark with Spike's count of instructions. Prints a page (docs/conformance.md). The exit code is 1 if a difference has no known cause, and 2
 # if something is missing. Takes about two minutes on two cores.
 #
 #   scripts/setup.sh bench                      Spike, once

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the site into build/docs/html: Sphinx over docs/ and the READMEs, Doxygen for C++, and a notebook that runs a mission. A warning or
-# a broken link ends it with exit code 1. It installs what only the site needs: Debian's doxygen, and Sphinx into a separate virtual
+# Builds the site into build/docs/html: Sphinx over docs/ and the READMEs, Doxygen for C++, and a notebook that runs a mission. A warning or a broken
+# link ends the script with exit code 1. The script installs what only the site needs: Debian's doxygen, and Sphinx into a separate virtual
 # environment.
 #
 #   scripts/docs.sh [BUILD]    BUILD: a build with the programs and FMUs that the pages describe; default build/release, built if necessary

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The style of figures for all programs that draw some: one palette, thin axes, units in square brackets.
+"""Defines the style of all figures: one palette, thin axes, units in square brackets.
 
 The palette is Okabe and Ito's, as on the page of a run (web/src/theme.ts): people with any kind of colour vision can
 distinguish its colours. Success is blue and failure vermilion; they are never drawn over each other.

@@ -5,13 +5,13 @@
 #   NAME        a mebots_fuzz() of tests/fuzz/CMakeLists.txt (elf, board, gdb, archive, config, ssp, ssp_folder, osp, scenario,
 #               checkpoint, model_description, fmi3, description, state, cell, rotor, scene)
 #   OPTION      of libFuzzer, after those of this script: -max_len=16384, -max_total_time=3600 ...
-# Starts from the inputs that are kept (scripts/fuzz_corpora.sh), collects in build/fuzz/corpus/NAME, prints statistics and adds them to
-# build/fuzz/NAME.runs. An input that does harm is left in build/fuzz/found/NAME: mend the code, then keep the input by
+# Starts from the inputs of the archive (scripts/fuzz_corpora.sh), collects inputs in build/fuzz/corpus/NAME, prints statistics and adds them to
+# build/fuzz/NAME.runs. An input that shows an error is left in build/fuzz/found/NAME. Correct the code, then keep the input by
 # scripts/fuzz_corpora.sh add NAME FILE; ctest replays it.
 #
-# Options that a profile chose: most of the time goes into libFuzzer's own bookkeeping, which grows with the features
-# that an input shows (-entropic=0, inputs of at most 2 KiB). The rest goes into the sanitizer's stacks of every allocation
-# (malloc_context_size=1; repeat a finding with the sanitizer's default to see where its memory came from).
+# These options follow from a profile. Most of the time goes into libFuzzer's own bookkeeping, which grows with the features that an input shows
+# (-entropic=0, inputs of at most 2 KiB). The rest goes into the sanitizer's stacks of every allocation (malloc_context_size=1; repeat a finding with
+# the sanitizer's default to see where its memory came from).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 name=${1:?usage: scripts/fuzz.sh NAME [EXECUTIONS] [OPTION...]}
@@ -34,7 +34,7 @@ case $name in
 esac
 # libFuzzer would truncate longer inputs, and truncated JSON or XML is rarely useful; ctest replays them complete.
 find "$build/kept/$name" -type f -size +"$longest"c -delete
-# Readers unpack into memory instead of a disk.
+# Readers unpack into memory instead of onto a disk.
 if [[ -d /dev/shm ]]; then export TMPDIR=/dev/shm; fi
 export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=1:malloc_context_size=1
 result=0

@@ -36,7 +36,8 @@ class Question:
 
     @property
     def name(self):
-        """``battery`` of ``question_battery.png``: also its folder of results."""
+        """Returns the name, such as ``battery`` of ``question_battery.png``. It is also the name of the results folder.
+        """
         return self.picture.removeprefix("question_").removesuffix(".png")
 
 
@@ -68,7 +69,8 @@ def ask(question, build, folder):
 
 
 def missing_lines(question, output):
-    """Returns the lines of the page's answer that are not in the output in this order. "..." stands for any lines."""
+    """Returns the lines of the page's answer that the output does not contain in the same order. "..." stands for any
+    lines."""
     lines = [line.rstrip() for line in output.splitlines()]
     missing, at = [], 0
     for wanted in question.answer:
@@ -87,7 +89,8 @@ def table(folder, name):
 
 
 def columns(folder, factor, objective, scale=1.0):
-    """Returns the designs' values of a factor, and mean, lower and upper end of an objective. A design without an interval has its mean."""
+    """Returns the designs' values of a factor, and mean, lower and upper end of an objective. For a design without an
+    interval, both ends are its mean."""
     names, means, ends = [], [], ([], [])
     for row in table(folder, "designs.csv"):
         mean = float(row[f"{objective}: mean"])
@@ -99,7 +102,7 @@ def columns(folder, factor, objective, scale=1.0):
 
 
 def draw_bars(axis, names, values, label, colour, digits):
-    """Horizontal bars in the order of the study, the first one at the top, each with its value."""
+    """Draws horizontal bars in the order of the study, the first one at the top, each with its value."""
     axis.barh(names[::-1], values[::-1], color=colour, height=0.62)
     for place, value in enumerate(values[::-1]):
         axis.annotate(f"{value:.{digits}f}", (value, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=9)

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The host at GAP8's JTAG, for the programs of gap_sdk's utils/openocd_tools, which run unmodified on board gap8.
+"""Acts as the host at GAP8's JTAG for the programs of gap_sdk's utils/openocd_tools, which run unmodified on board
+gap8.
 
     gap8_jtag.py flash MEBOTS_SOC FLASHER [--bytes N]    N pseudo-random bytes from the second sector on, at most 262144;
                                                          tests/conformance/gap8/read_flash.S, which is loaded into the
@@ -148,7 +149,7 @@ def bridge_at(chip, pointer, ready):
 
 
 def sector_bridge(chip):
-    """The bridge of flasher and dumper, whose ready flag is reset."""
+    """Returns the bridge of flasher and dumper, and resets its ready flag."""
     bridge = bridge_at(chip, BRIDGE_POINTER, GAP_READY)
     chip.put(bridge + GAP_READY, 0)
     chip.put(bridge + RUN, 1)
@@ -257,8 +258,8 @@ def run_dump(arguments):
 
 
 def run_fuse(arguments):
-    """Programs what boots a GAPuino from its HyperFlash, according to fuser.tcl: 0x10 in the first fuse, 1 in the
-    one at bit 296."""
+    """Programs the fuses with which a GAPuino boots from its HyperFlash, according to fuser.tcl: 0x10 in the first
+    fuse, and 1 in the fuse at bit 296."""
     with Chip(arguments.soc, arguments.program) as chip:
         fuser = Fuser(chip)
         wanted = bytearray(FUSES)

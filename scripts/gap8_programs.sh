@@ -1,15 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs published GAP8 programs, unmodified, on board gap8, and prints a table of their progress. FOLDER contains these checkouts;
-# missing ones are left out:
+# Runs published GAP8 programs, unmodified, on board gap8, and prints a table of their progress. FOLDER contains these checkouts; missing ones are
+# left out:
 #   git clone https://github.com/pulp-platform/pulp-dronet             PULP-Dronet's ELF, flash image (for the dumper, too) and weights
 #   git clone https://github.com/pulp-platform/Himax_Dataset           pictures of its camera
 #   git clone https://github.com/GreenWaves-Technologies/gap_sdk       flasher, fuser
-# and hello, which gvsoc/gvsoc has as examples/pulp-open/hello at e4a7e8c. If GVSoC is installed (MEBOTS_GVSOC names its program,
-# or it is on PATH), programs that both support run on both, with CoreMark from
+# and hello, which gvsoc/gvsoc has as examples/pulp-open/hello at e4a7e8c. If GVSoC is installed (MEBOTS_GVSOC names its program, or it is on PATH),
+# programs that both support run on both, with CoreMark from
 #   git clone https://github.com/eembc/coremark
-# Build first: cmake --build --preset release --target mebots-soc. Needs numpy for the integers of the reference, and
-# riscv64-unknown-elf-gcc.
+# Build first: cmake --build --preset release --target mebots-soc. Needs NumPy for the integers of the reference, and riscv64-unknown-elf-gcc.
 set -euo pipefail
 if [[ $# -ne 1 || ! -d "$1" ]]; then
   echo "usage: scripts/gap8_programs.sh FOLDER   (see the comment at its top)" >&2
@@ -25,7 +24,7 @@ trap 'rm -rf "$out"' EXIT
 # The exit code: 0 unless an available program misses its milestone.
 failed=0
 row() { printf '%-34s %-12s %s\n' "$1" "$2" "$3"; }
-# NAME ELF REQUIRED-OUTPUT [OPTIONS...]: runs the given number of instructions, or until the program ends.
+# run NAME ELF REQUIRED-OUTPUT [OPTIONS...] runs the given number of instructions, or until the program ends.
 milestone() {
   local name=$1 elf=$2 wanted=$3
   shift 3

@@ -24,7 +24,8 @@ TIDY = ROOT / ".venv/bin/clang-tidy"
 REMEMBERED = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "mebots-lint"
 OPTIONS = ["-quiet", "-extra-arg=-Wno-unknown-warning-option", "-extra-arg=-Wno-deprecated-declarations"]
 PRODUCT = re.compile(r"(modeldesc|fmu_[a-z]+|master)/")
-# Tests start other programs, check that code throws, repeat their random numbers, count in whole pixels and ticks, and need not be fast.
+# Tests start other programs, check that code throws, repeat their random numbers, count in whole pixels and ticks, and need not be fast. So these
+# rules do not apply to them.
 OFF_IN_TESTS = ("bugprone-command-processor bugprone-empty-catch bugprone-implicit-widening-of-multiplication-result "
                 "bugprone-derived-method-shadowing-base-method bugprone-reserved-identifier bugprone-integer-division "
                 "bugprone-unchecked-string-to-number-conversion bugprone-random-generator-seed bugprone-float-loop-counter "
@@ -67,7 +68,7 @@ def key(build, entry, options, files):
 
 
 def check(build, entry, files):
-    """Returns clang-tidy's output and whether the group is clean."""
+    """Returns clang-tidy's output, and true if the group is clean."""
     in_product = PRODUCT.match(str(pathlib.Path(entry["file"]).relative_to(build)))
     options = OPTIONS if in_product else [*OPTIONS, "-checks=" + ",".join(f"-{name}" for name in OFF_IN_TESTS)]
     remembered = REMEMBERED / key(build, entry, options, files) if files else None

@@ -24,7 +24,7 @@ for fmu in $fmus; do
   [[ -e $host/fmus/$fmu.fmu ]] || { echo "platforms.sh: no $host/fmus/$fmu.fmu to compare with: build it (cmake --preset release)" >&2; exit 2; }
 done
 
-# build NAME OPTION...: the FMUs for one platform, with this machine's generators
+# build NAME OPTION... builds the FMUs for one platform, with this machine's generators.
 build() {
   local name=$1
   shift
@@ -40,7 +40,7 @@ build win64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/win64.cmake" "-DMUSL_ARCHIVE=$PWD
 scripts/arm64_sysroot.sh
 build arm64-fmus "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" "-DCMAKE_SYSROOT=$PWD/build/arm64-sysroot"
 
-# A DLL needs nothing but Windows, and exports nothing but FMI.
+# A DLL imports only from libraries of Windows, and exports only the functions of FMI.
 for library in $(find build/win64/fmu_binaries -name '*.dll'); do
   tables=$(x86_64-w64-mingw32-objdump -p "$library")
   foreign=$(sed -n 's/^\s*DLL Name: //p' <<<"$tables" | grep -viE '^(kernel32|msvcrt|advapi32|user32|shell32|ws2_32)\.dll$' || true)

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The checklist before a release. Runs every proof, continues after a failure, and prints a table; the output of each proof is in
-# build/release-check. Exit code 1 if a proof failed. A proof that cannot run here is skipped, with the reason in the table. A proof that
-# passed but left tests out is skipped too, unless may_be_left_out names them. Without --dry-run nothing may be skipped; if all have passed,
-# the version is tagged. Pushing the tag is up to you.
+# Runs the checklist before a release. Runs every proof, continues after a failure, and prints a table; the output of each proof is in
+# build/release-check. Exit code 1 if a proof failed. A proof that cannot run here is skipped, with the reason in the table. A proof that passed but
+# left tests out is skipped too, unless may_be_left_out names them. Without --dry-run nothing may be skipped; if all have passed, the version is
+# tagged. Pushing the tag is up to you.
 #
 #   scripts/release.sh --dry-run [PROOF...]    all proofs, or these
 #   MEBOTS_CORPUS=FOLDER        checkouts with FMUs of others, for the proof `corpus` (docs/interop.md names them)
@@ -58,7 +58,7 @@ docs() { scripts/docs.sh; }
 built() { scripts/setup.sh && cmake --preset release && cmake --build --preset release; }  # always, because an existing build may be of
                                                                                            # another commit
 
-# Tests without which a release is possible.
+# A release is possible if these tests are left out.
 may_be_left_out() {  # may_be_left_out PROOF TEST
   case $1:$2 in
     *:Interop.*OMSimulator*) ;;  # OMSimulator has to be built from source
@@ -94,7 +94,7 @@ for name in "${chosen[@]}"; do
     77) result=skipped remark=$(sed -n 's/^skipped: //p' "$logs/$name.txt" | tail -n 1) skipped=$((skipped + 1)) ;;
     *) result=FAILED remark=$(tail -n 1 "$logs/$name.txt") failed=$((failed + 1)); tail -n 5 "$logs/$name.txt" ;;
   esac
-  # Tests that ctest left out are listed; they are not a proof.
+  # If ctest left tests out, they are listed, and the proof is incomplete.
   left_out=
   while IFS= read -r test; do
     left_out+="${left_out:+, }$test"

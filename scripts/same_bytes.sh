@@ -16,7 +16,7 @@ place=$(mktemp -d "${TMPDIR:-/tmp}/mebots-same-bytes-XXXXXX")
 trap 'rm -rf "$place"' EXIT
 mkdir "$place/a copy"
 git ls-files -z | xargs -0 cp --parents -t "$place/a copy"
-# The settings that affect code, from the existing build.
+# Reads the settings that affect code from the existing build.
 settings=()
 while IFS= read -r line; do settings+=("-D$line"); done < <(grep -E '^(CMAKE_BUILD_TYPE|CMAKE_CXX_COMPILER|CMAKE_UNITY_BUILD|CMAKE_UNITY_BUILD_BATCH_SIZE|MEBOTS_ASSERTIONS|MEBOTS_WARNINGS_AS_ERRORS):' "$build/CMakeCache.txt")
 export CCACHE_DISABLE=1

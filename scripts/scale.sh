@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs the tests Scale.* in full length: 1000 instances in one run; then, without growth, 10000 instances that are created and freed, 500
-# archives that are opened and closed, and 200 runs in separate processes. Uses the cheapest FMU and each of ours. Usage: scripts/scale.sh
-# [BUILD_FOLDER]    (build/ci)
+# Runs the tests Scale.* in full length: 1000 instances in one run; then, without growth, 10000 instances that are created and freed, 500 archives
+# that are opened and closed, and 200 runs in separate processes. Uses the cheapest FMU and each FMU of MEbots. Usage: scripts/scale.sh [BUILD_FOLDER]
+# (build/ci)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=${1:-build/ci}

@@ -14,7 +14,7 @@ import sys
 import xml.etree.ElementTree
 
 
-# ctest's words; for a test that skipped, it writes "notrun" with a message.
+# These are ctest's words. For a test that was skipped, ctest writes "notrun" with a message.
 KINDS = ("passed", "failed", "skipped", "not run")
 
 

@@ -20,7 +20,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def battery(k):
-    """A flight of 40 g that ends when the protection opens; a source supplies power for a minute."""
+    """Returns the inputs of a flight of 40 g that ends when the protection opens. A source supplies power for a minute.
+    """
     return {
         "motors.power": 9.5 + math.sin(0.3 * k) if k > 2 else 0.0,
         "soc.power": 0.06 if k % 4 else 0.12,
@@ -32,7 +33,7 @@ def battery(k):
 
 
 def motors(k):
-    """Spin-up, hover with a manoeuvre, a sagging bus, a stop."""
+    """Returns the inputs of the motors: spin-up, hover with a manoeuvre, a sagging bus, a stop."""
     flying = 5 <= k < 170
     swing = 0.1 * math.sin(0.2 * k)
     return {
@@ -48,7 +49,8 @@ def motors(k):
 
 
 def world(k):
-    """Open loop from the ground: up in a side wind with a little yaw torque, then a drop that ends in a crash."""
+    """Returns the inputs of a flight without control: up from the ground in a side wind with a little yaw torque, then
+    a drop that ends in a crash."""
     thrust = 0.12 if k < 20 else 0.08 if k < 32 else 0.0
     return {
         **{f"rotor[{i}].thrust": thrust for i in (1, 2, 3, 4)},

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds what the FMUs link, for 64-bit Windows, from Debian's sources into build/win64-sysroot, for scripts/platforms.sh. Needs
+# Builds the libraries that the FMUs link, for 64-bit Windows, from Debian's sources. They are in build/win64-sysroot, for scripts/platforms.sh. Needs
 # g++-mingw-w64-x86-64-posix and dpkg-dev, and the headers that scripts/setup.sh installs.
 set -Eeuo pipefail
 cd "$(dirname "$0")/.."
