@@ -14,7 +14,7 @@
 namespace mebots::motors {
 namespace {
 
-/// Up to this limit, products of a few inputs are finite. The world's forces and motion have the same limit.
+/// Products of a few inputs are finite up to this limit. The world's forces and motion have the same limit.
 constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
 /// A current is a surge if the current of the previous step was less than this share of it.

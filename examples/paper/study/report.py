@@ -15,7 +15,7 @@ from missions import BATTERIES, FIRST_CHIP, MOTORS, ROOT, SECOND_CHIP, scenario
 from replay import READINGS
 
 SHOWN = ("0.1", "0.2", "0.3", "adaptive")
-# Where REPORT.md finds the pictures that `study.py --publish` puts into the repository.
+# The folder in which REPORT.md finds the pictures that `study.py --publish` puts into the repository.
 PICTURES = "../../docs/img/paper_"
 STYLE = """body{font:16px/1.5 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;color:#222}
 table{border-collapse:collapse;margin:1rem 0;font-size:.9em}td,th{border-bottom:1px solid #ddd;padding:.25rem .6rem;

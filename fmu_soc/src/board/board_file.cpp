@@ -103,7 +103,8 @@ void read_instruction_cache(const Node& node, BoardInstructionCaches& caches) {
   if (!object.sound()) return;
   if (place == Place::fabric_controller && object.has("refill_soc_cycles")) {
     node.at("refill_soc_cycles")
-        .fail(ErrorCode::invalid_value, "the fabric controller has the clock of the SoC: add them to refill_cycles");
+        .fail(ErrorCode::invalid_value,
+              "the fabric controller has the clock of the SoC: add these cycles to refill_cycles");
   }
   if (place == Place::fabric_controller && cache.invalid_ways_first) {
     node.at("invalid_ways_first")

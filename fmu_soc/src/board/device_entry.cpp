@@ -163,7 +163,7 @@ Node nearest(const Node& node, std::initializer_list<std::string_view> keys) {
   return found;
 }
 
-/// Returns the entry of a register, for messages.
+/// Returns the place of a register in the board file, for messages.
 Node entry_of(const Node& device, const BoardRegister& reg) {
   const auto entries = device.at("registers").elements();
   const auto found =

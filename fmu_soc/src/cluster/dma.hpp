@@ -81,7 +81,7 @@ class ClusterDma {
   /// True if another transfer can be queued.
   bool has_room() const;
 
-  /// Clears all transfers and drafts. Keeps the counts.
+  /// Clears all transfers, also those whose commands are incomplete. Keeps the counts.
   void reset();
 
   /// True if transfers are queued or running.

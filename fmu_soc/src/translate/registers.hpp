@@ -15,7 +15,7 @@ class Assembler;
 
 /// Number of host registers that hold guest registers.
 inline constexpr unsigned kHostRegisters = 9;
-/// Number of vector registers that hold operands of dot products, and floats.
+/// Number of vector registers. They hold operands of dot products, or floats.
 inline constexpr unsigned kVectorRegisters = 12;
 /// Number of the first of these vector registers.
 inline constexpr int kFirstVector = 3;

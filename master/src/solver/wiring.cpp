@@ -17,7 +17,7 @@
 namespace mebots::master {
 namespace {
 
-/// The maximum of sweeps over a loop of wires.
+/// The largest number of sweeps over an algebraic loop of connections.
 constexpr int kMostSweeps = 200;
 
 /// True if two values differ by rounding errors at most.

@@ -248,7 +248,7 @@ TEST(BoardFile, AllowsSocCyclesOnlyForTheClustersCache) {
   constexpr auto kFar = R"({"name": "ram", "base": "0x1000", "size": 4096,
                             "way": {"fabric_controller": 8, "cluster": 2, "soc": 17}})";
   EXPECT_EQ(complaint(kFar, "", caches("cluster")), "");
-  EXPECT_THAT(complaint(kFar, "", caches("fabric_controller")), HasSubstr("add them to refill_cycles"));
+  EXPECT_THAT(complaint(kFar, "", caches("fabric_controller")), HasSubstr("add these cycles to refill_cycles"));
   const std::string ways = R"("instruction_caches": [{"place": "fabric_controller", "size": 4096, "line": 16, "ways": 4,
                               "refill_cycles": 4, "invalid_ways_first": true}],)";
   EXPECT_THAT(complaint(kFar, "", ways), HasSubstr("only the cluster's cache has this property"));

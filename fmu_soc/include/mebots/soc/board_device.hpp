@@ -114,7 +114,7 @@ struct BoardDevice {
     const auto registers_end = registers.empty() ? 0 : registers.back().offset + 4;
     return std::max(span, registers_end);
   }
-  /// Throws Error if the device has no such state.
+  /// Returns the state of this name. Throws Error if the device has none.
   const BoardState& state(std::string_view state_name) const {
     for (const auto& candidate : states) {
       if (candidate.name == state_name) return candidate;

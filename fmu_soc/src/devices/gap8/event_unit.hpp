@@ -37,7 +37,7 @@ class EventUnit {
   void acknowledge(unsigned line);
   /// Returns the core's interrupt lines. Only the highest pending line is active.
   std::uint32_t lines() const;
-  /// Returns true once when a wait can be answered.
+  /// True if an event ends the wait of a core. Returns true only once for each wait.
   bool take_wake();
 
   void visit(state::Visitor& v);

@@ -273,8 +273,8 @@ def _go_to(mission: Mission, place: dict[str, Any]) -> bool:
 
 
 def _best_on_the_way(mission: Mission, score: str, sign: int, level: float) -> float:
-    """Runs until the score reaches the level, or to the end. Returns the greatest score, or the least for a negative
-    sign."""
+    """Runs until the score reaches the level, or to the end. Returns the greatest score if `sign` is positive, else the
+    least."""
     best = mission.value(score)
     while sign * best < sign * level and mission.step():
         best = sign * max(sign * best, sign * mission.value(score))

@@ -18,7 +18,7 @@ using modeldesc::Type;
 
 /// A longer binary is treated as an error of the FMU.
 constexpr std::size_t kLongestBinary = std::size_t{1} << 30;
-/// The number of cached plans per kind. An instance has fewer lists than this.
+/// The number of lists of variables, per kind of access, whose order of calls is cached. An instance has fewer lists.
 constexpr std::size_t kMostPlans = 32;
 
 /// The functions for one type of numbers.

@@ -50,7 +50,7 @@ inline constexpr std::string_view kCausalityWords3[] = {
     "parameter", "calculatedParameter", "input", "output", "local", "independent", "structuralParameter", "dependent"};
 inline constexpr std::span<const std::string_view> kCausalityWords2 = std::span(kCausalityWords3).first(6);
 inline constexpr std::string_view kVariabilityWords[] = {"constant", "fixed", "tunable", "discrete", "continuous"};
-// The words of FMI 1.0. The reader converts its variables to the terms of FMI 2.0.
+// The words of FMI 1.0. The reader converts them to those of FMI 2.0.
 inline constexpr std::string_view kCausalityWords1[] = {"input", "output", "internal", "none"};
 inline constexpr std::string_view kVariabilityWords1[] = {"constant", "parameter", "discrete", "continuous"};
 inline constexpr std::string_view kAliasWords1[] = {"noAlias", "alias", "negatedAlias"};
