@@ -25,7 +25,7 @@ if(MEBOTS_CHIP)
 endif()
 install(TARGETS ${programs} EXPORT mebotsPrograms RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 if(TARGET mebots_windows_host)
-  install(PROGRAMS ${PROJECT_BINARY_DIR}/bin/mebots-fmu-host.exe DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(PROGRAMS ${PROJECT_BINARY_DIR}/bin/mebots-windows-host.exe DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 install(TARGETS ${libraries} EXPORT mebotsLibraries
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
@@ -75,6 +75,12 @@ execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=libstdc++.a OUTPU
   OUTPUT_STRIP_TRAILING_WHITESPACE)
 find_library(MEBOTS_STATIC_CVODE libsundials_cvode.a REQUIRED)
 mark_as_advanced(MEBOTS_STATIC_CVODE)
+if(TARGET mebots_windows_host)  # contains the libraries of MinGW
+  foreach(library libstdc++.a libwinpthread.a libmingw32.a)
+    execute_process(COMMAND ${MEBOTS_MINGW} -print-file-name=${library} OUTPUT_VARIABLE mingw_library OUTPUT_STRIP_TRAILING_WHITESPACE)
+    list(APPEND linked ${mingw_library})
+  endforeach()
+endif()
 list(APPEND linked ${cxx_library} ${MEBOTS_STATIC_PUGIXML} ${MEBOTS_STATIC_SECCOMP} ${MEBOTS_STATIC_CVODE})
 set(needed)
 foreach(library fmt zip pugixml png deflate crypto hdf5_serial)

@@ -5,6 +5,7 @@
 # (NOASSERTION); the text of its licence is included in any case.
 set(MEBOTS_PACKAGE_LICENSES
   "libstdc\\+\\+-.*-dev|GPL-3.0-or-later WITH GCC-exception-3.1"
+  "g\\+\\+-mingw-w64-.*|GPL-3.0-or-later WITH GCC-exception-3.1"
   "gcc-riscv64-unknown-elf|GPL-3.0-or-later WITH GCC-exception-3.1"
   "picolibc-riscv64-unknown-elf|BSD-3-Clause"
   "musl-dev|MIT"

@@ -3,7 +3,7 @@
 
     windows_fmu_test.py MEBOTS FMI2_HEADER_FOLDER
 
-Exit code 77, skipped: wine, MinGW or mebots-fmu-host.exe is missing.
+Exit code 77, skipped: wine, MinGW or mebots-windows-host.exe is missing.
 """
 
 import json
@@ -33,7 +33,7 @@ DESCRIPTION = f"""<?xml version="1.0" encoding="UTF-8"?>
 
 def missing():
     wine = shutil.which("wine64") or shutil.which("wine") or Path("/usr/lib/wine/wine64").exists()
-    return not wine or not shutil.which("x86_64-w64-mingw32-gcc-posix") or not (MEBOTS.parent / "mebots-fmu-host.exe").exists()
+    return not wine or not shutil.which("x86_64-w64-mingw32-gcc-posix") or not (MEBOTS.parent / "mebots-windows-host.exe").exists()
 
 
 class WindowsFmu(unittest.TestCase):

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -46,7 +47,7 @@ std::map<std::string, std::string> environment_for(const std::filesystem::path& 
   siginfo_t info{};
   info.si_signo = signal;
   info.si_code = SEGV_MAPERR;  // 1, as the first code of each of these signals
-  info.si_addr = reinterpret_cast<void*>(address);
+  info.si_addr = std::bit_cast<void*>(address);
   syscall(SYS_rt_sigqueueinfo, getpid(), signal, &info);
   std::signal(signal, SIG_DFL);
   raise(signal);
@@ -115,7 +116,7 @@ std::string windows_place(const std::string& place) {
 
 }  // namespace
 
-/// mebots-fmu-host.exe under wine, with a pipe in each direction.
+/// mebots-windows-host.exe under wine, with a pipe in each direction.
 class Process {
  public:
   explicit Process(const std::filesystem::path& settings) {
@@ -229,7 +230,7 @@ class Process {
   }
 
   void log(Reader& reader) const {
-    auto* const environment = reinterpret_cast<void*>(reader.get<std::uint64_t>());
+    auto* const environment = reader.get<void*>();
     const auto status = reader.get<std::int32_t>();
     const auto instance = reader.get_text();
     const auto category = reader.get_text();
@@ -301,11 +302,11 @@ class Sender {
 
   template <std::size_t i>
   std::size_t length() const {
-    constexpr int at = Types::length_of(i);
-    if constexpr (at == Types::kSingle)
+    constexpr int kAt = Types::length_of(i);
+    if constexpr (kAt == Types::kSingle)
       return 1;
     else
-      return std::get<static_cast<std::size_t>(at)>(*arguments_);
+      return std::get<static_cast<std::size_t>(kAt)>(*arguments_);
   }
 
   template <std::size_t i>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// mebots-fmu-host.exe: loads an FMU's library for Windows and calls its functions for mebots-fmu-host, which runs it
-// under wine. Requests come from standard input, replies go to standard output. The FMU gets neither of them.
+// mebots-windows-host.exe: loads an FMU's library for Windows and calls its functions for mebots-fmu-host, which runs
+// it under wine. Requests come from standard input, replies go to standard output. The FMU gets neither of them.
 #include "fmi/windows/wire.hpp"
 #include "mebots/fmi1/library.hpp"
 #include "mebots/fmi2/library.hpp"
@@ -359,7 +359,7 @@ int main() {
   try {
     Host().run();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "mebots-fmu-host.exe: %s\n", error.what());
+    std::fprintf(stderr, "mebots-windows-host.exe: %s\n", error.what());
     return EXIT_FAILURE;
   }
   ExitProcess(EXIT_SUCCESS);

@@ -46,14 +46,15 @@ fs::path find_program() {
 
 Wine find() {
   Wine wine{find_program(), first_of(kLibraryPlaces), {}, {}};
-  for (const auto& place : program_places("mebots-fmu-host.exe")) {
+  for (const auto& place : program_places("mebots-windows-host.exe")) {
     if (wine.host.empty() && is_there(place)) wine.host = place;
   }
   if (!is_file(wine.program) || wine.libraries.empty()) {
     wine.missing = "Install wine, under which mebots runs it (`apt-get install wine64`)";
   } else if (wine.host.empty()) {
     wine.missing =
-        "This build of MEbots lacks mebots-fmu-host.exe, which runs it under wine: install g++-mingw-w64-x86-64-posix "
+        "This build of MEbots lacks mebots-windows-host.exe, which runs it under wine: install "
+        "g++-mingw-w64-x86-64-posix "
         "and build it again";
   }
   return wine;

@@ -10,7 +10,7 @@ namespace mebots::master::windows {
 struct Wine {
   std::filesystem::path program;    ///< wine's loader for 64-bit programs
   std::filesystem::path libraries;  ///< folder with wine's own DLLs
-  std::filesystem::path host;       ///< mebots-fmu-host.exe
+  std::filesystem::path host;       ///< mebots-windows-host.exe
   std::string missing;              ///< what to install if a part is missing: "Install wine (...)"
 
   explicit operator bool() const { return missing.empty(); }

@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
-/// The messages between mebots-fmu-host and mebots-fmu-host.exe, which runs an FMU's library for Windows under wine.
-/// The arguments of a function of FMI follow from its type alone. Both sides compile this header.
+/// The messages between mebots-fmu-host and mebots-windows-host.exe, which runs an FMU's library for Windows under
+/// wine. The arguments of a function of FMI follow from its type alone. Both sides compile this header.
 namespace mebots::master::windows {
 
 /// The function in a request, instead of a number of for_each_function().
