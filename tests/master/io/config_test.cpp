@@ -211,6 +211,9 @@ TEST(Config, MistakesInGroupsNameTheirPlace) {
   EXPECT_THAT(error(fmt::format(R"("stop_when": [{{"all": [{{{}}}], "equals": true}}])", compared)),
               HasSubstr("equals"));
   EXPECT_THAT(error(R"("stop_when": [{"any": []}])"), HasSubstr("'any' has no condition"));
+  EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "PROBE", "parameters": []})")), HasSubstr("is empty"));
+  EXPECT_THAT(reading_error(config_with("", R"("a": {"fmu": "PROBE", "parameters": [{"gain": 1}, {"gain": 2}]})")),
+              HasSubstr("'gain' is set twice"));
   EXPECT_THAT(error(R"("summary": {"x": []})"), HasSubstr("at least one member"));
   EXPECT_THAT(
       error(

@@ -403,6 +403,7 @@ class Expansion {
   /// Parameters may be a list of objects, of which some are repeated: they become one object.
   void merge_parameters(const Node& node, Json& instance, const std::string& pointer) {
     if (!instance.is_object() || !instance.contains(kParameters) || !instance.at(kParameters).is_array()) return;
+    if (instance.at(kParameters).empty()) node.fail(ErrorCode::invalid_value, "the list of parameters is empty");
     auto merged = Json::object();
     std::size_t i = 0;
     for (const auto& part : instance.at(kParameters)) {
