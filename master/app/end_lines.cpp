@@ -65,6 +65,9 @@ std::string short_text(const Json& value) {
 
 /// "least 0.21 (7), mean 0.5, most 0.93 (2)", "14 of 16 (not 3, 9)", "14 landed, 2 flying".
 std::string group_text(const Json& group, const Json& units) {
+  if (group.contains("least") && short_text(group["least"]) == short_text(group["most"])) {
+    return fmt::format("{}{} each", short_text(group["mean"]), unit_text(member_of(units, "mean")));
+  }
   if (group.contains("least")) {
     return fmt::format("{} ({}) to {} ({}), mean {}{}", short_text(group["least"]), value_text(group["least_of"]),
                        short_text(group["most"]), value_text(group["most_of"]), short_text(group["mean"]),

@@ -58,6 +58,9 @@ def is_done(folder: pathlib.Path) -> bool:
     """True if the file that is written last exists."""
     return (folder / "report.html").exists()
 
+GROUP_STATISTICS = ("least", "mean", "most", "count", "of")
+"""Numbers of a group in the summary: the first three of numbers, the last two of Booleans."""
+
 _MOST_VALUES_TRIED = 64
 """The check tries all values of a factor if there are at most this many; otherwise only the least and the greatest."""
 
@@ -515,13 +518,18 @@ class Campaign:
 
 
 def _labels(flat_summary: dict[str, Any]) -> list[str]:
-    """Returns the summary's labels. If a label has conditions, its parts "variable" and "when" are not labels."""
+    """Returns the summary's labels. If a label has conditions, its parts "variable" and "when" are not labels. A list is a
+    group: its label has statistics and members."""
     result = []
-    for label in flat_summary:
+    for label, value in flat_summary.items():
         before, _, last = label.rpartition(".")
         if last in ("variable", "when") and f"{before}.when" in flat_summary and f"{before}.variable" in flat_summary:
-            label = before
-        result.append(label)
+            result.append(before)
+        elif isinstance(value, list):
+            members = [one.get("name", str(position)) for position, one in enumerate(value, 1)]
+            result += [f"{label}.{part}" for part in (*GROUP_STATISTICS, *(f"each.{name}" for name in members))]
+        else:
+            result.append(label)
     return list(dict.fromkeys(result))
 
 

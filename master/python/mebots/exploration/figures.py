@@ -109,6 +109,8 @@ class Units:
         """Returns the variable of a label in the summary."""
         found: Any = self._summary
         for part in label.split("."):
+            if isinstance(found, list):  # a group, whose members have one unit
+                return "" if part in ("count", "of") else str(found[0].get("variable", ""))
             found = found.get(part, "") if isinstance(found, dict) else ""
         return found.get("variable", "") if isinstance(found, dict) else str(found)
 
