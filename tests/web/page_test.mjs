@@ -373,6 +373,7 @@ const systemOnPhoneTests = {
     const topOf = (selector) => page.$eval(selector, (one) => one.getBoundingClientRect().top);
     assert.ok((await topOf(".graph svg")) < (await topOf(".panels .panel")));
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+    assert.ok((await page.$eval(".graph .box rect", (one) => one.getBoundingClientRect().height)) < 75);
   },
 };
 
@@ -384,6 +385,7 @@ const systemTests = {
     assert.match(text, /motors/);
     assert.match(text, /bus\.voltage \[V\]/); // the only variable that changes there, by its name
     assert.match(text, /2 values: W/);
+    assert.ok((await page.$eval(".graph .box rect", (one) => one.getBoundingClientRect().height)) < 75, "few boxes are not blown up");
     assert.equal((await page.$$(".graph .bundle path")).length, 2);
     const rows = await page.$$eval(".connections tbody tr", (found) => found.map((row) => row.textContent));
     assert.equal(rows.length, 2 + 3, rows.join("\n")); // FMUs, connections

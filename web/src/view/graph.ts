@@ -7,6 +7,7 @@ import { shown, shownUnit } from "../data/units";
 import { dotted, element, svg } from "../dom";
 
 const BOX = { width: 170, height: 58 };
+const LARGEST = 1.25; // pixels of the page per unit of the drawing, which one instance alone would exceed
 
 /** Places for an arrow's label, as parts of its length. Places near the tail come first, because arrows cross in the
  * middle. */
@@ -37,7 +38,7 @@ export function makeGraph(run: Run, clock: Clock): HTMLElement {
   const places = placesOf(names);
   const width = Math.max(...[...places.values()].map(([x]) => x)) + BOX.width / 2 + 30;
   const height = Math.max(...[...places.values()].map(([, y]) => y)) + BOX.height / 2 + 30;
-  const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "instances and connections" });
+  const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": "instances and connections", style: `max-height:${LARGEST * height}px` });
   drawing.append(svg("defs", {}, svg("marker", { id: "arrow", viewBox: "0 0 8 8", refX: "7", refY: "4", markerWidth: "7", markerHeight: "7", orient: "auto-start-reverse" },
     svg("path", { d: "M0 0L8 4L0 8z", class: "arrow" }))));
   const list = element("div", { class: "connections" });
