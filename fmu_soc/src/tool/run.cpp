@@ -89,10 +89,12 @@ enum class Reached : std::uint8_t { none, instructions, time, wall_time };
 /// least one cycle, so with N instructions left, a piece of N cycles does not exceed the limit.
 class LimitedRun {
  public:
-  LimitedRun(Soc& soc, observe::Session& session, const Limits& limits, std::uint64_t slice)
+  /// @param spin_cycles  the run ends after this many cycles in an endless loop
+  LimitedRun(Soc& soc, observe::Session& session, const Limits& limits, std::uint64_t slice, std::uint64_t spin_cycles)
       : soc_(soc),
         session_(session),
         limits_(limits),
+        spin_cycles_(spin_cycles),
         slice_(limits.wall_time ? std::min(slice, kShortSlice) : slice) {}
 
   Reached run() {
@@ -102,7 +104,8 @@ class LimitedRun {
       const auto before = busiest_cycles(soc_);
       reached = run_piece(before);
       if (busiest_cycles(soc_) == before && soc_.sleeps_for_good()) break;
-      if (!limits_.instructions && soc_.spins()) break;
+      spun_cycles_ = soc_.spins() ? spun_cycles_ + slice_ : 0;
+      if (!limits_.instructions && soc_.spins() && spun_cycles_ >= spin_cycles_) break;
     }
     if (last_) session_.remove(*last_);
     return reached;
@@ -146,6 +149,8 @@ class LimitedRun {
   Soc& soc_;
   observe::Session& session_;
   Limits limits_;
+  std::uint64_t spin_cycles_;
+  std::uint64_t spun_cycles_ = 0;
   std::uint64_t slice_;
   std::optional<InstructionLimit> last_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
@@ -416,7 +421,7 @@ int run(const Options& options) {
     return code;
   }
   const auto slice = options.power_trace || page ? kFineSlice : history ? kDebugSlice : kSlice;
-  const auto reached = LimitedRun(soc, session, limits, slice).run();
+  const auto reached = LimitedRun(soc, session, limits, slice, history ? kSlice : 0).run();
   const auto report = report_now();
   const auto code = has_seen_all(soc, options) ? 0 : exit_code(soc, report.tohost);
   console.end_line();
