@@ -80,7 +80,7 @@ export class Chart implements Drawing {
       .map((group) => [group.times, ...group.values] as uPlot.AlignedData));
   }
 
-  /** /** The curves in the order of uPlot.join: the curves of one run are together. */ */
+  /** The curves in the order of uPlot.join: the curves of one run are together. */
   private get ordered(): RunCurve[] {
     return this.runCount === 1 ? this.curves : [...this.curves].sort((a, b) => a.runIndex - b.runIndex);
   }

@@ -122,8 +122,8 @@ function overlap(one: Place, other: Place): boolean {
   return 2 * Math.abs(one.x - other.x) < one.width + other.width && 2 * Math.abs(one.y - other.y) < one.height + other.height;
 }
 
-/** /** Returns the name of the variable if there is only one, otherwise the number of values. Adds units if there is
- * space. */ */
+/** Returns the name of the variable if there is only one, otherwise the number of values. Adds units if there is
+ * space. */
 function labelOf({ from, connections }: Bundle): string {
   const units = [...new Set(connections.map(({ unit, type }) => shownUnit(unit ?? "") || (type === "Binary" ? "bytes" : "")))].filter(Boolean);
   if (connections.length === 1) return shortened(connections[0].from.slice(from.length + 1)) + (units.length > 0 ? ` [${units[0]}]` : "");

@@ -9,11 +9,11 @@ const KEY_STEP = 16; // pixels
 interface Options {
   /** For screen readers: "height of the plot". The size is remembered under this name. */
   label: string;
-  /** /** "x": the bar moves to the left and right. */ */
+  /** "x": the bar moves to the left and right. */
   axis: "x" | "y";
-  /** /** The size that the bar changes [px]. */ */
+  /** The size that the bar changes [px]. */
   size: () => number;
-  /** /** Sets the size [px]; null restores the initial size. */ */
+  /** Sets the size [px]; null restores the initial size. */
   resize: (size: number | null) => void;
 }
 

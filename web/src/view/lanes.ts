@@ -25,8 +25,8 @@ interface Lane {
   height: number;
 }
 
-/** /** The area of the lanes is aligned with that of the plots, so that a time is at the same place in all of them.
- * */ */
+/** The area of the lanes is aligned with that of the plots, so that a time is at the same place in all of them.
+ * */
 export class Lanes implements Drawing {
   readonly root = element("div", { class: "lanes" });
   private readonly canvas = element("canvas", {});
@@ -93,7 +93,7 @@ export class Lanes implements Drawing {
     for (const lane of this.lanes) this.drawLane(context, lane, most.get(lane.entry.curve.unit) ?? 1, area.clientWidth);
   }
 
-  /** /** The greatest value of each unit in the lanes of shades, so that lanes of one unit can be compared. */ */
+  /** The greatest value of each unit in the lanes of shades, so that lanes of one unit can be compared. */
   private greatest(): Map<string, number> {
     const most = new Map<string, number>();
     for (const { entry: { curve } } of this.lanes.filter(({ entry }) => !isWords(entry))) {
@@ -151,7 +151,7 @@ export class Lanes implements Drawing {
   }
 }
 
-/** /** True if the states have names, or are on and off. */ */
+/** True if the states have names, or are on and off. */
 function isWords({ run, curve }: RunCurve): boolean {
   const info = run.info(curve.variable);
   return !curve.isRate && (info?.items !== undefined || info?.type === "Boolean");

@@ -15,7 +15,7 @@ import type { Window } from "./window";
 interface Options {
   /** Adds a button that removes the panel. */
   onClose?: () => void;
-  /** /** Height of the curves [px]. */ */
+  /** Height of the curves [px]. */
   height?: number;
 }
 
@@ -79,7 +79,7 @@ function meanNote(window: Window): HTMLElement {
   return note;
 }
 
-/** /** Returns each run's curves. If several runs have stacked parts or many lanes, returns only each run's sum. */ */
+/** Returns each run's curves. If several runs have stacked parts or many lanes, returns only each run's sum. */
 function curvesOf(info: PanelInfo, runs: Run[]): RunCurve[] {
   const curves: RunCurve[] = [];
   const isParts = info.kind === "stack" || (info.kind === "lanes" && info.curves.every(({ rate_of }) => rate_of !== undefined));

@@ -6,7 +6,7 @@ import type { Clock } from "../clock";
 import { element } from "../dom";
 import type { Window } from "./window";
 
-/** /** If the mouse moves less than this [px], the action is a click. */ */
+/** If the mouse moves less than this [px], the action is a click. */
 const CLICK = 4;
 
 interface Options {

@@ -15,7 +15,7 @@ export interface FinalValue {
   unit: string;
 }
 
-/** /** The values of the config's `summary`. Labels inside a label are written after it. */ */
+/** The values of the config's `summary`. Labels inside a label are written after it. */
 export function finalValues(summary: Json): FinalValue[] {
   const found: FinalValue[] = [];
   const walk = (values: Json, units: Json, path: string[]) => {

@@ -13,7 +13,7 @@ export class Window {
     this.to = end;
   }
 
-  /** /** If the span is the whole run, extends it together with the run. */ */
+  /** If the span is the whole run, extends it together with the run. */
   extend(end: number): void {
     const whole = this.isWhole;
     this.end = end;
@@ -58,7 +58,7 @@ export class Window {
     this.set(0, this.end);
   }
 
-  /** /** The time under the pointer, or null if the pointer is on no plot. */ */
+  /** The time under the pointer, or null if the pointer is on no plot. */
   get pointed(): number | null {
     return this.at;
   }
