@@ -30,6 +30,8 @@ HELP = {"help", "variable", "schema"}
 NOT_PAGES = {"CHANGELOG.md", "examples/paper/REPORT.md", "docs/blind-reading.md"}
 # Licences and instructions to tools are not read as prose.
 NO_PROSE = re.compile(r"SPDX|clang-format o|NOLINT")
+# In these languages a line that starts with # is for the preprocessor, or a private member.
+NO_HASH_COMMENTS = {".hpp", ".h", ".cpp", ".c", ".ts", ".mjs"}
 BLOCK = re.compile(r"^[ \t]*/\*+(.*?)\*/", re.MULTILINE | re.DOTALL)
 
 
@@ -45,12 +47,13 @@ def docstrings(source: str) -> Iterator[tuple[int, str]]:
             yield node.body[0].lineno, text
 
 
-def line_comments(source: str) -> Iterator[tuple[int, str]]:
+def line_comments(source: str, suffix: str) -> Iterator[tuple[int, str]]:
     """Yields comments of whole lines; consecutive lines are one comment."""
+    no_comment = re.compile(r"\s*[*#]" if suffix in NO_HASH_COMMENTS else r'\s*(?:\*|""")')
     block: list[str] = []
     for number, line in enumerate(source.split("\n") + [""], 1):
         found = prose_lint.COMMENT.match(line)
-        if found and not re.match(r'\s*(?:\*|""")', line) and not NO_PROSE.search(line):
+        if found and not no_comment.match(line) and not NO_PROSE.search(line):
             block.append(found[1])
         elif block:
             yield number - len(block), " ".join(block)
@@ -66,11 +69,12 @@ def block_comments(source: str) -> Iterator[tuple[int, str]]:
 def comments(commit: str | None) -> Iterator[Draw]:
     """Yields comments of whole lines and docstrings, each up to its end."""
     for path in list_messages.names(commit, ["."]):
-        if pathlib.Path(path).suffix not in prose_lint.SOURCES:
+        suffix = pathlib.Path(path).suffix
+        if suffix not in prose_lint.SOURCES:
             continue
         source = list_messages.read(path, commit)
         longer = docstrings(source) if path.endswith(".py") else block_comments(source)
-        for line, text in sorted([*line_comments(source), *longer]):
+        for line, text in sorted([*line_comments(source, suffix), *longer]):
             if len(text.split()) >= 4:
                 yield Draw(f"{path}:{line}", list_messages.one_line(text))
 

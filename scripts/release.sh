@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Runs the checklist before a release. Runs every proof, continues after a failure, and prints a table; the output of each proof is in
 # build/release-check. Exit code 1 if a proof failed. A proof that cannot run here is skipped, with the reason in the table. A proof that passed but
-# left tests out is skipped too, unless may_be_left_out names them. Without --dry-run nothing may be skipped; if all have passed, the version is
-# tagged. Pushing the tag is up to you.
+# did not run all its tests counts as skipped, unless may_be_left_out permits these omissions. Without --dry-run nothing may be skipped; if all have
+# passed, the version is tagged. Pushing the tag is up to you.
 #
 #   scripts/release.sh --dry-run [PROOF...]    all proofs, or these
 #   MEBOTS_CORPUS=FOLDER        checkouts with FMUs of others, for the proof `corpus` (docs/interop.md names them)

@@ -84,7 +84,7 @@ int main(int argument_count, char** arguments) {
   std::signal(SIGPIPE, SIG_IGN);  // if the reader of our output ends, the run continues and writes its results
   pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, nullptr);  // only an FMU would cancel this thread
   std::signal(SIGXFSZ, SIG_IGN);  // exceeding the file size limit is reported as an error, like a full disk
-  CLI::App app{"MEbots: co-simulation of FMI 2.0 FMUs"};
+  CLI::App app{"MEbots: co-simulation of FMI 1.0, 2.0 and 3.0 FMUs"};
   app.name("mebots");
   app.set_version_flag("--version", "mebots " + std::string(mebots::version()));
   app.require_subcommand(1);

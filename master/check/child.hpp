@@ -31,7 +31,7 @@ class Interrupted final : public std::exception {
 /// States how to rate a crash, an exit or a hang of the child, and what to advise.
 struct CrashRule {
   Severity severity = Severity::error;
-  std::string way_out = "run it under a debugger or with -fsanitize=address";
+  std::string way_out = "run the FMU under a debugger, or build it with -fsanitize=address";
   double deadline_s = 30;                       ///< of computing and sleeping, not of waiting for a processor
   const std::atomic<bool>* given_up = nullptr;  ///< true ends the child; null = never
 };

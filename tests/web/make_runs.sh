@@ -4,7 +4,7 @@
 set -euo pipefail
 mebots=$1 configs=$2 out=$3 soc=$4 program=$5
 mkdir -p "$out"
-# The tests use the times of a flight with these models, whose motors start immediately.
+# The tests contain times of events of a flight. They are valid for these models, whose motors start immediately.
 models=(motors.rotor_data=crazyflie_bench motors.bus.resistance=0 battery.cell.name=bitcraze_250 world.drone.name=crazyflie_bench
   soc.energy.name=gap8)
 "$mebots" run "$configs/gate_easy.json" --stop-time 4 --quiet --statistics --set "${models[@]}" "soc.observe.profile=$out/flight/profile.json" \

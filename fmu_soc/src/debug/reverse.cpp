@@ -56,7 +56,8 @@ std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
   if (command == "reset") {
     names_.clear();
     replay_ = Replay{.phase = Replay::Phase::restarting, .place = {.position = 1}};
-    answer_ = to_hex("at the start of the program; 'maintenance flush register-cache' makes gdb read it again\n");
+    answer_ =
+        to_hex("at the start of the program; 'maintenance flush register-cache' makes gdb read the registers again\n");
     return Resume::rewind;
   }
   if (!command.starts_with(kRestore)) return std::nullopt;
@@ -66,7 +67,7 @@ std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
   const auto from = state_before(found->second);
   if (!from) return reply(fmt::format("'{}' is before a change by gdb, which ends the history\n", name));
   replay_ = Replay{.phase = Replay::Phase::seeking, .from = *from, .place = {.position = found->second}};
-  answer_ = to_hex(fmt::format("at {}; 'maintenance flush register-cache' makes gdb read it again\n", name));
+  answer_ = to_hex(fmt::format("at {}; 'maintenance flush register-cache' makes gdb read the registers again\n", name));
   return Resume::rewind;
 }
 

@@ -160,8 +160,8 @@ struct HartUnits {
   BlockCache& blocks;
 };
 
-/// The state of a core that its handlers and translated code change, and the block in progress. During a block, the
-/// counters and the pipeline have their values at the start of the block.
+/// State of a core, as far as instruction handlers and translated code change it, and the block that is being executed.
+/// During a block, the counters and the pipeline have their values at the start of the block.
 struct Execution {
   /// x0 to x31, then f0 to f31. x[0] stays 0; the last element receives the values written to x0.
   std::array<std::uint32_t, kNoRegister + 1> x{};

@@ -235,7 +235,7 @@ void Hardware::fail_outside(const Elf& program, const ElfSegment& segment, std::
           : fmt::format(" (load address 0x{:08x}, run address 0x{:08x})", segment.load_address, segment.run_address);
   throw Error(fmt::format(
       "{}: a segment{} {} at 0x{:08x} with {} bytes; this lies outside the board's memories (board {}: {}); "
-      "link it with the board's addresses, or add a memory to the board",
+      "link the program with the board's addresses, or add a memory to the board",
       program.origin(), other, what, address, size, board_.name, memories));
 }
 

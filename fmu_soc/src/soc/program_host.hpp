@@ -69,7 +69,7 @@ class ProgramHost {
   /// Serves the ecall at the fabric controller's pc. Returns false if ecall is an exception.
   bool serve_environment_call();
 
-  /// Returns the exit code of a program that ended by a call.
+  /// Returns the exit code if the program ended itself by a semihosting call or an ecall; empty otherwise.
   std::optional<std::uint32_t> exit_code() const { return exit_code_; }
   /// Returns the function that the fabric controller executes; empty if it is unknown.
   std::string function() const { return program_.where(hardware_.controller().pc()); }

@@ -58,7 +58,8 @@ void resolve_continuous_systems(ResolvedSystem& system);
 
 /// Loads the FMUs that share this process. If an FMU cannot share it, its instances get separate processes, and
 /// `system.notices` contains the reason. Throws InputError if the config demands `"process": "shared"` for such an
-/// instance or if a library cannot be loaded, and InterruptedError between two FMUs.
+/// instance, or if a library cannot be loaded. Checks `interrupted` before it loads a group of FMUs, and throws
+/// InterruptedError if it is set.
 void choose_processes(ResolvedSystem& system, const std::atomic<bool>& interrupted);
 
 }  // namespace mebots::master

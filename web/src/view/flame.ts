@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws flame graphs of a profile. Each box is a function; its width is the share of the function and of the functions that it calls. If the profile
-// has windows, the graph shows the time span of the plots.
+// is divided into time windows, the graph counts only the windows in the time span that the page's plots show.
 import { select } from "d3-selection";
 import flamegraph from "d3-flame-graph";
 import { BY_CORE, BY_FUNCTION, type Call, type Cost, COSTS, treeOf, WindowedProfile } from "../data/profile";

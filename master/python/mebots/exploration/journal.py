@@ -186,8 +186,8 @@ class Journal:
         return self.append_lines(digests, b"".join(lines), np.array([len(line) for line in lines], np.int64)).tolist()
 
     def append_lines(self, digests: Sequence[bytes], lines: bytes, lengths: np.ndarray) -> np.ndarray:
-        """Appends lines of missions. Returns their places when the lines are safe against a kill of this process.
-        Raises Error if they cannot be written; the journal is then unchanged."""
+        """Appends lines of missions. Returns their places only after the lines are safe against a kill of this
+        process. Raises Error if they cannot be written; the journal is then unchanged."""
         try:
             os.lseek(self._descriptor, self._end, os.SEEK_SET)
             files.write_all(self._descriptor, lines)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The result of ``mebots.sweep``: its tables as data frames, its answer and its page."""
+"""The result of ``mebots.sweep``: its tables as data frames, its answer (which design is best, in words) and its HTML
+page."""
 
 from __future__ import annotations
 

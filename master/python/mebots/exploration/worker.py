@@ -190,7 +190,8 @@ class Worker:
             self._go_on(mission, course, begin, state)
 
     def _last_state(self, course: list[dict[str, Any]]) -> tuple[int, bytes | None]:
-        """Returns the last turn with a saved state, and the state."""
+        """Returns the number of the last turn of the course whose state is saved, and the state; 0 and None if there is
+        none. A turn is a place at which inputs change (missions.Turn)."""
         for number in range(len(course) - 1, -1, -1):
             state = self._pasts.find(course[number]["past"])
             if state is not None:

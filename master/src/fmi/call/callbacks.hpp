@@ -139,8 +139,8 @@ struct CurrentCallback {
 /// in signal handlers.
 CurrentCallback current_callback() noexcept;
 
-/// Makes all callbacks ignore messages in the whole process, so that a crash handler can find the cause without the
-/// logger.
+/// Makes all logger callbacks of the process ignore their messages. After a crash in a callback, `mebots check` repeats
+/// the experiment in this way, and sees whether the FMU or mebots caused the crash.
 void ignore_callbacks() noexcept;
 
 /// Encloses every call to an instance: callbacks on this thread belong to it.

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::int64_t kDelayNs = 16'666'700;  // exposure and read-out of the board file
 
-/// Requests a picture of {} bytes at once, sleeps until the interrupt, then stores STATUS, size, id and time.
+/// Immediately requests a picture of at most {} bytes, writes {} to CONTROL, and sleeps. The interrupt handler stores
+/// STATUS, width, height, id and time.
 constexpr std::string_view kAsk = R"(
 _start: la t0, handler
     csrw mtvec, t0
