@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace mebots::check {
 namespace {
@@ -28,6 +29,14 @@ constexpr double kDiverged = 1e100;
 struct FunctionName {
   const char* fmi2;
   const char* fmi3;
+};
+
+/// The state of an integration.
+struct Saved {
+  std::unique_ptr<master::SlaveState> instance;
+  std::vector<double> indicators;
+  double next_event_s;
+  bool ended;
 };
 
 /// Integrates an instance by explicit Euler: sufficient to check that derivatives are finite and events end.
@@ -48,14 +57,16 @@ class Euler {
   void run(int first, int last) {
     for (int k = first; k < last && !ended_; ++k) step(k);
   }
-  std::unique_ptr<master::SlaveState> saved() {
+  Saved saved() {
     doing({"fmi2GetFMUstate", "fmi3GetFMUState"});
-    return parts_.slave->save_state();
+    return {parts_.slave->save_state(), indicators_, next_event_s_, ended_};
   }
-  void restore(const master::SlaveState& state) {
+  void restore(const Saved& saved) {
     doing({"fmi2SetFMUstate", "fmi3SetFMUState"});
-    parts_.slave->restore_state(state);
-    ended_ = false;
+    parts_.slave->restore_state(*saved.instance);
+    indicators_ = saved.indicators;
+    next_event_s_ = saved.next_event_s;
+    ended_ = saved.ended;
     read_states();
   }
   const std::vector<double>& states() const { return states_; }
@@ -161,10 +172,10 @@ class Euler {
 
 void check_restored_run(Euler& euler, Witness& witness) {
   euler.run(0, kEulerHalf);
-  const auto state = euler.saved();
+  const auto half = euler.saved();
   euler.run(kEulerHalf, kEulerSteps);
   const auto wanted = euler.states();
-  euler.restore(*state);
+  euler.restore(half);
   euler.run(kEulerHalf, kEulerSteps);
   if (euler.states() == wanted) return;
   witness.error("after a restored state, the continuous states have other bits",

@@ -6,9 +6,9 @@
 //
 // A state event turns the velocity at `wall`, and counts `hits`; the `last_hit` ends the simulation. A time event adds
 // `kick` to the velocity at `kick_time`. The discrete input `brake` stops the mass. After `nan_time` the derivative of
-// v is not a number. With the GUID "{mass:nan}", "{mass:endless}" or "{mass:forgets}", the derivative is not a number,
-// events do not end, or a restored state lacks the speed. `calls` counts evaluations, but only if `impure` is true does
-// a derivative depend on them.
+// v is not a number. With the GUID "{mass:nan}", "{mass:endless}", "{mass:forgets}" or "{mass:kicked}", the derivative
+// is not a number, events do not end, a restored state lacks the speed, or a kick of 1 is at 0.15 s. `calls` counts
+// evaluations, but only if `impure` is true does a derivative depend on them.
 #include "fmi2.h"
 
 #include "frame.h"
@@ -52,6 +52,10 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
   m->reals[WALL] = m->reals[KICK_TIME] = m->reals[NAN_TIME] = 1e9;
   m->integers[LAST_HIT] = -1;
   if (strcmp(guid, "{mass:nan}") == 0) m->reals[NAN_TIME] = -1;
+  if (strcmp(guid, "{mass:kicked}") == 0) {
+    m->reals[KICK] = 1;
+    m->reals[KICK_TIME] = 0.15;
+  }
   m->endless = strcmp(guid, "{mass:endless}") == 0;
   m->forgets = strcmp(guid, "{mass:forgets}") == 0;
   return m;
