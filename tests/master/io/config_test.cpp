@@ -127,6 +127,22 @@ TEST(Config, ARepeatKeepsAllDigitsOfLargeNumbers) {
               HasSubstr("the sum exceeds 64 bits"));
 }
 
+TEST(Config, AColumnNamedLikeTheIndexIsRefused) {
+  EXPECT_THAT(test::input_error([] {
+                repeated_for_rows("i, mass\n7, 1\n", R"("p[{i}]": {"repeat": {"i": "rows.csv"}, "fmu": "PROBE"})");
+              }),
+              AllOf(HasSubstr("/instances/p[{i}]/repeat/i"), HasSubstr("there are two values i")));
+}
+
+TEST(Config, RepeatsInsideRepeatsAreLimitedTogether) {
+  std::string condition = R"("variable": "a.real_out", "above": 1)";
+  for (int depth = 0; depth < 6; ++depth) {
+    condition = fmt::format(R"("all": [{{"repeat": {{"i{}": [1, 100000]}}, {}}}])", depth, condition);
+  }
+  EXPECT_THAT(reading_error(config_with(fmt::format(R"("stop_when": [{{{}}}],)", condition))),
+              HasSubstr("more than 500000 copies of all entries together"));
+}
+
 TEST(Config, MistakesInRepeatedEntriesNameThePlaceAndTheCopy) {
   const auto error = [](const std::string& repeat, const std::string& name = "p[{i}]", const std::string& rest = "") {
     return reading_error(repeated(fmt::format(R"("{}": {{"repeat": {}, "fmu": "PROBE"{}}})", name, repeat, rest)));
@@ -143,6 +159,11 @@ TEST(Config, MistakesInRepeatedEntriesNameThePlaceAndTheCopy) {
   EXPECT_THAT(error(R"({"i": {"a": ["gain", "gain"], "b": ["ratio", "gain"]}})", "p[{i}]",
                     R"(, "parameters": {"{a}": 1, "{b}": 2})"),
               AllOf(HasSubstr("/instances/p[{i}]"), HasSubstr("two keys of one copy become 'gain'")));
+  EXPECT_THAT(reading_error(config_with(
+                  R"("stop_when": [{"repeat": {"i": {"a": ["for"], "b": ["for"]}}, "{a}": 1, "{b}": 2, "all": [
+                     {"repeat": {"k": [1, 2]}, "variable": "a.real_out", "above": "{k}"}]}],)")),
+              AllOf(HasSubstr("/stop_when/0"), HasSubstr("two keys of one copy become 'for'")));
+  EXPECT_THAT(error(R"({"mass": {"mass": [0.03, 0.031]}})", "p{mass}"), HasSubstr("there are two values mass"));
   EXPECT_THAT(error(R"({"i": [1, 2]})", "p[{i}]", R"(, "steep": 1)"),
               AllOf(HasSubstr("mission.json: 1:"), HasSubstr("i = 2"), HasSubstr("step")));
   EXPECT_THAT(reading_error(repeated(R"("a": {"fmu": "PROBE"})",
@@ -193,6 +214,17 @@ TEST(Config, ConditionsAndTheSummaryReadGroups) {
   EXPECT_EQ(system.summary[0].group.at(1).name, "4");
   EXPECT_EQ(system.summary[1].group.at(0).name, "first");
   EXPECT_EQ(system.summary[1].group.at(1).name, "2");
+}
+
+TEST(Config, ARepeatedConditionInTheSummaryGetsNoName) {
+  const auto system =
+      read(config_with(R"("summary": {"t": {"variable": "a.real_out", "when": [
+      {"all": [{"repeat": {"i": [1, 4]}, "variable": "d[{i}].real_out", "above": 1}]}]}},)",
+                       R"("a": {"fmu": "PROBE"}, "d[{i}]": {"repeat": {"i": [1, 4]}, "fmu": "PROBE"})"));
+  ASSERT_EQ(system.summary.size(), 1u);
+  const auto& all = system.summary[0].when.at(0);
+  ASSERT_EQ(all.members.size(), 4u);
+  EXPECT_EQ(all.members[3].variable.text(), "d[4].real_out");
 }
 
 TEST(Config, MistakesInGroupsNameTheirPlace) {

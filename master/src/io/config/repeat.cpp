@@ -30,7 +30,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::int64_t kMostCopies = 100'000;
+constexpr std::int64_t kMostCopies = 100'000;      // of an entry
+constexpr std::size_t kMostCopiesOfAll = 500'000;  // of all entries, those in copies of others included
 constexpr const char* kParameters = "parameters";
 
 /// The replacement of a name in braces: a value, or a part of a text.
@@ -65,6 +66,13 @@ void check_name(const Node& node, std::string_view name) {
         ErrorCode::invalid_value,
         fmt::format("\"{}\" cannot be in braces; a name has letters, digits and _, and begins with no digit", name));
   }
+}
+
+/// A value and an index must differ: a name in braces means one of them.
+void check_value_name(const Node& node, std::string_view name, std::string_view index) {
+  check_name(node, name);
+  if (name == index)
+    node.fail(ErrorCode::duplicate_name, fmt::format("there are two values {}; rename the index", name));
 }
 
 Json json_of(const Node& node) {
@@ -110,7 +118,7 @@ std::vector<Values> lists(const Node& node, const std::string& index) {
   std::vector<Values> rows;
   bool is_first = true;
   for (const auto& [name, list] : node.members()) {
-    check_name(list, name);
+    check_value_name(list, name, index);
     const auto elements = list.elements();
     if (is_first) {
       for (std::size_t row = 0; row < elements.size(); ++row) rows.push_back({{index, Filling::of_index(row + 1)}});
@@ -137,7 +145,7 @@ std::vector<Values> table(const Node& node, const std::string& index, Repeats& r
   const auto text = input_text(file);
   repeats.source += text;
   data::CsvReader csv(text, file.string());
-  for (const auto& name : csv.header()) check_name(node, name);
+  for (const auto& name : csv.header()) check_value_name(node, name, index);
   std::vector<Values> rows;
   while (csv.next()) {
     Values row = {{index, Filling::of_index(rows.size() + 1)}};
@@ -219,6 +227,13 @@ class Groups {
   std::map<std::string, std::vector<Values>> groups_;
 };
 
+/// Adds a member whose key had names in braces. Throws InputError if the object has the key.
+void add_filled(Json& object, std::string key, Json value) {
+  if (object.contains(key))
+    throw InputError(ErrorCode::duplicate_name, fmt::format("two keys of one copy become '{}'", key));
+  object[std::move(key)] = std::move(value);
+}
+
 /// Replaces names in braces. Throws InputError for an unknown one.
 class Filler {
  public:
@@ -257,10 +272,7 @@ class Filler {
       if (value.is_array()) {
         result.push_back(filled(member));
       } else {
-        auto name = filled_text(key);
-        if (result.contains(name))
-          throw InputError(ErrorCode::duplicate_name, fmt::format("two keys of one copy become '{}'", name));
-        result[std::move(name)] = filled(member);
+        add_filled(result, filled_text(key), filled(member));
       }
     }
     return result;
@@ -378,7 +390,7 @@ class Expansion {
     for (const auto& [key, member] : node.members()) {
       if (!content.contains(key)) continue;  // the key `repeat` of an entry that is a copy
       const auto name = values.empty() ? key : Filler(values).filled_text(key);
-      result[name] = of(member, content.at(key), values, pointer + data::pointer_step(name));
+      add_filled(result, name, of(member, content.at(key), values, pointer + data::pointer_step(name)));
     }
     return result;
   }
@@ -391,11 +403,19 @@ class Expansion {
       node.attempt([&] { put(entry, outer); });
       return;
     }
+    if (copies_ > kMostCopiesOfAll) return;  // reported
     repeat->attempt([&] {
-      for (const auto& own : product(*repeat, {outer}, groups_.copies_of(*repeat))) {
+      const auto copies = product(*repeat, {outer}, groups_.copies_of(*repeat));
+      copies_ += copies.size();
+      if (copies_ > kMostCopiesOfAll) {
+        repeat->fail(ErrorCode::value_out_of_range,
+                     fmt::format("there are more than {} copies of all entries together", kMostCopiesOfAll));
+      }
+      for (const auto& own : copies) {
         auto one = entry;
         one.erase(kRepeat);
         if (!put_once(node, std::move(one), own, put)) break;  // the other copies have the same mistake
+        if (copies_ > kMostCopiesOfAll) break;                 // inside this one
       }
     });
   }
@@ -418,9 +438,11 @@ class Expansion {
     instance[kParameters] = std::move(merged);
   }
 
-  /// The values of a group in the summary are named by their indexes, unless the entry has a name.
+  /// The members of a group in the summary are named by their indexes, unless they have a name. They consist of a
+  /// variable alone; other lists below the summary have conditions.
   static void name_member(Json& entry, const Values& values, std::string_view pointer) {
-    if (!pointer.starts_with("/summary/") || !entry.is_object() || entry.contains("name")) return;
+    if (!pointer.starts_with("/summary/") || !entry.is_object()) return;
+    if (entry.size() != 1 || !entry.contains("variable")) return;
     std::vector<std::string> indexes;
     for (const auto& [name, value] : values) {
       if (value.is_index) indexes.push_back(value.text);
@@ -441,6 +463,7 @@ class Expansion {
   const Groups& groups_;
   Repeats& repeats_;
   std::string file_;
+  std::size_t copies_ = 0;
 };
 
 /// Without `inside`, looks at the elements of a list alone, of which there may be many.
