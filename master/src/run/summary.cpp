@@ -176,8 +176,10 @@ Json SummaryValues::statistics_of(const Group& group) const {
     }
     return {{"counts", counts}};
   }
-  const auto number_of = [](const Entry& one) {
-    return one.signal.kind == ValueKind::real ? one.number : static_cast<double>(one.whole);
+  const bool is_uint64 = first.variable->type == modeldesc::Type::uint64;
+  const auto number_of = [&](const Entry& one) {
+    if (one.signal.kind == ValueKind::real) return one.number;
+    return is_uint64 ? static_cast<double>(static_cast<std::uint64_t>(one.whole)) : static_cast<double>(one.whole);
   };
   const auto least = std::ranges::min_element(members, {}, number_of);
   const auto most = std::ranges::max_element(members, {}, number_of);

@@ -7,6 +7,7 @@
 #include "support/files.hpp"
 #include "test_system.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <charconv>
@@ -233,6 +234,21 @@ TEST(Summary, ValuesKeepTheirKind) {
   run.to_end();
   EXPECT_EQ(values.values().dump(), R"({"x":1.5,"inner":{"mode":"both","flag":true},"n":3,"text":"!"})");
   EXPECT_EQ(values.units().dump(), R"({"x":"metre"})");
+}
+
+TEST(Summary, StatisticsHaveAllValuesOfUInt64) {
+  TestRun run(fmt::format(R"({{"step": 0.1, "stop_time": 0.1, "instances": {{
+      "a": {{"fmu": "{0}", "parameters": {{"huge": 9223372036854775808}}}}, "b": {{"fmu": "{0}", "parameters": {{"huge": 2}}}}}},
+    "summary": {{"n": [{{"name": "a", "variable": "a.huge_out"}}, {{"name": "b", "variable": "b.huge_out"}}]}}}})",
+                          WIDTHS_FMU));
+  SummaryValues values(run.system, run.simulation().ensemble());
+  run.simulation().add(values);
+  run.to_end();
+  const auto all = values.values().at("n");
+  EXPECT_EQ(all.at("least"), 2);
+  EXPECT_EQ(all.at("mean"), 0x1p62);
+  EXPECT_EQ(all.at("most"), 9223372036854775808U);
+  EXPECT_EQ(all.at("most_of"), "a");
 }
 
 }  // namespace
