@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests clocks of FMI 3.0 with tests/fmus/metronome.cpp, which has periodic, countdown and triggered clocks.
+#include "slave/clocked/timed_clock.hpp"
 #include "test_system.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <limits>
+#include <optional>
 #include <string>
 
 namespace mebots::master {
@@ -77,6 +80,54 @@ TEST(Clocks, TicksWithoutEndAreReported) {
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), HasSubstr("'a': the clocks of its group tick at 0.17 s without end"));
   }
+}
+
+/// Has a periodic clock whose shift and interval it states itself.
+class ShiftedInstance final : public EventInstance {
+ public:
+  explicit ShiftedInstance(double shift_s) : shift_s_(shift_s) {}
+  const std::string& name() const override { return name_; }
+  std::optional<StepEnd> step_until(double /*start_s*/, double /*end_s*/) override { return std::nullopt; }
+  void enter_event_mode() override {}
+  void enter_step_mode() override {}
+  bool ticks(ValueReference /*clock*/) override { return false; }
+  void tick(ValueReference /*clock*/) override {}
+  std::optional<double> new_interval(ValueReference /*clock*/) override { return 0.5; }
+  double shift(ValueReference /*clock*/) override { return shift_s_; }
+  DiscreteUpdate update_discrete_states() override { return {}; }
+
+ private:
+  std::string name_ = "a";
+  double shift_s_;
+};
+
+/// Returns the first tick of a periodic clock with this shift after 2 s, or the error.
+std::string first_tick(const modeldesc::ClockTiming& timing, double instances_shift_s) {
+  modeldesc::Fmi3Part part;
+  part.timing = timing;
+  modeldesc::Variable variable;
+  variable.name = "beat";
+  variable.fmi3 = part;
+  TimedClock clock(variable);
+  ShiftedInstance instance(instances_shift_s);
+  try {
+    clock.start(instance, 2);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return fmt::format("{}", clock.next_s());
+}
+
+TEST(Clocks, AShiftMustBeATime) {
+  modeldesc::ClockTiming timing;
+  timing.interval_variability = modeldesc::IntervalVariability::fixed;
+  EXPECT_EQ(first_tick(timing, 0.25), "2.25");
+  EXPECT_THAT(first_tick(timing, std::numeric_limits<double>::quiet_NaN()),
+              HasSubstr("instance 'a': the clock 'beat' has the shift nan s"));
+  EXPECT_THAT(first_tick(timing, -0.25), HasSubstr("has the shift -0.25 s"));
+  timing.interval_s = 0.5;
+  timing.shift_s = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(first_tick(timing, 0), HasSubstr("has the shift inf s"));
 }
 
 TEST(Clocks, AreRefusedWhereTheyCannotTick) {

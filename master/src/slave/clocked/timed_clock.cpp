@@ -33,6 +33,13 @@ double TimedClock::checked(const EventInstance& instance, double interval_s) con
                           instance.name(), variable_->name, interval_s, is_periodic() ? "above" : "of at least"));
 }
 
+double TimedClock::checked_shift(const EventInstance& instance, double shift_s) const {
+  if (std::isfinite(shift_s) && shift_s >= 0) return shift_s;
+  throw Error(ErrorCode::fmu_failed,
+              fmt::format("instance '{}': the clock '{}' has the shift {} s; it must be a time of at least 0",
+                          instance.name(), variable_->name, shift_s));
+}
+
 void TimedClock::start(EventInstance& instance, double start_s) {
   const auto& timing = *variable_->fmi3->timing;
   base_s_ = start_s;
@@ -46,11 +53,11 @@ void TimedClock::start(EventInstance& instance, double start_s) {
   is_declared_ = timing.interval_counter && timing.resolution && *timing.interval_counter > 0;
   if (!is_declared_ && timing.interval_s) {
     interval_s_ = checked(instance, *timing.interval_s);
-    base_s_ += timing.shift_s;
+    base_s_ += checked_shift(instance, timing.shift_s);
   } else if (!is_declared_) {
     const auto interval_s = instance.new_interval(variable_->value_reference);
     interval_s_ = checked(instance, interval_s.value_or(0));
-    base_s_ += instance.shift(variable_->value_reference);
+    base_s_ += checked_shift(instance, instance.shift(variable_->value_reference));
   }
   next_s_ = periodic_s(count_);
 }

@@ -22,7 +22,8 @@ class TimedClock {
   /// Returns the time of the next tick [s]; kNever if none is scheduled.
   double next_s() const { return next_s_; }
 
-  /// Queries the first tick. The instance must be in initialisation mode.
+  /// Queries the first tick. The instance must be in initialisation mode. Throws Error as update() does, and if the
+  /// shift is negative or not a number.
   void start(EventInstance& instance, double start_s);
   /// Marks the scheduled tick as done. The next tick is already known only for periodic clocks.
   void ticked();
@@ -36,6 +37,7 @@ class TimedClock {
   bool is_periodic() const;
   double periodic_s(double count) const;
   double checked(const EventInstance& instance, double interval_s) const;
+  double checked_shift(const EventInstance& instance, double shift_s) const;
 
   const modeldesc::Variable* variable_;
   double next_s_ = kNever;
