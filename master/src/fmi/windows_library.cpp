@@ -344,8 +344,7 @@ class Sender {
       for (std::size_t k = 0; InputArray<T> && k < count; ++k) writer.put_text(values[k]);
     } else if constexpr (ArrayOfBytes<T>) {
       const auto* const sizes = std::get<i - 1>(*arguments_);
-      for (std::size_t k = 0; InputArray<T> && k < count; ++k)
-        writer.put(std::string_view(reinterpret_cast<const char*>(values[k]), sizes[k]));
+      for (std::size_t k = 0; InputArray<T> && k < count; ++k) writer.put_binary(values[k], sizes[k]);
     } else {
       writer.put(std::string_view(reinterpret_cast<const char*>(values), count * sizeof(*values)));
     }
@@ -364,8 +363,8 @@ class Sender {
     const auto count = length<i>();
     if (values == nullptr) return;
     if constexpr (ArrayOfTexts<T> || ArrayOfBytes<T>) {
-      std::vector<std::string> texts(count);
-      for (auto& text : texts) text = reader.get_text().value_or("");
+      std::vector<std::optional<std::string>> texts(count);
+      for (auto& text : texts) text = reader.get_text();
       kept.keep_texts<Element<T>>(std::move(texts));
       std::copy_n(kept.as_array<Element<T>>(), count, values);
     } else {

@@ -173,9 +173,7 @@ class Receiver {
       const auto value = reader.get<T>();
       slot.keep_bytes({reinterpret_cast<const char*>(&value), sizeof value});
     } else if constexpr (Text<T, Types::length_of(i)>) {
-      auto text = reader.get_text();
-      slot.is_null = !text;
-      slot.texts = {text.value_or("")};
+      slot.texts = {reader.get_text()};
     } else {
       get_array<T>(reader, slot);
     }
@@ -189,13 +187,8 @@ class Receiver {
     if constexpr (ArrayOfTexts<T> || ArrayOfBytes<T>) {
       slot.elements.assign(slot.count * sizeof(Element<T>), std::byte{});
       if (!InputArray<T>) return;
-      std::vector<std::string> texts(slot.count);
-      for (auto& text : texts) {
-        if constexpr (ArrayOfTexts<T>)
-          text = reader.get_text().value_or("");
-        else
-          text = reader.get_bytes();
-      }
+      std::vector<std::optional<std::string>> texts(slot.count);
+      for (auto& text : texts) text = reader.get_text();
       slot.template keep_texts<Element<T>>(std::move(texts));
     } else {
       slot.keep_bytes(reader.get_bytes());
@@ -219,7 +212,7 @@ class Receiver {
       std::memcpy(&value, slot.elements.data(), sizeof value);
       return value;
     } else if constexpr (Text<T, Types::length_of(i)>) {
-      return slot.is_null ? nullptr : slot.texts.front().c_str();
+      return slot.texts.front() ? slot.texts.front()->c_str() : nullptr;
     } else {
       return slot.template as_array<std::remove_pointer_t<T>>();
     }
@@ -235,11 +228,8 @@ class Receiver {
         for (std::uint64_t k = 0; k < slot.count; ++k) writer.put_text(slot.template as_array<const char*>()[k]);
       } else if constexpr (ArrayOfBytes<T>) {
         const auto* const sizes = slots_[i - 1].template as_array<std::size_t>();
-        for (std::uint64_t k = 0; k < slot.count; ++k) {
-          const auto* const bytes = slot.template as_array<const char*>()[k];
-          writer.put(bytes != nullptr);
-          if (bytes != nullptr) writer.put(std::string_view(bytes, sizes[k]));
-        }
+        for (std::uint64_t k = 0; k < slot.count; ++k)
+          writer.put_binary(slot.template as_array<const std::uint8_t*>()[k], sizes[k]);
       } else {
         writer.put(std::string_view(reinterpret_cast<const char*>(slot.elements.data()), slot.elements.size()));
       }

@@ -48,6 +48,10 @@ class Writer {
     put(text != nullptr);
     if (text != nullptr) put(std::string_view(text));
   }
+  void put_binary(const std::uint8_t* bytes, std::size_t size) {
+    put(bytes != nullptr);
+    if (bytes != nullptr) put(std::string_view(reinterpret_cast<const char*>(bytes), size));
+  }
 
   /// Returns the frame with all that was put since the last frame.
   const std::string& frame(std::uint32_t kind) {
@@ -75,6 +79,7 @@ class Reader {
     return value;
   }
   std::string_view get_bytes() { return take(get<std::uint64_t>()); }
+  /// Reads what put_text() or put_binary() wrote.
   std::optional<std::string> get_text() {
     if (!get<bool>()) return std::nullopt;
     return std::string(get_bytes());
@@ -154,7 +159,7 @@ struct Slot {
   std::uint64_t count = 0;
   bool is_null = false;
   std::vector<std::byte> elements;  ///< as C has them: for texts and arrays of bytes, the pointers
-  std::vector<std::string> texts;
+  std::vector<std::optional<std::string>> texts;
 
   template <typename T>
   T* as_array() {
@@ -164,13 +169,14 @@ struct Slot {
     const auto* const start = reinterpret_cast<const std::byte*>(bytes.data());
     elements.assign(start, start + bytes.size());
   }
-  /// Keeps the texts, and the pointers to them as elements.
+  /// Keeps the texts, and the pointers to them as elements. The pointer of a missing one is null: the size of a binary
+  /// would reach behind an empty text.
   template <typename Pointer>
-  void keep_texts(std::vector<std::string> kept) {
+  void keep_texts(std::vector<std::optional<std::string>> kept) {
     texts = std::move(kept);
     elements.resize(texts.size() * sizeof(Pointer));
     for (std::size_t i = 0; i < texts.size(); ++i) {
-      const auto pointer = reinterpret_cast<Pointer>(texts[i].c_str());
+      const auto pointer = texts[i] ? reinterpret_cast<Pointer>(texts[i]->c_str()) : nullptr;
       std::memcpy(elements.data() + i * sizeof pointer, &pointer, sizeof pointer);
     }
   }
