@@ -6,12 +6,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <fstream>
-#include <span>
 #include <sstream>
-#include <string_view>
+#include <string>
+#include <system_error>
+#include <vector>
 
 namespace mebots::master::windows {
 namespace {
@@ -21,19 +23,18 @@ namespace fs = std::filesystem;
 // Debian, Ubuntu, Fedora, Arch, and the packages of WineHQ.
 constexpr auto kProgramPlaces = std::to_array<const char*>(
     {"/usr/lib/wine/wine64", "/usr/lib64/wine/wine64", "/opt/wine-stable/bin/wine64", "/opt/wine-stable/bin/wine"});
-constexpr auto kLibraryPlaces = std::to_array<const char*>(
-    {"/usr/lib/x86_64-linux-gnu/wine/x86_64-windows", "/usr/lib/wine/x86_64-windows", "/usr/lib64/wine/x86_64-windows",
-     "/opt/wine-stable/lib64/wine/x86_64-windows", "/opt/wine-stable/lib/wine/x86_64-windows"});
+constexpr auto kLibraryFolders = std::to_array<const char*>(
+    {"/usr/lib/x86_64-linux-gnu", "/usr/lib", "/usr/lib64", "/opt/wine-stable/lib64", "/opt/wine-stable/lib"});
+constexpr const char* kProgramVariable = "MEBOTS_WINE";
 
-fs::path first_of(std::span<const char* const> places) {
-  for (const auto* place : places) {
-    if (is_there(place)) return place;
-  }
-  return {};
+/// Returns the value of MEBOTS_WINE; empty if it is not set.
+fs::path chosen_program() {
+  const char* chosen = std::getenv(kProgramVariable);
+  return chosen == nullptr ? "" : chosen;
 }
 
 fs::path find_program() {
-  if (const char* chosen = std::getenv("MEBOTS_WINE"); chosen != nullptr && *chosen != '\0') return chosen;
+  if (auto chosen = chosen_program(); !chosen.empty()) return chosen;
   const char* path = std::getenv("PATH");
   std::istringstream folders(path == nullptr ? "" : path);
   for (std::string folder; std::getline(folders, folder, ':');) {
@@ -41,21 +42,42 @@ fs::path find_program() {
       if (folder.starts_with('/') && is_file(fs::path(folder) / name)) return fs::path(folder) / name;
     }
   }
-  return first_of(kProgramPlaces);
+  const auto* const place = std::ranges::find_if(kProgramPlaces, [](const char* one) { return is_there(one); });
+  return place == kProgramPlaces.end() ? "" : *place;
+}
+
+/// Returns the folder of wine's DLLs, those beside the program first: DLLs of another version do not fit. Empty if
+/// there is none.
+fs::path find_libraries(const fs::path& program) {
+  std::vector<fs::path> folders(kLibraryFolders.begin(), kLibraryFolders.end());
+  std::error_code missing;
+  const auto real = fs::canonical(program, missing);
+  if (!missing) {
+    const auto own = real.parent_path().parent_path();
+    folders.insert(folders.begin(), {own / "lib64", own / "lib"});
+  }
+  for (const auto& folder : folders) {
+    auto libraries = folder / "wine/x86_64-windows";
+    if (is_there(libraries)) return libraries;
+  }
+  return {};
 }
 
 Wine find() {
-  Wine wine{find_program(), first_of(kLibraryPlaces), {}, {}};
+  const auto program = find_program();
+  Wine wine{program, find_libraries(program), {}, {}};
   for (const auto& place : program_places("mebots-windows-host.exe")) {
     if (wine.host.empty() && is_there(place)) wine.host = place;
   }
-  if (!is_file(wine.program) || wine.libraries.empty()) {
+  if (!is_file(wine.program) && !chosen_program().empty()) {
+    wine.missing = fmt::format("Set {} to wine's program, or unset it: there is no file {}", kProgramVariable,
+                               wine.program.string());
+  } else if (!is_file(wine.program) || wine.libraries.empty()) {
     wine.missing = "Install wine, under which mebots runs it (`apt-get install wine64`)";
   } else if (wine.host.empty()) {
     wine.missing =
         "This build of MEbots lacks mebots-windows-host.exe, which runs it under wine: install "
-        "g++-mingw-w64-x86-64-posix "
-        "and build it again";
+        "g++-mingw-w64-x86-64-posix and build it again";
   }
   return wine;
 }

@@ -9,9 +9,9 @@ namespace mebots::master::windows {
 /// The programs that run an FMU for Windows. Empty if they are missing.
 struct Wine {
   std::filesystem::path program;    ///< wine's loader for 64-bit programs
-  std::filesystem::path libraries;  ///< folder with wine's own DLLs
+  std::filesystem::path libraries;  ///< folder with wine's own DLLs, beside the program if there is one
   std::filesystem::path host;       ///< mebots-windows-host.exe
-  std::string missing;              ///< what to install if a part is missing: "Install wine (...)"
+  std::string missing;              ///< what to do if a part is missing: "Install wine (...)"
 
   explicit operator bool() const { return missing.empty(); }
 };
