@@ -10,6 +10,7 @@
 #include "mebots/input_error.hpp"
 #include "model/resolved_system.hpp"
 #include "model/value_kind.hpp"
+#include "slave/fmi/intermediate_inputs.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -106,8 +107,8 @@ void part_single_instances(ResolvedSystem& system) {
   }
 }
 
-/// Refuses what an FMU for Windows cannot do under wine.
-void check_windows_fmus(const ResolvedSystem& system) {
+/// Refuses what an FMU for Windows cannot do under wine, or gives notice of it.
+void check_windows_fmus(ResolvedSystem& system) {
   for (const auto& instance : system.instances) {
     if (!instance.isolation.alone() || !instance.fmu->runs_under_wine()) continue;
     const auto refuse = [&](std::string_view reason) {
@@ -120,6 +121,11 @@ void check_windows_fmus(const ResolvedSystem& system) {
           "wine does not run in a sandbox. Set \"process\" to \"own\", which contains faults but not access to files");
     if (!osmp_triples(*instance.model).empty())
       refuse("its binary variables (OSMP) are addresses in its own process. Export it for FMI 3.0, or for Linux");
+    if (instance.model->is_fmi3() && !intermediate_inputs(*instance.model).empty()) {
+      system.notices.push_back(fmt::format(
+          "{}: {} runs under wine and cannot call back for inputs within a step: they are constant during a step",
+          instance.description->name, instance.fmu->archive().filename().string()));
+    }
   }
 }
 

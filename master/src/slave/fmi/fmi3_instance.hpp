@@ -80,6 +80,8 @@ class Fmi3Instance : public Slave {
   DiscreteUpdate update_event();
 
   const Fmi3Functions& functions() const { return *functions_; }
+  /// False for an FMU under wine, whose library is in another process and cannot call the master within a step.
+  bool can_call_back() const { return !calls_.fmu().runs_under_wine(); }
   InstanceCalls& calls() { return calls_; }
   const InstanceCalls& calls() const { return calls_; }
   Fmi3Values& values() { return values_; }

@@ -24,7 +24,7 @@ Fmi3Slave::Fmi3Slave(std::string name, std::shared_ptr<Fmu> fmu,
     : Fmi3Instance(FmuKind::co_simulation, std::move(name), std::move(fmu), std::move(model), structural,
                    std::move(log_categories), messages, grid),
       handler_(handler),
-      intermediate_inputs_(description()) {
+      intermediate_inputs_(can_call_back() ? IntermediateInputs(description()) : IntermediateInputs()) {
   if (takes_input_derivatives()) calls().on_intermediate_update([this](double t_s) { set_intermediate_inputs(t_s); });
 }
 

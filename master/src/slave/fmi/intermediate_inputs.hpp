@@ -20,6 +20,8 @@ std::vector<std::uint32_t> intermediate_inputs(const modeldesc::ModelDescription
 /// only if all of its elements are set at the step's start.
 class IntermediateInputs {
  public:
+  /// None.
+  IntermediateInputs() = default;
   explicit IntermediateInputs(const modeldesc::ModelDescription& model);
 
   bool empty() const { return wholes_.empty(); }
