@@ -6,6 +6,7 @@
 Exit code 77, skipped: wine, MinGW or mebots-windows-host.exe is missing.
 """
 
+import csv
 import json
 import os
 import shutil
@@ -59,10 +60,12 @@ class WindowsFmu(unittest.TestCase):
             packed.write(binary, "binaries/" + name)
 
     def run_fmu(self, kind, fault="", **keys):
-        config = {"step": 0.1, "stop_time": 1, "instances": {"i": {"fmu": f"{kind}/probe.fmu", "parameters": {"fault": fault, "name": "m\u00fc", "u": 0.3}, **keys}},
-                  "record": {"texts": True}}
+        return self.run_instance({"fmu": f"{kind}/probe.fmu", "parameters": {"fault": fault, "name": "m\u00fc", "u": 0.3}, **keys}, "out_" + kind)
+
+    def run_instance(self, instance, name):
+        config = {"step": 0.1, "stop_time": 1, "instances": {"i": instance}, "record": {"texts": True}}
         (self.folder / "c.json").write_text(json.dumps(config))
-        out = self.folder / ("out_" + kind)
+        out = self.folder / name
         shutil.rmtree(out, ignore_errors=True)
         environment = dict(os.environ, TMPDIR=str(self.folder), WINDOWS_FMU_TEST=str(self.folder))
         done = subprocess.run([MEBOTS, "run", "c.json", "--out", str(out)], cwd=self.folder, env=environment, capture_output=True,
@@ -95,6 +98,21 @@ class WindowsFmu(unittest.TestCase):
     def test_it_runs_in_its_own_process_with_a_notice(self):
         done, _ = self.run_fmu("dll")
         self.assertIn("runs in its own process: it has a binary for Windows", done.stderr + done.stdout)
+
+    def test_an_fmu_does_not_call_back_for_inputs_within_a_step(self):
+        library = self.folder / "follower.dll"
+        subprocess.run(["x86_64-w64-mingw32-g++-posix", "-std=c++20", "-O1", "-static", "-shared",
+                        f"-I{HEADERS.parents[1] / 'modeldesc/include'}", str(HEADERS / "follower.cpp"), "-o", str(library)], check=True)
+        with zipfile.ZipFile(self.folder / "follower.fmu", "w") as packed:
+            packed.write(HEADERS / "follower.xml", "modelDescription.xml")
+            packed.write(library, "binaries/x86_64-windows/follower.dll")
+        done, out = self.run_instance({"fmu": "follower.fmu", "parameters": {"u[1]": 0.5}}, "out_follower")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("cannot call back for inputs within a step", done.stderr + done.stdout)
+        with (out / "results.csv").open(newline="") as file:
+            last = list(csv.DictReader(file))[-1]
+        self.assertEqual(next(value for key, value in last.items() if key.startswith("i.updates")), "0")
+        self.assertAlmostEqual(float(next(value for key, value in last.items() if key.startswith("i.x[1]"))), 0.5)
 
     def test_the_shared_process_is_refused(self):
         done, _ = self.run_fmu("dll", process="shared")
