@@ -55,6 +55,7 @@ void Channel::take_requests(std::int64_t time_ns) {
     const auto& inputs = variables_[i].inputs;
     if (inputs.tx_count == node.count) continue;
     node.count = inputs.tx_count;
+    ++node.packets;  // also of dropped ones, so that a drop leaves the draws of later packets as they are
     const auto most = static_cast<std::int32_t>(nodes_.size());
     if (inputs.tx_size < 0 || inputs.tx_size > kMostBytes)
       throw Error(fmt::format("node[{}].tx.size = {} must be 0 to {} bytes", i + 1, inputs.tx_size, kMostBytes));
@@ -73,7 +74,7 @@ void Channel::take_requests(std::int64_t time_ns) {
     packet.from = static_cast<std::int32_t>(i) + 1;
     packet.to = inputs.tx_to;
     packet.size = inputs.tx_size;
-    packet.number = ++node.packets;
+    packet.number = node.packets;
     packet.data = inputs.tx_data;
     node.to_send.push_back(packet);
   }

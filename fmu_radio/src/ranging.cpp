@@ -39,6 +39,7 @@ void Ranging::take_request(std::size_t node, std::int64_t time_ns) {
   const auto& inputs = variables_[node].inputs;
   if (inputs.ranging_count == counts_[node]) return;
   counts_[node] = inputs.ranging_count;
+  ++requests_[node];  // also of refused ones, so that they leave the draws of later requests as they are
   const auto number = static_cast<std::int32_t>(node) + 1;
   const auto most = static_cast<std::int32_t>(counts_.size());
   if (inputs.ranging_to < 1 || inputs.ranging_to > most || inputs.ranging_to == number)
@@ -50,7 +51,7 @@ void Ranging::take_request(std::size_t node, std::int64_t time_ns) {
   }
   const auto begin = std::max(free_ns_, time_ns);
   free_ns_ = begin + exchange_ns(parameters_);
-  exchanges_.push_back({begin, free_ns_, number, inputs.ranging_to, ++requests_[node]});
+  exchanges_.push_back({begin, free_ns_, number, inputs.ranging_to, requests_[node]});
 }
 
 void Ranging::finish(const Exchange& exchange) {

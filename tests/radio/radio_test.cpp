@@ -294,6 +294,52 @@ TEST(Radio, ARestoredStateContinuesWithTheSameBits) {
   EXPECT_EQ(traffic(straight, 200), traffic(restored, 200));
 }
 
+/// Sends packets with the numbers 0, 1, ... to node 2, and returns those that it received. With a slow channel, the
+/// fifth of the first five finds no place.
+std::vector<std::int32_t> received_numbers(double rate_hz) {
+  Parameters p;
+  p.packet_loss = 0.5;
+  p.packet_rate_hz = rate_hz;
+  Network net(2, p);
+  std::vector<std::int32_t> numbers;
+  std::int32_t seen = 0;
+  for (std::int32_t i = 0; i < 40; ++i) {
+    net.nodes[0].inputs.tx_data[0] = i;
+    net.send(0, 2, 32);
+    for (int step = 0; step < (i < 4 ? 1 : 100); ++step) {
+      net.step();
+      const auto& out = net.nodes[1].outputs;
+      if (out.rx_count != seen) numbers.push_back(out.rx_data[0]);
+      seen = out.rx_count;
+    }
+  }
+  EXPECT_EQ(net.nodes[0].outputs.tx_dropped, rate_hz < 1e5 ? 1 : 0);
+  return numbers;
+}
+
+TEST(Radio, ADroppedPacketChangesNoLossOfLaterOnes) {
+  auto fast = received_numbers(2e6);
+  std::erase(fast, 4);  // the slow channel drops it
+  EXPECT_EQ(received_numbers(10e3), fast);
+}
+
+TEST(Radio, ARefusedMeasurementChangesNoNoiseOfLaterOnes) {
+  const auto third = [](std::int64_t pause_ns) {
+    Network net(2);
+    net.nodes[0].inputs.ranging_to = 2;
+    for (int i = 0; i < 3; ++i) {
+      ++net.nodes[0].inputs.ranging_count;
+      net.step(i == 0 ? pause_ns : 5'000'000);
+    }
+    return net.nodes[0].outputs;
+  };
+  const auto refused = third(1'000'000);  // an exchange takes 1.61 ms
+  const auto patient = third(5'000'000);
+  EXPECT_EQ(refused.ranging_failed, 1);
+  EXPECT_EQ(patient.ranging_failed, 0);
+  EXPECT_EQ(refused.ranging_distance_m, patient.ranging_distance_m);
+}
+
 TEST(Radio, RefusesWhatCannotBeSent) {
   const auto error = [](auto change, std::size_t nodes = 2) -> std::string {
     try {
