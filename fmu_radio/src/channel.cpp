@@ -45,6 +45,7 @@ void Channel::step(const Span& span) {
   ended_.clear();
   take_requests(span.begin_ns);
   transmit(span.end_ns);
+  decide(span.end_ns);
   deliver(span.end_ns);
   write_outputs();
 }
@@ -108,34 +109,52 @@ void Channel::transmit(std::int64_t end_ns) {
   }
 }
 
-void Channel::deliver(std::int64_t end_ns) {
-  const auto latency = nanoseconds(parameters_.packet_latency_s);
+void Channel::decide(std::int64_t end_ns) {
   std::size_t done = 0;  // packets end in the order of on_air_
-  for (; done < on_air_.size() && on_air_[done].end_ns + latency <= end_ns; ++done) {
-    auto& packet = on_air_[done];
-    packet.delay_s = static_cast<double>(packet.end_ns + latency - packet.requested_ns) * 1e-9;
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-      const auto number = static_cast<std::int32_t>(i) + 1;
-      if (number != packet.from && (packet.to == 0 || packet.to == number)) receive(packet, i);
-    }
+  for (; done < on_air_.size() && on_air_[done].end_ns <= end_ns; ++done) {
+    const auto& packet = on_air_[done];
     ended_.push_back(packet);
+    under_way_.push_back({packet, receptions(packet)});
   }
   on_air_.erase(on_air_.begin(), on_air_.begin() + static_cast<std::ptrdiff_t>(done));
 }
 
-void Channel::receive(const Packet& packet, std::size_t node) {
-  auto& outputs = variables_[node].outputs;
+std::vector<Channel::Reception> Channel::receptions(const Packet& packet) const {
   const auto sender = static_cast<std::size_t>(packet.from) - 1;
-  const double power = received_power_w(parameters_, distance_m(variables_[sender], variables_[node]));
-  const double draw =
-      uniform(parameters_.seed, {Purpose::packet, sender, node, static_cast<std::uint64_t>(packet.number)});
-  if (draw < loss_probability(parameters_, power, bits_of(parameters_, packet.size))) {
+  std::vector<Reception> all;
+  for (std::size_t node = 0; node < nodes_.size(); ++node) {
+    const auto number = static_cast<std::int32_t>(node) + 1;
+    if (number == packet.from || (packet.to != 0 && packet.to != number)) continue;
+    const double power = received_power_w(parameters_, distance_m(variables_[sender], variables_[node]));
+    const double draw =
+        uniform(parameters_.seed, {Purpose::packet, sender, node, static_cast<std::uint64_t>(packet.number)});
+    const bool lost = draw < loss_probability(parameters_, power, bits_of(parameters_, packet.size));
+    all.push_back({number, lost, power});
+  }
+  return all;
+}
+
+void Channel::deliver(std::int64_t end_ns) {
+  const auto latency = nanoseconds(parameters_.packet_latency_s);
+  std::size_t done = 0;
+  for (; done < under_way_.size() && under_way_[done].packet.end_ns + latency <= end_ns; ++done) {
+    auto& [packet, receptions] = under_way_[done];
+    packet.delay_s = static_cast<double>(packet.end_ns + latency - packet.requested_ns) * 1e-9;
+    for (const auto& reception : receptions) receive(packet, reception);
+  }
+  under_way_.erase(under_way_.begin(), under_way_.begin() + static_cast<std::ptrdiff_t>(done));
+}
+
+void Channel::receive(const Packet& packet, const Reception& reception) {
+  const auto node = static_cast<std::size_t>(reception.node) - 1;
+  auto& outputs = variables_[node].outputs;
+  if (reception.lost) {
     increment(outputs.rx_lost);
   } else if (nodes_[node].received.size() == kQueue) {
     increment(outputs.rx_dropped);
   } else {
     nodes_[node].received.push_back(packet);
-    nodes_[node].received.back().power_w = power;
+    nodes_[node].received.back().power_w = reception.power_w;
   }
 }
 
@@ -185,6 +204,17 @@ void Channel::Packet::visit(state::Visitor& v) {
   v("data", data);
 }
 
+void Channel::Reception::visit(state::Visitor& v) {
+  v("node", node);
+  v("lost", lost);
+  v("power_w", power_w);
+}
+
+void Channel::Transfer::visit(state::Visitor& v) {
+  v("packet", packet);
+  v("receptions", receptions);
+}
+
 void Channel::Node::visit(state::Visitor& v) {
   v("count", count);
   v("packets", packets);
@@ -195,6 +225,7 @@ void Channel::Node::visit(state::Visitor& v) {
 void Channel::visit(state::Visitor& v) {
   v("nodes", std::span(nodes_));
   v("on_air", on_air_);
+  v("under_way", under_way_);
   v("free_ns", free_ns_);
   v("last_sender", last_sender_);
   if (v.restores()) ended_.clear();

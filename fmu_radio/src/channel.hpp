@@ -60,9 +60,24 @@ class Channel {
 
     void visit(state::Visitor& v);
   };
+  /// Says whether a receiver gets a packet, and with which power.
+  struct Reception {
+    std::int32_t node = 0;  // its number
+    bool lost = false;
+    double power_w = 0;
+
+    void visit(state::Visitor& v);
+  };
+  /// A packet that is on its way to the receiving programs.
+  struct Transfer {
+    Packet packet;
+    std::vector<Reception> receptions;
+
+    void visit(state::Visitor& v);
+  };
   struct Node {
-    std::int32_t count = 0;  // the last tx.count
-    std::int64_t packets = 0;
+    std::int32_t count = 0;    // the last tx.count
+    std::int64_t packets = 0;  // requested so far
     std::vector<Packet> to_send;
     std::vector<Packet> received;
 
@@ -72,17 +87,21 @@ class Channel {
   void take_requests(std::int64_t time_ns);
   void transmit(std::int64_t end_ns);
   Node* next_sender();
+  /// Decides who receives a packet, when its last bit has been sent: later movements do not change it.
+  void decide(std::int64_t end_ns);
+  std::vector<Reception> receptions(const Packet& packet) const;
   void deliver(std::int64_t end_ns);
-  void receive(const Packet& packet, std::size_t node);
+  void receive(const Packet& packet, const Reception& reception);
   void write_outputs();
 
   const Parameters& parameters_;
   std::span<NodeVariables> variables_;
   Log log_;
   std::vector<Node> nodes_;
-  std::vector<Packet> on_air_;  // also those that are on their way to the receiving program
-  std::vector<Packet> ended_;   // delivered in the last step, for its energy
-  std::int64_t free_ns_ = 0;    // from here on, the channel is free
+  std::vector<Packet> on_air_;
+  std::vector<Transfer> under_way_;
+  std::vector<Packet> ended_;  // left the air in the last step, for its energy
+  std::int64_t free_ns_ = 0;   // from here on, the channel is free
   std::int32_t last_sender_ = 0;
 };
 

@@ -99,6 +99,34 @@ TEST(Radio, LatencyDelaysAPacketToTheStepInWhichItIsThere) {
   EXPECT_EQ(net.nodes[1].outputs.rx_count, 1);
 }
 
+Parameters late() {
+  Parameters p;
+  p.packet_latency_s = 1;
+  return p;
+}
+
+/// Sends a packet to node 2, and moves that node from one place to another as soon as the last bit has been sent.
+void send_and_move(Network& net, double from_m, double to_m) {
+  net.nodes[1].inputs.position_m = {from_m, 0, 0};
+  net.send(0, 2, 8);
+  net.step();
+  net.nodes[1].inputs.position_m = {to_m, 0, 0};
+}
+
+TEST(Radio, WhereANodeIsAtTheLastBitDecidesWhatItReceives) {
+  constexpr double kFar_m = 1e6;
+  Network leaves(2, late());
+  Network comes(2, late());
+  send_and_move(leaves, 5, kFar_m);
+  send_and_move(comes, kFar_m, 5);
+  leaves.step(1'000'000'000);
+  comes.step(1'000'000'000);
+  EXPECT_EQ(leaves.nodes[1].outputs.rx_count, 1);
+  EXPECT_EQ(leaves.nodes[1].outputs.rx_power_w, received_power_w(leaves.parameters, 5));
+  EXPECT_EQ(comes.nodes[1].outputs.rx_count, 0);
+  EXPECT_EQ(comes.nodes[1].outputs.rx_lost, 1);
+}
+
 TEST(Radio, SendersOfOneTimeFollowEachOther) {
   Network net(4);
   for (const std::size_t i : {0u, 1u, 2u}) net.send(i, 4, 32);
@@ -282,16 +310,30 @@ TEST(Radio, TheSeedDeterminesEverything) {
   EXPECT_NE(trace, traffic(other, 400));
 }
 
+/// Gives a network the saved state of another one.
+void restore_from(Network& restored, Network& straight) {
+  restored.nodes = straight.nodes;
+  restored.restart();
+  state::restore(*restored.model, state::save(*straight.model));
+  restored.now_ns = straight.now_ns;
+}
+
 TEST(Radio, ARestoredStateContinuesWithTheSameBits) {
   Network straight(4, lossy());
   traffic(straight, 101);
-  const auto saved = state::save(*straight.model);
   Network restored(4, lossy());
-  restored.nodes = straight.nodes;
-  restored.restart();
-  state::restore(*restored.model, saved);
-  restored.now_ns = straight.now_ns;
+  restore_from(restored, straight);
   EXPECT_EQ(traffic(straight, 200), traffic(restored, 200));
+}
+
+TEST(Radio, ARestoredStateKnowsWhatIsUnderWay) {
+  Network straight(2, late());
+  send_and_move(straight, 5, 1e6);
+  Network restored(2, late());
+  restore_from(restored, straight);
+  restored.step(1'000'000'000);
+  EXPECT_EQ(restored.nodes[1].outputs.rx_count, 1);
+  EXPECT_EQ(restored.nodes[1].outputs.rx_power_w, received_power_w(restored.parameters, 5));
 }
 
 /// Sends packets with the numbers 0, 1, ... to node 2, and returns those that it received. With a slow channel, the
