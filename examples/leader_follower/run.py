@@ -73,6 +73,14 @@ def check_energy(summary):
     print(f"the radios took {summary['energy']['radio']['least']:.2f} to {summary['energy']['radio']['most']:.2f} J")
 
 
+def check_hover(columns):
+    settled = next(row for row, time in enumerate(columns["time"]) if time >= SETTLED_S)
+    for drone in DISTANCES_M:
+        way = list(zip(*(columns[f"world.drone[{drone}].position.{axis}"][settled:] for axis in "xyz")))
+        most = max(math.dist(place, way[0]) for place in way)
+        require(most < 0.3, f"drone {drone} heard nothing, but flew {most:.2f} m away")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
@@ -88,8 +96,9 @@ def main():
     check_loss(summary)
     check_energy(summary)
     require(fly(build, out / "again")[1] == columns, "a second flight had other values")
-    _, _, deaf = fly(build, out / "deaf", "--set", "radio.packet.loss=1", "--stop-time", "12")
-    require(deaf["received"]["most"] == 0, "a radio that loses all packets received one")
+    _, deaf, heard = fly(build, out / "deaf", "--set", "radio.packet.loss=1", "--stop-time", "12")
+    require(heard["received"]["most"] == 0, "a radio that loses all packets received one")
+    check_hover(deaf)
     print("a second flight had the same bits; without packets the followers hover")
 
 
