@@ -81,6 +81,12 @@ def check_hover(columns):
         require(most < 0.3, f"drone {drone} heard nothing, but flew {most:.2f} m away")
 
 
+def check_approach(columns):
+    nearer = apart(columns, 2, 0) - apart(columns, 2, -1)
+    print(f"from 50 m away, drone 2 came {nearer:.1f} m nearer in {columns['time'][-1]:g} s")
+    require(nearer > 2, "drone 2 did not come nearer")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
@@ -100,6 +106,7 @@ def main():
     require(heard["received"]["most"] == 0, "a radio that loses all packets received one")
     check_hover(deaf)
     print("a second flight had the same bits; without packets the followers hover")
+    check_approach(fly(build, out / "far", "--set", "world.start.spacing.x=-50", "--stop-time", "12")[1])
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@
 #define LEADER_UM_S 300000   // along a side
 #define FASTEST_UM_S 800000  // of a follower, along each axis
 #define GAIN_PER_S 1         // velocity per error of the distance
+#define FAR_MM 30000         // root() takes the sum of two squares of this, but not of 33000
 #define LEADER 1
 
 enum { MODE_TAKE_OFF = 1, MODE_FLY = 2, MODE_LAND = 3, PHASE_FLYING = 2, PHASE_LANDED = 4 };
@@ -83,8 +84,8 @@ static void hear(view_t* view) {
 
 static void follow(view_t* view) {
   const int patience = (int)NODE_PATIENCE / (1000 / PERIODS_PER_S);
-  const int32_t x_mm = view->leader_mm[0] - view->own_mm[0];
-  const int32_t y_mm = view->leader_mm[1] - view->own_mm[1];
+  const int32_t x_mm = limited(view->leader_mm[0] - view->own_mm[0], FAR_MM);
+  const int32_t y_mm = limited(view->leader_mm[1] - view->own_mm[1], FAR_MM);
   const int32_t apart_mm = root(x_mm * x_mm + y_mm * y_mm);
   if (!view->knows_leader || view->heard_before > patience || view->distance_mm == 0 || apart_mm == 0) {
     fly(MODE_FLY, 0, 0);
