@@ -9,6 +9,7 @@ namespace {
 
 using test::TestRun;
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 // The system has everything that needs saved state: two step sizes, a buffer, a stop condition with a duration, an
 // outcome with `ever`.
@@ -61,6 +62,33 @@ TEST(State, AStateTravelsAsBytes) {
   other.simulation().restore_state(state);
   step_to(other, 1000);
   EXPECT_EQ(other.csv(), straight.csv());
+}
+
+TEST(State, ConditionsOnGroupsRememberWhatHeldBefore) {
+  // All conditions become true before step 90; those with `ever` are false at the end.
+  const auto config = std::string(kSystem).substr(0, std::string_view(kSystem).find(R"("stop_when")")) + R"(
+      "stop_when": [{"for": 1.5, "all": [{"variable": "a.steps", "above": 50},
+          {"any": [{"variable": "b.steps", "above": 10}, {"variable": "b.steps", "below": 0}]}]}],
+      "outcomes": [{"outcome": "seen", "when": [
+          {"any": [{"variable": "a.steps", "equals": 20}, {"variable": "a.steps", "equals": -1}], "ever": true},
+          {"count": [{"variable": "a.steps", "equals": 10, "ever": true}, {"variable": "b.steps", "equals": 3, "ever": true},
+                     {"variable": "a.steps", "equals": -1, "ever": true}], "equals": 2}]}]})";
+  TestRun straight(config);
+  straight.to_end();
+  EXPECT_THAT(straight.simulation().end().text, HasSubstr("at 0.51 s, held for 1.5 s"));
+
+  TestRun begun(config);
+  begun.initialize();
+  step_to(begun, 90);
+  TestRun resumed(config);
+  resumed.initialize();
+  const auto bytes = begun.simulation().serialize(begun.simulation().save_state());
+  resumed.simulation().restore_state(resumed.simulation().deserialize(bytes));
+  step_to(resumed, 1000);
+  EXPECT_EQ(resumed.simulation().steps_done(), straight.simulation().steps_done());
+  EXPECT_EQ(resumed.simulation().end().text, straight.simulation().end().text);
+  EXPECT_EQ(straight.outcomes->outcome(), "seen");
+  EXPECT_EQ(resumed.outcomes->outcome(), "seen");
 }
 
 TEST(State, AnFmuHearsThatItMayBeSetBackOnlyWhereThatCanHappen) {
