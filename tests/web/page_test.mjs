@@ -485,6 +485,34 @@ const lengthsTests = {
   },
 };
 
+const swarmTests = {
+  async "the table of drones shows the nearest one and the values of the summary at any moment"({ page }) {
+    await page.click('[data-tab="Drones"]');
+    const heads = await page.$$eval(".drones th", (found) => found.map((head) => head.textContent));
+    const drones = Array.from({ length: 16 }, (_, i) => i + 1);
+    for (const time of [0.5, 1.5]) {
+      await setTime(page, time);
+      const rows = await page.$$eval(".drones tbody tr", (found) => found.map((row) => [...row.cells].map((cell) => cell.textContent)));
+      const places = drones.map((drone) => ["x", "y", "z"].map((axis) => valueAt("swarm", `world.drone[${drone}].position.${axis}`, time)));
+      assert.equal(rows.length, 16);
+      rows.forEach((cells, i) => {
+        const distances = places.map((place, other) => (other === i ? Infinity : Math.hypot(...place.map((value, axis) => value - places[i][axis]))));
+        assert.equal(cells[0], `drone[${i + 1}]`);
+        close(cells[1], Math.min(...distances));
+        close(cells[heads.indexOf("altitude")], places[i][2]);
+        close(cells[heads.indexOf("state of charge")], valueAt("swarm", `battery[${i + 1}].cell.state_of_charge`, time));
+      });
+      assert.deepEqual([2, 3, 4].map((drone) => rows[drone - 1][2]), ["drone[1]", "drone[4]", "drone[3]"]); // the third starts next to the fourth
+      assert.deepEqual(new Set(rows.map((cells) => cells[heads.indexOf("phase")])), new Set(["climbing"]));
+    }
+  },
+
+  async "a click on a drone lets the camera follow it"({ page }) {
+    await page.click('.drones [data-body="drone[7]"]');
+    assert.deepEqual(await page.$$eval(".drones tr.chosen", (rows) => rows.map((row) => row.cells[0].textContent)), ["drone[7]"]);
+  },
+};
+
 const chipReport = () => JSON.parse(readFileSync(join(runs, "chip.json"), "utf8"));
 const close = (text, wanted) => assert.ok(Math.abs(numberOf(text) - wanted) <= 1e-3 * Math.abs(wanted), `${text}, not ${wanted}`);
 
@@ -574,6 +602,7 @@ try {
   await check(browser, pageOf("system"), systemOnPhoneTests, { width: 390, height: 844, touch: true });
   await check(browser, join(runs, "beside.html"), besideTests);
   await check(browser, join(runs, "lengths.html"), lengthsTests);
+  await check(browser, pageOf("swarm"), swarmTests);
   await check(browser, join(runs, "chip.html"), chipTests);
   const size = statSync(pageOf("flight")).size;
   if (size > 3e6) {
