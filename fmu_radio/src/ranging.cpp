@@ -13,6 +13,7 @@ namespace mebots::radio {
 namespace {
 
 constexpr int kMessages = 4;
+constexpr int kSentByEach = kMessages / 2;
 
 std::int64_t exchange_ns(const Parameters& parameters) {
   return nanoseconds(kMessages * parameters.ranging_message_time_s + (kMessages - 1) * parameters.ranging_reply_time_s);
@@ -75,7 +76,7 @@ void Ranging::finish(const Exchange& exchange) {
 double Ranging::energy_j(std::size_t node, const Span& span) const {
   const auto number = static_cast<std::int32_t>(node) + 1;
   const double sending_share =
-      kMessages / 2 * parameters_.ranging_message_time_s * 1e9 / static_cast<double>(exchange_ns(parameters_));
+      kSentByEach * parameters_.ranging_message_time_s * 1e9 / static_cast<double>(exchange_ns(parameters_));
   const double mean_current_a = sending_share * parameters_.ranging_transmit_current_a +
                                 (1 - sending_share) * parameters_.ranging_receive_current_a;
   std::int64_t busy_ns = 0;
