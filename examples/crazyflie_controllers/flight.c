@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lets the controller of crazyflie.c fly: our state and goal in the firmware's units (degrees, g; pitch of `attitude`
-// positive nose up), the firmware's own power distribution, and its
-// compensation of the battery.
+// positive nose up), the firmware's own power distribution, and its compensation of the battery.
 #include <math.h>
 #include <string.h>
 

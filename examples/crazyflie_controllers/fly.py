@@ -76,17 +76,23 @@ def main():
         print("| controller | checksum, own library: chip, host | same functions: chip, host | cycles per call | mission | load at 100 MHz |")
         print("|---|---|---|---|---|---|")
         differs = False
+        failed = []
         for name in NAMES:
             host, chip, cycles = compare(mebots, build, name, "own")
             same_host, same_chip, _ = compare(mebots, build, name, "same")
             differs = differs or same_host != same_chip
             summary = fly(mebots, build, name, out / name)
+            if summary["outcome"] != "passed":
+                failed.append(name)
             end = summary["simulated_time"]
             load = summary["flight_controller"]["cycles"] / (100e6 * end)
             print(f"| {name} | {chip}, {'the same' if host == chip else host} | {same_chip}, {'the same' if same_host == same_chip else same_host} | "
                   f"{cycles / CALLS:.0f} | {summary['outcome']}, {end:.1f} s | {100 * load:.1f} % |", flush=True)
-    if differs:
-        sys.exit("chip and host differ although they use the same functions")
+    faults = ["chip and host differ although they use the same functions"] if differs else []
+    if failed:
+        faults.append(f"missions that did not pass: {', '.join(failed)}")
+    if faults:
+        sys.exit("\n".join(faults))
 
 
 if __name__ == "__main__":

@@ -5,9 +5,11 @@
 //   z' = w + L1 e,  w' = a_z + b + L2 e,  b' = L3 e                       height; e = z_range - z
 //   yaw' = rate
 //
-// A tilt error of d makes the computed acceleration wrong by g d, so the error of the velocity obeys s^3 + Lv s^2 + Lt
-// s
-// + Lb = 0. All three poles at -p give Lv = 3 p, Lt = 3 p^2, Lb = p^3.
+// A tilt error of d makes the computed acceleration wrong by g d, so the poles of the error of the velocity solve
+//
+//   s^3 + Lv s^2 + Lt s + Lb = 0
+//
+// All three poles at -p give Lv = 3 p, Lt = 3 p^2, Lb = p^3.
 #include "flight/estimator.h"
 
 #include <math.h>
