@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "devices/core/kinds.hpp"
+#include "mebots/error.hpp"
 #include "mebots/soc/device.hpp"
 #include "mebots/soc/fixed_point.hpp"
+
+#include <fmt/core.h>
 
 #include <cmath>
 #include <cstdint>
@@ -38,6 +41,19 @@ double normal(std::uint64_t seed, std::uint64_t index) {
   return sum;
 }
 
+/// Returns the time of a measurement: the delay of state `active`. A board may leave it out; then the barometer would
+/// measure without end at one moment.
+Picoseconds measurement_time(const BoardDevice& entry) {
+  constexpr double kLeastS = 1e-6;
+  const auto delay_s = entry.state("active").delay_s;
+  if (delay_s >= kLeastS) return std::llround(delay_s * kPsPerS);
+  throw Error(
+      ErrorCode::value_out_of_range,
+      fmt::format("board: device {}: the delay {} s of its state 'active' must be at least {} s: it is the time of a "
+                  "measurement",
+                  entry.name, delay_s, kLeastS));
+}
+
 /// Barometer that measures without pause while it is on; a measurement takes the delay of state `active`.
 class Barometer final : public Device {
  public:
@@ -45,7 +61,7 @@ class Barometer final : public Device {
       : entry_(entry),
         idle_w_(entry.state("idle").current_a * entry.supply_voltage_v),
         active_w_(entry.state("active").current_a * entry.supply_voltage_v),
-        delay_(std::llround(entry.state("active").delay_s * kPsPerS)) {
+        delay_(measurement_time(entry)) {
     for (const auto& variable : entry.variables) {
       if (auto* number = input(variable.name)) *number = variable.start;
     }

@@ -5,11 +5,13 @@
 #include "soc/soc.hpp"
 
 #include "assembler.hpp"
+#include "mebots/error.hpp"
 #include "mebots/state/save.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -228,6 +230,25 @@ TEST_F(BarometerTest, NoiseHasItsStandardDeviationAndDependsOnTheSeed) {
   first.load(kPressure, kTime, with_seed_1);
   second.load(kPressure, kTime, with_seed_2);
   EXPECT_NE(with_seed_1, with_seed_2);
+}
+
+/// Without a delay, measurements would follow each other without end at one moment.
+TEST(BarometerBoard, IsRefusedWithoutATimeOfAMeasurement) {
+  for (const double delay_s : {0.0, 1e-13, 0.99e-6}) {
+    auto changed = board();
+    const auto entry = std::ranges::find(changed.devices, "barometer", &BoardDevice::name);
+    ASSERT_NE(entry, changed.devices.end());
+    const auto active = std::ranges::find(entry->states, "active", &BoardState::name);
+    ASSERT_NE(active, entry->states.end());
+    active->delay_s = delay_s;
+    try {
+      const Soc soc(changed, gap8(), {}, assemble("_start: wfi\nj _start\n", 0x1C000000), {});
+      ADD_FAILURE() << delay_s;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr("device barometer: the delay ")) << delay_s;
+      EXPECT_THAT(error.what(), testing::HasSubstr("must be at least 1e-06 s"));
+    }
+  }
 }
 
 /// Our flight controller on the bench: the drone stands, with the set-point to take off.
