@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "debug/history.hpp"
 
+#include "devices/core/chip_host.hpp"
 #include "mebots/assert.hpp"
 #include "mebots/state/save.hpp"
 
@@ -12,7 +13,7 @@ void History::record(const Soc& soc) {
   if (!snapshots_.empty() && position_ <= snapshots_.back().position) return;
   if (++pieces_ < gap_ && !snapshots_.empty()) return;
   pieces_ = 0;
-  snapshots_.push_back({position_, inputs_, state::save(soc)});
+  snapshots_.push_back({position_, calls_, inputs_, state::save(soc)});
   if (position_ == 0) start_ = snapshots_.back();
   if (snapshots_.size() <= kMost) return;
   std::vector<Snapshot> kept;
@@ -26,6 +27,7 @@ void History::restore(Soc& soc, std::size_t snapshot) {
   const auto& from = snapshots_[snapshot];
   state::restore(soc, from.state);
   position_ = from.position;
+  calls_ = from.calls;
   inputs_ = from.inputs;
 }
 
@@ -33,21 +35,28 @@ void History::restart(Soc& soc) {
   snapshots_ = {start_};
   restore(soc, 0);
   frontier_ = 0;
+  latest_call_ = 0;
   gap_ = 1;
 }
 
 void History::cut() {
   snapshots_.clear();
   frontier_ = position_;
+  latest_call_ = calls_;
 }
 
 int History::input(const std::function<int()>& read) {
-  if (inputs_ < log_.size()) return log_[inputs_++];
-  const int byte = read();
-  if (byte < 0) return byte;
-  log_.push_back(static_cast<std::uint8_t>(byte));
+  if (leaves_) return ConsolePort::kNothingYet;  // the state is about to be dropped
+  ++calls_;
+  const bool again = calls_ <= latest_call_;
+  latest_call_ = std::max(latest_call_, calls_);
+  if (inputs_ < log_.size()) return log_[inputs_].call <= calls_ ? log_[inputs_++].result : ConsolePort::kNothingYet;
+  if (again) return ConsolePort::kNothingYet;
+  const int result = read();
+  if (result == ConsolePort::kNothingYet) return result;
+  log_.push_back({calls_, result});
   ++inputs_;
-  return byte;
+  return result;
 }
 
 }  // namespace mebots::soc::debug

@@ -15,12 +15,13 @@ namespace mebots::soc::debug {
 ///
 /// A position is the number of instructions that all harts have begun since the start, counted by calls of
 /// Observer::before(). A replay from a saved state calls it in the same order, because the run is cut into the same
-/// pieces. What the program printed stays printed, and what it read is read again from a log.
+/// pieces. What the program printed stays printed, and what it read is read again from a log, at the same calls.
 class History {
  public:
   struct Snapshot {
     std::uint64_t position = 0;
-    std::size_t inputs = 0;  // bytes of input read before
+    std::uint64_t calls = 0;  // of input() before
+    std::size_t inputs = 0;   // entries of the log read before
     std::vector<std::byte> state;
   };
 
@@ -46,7 +47,9 @@ class History {
   /// True while the program repeats what it has done before, or while it is being stopped for that.
   bool repeats() const { return leaves_ || position_ < frontier_; }
   void set_leaves(bool leaves) { leaves_ = leaves; }
-  /// Returns the next byte of input: from the log in a replay, otherwise from `read`. Negative results are not logged.
+  /// Returns the next byte of input, or why there is none (ConsolePort): in a replay what the same call returned
+  /// before, otherwise what `read` returns. After a change by gdb, the program first gets the bytes that were read
+  /// before it.
   int input(const std::function<int()>& read);
 
  private:
@@ -54,8 +57,14 @@ class History {
 
   std::vector<Snapshot> snapshots_;  // by position
   Snapshot start_;
-  std::vector<std::uint8_t> log_;  // input
+  struct Input {
+    std::uint64_t call = 0;  // number of the call that read it
+    int result = 0;          // a byte, or the end of the input
+  };
+  std::vector<Input> log_;  // by call; calls without an entry returned nothing
   std::size_t inputs_ = 0;
+  std::uint64_t calls_ = 0;
+  std::uint64_t latest_call_ = 0;  // later calls are not a replay
   std::uint64_t position_ = 0;
   std::uint64_t frontier_ = 0;  // latest position reached
   std::uint64_t pieces_ = 0;    // since the last state saved

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "debug/history.hpp"
+
+#include "assembler.hpp"
+#include "devices/core/chip_host.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <vector>
+
+namespace mebots::soc::test {
+namespace {
+
+using debug::History;
+using testing::ElementsAre;
+
+constexpr int kNo = ConsolePort::kNothingYet;
+constexpr int kEnd = ConsolePort::kEnded;
+
+/// A chip that stands still, its history, and a console whose input arrives late.
+class HistoryTest : public testing::Test {
+ protected:
+  /// Calls input() `count` times and returns the results.
+  std::vector<int> poll(int count) {
+    std::vector<int> results;
+    for (int i = 0; i < count; ++i) {
+      results.push_back(history_.input([this] {
+        ++reads_;
+        if (live_.empty()) return kNo;
+        const auto next = live_.front();
+        live_.pop_front();
+        return next;
+      }));
+    }
+    return results;
+  }
+
+  Soc soc_{read_board(MEBOTS_SOURCE_DIR "/configs/boards/virt.json"), gap8(), {}, assemble("_start: j _start\n"), {}};
+  History history_;
+  std::deque<int> live_;
+  int reads_ = 0;
+};
+
+TEST_F(HistoryTest, AReplayGetsEachByteAtTheCallThatReadIt) {
+  live_ = {kNo, kNo, 'a', kNo, 'b', kNo, kNo};
+  history_.record(soc_);
+  EXPECT_THAT(poll(7), ElementsAre(kNo, kNo, 'a', kNo, 'b', kNo, kNo));
+  live_ = {'c'};
+  history_.restore(soc_, 0);
+  EXPECT_THAT(poll(7), ElementsAre(kNo, kNo, 'a', kNo, 'b', kNo, kNo)) << "also behind the last byte";
+  EXPECT_EQ(reads_, 7);
+  EXPECT_THAT(poll(2), ElementsAre('c', kNo));
+  history_.restore(soc_, 0);
+  EXPECT_THAT(poll(9), ElementsAre(kNo, kNo, 'a', kNo, 'b', kNo, kNo, 'c', kNo));
+}
+
+TEST_F(HistoryTest, AReplayFromALaterStateBeginsWithItsInput) {
+  live_ = {'a', kNo, 'b', kNo};
+  history_.record(soc_);
+  poll(2);
+  history_.advance();
+  history_.record(soc_);
+  EXPECT_THAT(poll(2), ElementsAre('b', kNo));
+  history_.restore(soc_, 1);
+  EXPECT_THAT(poll(2), ElementsAre('b', kNo));
+  EXPECT_EQ(reads_, 4);
+}
+
+TEST_F(HistoryTest, AReplayRepeatsTheEndOfTheInput) {
+  live_ = {kNo, kEnd};
+  history_.record(soc_);
+  EXPECT_THAT(poll(2), ElementsAre(kNo, kEnd));
+  history_.restore(soc_, 0);
+  EXPECT_THAT(poll(2), ElementsAre(kNo, kEnd));
+  EXPECT_EQ(reads_, 2);
+}
+
+/// The bytes cannot be read again from the host.
+TEST_F(HistoryTest, AfterAChangeInThePastTheProgramStillGetsTheBytesThatWereRead) {
+  live_ = {'a', kNo, kNo, 'b', 'c'};
+  history_.record(soc_);
+  poll(5);
+  live_ = {'d'};
+  history_.restore(soc_, 0);
+  EXPECT_THAT(poll(2), ElementsAre('a', kNo));
+  history_.cut();
+  history_.advance();
+  history_.record(soc_);
+  EXPECT_THAT(poll(4), ElementsAre(kNo, 'b', 'c', 'd'));
+  history_.restore(soc_, 0);
+  EXPECT_THAT(poll(4), ElementsAre(kNo, 'b', 'c', 'd'));
+}
+
+TEST_F(HistoryTest, ARestartReadsTheLogThenTheHost) {
+  live_ = {kNo, 'a', kNo};
+  history_.record(soc_);
+  poll(3);
+  live_ = {'b'};
+  history_.restart(soc_);
+  EXPECT_THAT(poll(3), ElementsAre(kNo, 'a', 'b'));
+}
+
+/// Nothing that happens while the run is being stopped belongs to the past: its state is dropped.
+TEST_F(HistoryTest, ReadsNothingWhileTheRunIsBeingStopped) {
+  live_ = {'a'};
+  history_.record(soc_);
+  history_.set_leaves(true);
+  EXPECT_THAT(poll(1), ElementsAre(kNo));
+  history_.set_leaves(false);
+  EXPECT_THAT(poll(1), ElementsAre('a'));
+}
+
+}  // namespace
+}  // namespace mebots::soc::test
