@@ -417,10 +417,8 @@ TEST_F(Gdb, MonitorGoesToSavedPlacesAndToTheStart) {
   EXPECT_EQ(run.exit_code, 2) << run.err;
 }
 
-/// The console keeps what was printed, once. A change by gdb ends the history.
-TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
-  const Folder folder;
-  const auto elf = folder.program(fmt::format("{}{}", R"(
+/// Prints A and B.
+constexpr std::string_view kPrinter = R"(
     .globl _start, finish
 _start: li s0, 0x10000000
     li a0, 'A'
@@ -431,8 +429,27 @@ finish: la t0, tohost
     li t1, 3
     sw t1, 0(t0)
 1:  j 1b
-)",
-                                              kTohost));
+)";
+
+/// Behind an instruction, its output has been printed, though the next one has not begun.
+TEST_F(Gdb, WhatAStepPrintedIsNotPrintedAgain) {
+  const Folder folder;
+  const auto elf = folder.program(fmt::format("{}{}", kPrinter, kTohost));
+  const Debugged run(
+      "stepi 3\nmonitor save printed\nmonitor restore printed\nmaintenance flush register-cache\nprint/x $pc\n"
+      "reverse-stepi 2\nprint/c $a0\ncontinue\n",
+      elf, "--board virt");
+  EXPECT_THAT(run.gdb, HasSubstr("saved as printed"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x80000008")) << "lui, c.li or addi, sb";
+  EXPECT_THAT(run.out, HasSubstr("AB"));
+  EXPECT_THAT(run.out, testing::Not(HasSubstr("AA")));
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+}
+
+/// The console keeps what was printed, once. A change by gdb ends the history.
+TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
+  const Folder folder;
+  const auto elf = folder.program(fmt::format("{}{}", kPrinter, kTohost));
   const Debugged run(
       "break *finish\ncontinue\nreverse-stepi 3\nprint/c $a0\ncontinue\nreverse-stepi\nset var $a0 = "
       "67\nreverse-stepi\n"

@@ -56,7 +56,10 @@ GdbServer::Resume GdbServer::serve() {
     const auto resume = obey(*packet);
     if (resume == Resume::no) continue;
     held_ = false;
-    if (resume == Resume::rewind) leave();
+    if (resume == Resume::rewind) {
+      history_->reach(here_);
+      leave();
+    }
     if (resume == Resume::step) stepping_ = threads_.chosen();
     return resume;
   }

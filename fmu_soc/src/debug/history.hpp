@@ -41,6 +41,8 @@ class History {
     frontier_ = std::max(frontier_, position_);
     return position_;
   }
+  /// Counts all before a position as done: gdb stopped behind an instruction, before the next one has begun.
+  void reach(std::uint64_t position) { frontier_ = std::max(frontier_, position); }
   std::uint64_t position() const { return position_; }
   const std::vector<Snapshot>& snapshots() const { return snapshots_; }
 

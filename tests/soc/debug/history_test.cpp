@@ -112,5 +112,17 @@ TEST_F(HistoryTest, ReadsNothingWhileTheRunIsBeingStopped) {
   EXPECT_THAT(poll(1), ElementsAre('a'));
 }
 
+TEST_F(HistoryTest, AStopBehindAnInstructionMakesItARepetition) {
+  history_.record(soc_);
+  history_.advance();
+  EXPECT_FALSE(history_.repeats());
+  history_.reach(2);
+  history_.restore(soc_, 0);
+  history_.advance();
+  EXPECT_TRUE(history_.repeats());
+  history_.advance();
+  EXPECT_FALSE(history_.repeats());
+}
+
 }  // namespace
 }  // namespace mebots::soc::test
