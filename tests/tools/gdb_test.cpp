@@ -462,5 +462,18 @@ TEST_F(Gdb, AReplayPrintsNothingAgainAndAChangeEndsTheHistory) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
 }
 
+/// Equal values, an empty write (with which gdb asks for packet X) and refused writes change nothing.
+TEST_F(Gdb, AWriteThatChangesNothingKeepsTheHistory) {
+  const Debugged run(
+      "break *finish\ncontinue\nset var $s0 = $s0\nset var $pc = $pc\nset var *(int*)&counter = 16\n"
+      "maintenance packet M40000000,4:01000000\nmaintenance packet X80000000,0:\nmaintenance packet P7fff=01000000\n"
+      "reverse-stepi\nprint $pc != &finish\ndelete\ncontinue\n");
+  EXPECT_THAT(run.gdb, HasSubstr("received: \"OK\""));
+  EXPECT_THAT(run.gdb, HasSubstr("received: \"E01\""));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 1"));
+  EXPECT_THAT(run.gdb, testing::Not(HasSubstr("No more reverse-execution history")));
+  EXPECT_EQ(run.exit_code, 2) << run.gdb << run.err;
+}
+
 }  // namespace
 }  // namespace mebots::soc::test

@@ -266,16 +266,18 @@ std::string GdbServer::read_register(unsigned number) const {
 
 bool GdbServer::write_register(unsigned number, std::uint32_t value) {
   auto& hart = threads_.hart();
-  if (history_ != nullptr) history_->cut();
   if (number < kPcNumber) {
+    const auto before = hart.reg(number);
     hart.set_reg(number, value);
+    if (hart.reg(number) == before) return true;
   } else if (number == kPcNumber) {
     if (value == hart.pc()) return true;
     if (threads_.chosen() != 0) return false;  // a core of the cluster is in the middle of a block, which continues
     hart.set_pc(value);
-  } else {
-    return number >= kFirstCsrNumber && hart.set_csr(number - kFirstCsrNumber, value);
+  } else if (number < kFirstCsrNumber || !hart.set_csr(number - kFirstCsrNumber, value)) {
+    return false;
   }
+  if (history_ != nullptr) history_->cut();
   return true;
 }
 
@@ -296,10 +298,13 @@ std::string GdbServer::write_memory(std::string_view text, bool binary) {
   const auto content = text.substr(colon + 1);
   const auto bytes = binary ? std::optional<std::string>(content) : from_hex(content);
   if (!range || !bytes || bytes->size() != range->size) return std::string(kError);
-  if (history_ != nullptr) history_->cut();
-  return soc_.poke(range->address, {reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()})
-             ? "OK"
-             : std::string(kError);
+  std::string before(range->size, '\0');
+  soc_.memory().read(range->address, {reinterpret_cast<std::uint8_t*>(before.data()), before.size()});
+  if (!soc_.poke(range->address, {reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()})) {
+    return std::string(kError);
+  }
+  if (history_ != nullptr && before != *bytes) history_->cut();
+  return "OK";
 }
 
 /// Sets or clears a breakpoint or watchpoint. The text "0,1c000042,2" contains kind, address and size.
