@@ -475,5 +475,17 @@ TEST_F(Gdb, AWriteThatChangesNothingKeepsTheHistory) {
   EXPECT_EQ(run.exit_code, 2) << run.gdb << run.err;
 }
 
+/// `seen` belongs to core 3 there. Behind its store, another core has its turn.
+TEST_F(Gdb, ReverseContinueStopsTheCoreOfTheClusterThatStored) {
+  const Debugged run(
+      "watch *((int*)&seen + 3)\ncontinue\ndelete\nstepi 20\nwatch *((int*)&seen + 3)\nthread 1\nreverse-continue\n"
+      "info threads\nprint/x $mhartid\nprint *((int*)&seen + 3)\nkill\n",
+      kClusterProgram, kBoard);
+  EXPECT_THAT(run.gdb, HasSubstr("Old value = 20\nNew value = 0"));
+  EXPECT_THAT(run.gdb, HasSubstr("* 5    Thread 5 (cluster core 3)"));
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x3"));
+  EXPECT_THAT(run.gdb, HasSubstr("$2 = 0"));
+}
+
 }  // namespace
 }  // namespace mebots::soc::test

@@ -60,8 +60,9 @@ class GdbServer {
   struct Replay {
     enum class Phase : std::uint8_t { searching, seeking, restarting };
     struct Place {
-      std::uint64_t position = 0;  // 0 = none
-      std::string why = {};        // for the stop reply
+      std::uint64_t position = 0;         // 0 = none
+      std::string why = {};               // for the stop reply
+      std::optional<unsigned> hart = {};  // that stops; otherwise the one that begins the instruction
     };
 
     Phase phase = Phase::searching;
@@ -103,7 +104,7 @@ class GdbServer {
   std::optional<Resume> travel(std::string_view command);
   void next_replay();
   std::optional<bool> replay_before(unsigned number, std::uint32_t pc, std::uint64_t position);
-  void replay_retired(const Retired& instruction);
+  void replay_retired(unsigned number, const Retired& instruction);
   void leave();
   void stop(unsigned number, std::string_view signal, std::string_view why = {});
   Resume serve();

@@ -115,7 +115,7 @@ std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, 
   auto& replay = *replay_;
   if (replay.phase == Replay::Phase::seeking) {
     if (position < replay.place.position) return true;
-    stop(number, kTrap, replay.place.why);
+    stop(replay.place.hart.value_or(number), kTrap, replay.place.why);
     replay_.reset();
     return std::nullopt;
   }
@@ -130,12 +130,13 @@ std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, 
 }
 
 /// gdb expects RISC-V to stop before the access, so it takes one more step in the direction of travel before it
-/// compares the values. So the stop is behind the store.
-void GdbServer::replay_retired(const Retired& instruction) {
+/// compares the values. So the stop is behind the store, of the hart that stored: another one may begin the next
+/// instruction.
+void GdbServer::replay_retired(unsigned number, const Retired& instruction) {
   auto& replay = *replay_;
   if (replay.phase != Replay::Phase::searching || replay.by_step) return;
   if (auto touched = watch_touched(instruction.access); !touched.empty()) {
-    replay.place = {.position = history_->position() + 1, .why = std::move(touched)};
+    replay.place = {.position = history_->position() + 1, .why = std::move(touched), .hart = number};
   }
 }
 

@@ -58,7 +58,7 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
 /// Ends a step and reports a watchpoint before any other hart continues, because gdb expects a step to run one thread.
 /// gdb also steps over breakpoints with only one thread.
 void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instruction) {
-  if (server_.replay_) return server_.replay_retired(instruction);
+  if (server_.replay_) return server_.replay_retired(number_, instruction);
   if (server_.leaves_ || !server_.connection_.connected() || !reports_to_gdb()) return;
   const auto touched = server_.watch_touched(instruction.access);
   if (!touched.empty() || server_.ends_step(number_, hart.pc())) {
