@@ -5,19 +5,33 @@
 #include "mebots/assert.hpp"
 #include "mebots/state/save.hpp"
 
+#include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace mebots::soc::debug {
 
 void History::record(const Soc& soc) {
-  if (!snapshots_.empty() && position_ <= snapshots_.back().position) return;
+  if (!snapshots_.empty() && (position_ < frontier_ || position_ <= snapshots_.back().position)) return;
   if (++pieces_ < gap_ && !snapshots_.empty()) return;
   pieces_ = 0;
   snapshots_.push_back({position_, calls_, inputs_, state::save(soc)});
   if (position_ == 0) start_ = snapshots_.back();
-  if (snapshots_.size() <= kMost) return;
+  while (snapshots_.size() > 2 && (snapshots_.size() > kMost || bytes() > most_bytes_)) thin();
+}
+
+/// Returns the size of all saved states.
+std::size_t History::bytes() const {
+  const auto add = [](std::size_t sum, const Snapshot& one) { return sum + one.state.size(); };
+  return std::accumulate(snapshots_.begin(), snapshots_.end(), start_.state.size(), add);
+}
+
+/// Drops every second state, but not the newest, and doubles the distance of later ones.
+void History::thin() {
   std::vector<Snapshot> kept;
-  for (std::size_t i = 0; i < snapshots_.size(); i += 2) kept.push_back(std::move(snapshots_[i]));
+  for (std::size_t i = 0; i < snapshots_.size(); ++i) {
+    if (i % 2 == 0 || i + 1 == snapshots_.size()) kept.push_back(std::move(snapshots_[i]));
+  }
   snapshots_ = std::move(kept);
   gap_ *= 2;
 }

@@ -25,8 +25,11 @@ class History {
     std::vector<std::byte> state;
   };
 
-  /// Saves the state at the begin of a piece of the run, unless a replay passes here. Keeps at most kMost states, and
-  /// the first one always.
+  /// @param most_bytes  limit of the sizes of all states, unless two exceed it
+  explicit History(std::size_t most_bytes = kMostBytes) : most_bytes_(most_bytes) {}
+
+  /// Saves the state at the begin of a piece of the run, unless a replay passes here. Keeps at most kMost states of
+  /// together at most `most_bytes`, and the first and the newest always.
   void record(const Soc& soc);
   /// Restores a state.
   void restore(Soc& soc, std::size_t snapshot);
@@ -56,7 +59,12 @@ class History {
 
  private:
   static constexpr std::size_t kMost = 128;
+  static constexpr std::size_t kMostBytes = std::size_t{512} << 20;
 
+  std::size_t bytes() const;
+  void thin();
+
+  std::size_t most_bytes_;
   std::vector<Snapshot> snapshots_;  // by position
   Snapshot start_;
   struct Input {

@@ -7,7 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <deque>
+#include <numeric>
 #include <vector>
 
 namespace mebots::soc::test {
@@ -122,6 +124,49 @@ TEST_F(HistoryTest, AStopBehindAnInstructionMakesItARepetition) {
   EXPECT_TRUE(history_.repeats());
   history_.advance();
   EXPECT_FALSE(history_.repeats());
+}
+
+/// Every state beyond two exceeds this limit. So the first and the newest remain, and the distance doubles.
+TEST_F(HistoryTest, KeepsTheFirstAndTheNewestStateWithinALimitOfBytes) {
+  History history(1);
+  history.record(soc_);
+  for (std::uint64_t position = 1; position <= 40; ++position) {
+    history.advance();
+    history.record(soc_);
+    ASSERT_EQ(history.snapshots().size(), 2U) << position;
+    EXPECT_EQ(history.snapshots().front().position, 0U);
+    EXPECT_EQ(history.snapshots().back().position, std::bit_floor(position));
+  }
+}
+
+TEST_F(HistoryTest, StaysBelowItsLimitOfBytes) {
+  history_.record(soc_);
+  const auto one = history_.snapshots().front().state.size();
+  History history(6 * one);
+  for (int i = 0; i < 100; ++i) {
+    history.record(soc_);
+    history.advance();
+    const auto& states = history.snapshots();
+    const auto bytes = std::accumulate(states.begin(), states.end(), std::size_t{0},
+                                       [](std::size_t sum, const auto& next) { return sum + next.state.size(); });
+    EXPECT_LE(bytes, 6 * one);
+    EXPECT_EQ(states.front().position, 0U);
+  }
+  EXPECT_GE(history.snapshots().size(), 3U) << "no more are dropped than needed";
+}
+
+/// A way back remembers the number of a state, which must not change meanwhile.
+TEST_F(HistoryTest, AReplaySavesNoStates) {
+  history_.record(soc_);
+  for (int i = 0; i < 3; ++i) history_.advance();
+  history_.restore(soc_, 0);
+  history_.advance();
+  history_.record(soc_);
+  EXPECT_EQ(history_.snapshots().size(), 1U);
+  history_.advance();
+  history_.advance();
+  history_.record(soc_);
+  EXPECT_EQ(history_.snapshots().size(), 2U);
 }
 
 }  // namespace
