@@ -104,7 +104,7 @@ TEST_F(HistoryTest, ARestartReadsTheLogThenTheHost) {
   EXPECT_THAT(poll(3), ElementsAre(kNo, 'a', 'b'));
 }
 
-/// Nothing that happens while the run is being stopped belongs to the past: its state is dropped.
+/// The state of a run that is being stopped is dropped, and a byte that it read would be lost.
 TEST_F(HistoryTest, ReadsNothingWhileTheRunIsBeingStopped) {
   live_ = {'a'};
   history_.record(soc_);
