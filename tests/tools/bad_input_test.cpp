@@ -42,7 +42,8 @@ class BadInput : public testing::Test {
 
 TEST_F(BadInput, AnUnknownBoardListsThoseThatThereAre) {
   expect_refused(fmt::format("run {} --board aideck", program_),
-                 "--board aideck: there is no such board or file. MEbots has the boards ai_deck, gap8, gap8_bare, "
+                 "--board aideck: there is no such board or file. MEbots has the boards ai_deck, flight_controller, "
+                 "gap8, gap8_bare, "
                  "pulp_open, ri5cy");
 }
 
@@ -84,7 +85,7 @@ TEST_F(BadInput, IsRefusedIfPicturesAreMissingOrDoNotFitTheCamera) {
   write_file(folder_ / "a.pgm", "P2 1 1 255 0");
   expect_refused(with("gap8"), "a.pgm: this is not a binary PGM");
   write_file(folder_ / "a.pgm", "P5\n324 243 255\n" + std::string(std::size_t{324} * 243, '0'));
-  expect_refused(with("gap8"), "it has 324 x 243 pixels; the camera takes 324 x 244");
+  expect_refused(with("gap8"), "it has 324 x 243 pixels; the camera needs 324 columns and at least 244 rows");
   write_file(folder_ / "a.pgm", "P5\n# grey\n324 244\n255\n" + std::string(std::size_t{324} * 244 - 1, '0'));
   expect_refused(with("gap8"), "it ends before its 79056 pixels");
   write_file(folder_ / "a.pgm", "P5\n324 244\n255\n" + std::string(std::size_t{324} * 244, '0'));
