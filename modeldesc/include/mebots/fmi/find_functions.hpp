@@ -12,10 +12,10 @@
 
 namespace mebots::fmi {
 
-/// A pointer to a member as a type, so that templates can depend on it: `member<&Functions::do_step>()` returns the
+/// A pointer to a member as a type, so that templates can depend on it: `kMember<&Functions::do_step>()` returns the
 /// pointer.
 template <auto pointer>
-inline constexpr std::integral_constant<decltype(pointer), pointer> member{};
+inline constexpr std::integral_constant<decltype(pointer), pointer> kMember{};
 
 /// Returns the address of a symbol in a loaded library; null if it has none of this name.
 inline void* find_symbol(void* library, const std::string& name) {

@@ -48,32 +48,32 @@ struct Functions {
   fmiStatus (*get_real_status)(fmiComponent, fmiStatusKind kind, fmiReal* value) = nullptr;
 };
 
-/// Calls action(name, fmi::member of Functions, Need) for every function.
+/// Calls action(name, fmi::kMember of Functions, Need) for every function.
 template <typename Action>
 void for_each_function(Action action) {
   using F = Functions;
-  action("fmiGetTypesPlatform", fmi::member<&F::get_types_platform>, Need::to_run);
-  action("fmiGetVersion", fmi::member<&F::get_version>, Need::to_run);
-  action("fmiInstantiateSlave", fmi::member<&F::instantiate_slave>, Need::to_run);
-  action("fmiInitializeSlave", fmi::member<&F::initialize_slave>, Need::to_run);
-  action("fmiTerminateSlave", fmi::member<&F::terminate_slave>, Need::to_run);
-  action("fmiResetSlave", fmi::member<&F::reset_slave>, Need::always);
-  action("fmiFreeSlaveInstance", fmi::member<&F::free_slave_instance>, Need::to_run);
-  action("fmiSetDebugLogging", fmi::member<&F::set_debug_logging>, Need::always);
-  action("fmiGetReal", fmi::member<&F::get_real>, Need::to_run);
-  action("fmiGetInteger", fmi::member<&F::get_integer>, Need::to_run);
-  action("fmiGetBoolean", fmi::member<&F::get_boolean>, Need::to_run);
-  action("fmiGetString", fmi::member<&F::get_string>, Need::to_run);
-  action("fmiSetReal", fmi::member<&F::set_real>, Need::to_run);
-  action("fmiSetInteger", fmi::member<&F::set_integer>, Need::to_run);
-  action("fmiSetBoolean", fmi::member<&F::set_boolean>, Need::to_run);
-  action("fmiSetString", fmi::member<&F::set_string>, Need::to_run);
-  action("fmiSetRealInputDerivatives", fmi::member<&F::set_real_input_derivatives>, Need::always);
-  action("fmiGetRealOutputDerivatives", fmi::member<&F::get_real_output_derivatives>, Need::always);
-  action("fmiDoStep", fmi::member<&F::do_step>, Need::to_run);
-  action("fmiCancelStep", fmi::member<&F::cancel_step>, Need::always);
-  action("fmiGetStatus", fmi::member<&F::get_status>, Need::always);
-  action("fmiGetRealStatus", fmi::member<&F::get_real_status>, Need::always);
+  action("fmiGetTypesPlatform", fmi::kMember<&F::get_types_platform>, Need::to_run);
+  action("fmiGetVersion", fmi::kMember<&F::get_version>, Need::to_run);
+  action("fmiInstantiateSlave", fmi::kMember<&F::instantiate_slave>, Need::to_run);
+  action("fmiInitializeSlave", fmi::kMember<&F::initialize_slave>, Need::to_run);
+  action("fmiTerminateSlave", fmi::kMember<&F::terminate_slave>, Need::to_run);
+  action("fmiResetSlave", fmi::kMember<&F::reset_slave>, Need::always);
+  action("fmiFreeSlaveInstance", fmi::kMember<&F::free_slave_instance>, Need::to_run);
+  action("fmiSetDebugLogging", fmi::kMember<&F::set_debug_logging>, Need::always);
+  action("fmiGetReal", fmi::kMember<&F::get_real>, Need::to_run);
+  action("fmiGetInteger", fmi::kMember<&F::get_integer>, Need::to_run);
+  action("fmiGetBoolean", fmi::kMember<&F::get_boolean>, Need::to_run);
+  action("fmiGetString", fmi::kMember<&F::get_string>, Need::to_run);
+  action("fmiSetReal", fmi::kMember<&F::set_real>, Need::to_run);
+  action("fmiSetInteger", fmi::kMember<&F::set_integer>, Need::to_run);
+  action("fmiSetBoolean", fmi::kMember<&F::set_boolean>, Need::to_run);
+  action("fmiSetString", fmi::kMember<&F::set_string>, Need::to_run);
+  action("fmiSetRealInputDerivatives", fmi::kMember<&F::set_real_input_derivatives>, Need::always);
+  action("fmiGetRealOutputDerivatives", fmi::kMember<&F::get_real_output_derivatives>, Need::always);
+  action("fmiDoStep", fmi::kMember<&F::do_step>, Need::to_run);
+  action("fmiCancelStep", fmi::kMember<&F::cancel_step>, Need::always);
+  action("fmiGetStatus", fmi::kMember<&F::get_status>, Need::always);
+  action("fmiGetRealStatus", fmi::kMember<&F::get_real_status>, Need::always);
 }
 
 /// Looks up all functions in a library from dlopen(); functions that it lacks are null.
