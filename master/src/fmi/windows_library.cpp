@@ -165,7 +165,7 @@ class Process {
     replies_ = from[0];
     std::vector<std::string> texts{find_wine().program.string(), find_wine().host.string()};
     std::vector<std::string> variables;
-    for (const auto& [name, value] : environment_for(settings)) variables.push_back(name + "=" + value);
+    for (const auto& [name, value] : environment_for(settings)) variables.push_back(fmt::format("{}={}", name, value));
     const auto pointers = [](std::vector<std::string>& all) {
       std::vector<char*> found;
       for (auto& text : all) found.push_back(text.data());
@@ -387,22 +387,22 @@ struct Stub<member, Result (*Table::*)(Arguments...)> {
   static Result call(Arguments... values) {
     static std::array<Slot, sizeof...(Arguments)> kept;
     static std::string text;
-    constexpr std::make_index_sequence<sizeof...(Arguments)> all;
+    constexpr std::make_index_sequence<sizeof...(Arguments)> kAll;
     const std::tuple<Arguments...> arguments(values...);
     const Sender<Arguments...> sender(arguments);
     Writer writer;
-    sender.put(writer, all);
+    sender.put(writer, kAll);
     auto [reply, reader] = current->request(number, writer);
     if constexpr (std::is_same_v<Result, const char*>) {
       auto result = reader.get_text();
-      sender.take(reader, kept, all);
+      sender.take(reader, kept, kAll);
       text = result.value_or("");
       return result ? text.c_str() : nullptr;
     } else if constexpr (std::is_void_v<Result>) {
-      sender.take(reader, kept, all);
+      sender.take(reader, kept, kAll);
     } else {
       const auto result = reader.template get<Result>();
-      sender.take(reader, kept, all);
+      sender.take(reader, kept, kAll);
       return result;
     }
   }

@@ -109,17 +109,17 @@ struct Signature {
   /// Returns which argument has the number of elements of pointer `i`; kSingle if it points to one value. It is the
   /// next argument or the nearest one before. An array of sizes is followed by the arrays that have these sizes.
   static consteval int length_of(std::size_t i) {
-    constexpr std::array<bool, kCount> lengths{std::is_same_v<Arguments, std::size_t>...};
-    constexpr std::array<bool, kCount> pointers{std::is_pointer_v<Arguments>...};
-    constexpr std::array<bool, kCount> states{std::is_same_v<Arguments, void**>...};
-    constexpr std::array<bool, kCount> sizes{
+    constexpr std::array<bool, kCount> kLengths{std::is_same_v<Arguments, std::size_t>...};
+    constexpr std::array<bool, kCount> kPointers{std::is_pointer_v<Arguments>...};
+    constexpr std::array<bool, kCount> kStates{std::is_same_v<Arguments, void**>...};
+    constexpr std::array<bool, kCount> kSizes{
         std::is_same_v<std::remove_const_t<std::remove_pointer_t<Arguments>>, std::size_t>...};
-    if (states[i]) return kSingle;
-    if (i + 1 < kCount && lengths[i + 1]) return static_cast<int>(i + 1);
-    if (sizes[i] && i + 1 < kCount && pointers[i + 1]) return length_of(i + 1);
+    if (kStates[i]) return kSingle;
+    if (i + 1 < kCount && kLengths[i + 1]) return static_cast<int>(i + 1);
+    if (kSizes[i] && i + 1 < kCount && kPointers[i + 1]) return length_of(i + 1);
     if (is_directional_derivative() && i == 6) return 2;
     for (auto before = i; before-- > 0;) {
-      if (lengths[before]) return static_cast<int>(before);
+      if (kLengths[before]) return static_cast<int>(before);
     }
     return kSingle;
   }

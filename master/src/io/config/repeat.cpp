@@ -353,7 +353,7 @@ class Expansion {
     std::map<std::string_view, const Json*> entries;  // an ordered object searches linearly
     for (auto one = content.begin(); one != content.end(); ++one) entries.emplace(one.key(), &one.value());
     for (const auto& [key, node] : section.members()) {
-      each_copy(node, *entries.at(key), {}, [&, &key = key, &node = node](Json entry, const Values& values) {
+      each_copy(node, *entries.at(key), {}, [&, &key = key, &node = node](const Json& entry, const Values& values) {
         auto name = values.empty() ? key : Filler(values).filled_text(key);
         if (!names.insert(name).second) {
           node.fail(
