@@ -29,7 +29,7 @@ changelog() {
   ! grep -qF '## [Unreleased]' CHANGELOG.md || { echo "CHANGELOG.md still has changes under '## [Unreleased]'"; return 1; }
 }
 maintainer() { [[ -n ${MEBOTS_MAINTAINER:-} ]] || skip "MEBOTS_MAINTAINER is not set: the Debian package would have no maintainer"; }
-tests() { scripts/test.sh; }
+tests() { scripts/test.sh && scripts/lint.py build/ci; }
 long() { cmake --preset ci && cmake --build --preset ci && ctest --preset long -j "$(nproc)"; }
 demo() { scripts/demo.sh; }
 bits() {

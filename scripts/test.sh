@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is needed, builds MEbots with warnings as errors, checks format, English and lint, and runs all tests.
+# Installs what is needed, builds MEbots with warnings as errors, checks format and English, and runs all tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -9,5 +9,4 @@ scripts/format.sh --check
 scripts/prose_lint.py
 cmake --preset ci
 cmake --build --preset ci
-scripts/lint.py build/ci
 ctest --preset ci -j "$(nproc)"
