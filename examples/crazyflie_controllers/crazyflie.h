@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One of the four controllers of a crazyflie-firmware checkout, chosen by the macro CONTROLLER: pid, mellinger,
+// Interface of a controller from a checkout of crazyflie-firmware. The macro CONTROLLER selects it: pid, mellinger,
 // brescianini or lee.
 #pragma once
 

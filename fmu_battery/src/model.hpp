@@ -19,8 +19,8 @@ namespace mebots::battery {
 ///
 /// Inputs are powers and are constant during a step; outputs are values at the end of the step.
 ///
-/// The protection opens if the terminal voltage was below the cut-off for the length of the cell's delay, if no current
-/// gives the requested power, or if the state of charge is 0. An open protection blocks discharge: bus voltage, current
+/// The protection opens in three cases: the terminal voltage was below the cut-off for the cell's delay, no current
+/// gives the requested power, or the state of charge is 0. An open protection blocks discharge: bus voltage, current
 /// and delivered power are 0, also for the rest of the step. If the source gives more than the loads take, it supplies
 /// them, and charges the cell through the open protection. The protection closes when the terminal voltage reaches the
 /// release voltage.

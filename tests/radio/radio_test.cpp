@@ -147,7 +147,7 @@ TEST(Radio, AFourthPacketIsDropped) {
     net.send(0, 2, 32);
     net.step();
   }
-  // One is on the air, three wait, and one found no place.
+  // The first packet is on the air, three wait, and the fifth was dropped, because the queue holds three.
   EXPECT_EQ(net.nodes[0].outputs.tx_sent, 1);
   EXPECT_EQ(net.nodes[0].outputs.tx_dropped, 1);
   for (int i = 0; i < 100; ++i) net.step();
@@ -174,7 +174,7 @@ TEST(Radio, LossIsBinomial) {
 
 TEST(Radio, DistanceLosesPacketsAsTheBudgetSays) {
   Network net(2);
-  // Where a packet of 4 bytes has a signal 1 dB above the sensitivity.
+  // At this distance, the received power is 1 dB above the sensitivity.
   const double d = std::sqrt(received_power_w(net.parameters, 1) / (1.26 * net.parameters.packet_sensitivity_w));
   net.nodes[1].inputs.position_m = {d, 0, 0};
   const double expected = loss_probability(net.parameters, 1.26 * net.parameters.packet_sensitivity_w, 73 + 32);

@@ -154,7 +154,7 @@ TEST_F(BadInput, IsRefusedIfTheProgramDoesNotFitTheBoard) {
                  "lies outside the board's memories");
 }
 
-// As programs of gap_sdk do with .data_tiny_fc: loaded into the controller's memory, addressed by its alias.
+// Programs of gap_sdk load .data_tiny_fc into the controller's memory and address it by the memory's alias.
 TEST_F(BadInput, IsNotASegmentThatRunsAtTheAliasOfAMemory) {
   constexpr std::uint32_t kMemory = 0x1b000000;
   auto elf = read_file(folder_.program(fmt::format("{}{}", kOk, kTohost), kMemory));

@@ -431,7 +431,7 @@ finish: la t0, tohost
 1:  j 1b
 )";
 
-/// Behind an instruction, its output has been printed, though the next one has not begun.
+/// After a step, the output of the instruction has been printed, although the next instruction has not begun.
 TEST_F(Gdb, WhatAStepPrintedIsNotPrintedAgain) {
   const Folder folder;
   const auto elf = folder.program(fmt::format("{}{}", kPrinter, kTohost));
@@ -440,7 +440,7 @@ TEST_F(Gdb, WhatAStepPrintedIsNotPrintedAgain) {
       "reverse-stepi 2\ncontinue\n",
       elf, "--board virt");
   EXPECT_THAT(run.gdb, HasSubstr("saved as printed"));
-  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x8000000c")) << "behind the first store";
+  EXPECT_THAT(run.gdb, HasSubstr("$1 = 0x8000000c")) << "after the first store";
   EXPECT_THAT(run.out, HasSubstr("AB"));
   EXPECT_THAT(run.out, testing::Not(HasSubstr("AA")));
   EXPECT_EQ(run.exit_code, 1) << run.err;

@@ -25,7 +25,7 @@ static void meet(void* argument) {
   }
 }
 
-// One core copies, whatever the size of the team.
+// Core 0 copies; the other cores of the team return.
 static void copy(void* argument) {
   if (cluster_core_id() != 0) {
     return;

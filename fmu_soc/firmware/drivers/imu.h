@@ -15,5 +15,5 @@ typedef struct {
 
 // Starts to measure each `period_us`. Call once, with interrupts off.
 void imu_init(uint32_t period_us);
-// Sleeps until there is a sample, and takes the oldest. Returns how many samples wait behind it.
+// Sleeps until the FIFO has a sample, and removes the oldest one. Returns the number of samples that remain.
 unsigned imu_wait(imu_sample_t* sample);

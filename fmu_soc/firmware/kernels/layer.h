@@ -126,7 +126,7 @@ typedef struct {
   int32_t addend[4];
 } layer_group_t;
 
-// One entry for each number of places of a pool that are inside the input, from 1 on.
+// The table has an entry for each number of a pool's places that are inside the input, from 1 on.
 typedef struct {
   int32_t multiplier;
   int32_t addend;

@@ -74,8 +74,8 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   return finish_quantum(end);
 }
 
-/// As run_quantum(), but only for a quantum directly after one that all awake cores ended in translated code, with no
-/// other event due. Only the cores' ticks have changed since that quantum.
+/// Does the same as run_quantum(), if all awake cores ended the previous quantum in translated code and no other event
+/// is due. Only the cores' ticks have changed since the previous quantum.
 std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);

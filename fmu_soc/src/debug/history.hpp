@@ -44,7 +44,8 @@ class History {
     frontier_ = std::max(frontier_, position_);
     return position_;
   }
-  /// Counts all before a position as done: gdb stopped behind an instruction, before the next one has begun.
+  /// Counts all instructions before a position as executed. gdb has stopped after an instruction, and the next one has
+  /// not begun.
   void reach(std::uint64_t position) { frontier_ = std::max(frontier_, position); }
   std::uint64_t position() const { return position_; }
   const std::vector<Snapshot>& snapshots() const { return snapshots_; }
@@ -52,9 +53,9 @@ class History {
   /// True while the program repeats what it has done before, or while it is being stopped for that.
   bool repeats() const { return leaves_ || position_ < frontier_; }
   void set_leaves(bool leaves) { leaves_ = leaves; }
-  /// Returns the next byte of input, or why there is none (ConsolePort): in a replay what the same call returned
-  /// before, otherwise what `read` returns. After a change by gdb, the program first gets the bytes that were read
-  /// before it.
+  /// Returns the next byte of input, or the reason why no byte is available (ConsolePort). A replay returns what the
+  /// same call returned before; otherwise the result is that of `read`. After a change by gdb, the program first gets
+  /// the bytes that were read before the change.
   int input(const std::function<int()>& read);
 
  private:

@@ -3,9 +3,9 @@
 // Steps of gdb into the past. A request ends the run. rewind() restores a state from before, and the run goes through
 // the same instructions again:
 //
-//   searching   up to the present position, noting the last place at which gdb wants to stop. If there is none, the
-//               search continues from the state before.
-//   seeking     from the same state to that place, where gdb stops
+//   searching   runs up to the present position and notes the last place at which gdb wants to stop. Without such a
+//               place, the search continues from the preceding saved state.
+//   seeking     runs from the same state to that place, where gdb stops.
 #include "debug/gdb_server.hpp"
 
 #include <fmt/core.h>
@@ -130,8 +130,8 @@ std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, 
 }
 
 /// gdb expects RISC-V to stop before the access, so it takes one more step in the direction of travel before it
-/// compares the values. So the stop is behind the store, of the hart that stored: another one may begin the next
-/// instruction.
+/// compares the values. Therefore the stop is after the store, and names the hart that stored: another hart may begin
+/// the next instruction.
 void GdbServer::replay_retired(unsigned number, const Retired& instruction) {
   auto& replay = *replay_;
   if (replay.phase != Replay::Phase::searching || replay.by_step) return;

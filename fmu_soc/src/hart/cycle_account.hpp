@@ -27,7 +27,7 @@ class CycleAccount {
   /// Called before an instruction runs. `start` is the cycle in which the instruction starts, after waits for its cache
   /// lines and before its stall. `decoded` is the number of its cycles that is known from decoding, with its stall.
   void begin(std::uint64_t start, std::uint32_t decoded);
-  /// As begin(), for an instruction that runs alone and whose lines have not been fetched yet.
+  /// Does the same as begin() for an instruction that runs alone and whose cache lines have not been fetched yet.
   void begin_alone(std::uint32_t decoded);
   /// Called after the instruction has retired and was counted. Sets the instruction's cycles. `hidden` is the number of
   /// cycles of the following jump that are subtracted from this instruction.

@@ -54,7 +54,7 @@ Geometry checked(Geometry geometry) {
 /// the rows fit into the first-level cache.
 constexpr int kStripRows = Outline::kStripRows;
 
-/// The number that stands for no face.
+/// Marks a pixel without a face.
 constexpr std::int32_t kNothing = -1;
 
 /// Returns the distance of a row's centre below the picture's middle, in pixels.

@@ -29,8 +29,8 @@ std::vector<std::string> calibration_parameters(const std::filesystem::path& con
 /// Runs of the same system with drawn parameters.
 class DrawnFlights {
  public:
-  /// With 19 draws of a quantity, a further draw lies between the least and the greatest of them with a probability of
-  /// 18/20, because its rank among the 20 is uniform for any distribution.
+  /// The rank of a further draw among 20 draws is uniform, for any distribution. So it lies between the least and the
+  /// greatest of the first 19 with a probability of 18/20.
   static constexpr int kFlights = 19;
   static constexpr double kLevel = 0.9;
   static constexpr std::int64_t kSeed = 0;

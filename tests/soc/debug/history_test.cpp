@@ -51,7 +51,8 @@ TEST_F(HistoryTest, AReplayGetsEachByteAtTheCallThatReadIt) {
   EXPECT_THAT(poll(7), ElementsAre(kNo, kNo, 'a', kNo, 'b', kNo, kNo));
   live_ = {'c'};
   history_.restore(soc_, 0);
-  EXPECT_THAT(poll(7), ElementsAre(kNo, kNo, 'a', kNo, 'b', kNo, kNo)) << "also behind the last byte";
+  EXPECT_THAT(poll(7), ElementsAre(kNo, kNo, 'a', kNo, 'b', kNo, kNo))
+      << "a replay also repeats the polls after the last byte";
   EXPECT_EQ(reads_, 7);
   EXPECT_THAT(poll(2), ElementsAre('c', kNo));
   history_.restore(soc_, 0);

@@ -169,8 +169,8 @@ struct Slot {
     const auto* const start = reinterpret_cast<const std::byte*>(bytes.data());
     elements.assign(start, start + bytes.size());
   }
-  /// Keeps the texts, and the pointers to them as elements. The pointer of a missing one is null: the size of a binary
-  /// would reach behind an empty text.
+  /// Keeps the texts, and the pointers to them as elements. The pointer to a missing text is null: with the size of the
+  /// binary, a reader would read beyond an empty text.
   template <typename Pointer>
   void keep_texts(std::vector<std::optional<std::string>> kept) {
     texts = std::move(kept);

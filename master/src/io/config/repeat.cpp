@@ -466,7 +466,7 @@ class Expansion {
   std::size_t copies_ = 0;
 };
 
-/// Without `inside`, looks at the elements of a list alone, of which there may be many.
+/// If `inside` is false, examines only the elements of a list, not what they contain: a list may be long.
 bool is_repeated(const Node& node, bool inside = true) {
   if (node.is(data::Kind::list)) {
     return std::ranges::any_of(node.elements(),

@@ -20,7 +20,7 @@ std::vector<std::uint32_t> intermediate_inputs(const modeldesc::ModelDescription
 /// only if all of its elements are set at the step's start.
 class IntermediateInputs {
  public:
-  /// None.
+  /// Contains no inputs.
   IntermediateInputs() = default;
   explicit IntermediateInputs(const modeldesc::ModelDescription& model);
 

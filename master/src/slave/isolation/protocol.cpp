@@ -29,8 +29,8 @@ long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value,
   return syscall(SYS_futex, &word, operation, value, timeout, nullptr, 0);
 }
 
-/// The names in messages of the functions that a call of the protocol stands for, by version of FMI. In FMI 3.0, the
-/// type of a value chooses the function.
+/// Names for messages: the function of each version of FMI that a call of the protocol requests. In FMI 3.0, the type
+/// of a value selects the function.
 struct Names {
   Call call;
   const char* fmi1;
@@ -42,7 +42,7 @@ constexpr Names common(Call call, const char* name) {
   return {call, name, name, name};
 }
 
-/// Of an interface that FMUs of FMI 1.0 do not have here.
+/// Names of a call that the master never makes to FMUs of FMI 1.0.
 constexpr Names newer(Call call, const char* fmi2, const char* fmi3) {
   return {call, "an unknown call", fmi2, fmi3};
 }

@@ -39,8 +39,8 @@ class Model {
 };
 
 /// Builds the tables that all instances of the FMU share. An FMU may leave it out. The shell calls it before the first
-/// instance, so that the library's memory is the same after a mission as before its first instance, and the next
-/// mission of a study can run in the same process.
+/// instance. Then the library's memory is the same after a mission as before its first instance. The next mission of a
+/// study can run in the same process.
 [[gnu::weak]] void prepare_shared_tables();
 
 }  // namespace mebots::fmu

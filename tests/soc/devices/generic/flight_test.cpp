@@ -232,7 +232,7 @@ TEST_F(BarometerTest, NoiseHasItsStandardDeviationAndDependsOnTheSeed) {
   EXPECT_NE(with_seed_1, with_seed_2);
 }
 
-/// Without a delay, measurements would follow each other without end at one moment.
+/// If a measurement took no time, the device would measure without end at one moment.
 TEST(BarometerBoard, IsRefusedWithoutATimeOfAMeasurement) {
   for (const double delay_s : {0.0, 1e-13, 0.99e-6}) {
     auto changed = board();
