@@ -110,13 +110,12 @@ void Channel::transmit(std::int64_t end_ns) {
 }
 
 void Channel::decide(std::int64_t end_ns) {
-  std::size_t done = 0;  // packets end in the order of on_air_
-  for (; done < on_air_.size() && on_air_[done].end_ns <= end_ns; ++done) {
-    const auto& packet = on_air_[done];
+  while (!on_air_.empty() && on_air_.front().end_ns <= end_ns) {  // packets end in the order of on_air_
+    const auto& packet = on_air_.front();
     ended_.push_back(packet);
     under_way_.push_back({packet, receptions(packet)});
+    on_air_.erase(on_air_.begin());
   }
-  on_air_.erase(on_air_.begin(), on_air_.begin() + static_cast<std::ptrdiff_t>(done));
 }
 
 std::vector<Channel::Reception> Channel::receptions(const Packet& packet) const {
@@ -129,46 +128,46 @@ std::vector<Channel::Reception> Channel::receptions(const Packet& packet) const 
     const double draw =
         uniform(parameters_.seed, {Purpose::packet, sender, node, static_cast<std::uint64_t>(packet.number)});
     const bool lost = draw < loss_probability(parameters_, power, bits_of(parameters_, packet.size));
-    all.push_back({number, lost, power});
+    all.push_back({node, lost, power});
   }
   return all;
 }
 
 void Channel::deliver(std::int64_t end_ns) {
   const auto latency = nanoseconds(parameters_.packet_latency_s);
-  std::size_t done = 0;
-  for (; done < under_way_.size() && under_way_[done].packet.end_ns + latency <= end_ns; ++done) {
-    auto& [packet, receptions] = under_way_[done];
-    packet.delay_s = static_cast<double>(packet.end_ns + latency - packet.requested_ns) * 1e-9;
+  while (!under_way_.empty() && under_way_.front().packet.end_ns + latency <= end_ns) {
+    const auto& [packet, receptions] = under_way_.front();
     for (const auto& reception : receptions) receive(packet, reception);
+    under_way_.erase(under_way_.begin());
   }
-  under_way_.erase(under_way_.begin(), under_way_.begin() + static_cast<std::ptrdiff_t>(done));
 }
 
 void Channel::receive(const Packet& packet, const Reception& reception) {
-  const auto node = static_cast<std::size_t>(reception.node) - 1;
-  auto& outputs = variables_[node].outputs;
+  auto& outputs = variables_[reception.node].outputs;
+  auto& received = nodes_[reception.node].received;
   if (reception.lost) {
     increment(outputs.rx_lost);
-  } else if (nodes_[node].received.size() == kQueue) {
+  } else if (received.size() == kQueue) {
     increment(outputs.rx_dropped);
   } else {
-    nodes_[node].received.push_back(packet);
-    nodes_[node].received.back().power_w = reception.power_w;
+    received.push_back(packet);
+    received.back().power_w = reception.power_w;
   }
 }
 
 void Channel::write_outputs() {
+  const auto latency = nanoseconds(parameters_.packet_latency_s);
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     auto& received = nodes_[i].received;
     if (received.empty()) continue;
     auto& outputs = variables_[i].outputs;
+    const auto& packet = received.front();
     increment(outputs.rx_count);
-    outputs.rx_from = received.front().from;
-    outputs.rx_size = received.front().size;
-    outputs.rx_data = received.front().data;
-    outputs.rx_power_w = received.front().power_w;
-    outputs.rx_delay_s = received.front().delay_s;
+    outputs.rx_from = packet.from;
+    outputs.rx_size = packet.size;
+    outputs.rx_data = packet.data;
+    outputs.rx_power_w = packet.power_w;
+    outputs.rx_delay_s = static_cast<double>(packet.end_ns + latency - packet.requested_ns) * 1e-9;
     received.erase(received.begin());
   }
 }
@@ -200,7 +199,6 @@ void Channel::Packet::visit(state::Visitor& v) {
   v("size", size);
   v("number", number);
   v("power_w", power_w);
-  v("delay_s", delay_s);
   v("data", data);
 }
 

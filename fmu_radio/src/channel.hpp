@@ -55,14 +55,13 @@ class Channel {
     std::int32_t size = 0;
     std::int64_t number = 0;  // of the sender's packets
     double power_w = 0;       // where it was received
-    double delay_s = 0;
     std::array<std::int32_t, 8> data{};
 
     void visit(state::Visitor& v);
   };
   /// Says whether a receiver gets a packet, and with which power.
   struct Reception {
-    std::int32_t node = 0;  // its number
+    std::uint64_t node = 0;  // its index
     bool lost = false;
     double power_w = 0;
 

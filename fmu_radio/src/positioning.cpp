@@ -21,13 +21,13 @@ void Positioning::step(const Span& span) {
     next_ = std::llround(std::floor(static_cast<double>(span.begin_ns - start_ns_) * 1e-9 * rate)) + 1;
     if (due_ns(next_) <= span.begin_ns) ++next_;
   }
-  std::size_t done = 0;
-  for (; done < under_way_.size() && under_way_[done].there_ns <= span.end_ns; ++done) {
-    auto& outputs = variables_[under_way_[done].node].outputs;
-    outputs.fix_m = under_way_[done].position_m;
+  while (!under_way_.empty() && under_way_.front().there_ns <= span.end_ns) {
+    const auto& fix = under_way_.front();
+    auto& outputs = variables_[fix.node].outputs;
+    outputs.fix_m = fix.position_m;
     ++outputs.fix_count;
+    under_way_.erase(under_way_.begin());
   }
-  under_way_.erase(under_way_.begin(), under_way_.begin() + static_cast<std::ptrdiff_t>(done));
 }
 
 void Positioning::sample(std::int64_t time_ns) {

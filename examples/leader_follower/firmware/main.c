@@ -16,8 +16,6 @@
 #define FAR_MM 30000         // root() takes the sum of two squares of this, but not of 33000
 #define LEADER 1
 
-enum { MODE_TAKE_OFF = 1, MODE_FLY = 2, MODE_LAND = 3, PHASE_FLYING = 2, PHASE_LANDED = 4 };
-
 static void fly(uint32_t mode, int32_t x_um_s, int32_t y_um_s) {
   FLIGHT_MODE = mode;
   FLIGHT_VELOCITY_X = (uint32_t)x_um_s;
@@ -46,9 +44,9 @@ static void lead(int flown_periods) {
   static const int8_t kSides[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   const int side = flown_periods / (SIDE_S * PERIODS_PER_S);
   if (side < 4) {
-    fly(MODE_FLY, kSides[side][0] * LEADER_UM_S, kSides[side][1] * LEADER_UM_S);
+    fly(FLIGHT_MODE_FLY, kSides[side][0] * LEADER_UM_S, kSides[side][1] * LEADER_UM_S);
   } else {
-    fly(MODE_FLY, 0, 0);
+    fly(FLIGHT_MODE_FLY, 0, 0);
   }
 }
 
@@ -88,13 +86,13 @@ static void follow(view_t* view) {
   const int32_t y_mm = limited(view->leader_mm[1] - view->own_mm[1], FAR_MM);
   const int32_t apart_mm = root(x_mm * x_mm + y_mm * y_mm);
   if (!view->knows_leader || view->heard_before > patience || view->distance_mm == 0 || apart_mm == 0) {
-    fly(MODE_FLY, 0, 0);
+    fly(FLIGHT_MODE_FLY, 0, 0);
     return;
   }
   const int32_t error_mm = limited(view->distance_mm - (int32_t)NODE_DISTANCE, 1000);
   const int32_t x_mm_s = view->leader_mm_s[0] + GAIN_PER_S * error_mm * x_mm / apart_mm;
   const int32_t y_mm_s = view->leader_mm_s[1] + GAIN_PER_S * error_mm * y_mm / apart_mm;
-  fly(MODE_FLY, limited(1000 * x_mm_s, FASTEST_UM_S), limited(1000 * y_mm_s, FASTEST_UM_S));
+  fly(FLIGHT_MODE_FLY, limited(1000 * x_mm_s, FASTEST_UM_S), limited(1000 * y_mm_s, FASTEST_UM_S));
 }
 
 int main(void) {
@@ -103,7 +101,7 @@ int main(void) {
   view_t view = {0};
   int flown = 0;
   const bool leads = NODE_NUMBER == LEADER;
-  while (FLIGHT_PHASE < PHASE_LANDED) {
+  while (FLIGHT_PHASE < FLIGHT_PHASE_LANDED) {
     int32_t x_mm = 0;
     int32_t y_mm = 0;
     if (radio_position(&x_mm, &y_mm)) {
@@ -121,8 +119,8 @@ int main(void) {
       }
       radio_request_distance(LEADER);
     }
-    if (FLIGHT_PHASE != PHASE_FLYING) {
-      fly(MODE_TAKE_OFF, 0, 0);
+    if (FLIGHT_PHASE != FLIGHT_PHASE_FLYING) {
+      fly(FLIGHT_MODE_TAKE_OFF, 0, 0);
     } else if (leads) {
       lead(flown++);
     } else {

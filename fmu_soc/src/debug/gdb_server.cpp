@@ -58,7 +58,7 @@ GdbServer::Resume GdbServer::serve() {
     held_ = false;
     if (resume == Resume::rewind) {
       history_->reach(here_);
-      leave();
+      history_->set_leaves(true);
     }
     if (resume == Resume::step) stepping_ = threads_.chosen();
     return resume;
@@ -105,9 +105,12 @@ GdbServer::Resume GdbServer::obey(const std::string& packet) {
     return kill_ == Kill::ends_run ? Resume::end : Resume::run;
   }
   constexpr std::string_view kCommand = "qRcmd,";
-  if (history_ != nullptr && packet.starts_with(kCommand)) {
+  if (packet.starts_with(kCommand)) {
     const auto command = from_hex(std::string_view(packet).substr(kCommand.size())).value_or("");
-    if (const auto resume = travel(command)) return *resume;
+    const auto resume = history_ == nullptr ? std::nullopt : travel(command);
+    if (resume) return *resume;
+    connection_.send(to_hex(monitor(command)));
+    return Resume::no;
   }
   connection_.send(answer(packet));
   if (packet == "QStartNoAckMode") connection_.stop_acknowledging();
@@ -189,7 +192,6 @@ std::string GdbServer::answer(const std::string& packet) {
 
 std::string GdbServer::query(std::string_view text) {
   constexpr std::string_view kDescription = "qXfer:features:read:target.xml:";
-  constexpr std::string_view kCommand = "qRcmd,";
   constexpr std::string_view kThreadText = "qThreadExtraInfo,";
   if (text.starts_with("qSupported")) {
     return fmt::format("PacketSize=4000;qXfer:features:read+;QStartNoAckMode+;vContSupported+;swbreak+;hwbreak+{}",
@@ -206,7 +208,6 @@ std::string GdbServer::query(std::string_view text) {
     const bool last = whole.size() - *offset <= *length;
     return (last ? "l" : "m") + whole.substr(*offset, *length);
   }
-  if (text.starts_with(kCommand)) return to_hex(monitor(from_hex(text.substr(kCommand.size())).value_or("")));
   if (text.starts_with(kThreadText)) {
     const auto number = threads_.parse(text.substr(kThreadText.size()));
     return number ? to_hex(threads_.describe(*number)) : std::string(kError);

@@ -86,7 +86,7 @@ class GdbServer {
 
    private:
     bool reports_to_gdb() const { return !server_.only_hart_ || server_.only_hart_ == number_; }
-    void hold(const Hart& hart, std::uint64_t position);
+    bool hold(const Hart& hart, std::uint64_t position);
 
     GdbServer& server_;
     unsigned number_;
@@ -98,6 +98,8 @@ class GdbServer {
   };
 
   bool accept_debugger();
+  /// True while the run ends so that rewind() can restore a state.
+  bool leaves() const { return history_ != nullptr && history_->leaves(); }
   void hold_at_fault();
   std::optional<std::size_t> state_before(std::uint64_t position) const;
   Resume reverse(bool by_step);
@@ -105,7 +107,6 @@ class GdbServer {
   void next_replay();
   std::optional<bool> replay_before(unsigned number, std::uint32_t pc, std::uint64_t position);
   void replay_retired(unsigned number, const Retired& instruction);
-  void leave();
   void stop(unsigned number, std::string_view signal, std::string_view why = {});
   Resume serve();
   Resume obey(const std::string& packet);
@@ -141,7 +142,6 @@ class GdbServer {
   std::uint32_t ticks_ = 0;
   History* history_ = nullptr;
   std::optional<Replay> replay_;
-  bool leaves_ = false;                         // the run ends, so that rewind() can restore a state
   std::uint64_t here_ = 0;                      // position at which gdb holds the program
   std::map<std::string, std::uint64_t> names_;  // places of `monitor save`
   std::string answer_;                          // to a monitor command that moves in time, sent on arrival

@@ -52,7 +52,9 @@ class History {
 
   /// True while the program repeats what it has done before, or while it is being stopped for that.
   bool repeats() const { return leaves_ || position_ < frontier_; }
+  /// While true, the run ends, so that a saved state can be restored.
   void set_leaves(bool leaves) { leaves_ = leaves; }
+  bool leaves() const { return leaves_; }
   /// Returns the next byte of input, or the reason why no byte is available (ConsolePort). A replay returns what the
   /// same call returned before; otherwise the result is that of `read`. After a change by gdb, the program first gets
   /// the bytes that were read before the change.

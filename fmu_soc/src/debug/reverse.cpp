@@ -16,6 +16,7 @@ namespace mebots::soc::debug {
 namespace {
 
 constexpr std::string_view kAtBegin = "replaylog:begin;";
+constexpr std::string_view kHint = "'maintenance flush register-cache' makes gdb read the registers again\n";
 
 }  // namespace
 
@@ -56,8 +57,7 @@ std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
   if (command == "reset") {
     names_.clear();
     replay_ = Replay{.phase = Replay::Phase::restarting, .place = {.position = 1}};
-    answer_ =
-        to_hex("at the start of the program; 'maintenance flush register-cache' makes gdb read the registers again\n");
+    answer_ = to_hex(fmt::format("at the start of the program; {}", kHint));
     return Resume::rewind;
   }
   if (!command.starts_with(kRestore)) return std::nullopt;
@@ -67,21 +67,18 @@ std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
   const auto from = state_before(found->second);
   if (!from) return reply(fmt::format("'{}' is before a change by gdb, which ends the history\n", name));
   replay_ = Replay{.phase = Replay::Phase::seeking, .from = *from, .place = {.position = found->second}};
-  answer_ = to_hex(fmt::format("at {}; 'maintenance flush register-cache' makes gdb read the registers again\n", name));
+  answer_ = to_hex(fmt::format("at {}; {}", name, kHint));
   return Resume::rewind;
 }
 
 bool GdbServer::rewind() {
   if (!history_) return false;
-  if (!leaves_ && !replay_ && soc_.end() == End::faulted) hold_at_fault();
+  if (!leaves() && !replay_ && soc_.end() == End::faulted) hold_at_fault();
   if (!replay_ || killed_) return false;
-  if (!leaves_) {  // a search has come to its end without the call that ends it
+  if (replay_->begun) {  // the run has ended at the search's limit, or before
     if (replay_->phase != Replay::Phase::searching) return false;
     next_replay();
-  } else if (replay_->begun) {
-    next_replay();
   }
-  leaves_ = false;
   replay_->begun = true;
   if (replay_->phase == Replay::Phase::restarting) {
     history_->restart(soc_);
@@ -120,7 +117,7 @@ std::optional<bool> GdbServer::replay_before(unsigned number, std::uint32_t pc, 
     return std::nullopt;
   }
   if (position >= replay.limit) {
-    leave();
+    history_->set_leaves(true);
     return false;
   }
   if (replay.by_step ? number == replay.hart : breakpoints_.contains(pc)) {
@@ -138,11 +135,6 @@ void GdbServer::replay_retired(unsigned number, const Retired& instruction) {
   if (auto touched = watch_touched(instruction.access); !touched.empty()) {
     replay.place = {.position = history_->position() + 1, .why = std::move(touched), .hart = number};
   }
-}
-
-void GdbServer::leave() {
-  leaves_ = true;
-  history_->set_leaves(true);
 }
 
 }  // namespace mebots::soc::debug

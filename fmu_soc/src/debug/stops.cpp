@@ -25,12 +25,11 @@ void GdbServer::stop(unsigned number, std::string_view signal, std::string_view 
 bool GdbServer::HartObserver::before(const Hart& hart) {
   auto& server = server_;
   auto& connection = server.connection_;
-  if (server.killed_ || server.leaves_) return false;
+  if (server.killed_ || server.leaves()) return false;
   const auto position = server.history_ == nullptr ? 0 : server.history_->advance();
   if (server.replay_) {
     if (const auto runs = server.replay_before(number_, hart.pc(), position)) return *runs;
-    hold(hart, position);
-    return !server.killed_ && !server.leaves_;
+    return hold(hart, position);
   }
   const bool look = (++server.ticks_ & (kPollInterval - 1)) == 0;
   if (look && connection.connected()) connection.refuse_others();
@@ -51,15 +50,14 @@ bool GdbServer::HartObserver::before(const Hart& hart) {
     return true;
   }
   // NOLINTEND(bugprone-branch-clone)
-  hold(hart, position);
-  return !server.killed_ && !server.leaves_;
+  return hold(hart, position);
 }
 
 /// Ends a step and reports a watchpoint before any other hart continues, because gdb expects a step to run one thread.
 /// gdb also steps over breakpoints with only one thread.
 void GdbServer::HartObserver::retired(const Hart& hart, const Retired& instruction) {
   if (server_.replay_) return server_.replay_retired(number_, instruction);
-  if (server_.leaves_ || !server_.connection_.connected() || !reports_to_gdb()) return;
+  if (server_.leaves() || !server_.connection_.connected() || !reports_to_gdb()) return;
   const auto touched = server_.watch_touched(instruction.access);
   if (!touched.empty() || server_.ends_step(number_, hart.pc())) {
     server_.stop(number_, kTrap, touched);
@@ -79,13 +77,14 @@ void GdbServer::HartObserver::switched(const Hart& /*hart*/, bool /*on*/) {
   if (server_.only_hart_ == number_) server_.only_hart_.reset();
 }
 
-/// `position` is that of the instruction that the hart begins next.
-void GdbServer::HartObserver::hold(const Hart& hart, std::uint64_t position) {
+/// `position` is that of the instruction that the hart begins next. Returns false if the run must end here.
+bool GdbServer::HartObserver::hold(const Hart& hart, std::uint64_t position) {
   server_.here_ = position;
   server_.killed_ = server_.serve() == Resume::end;
   was_held_ = true;
   held_pc_ = hart.pc();
   held_instructions_ = hart.counters().instructions;
+  return !server_.killed_ && !server_.leaves();
 }
 
 /// Returns the watchpoint that the access touches, in gdb's format; empty = none.

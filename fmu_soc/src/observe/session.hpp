@@ -95,7 +95,9 @@ struct Requests {
   debug::History* history = nullptr;               // for steps of gdb into the past; must outlive the session
   std::function<void(std::string_view)> announce;  // prints the port for gdb
 
-  bool any() const { return trace || profile || power_trace || cycle_stack || coverage || pipeline || gdb_port; }
+  /// True if anything besides gdb was requested.
+  bool writes() const { return trace || profile || power_trace || cycle_stack || coverage || pipeline; }
+  bool any() const { return writes() || gdb_port; }
 };
 
 /// The observers of a run. The chip must outlive it.

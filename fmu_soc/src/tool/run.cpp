@@ -104,8 +104,9 @@ class LimitedRun {
       const auto before = busiest_cycles(soc_);
       reached = run_piece(before);
       if (busiest_cycles(soc_) == before && soc_.sleeps_for_good()) break;
-      spun_cycles_ = soc_.spins() ? spun_cycles_ + slice_ : 0;
-      if (!limits_.instructions && soc_.spins() && spun_cycles_ >= spin_cycles_) break;
+      const bool spins = soc_.spins();
+      spun_cycles_ = spins ? spun_cycles_ + slice_ : 0;
+      if (!limits_.instructions && spins && spun_cycles_ >= spin_cycles_) break;
     }
     if (last_) session_.remove(*last_);
     return reached;
@@ -289,9 +290,8 @@ HostConsole::Kind console_kind(const Options& options) {
 
 /// Returns whether gdb can go back in time: not with files of the host, which have no past, and not with other
 /// observers, whose files would contain a replay.
-bool is_reversible(const Options& options) {
-  return options.gdb_port && !options.user && !options.host_files && !options.page && !options.trace &&
-         !options.profile && !options.power_trace && !options.report && !options.coverage && !options.pipeline;
+bool is_reversible(const Options& options, const observe::Requests& requests) {
+  return requests.gdb_port && !options.user && !options.host_files && !options.page && !requests.writes();
 }
 
 /// `page` and `history` may be empty; they must outlive the listeners.
@@ -382,8 +382,9 @@ int run(const Options& options) {
   }
   std::optional<RunPage> page;
   if (options.page) page.emplace(*options.page, options.profile);
+  auto requests = requests_of(options, page);
   std::optional<debug::History> history;
-  if (is_reversible(options)) history.emplace();
+  if (is_reversible(options, requests)) history.emplace();
   HostConsole console(console_kind(options));
   if (history) console.mute_while([&history] { return history->repeats(); });
   ControlledConsole controlled;
@@ -400,7 +401,6 @@ int run(const Options& options) {
   if (options.json) json.emplace("--json", *options.json);
   std::optional<observe::TextFile> long_report;
   if (options.report) long_report.emplace("--report", *options.report);
-  auto requests = requests_of(options, page);
   if (history) requests.history = &*history;
   observe::Session session(requests, soc);
   if (page) page->follow(soc, session);

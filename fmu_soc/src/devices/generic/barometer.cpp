@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "devices/core/active_time.hpp"
 #include "devices/core/kinds.hpp"
 #include "mebots/error.hpp"
 #include "mebots/soc/device.hpp"
@@ -58,17 +59,14 @@ Picoseconds measurement_time(const BoardDevice& entry) {
 class Barometer final : public Device {
  public:
   Barometer(const BoardDevice& entry, ChipHost& /*host*/)
-      : entry_(entry),
-        idle_w_(entry.state("idle").current_a * entry.supply_voltage_v),
-        active_w_(entry.state("active").current_a * entry.supply_voltage_v),
-        delay_(measurement_time(entry)) {
+      : entry_(entry), active_time_(entry), delay_(measurement_time(entry)) {
     for (const auto& variable : entry.variables) {
       if (auto* number = input(variable.name)) *number = variable.start;
     }
   }
 
   bool load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) override {
-    const std::uint32_t values[] = {active_ ? 1U : 0U, status_, pressure_};
+    const std::uint32_t values[] = {active_time_.active() ? 1U : 0U, status_, pressure_};
     if (offset > kPressure) return false;
     value = values[offset / 4];
     return true;
@@ -80,11 +78,7 @@ class Barometer final : public Device {
     }
     if (offset != kControl) return false;
     const bool on = (value & 1) != 0;
-    if (on == active_) return true;
-    if (active_) active_for_ += now - since_;
-    active_ = on;
-    since_ = now;
-    next_ = on ? now + delay_ : kNever;
+    if (active_time_.set(on, now)) next_ = on ? now + delay_ : kNever;
     return true;
   }
   void advance(Picoseconds now) override {
@@ -104,23 +98,18 @@ class Barometer final : public Device {
     if (variable == entry_.name + ".seed") return &seed_;
     return nullptr;
   }
-  double energy_j(Picoseconds now) const override {
-    const auto active = active_for_ + (active_ ? now - since_ : 0);
-    return (static_cast<double>(active) * active_w_ + static_cast<double>(now - active) * idle_w_) / kPsPerS;
-  }
-  std::string_view state_name() const override { return active_ ? "active" : "idle"; }
+  double energy_j(Picoseconds now) const override { return active_time_.energy_j(now); }
+  std::string_view state_name() const override { return active_time_.state_name(); }
   void visit(state::Visitor& v) override {
     v("altitude_m", altitude_m_);
     v("ground_m", ground_m_);
     v("noise_pa", noise_pa_);
     v("seed", seed_);
-    v("active", active_);
+    v("active_time", active_time_);
     v("status", status_);
     v("pressure", pressure_);
     v("count", count_);
     v("next", next_);
-    v("since", since_);
-    v("active_for", active_for_);
   }
 
  private:
@@ -130,20 +119,16 @@ class Barometer final : public Device {
   static constexpr double kPerPascal = 100;
 
   const BoardDevice& entry_;
-  double idle_w_;
-  double active_w_;
+  ActiveTime active_time_;
   Picoseconds delay_;
   double altitude_m_ = 0;
   double ground_m_ = 0;
   double noise_pa_ = 0;
   double seed_ = 0;
-  bool active_ = false;
   std::uint32_t status_ = 0;
   std::uint32_t pressure_ = 0;
   std::uint64_t count_ = 0;  // measurements since reset
   Picoseconds next_ = kNever;
-  Picoseconds since_ = 0;
-  Picoseconds active_for_ = 0;
 };
 
 }  // namespace

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "devices/core/active_time.hpp"
 #include "devices/core/kinds.hpp"
 #include "mebots/error.hpp"
 #include "mebots/soc/device.hpp"
+#include "mebots/soc/fixed_point.hpp"
 
 #include <algorithm>
 #include <array>
@@ -22,10 +24,7 @@ constexpr std::size_t kAxes = 6;  // specific force x, y, z, then angular veloci
 class Imu final : public Device {
  public:
   Imu(const BoardDevice& entry, ChipHost& /*host*/)
-      : entry_(entry),
-        idle_w_(entry.state("idle").current_a * entry.supply_voltage_v),
-        active_w_(entry.state("active").current_a * entry.supply_voltage_v),
-        delay_(std::llround(entry.state("active").delay_s * kPsPerS)) {
+      : entry_(entry), active_time_(entry), delay_(std::llround(entry.state("active").delay_s * kPsPerS)) {
     for (std::size_t i = 0; i < kAxes; ++i) {
       if (const auto* variable = entry.variable(entry.name + kInputs[i])) inputs_[i] = variable->start;
     }
@@ -34,11 +33,11 @@ class Imu final : public Device {
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;
   bool store(std::uint32_t offset, Picoseconds now, std::uint32_t value) override;
   void advance(Picoseconds now) override;
-  Picoseconds next_event() const override { return active_ ? next_sample_ + delay_ : kNever; }
+  Picoseconds next_event() const override { return active_time_.active() ? next_sample_ + delay_ : kNever; }
   bool interrupt() const override { return threshold_ != 0 && count_ >= threshold_; }
   double* input(std::string_view variable) override;
-  double energy_j(Picoseconds now) const override;
-  std::string_view state_name() const override { return active_ ? "active" : "idle"; }
+  double energy_j(Picoseconds now) const override { return active_time_.energy_j(now); }
+  std::string_view state_name() const override { return active_time_.state_name(); }
   void visit(state::Visitor& v) override;
 
  private:
@@ -74,8 +73,7 @@ class Imu final : public Device {
   std::int16_t counts(std::size_t axis) const;
 
   const BoardDevice& entry_;
-  double idle_w_;
-  double active_w_;
+  ActiveTime active_time_;
   Picoseconds delay_;
   std::array<double, kAxes> inputs_{};
   std::array<Sample, kDepth> fifo_{};
@@ -84,10 +82,7 @@ class Imu final : public Device {
   std::uint32_t period_us_ = 1000;
   std::uint32_t threshold_ = 1;
   std::uint32_t flags_ = 0;
-  bool active_ = false;
   Picoseconds next_sample_ = 0;
-  Picoseconds since_ = 0;       // last change of `active_`
-  Picoseconds active_for_ = 0;  // before that
 };
 
 double* Imu::input(std::string_view variable) {
@@ -101,15 +96,12 @@ std::int16_t Imu::counts(std::size_t axis) const {
   constexpr double kStandardGravity = 9.80665;
   constexpr double kPerForce = 32768.0 / (24.0 * kStandardGravity);
   constexpr double kPerRate = 32768.0 / (2000.0 * std::numbers::pi / 180.0);
-  const double scaled = std::round(inputs_[axis] * (axis < 3 ? kPerForce : kPerRate));
-  return static_cast<std::int16_t>(std::clamp(scaled, -32768.0, 32767.0));
+  const auto rounded = static_cast<std::int32_t>(to_register(inputs_[axis], axis < 3 ? kPerForce : kPerRate));
+  return static_cast<std::int16_t>(std::clamp(rounded, -32768, 32767));
 }
 
 void Imu::switch_on(bool on, Picoseconds now) {
-  if (on == active_) return;
-  if (active_) active_for_ += now - since_;
-  since_ = now;
-  active_ = on;
+  if (!active_time_.set(on, now)) return;
   count_ = 0;
   plan(now);
 }
@@ -131,7 +123,7 @@ void Imu::advance(Picoseconds now) {
 bool Imu::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {
   switch (offset) {
     case kControl:
-      value = active_ ? 1 : 0;
+      value = active_time_.active() ? 1 : 0;
       return true;
     case kPeriod:
       value = period_us_;
@@ -185,11 +177,6 @@ bool Imu::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   }
 }
 
-double Imu::energy_j(Picoseconds now) const {
-  const auto active = active_for_ + (active_ ? now - since_ : 0);
-  return (static_cast<double>(active) * active_w_ + static_cast<double>(now - active) * idle_w_) / kPsPerS;
-}
-
 void Imu::visit(state::Visitor& v) {
   v("inputs", inputs_);
   v("fifo", fifo_);
@@ -198,10 +185,8 @@ void Imu::visit(state::Visitor& v) {
   v("period_us", period_us_);
   v("threshold", threshold_);
   v("flags", flags_);
-  v("active", active_);
+  v("active_time", active_time_);
   v("next_sample", next_sample_);
-  v("since", since_);
-  v("active_for", active_for_);
   if (v.restores() && (first_ >= kDepth || count_ > kDepth || period_us_ == 0)) {
     throw Error(ErrorCode::state_damaged, "a saved state is damaged: the IMU's FIFO has more samples than places");
   }

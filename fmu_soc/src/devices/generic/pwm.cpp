@@ -47,6 +47,8 @@ class Pwm final : public Device {
   void switch_off();
   void take(Picoseconds now);
   void plan(Picoseconds now);
+  /// Returns the stored value of a DUTY register; null if there is no such register.
+  std::uint32_t* duty_at(std::uint32_t offset);
 
   bool on_ = false;
   std::uint32_t status_ = 0;
@@ -85,6 +87,11 @@ void Pwm::switch_off() {
   command_ = {};
 }
 
+std::uint32_t* Pwm::duty_at(std::uint32_t offset) {
+  const auto index = (offset - kFirstDuty) / 4;
+  return offset < kFirstDuty || index >= kOutputs ? nullptr : &stored_duty_[index];
+}
+
 bool Pwm::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) {
   switch (offset) {
     case kControl:
@@ -99,9 +106,9 @@ bool Pwm::load(std::uint32_t offset, Picoseconds /*now*/, std::uint32_t& value) 
     default:
       break;
   }
-  const auto index = (offset - kFirstDuty) / 4;
-  if (offset < kFirstDuty || index >= kOutputs) return false;
-  value = stored_duty_[index];
+  const auto* duty = duty_at(offset);
+  if (duty == nullptr) return false;
+  value = *duty;
   return true;
 }
 
@@ -128,9 +135,9 @@ bool Pwm::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
     default:
       break;
   }
-  const auto index = (offset - kFirstDuty) / 4;
-  if (offset < kFirstDuty || index >= kOutputs) return false;
-  stored_duty_[index] = value;
+  auto* duty = duty_at(offset);
+  if (duty == nullptr) return false;
+  *duty = value;
   plan(now);
   return true;
 }

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mebots/soc/board_device.hpp"
+#include "mebots/soc/time.hpp"
+#include "mebots/state/visitor.hpp"
+
+#include <string_view>
+
+namespace mebots::soc {
+
+/// The time and energy of a device with the states `idle` and `active`.
+class ActiveTime {
+ public:
+  /// The board's entry must have both states.
+  explicit ActiveTime(const BoardDevice& entry)
+      : idle_w_(entry.state("idle").current_a * entry.supply_voltage_v),
+        active_w_(entry.state("active").current_a * entry.supply_voltage_v) {}
+
+  bool active() const { return active_; }
+  std::string_view state_name() const { return active_ ? "active" : "idle"; }
+
+  /// Changes the state at `now`. Returns false if the device was in this state already.
+  bool set(bool active, Picoseconds now) {
+    if (active == active_) return false;
+    if (active_) total_ += now - since_;
+    since_ = now;
+    active_ = active;
+    return true;
+  }
+
+  /// Returns the energy since reset up to `now` [J].
+  double energy_j(Picoseconds now) const {
+    const auto active = total_ + (active_ ? now - since_ : 0);
+    return (static_cast<double>(active) * active_w_ + static_cast<double>(now - active) * idle_w_) / kPsPerS;
+  }
+
+  void visit(state::Visitor& v) {
+    v("active", active_);
+    v("since", since_);
+    v("total", total_);
+  }
+
+ private:
+  double idle_w_;
+  double active_w_;
+  bool active_ = false;
+  Picoseconds since_ = 0;  // last change of `active_`
+  Picoseconds total_ = 0;  // active before that
+};
+
+}  // namespace mebots::soc
