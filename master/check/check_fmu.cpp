@@ -157,7 +157,7 @@ class FmuCheck {
     const Fmi3Target target{&*description, folder_.path(), fmi3_library_path(*description, folder_.path())};
     if (!fmi3_binaries(target)) return;
     run_probes(fmi3_probes(target));
-    if (description->root().child("ModelExchange")) exchange_behaviour();
+    if (description->root().child("ModelExchange")) fmi3_exchange();
   }
 
   void check_fmi3_text(const Fmi3Description& description) {
@@ -186,16 +186,15 @@ class FmuCheck {
     return !has_error(symbols) && !has_error(needed);
   }
 
-  void exchange_behaviour() {
-    modeldesc::ModelDescription model;
+  void fmi3_exchange() {
     try {
-      model = modeldesc::read_xml(folder_.path() / "modelDescription.xml");
+      model_ = modeldesc::read_xml(folder_.path() / "modelDescription.xml");
     } catch (const Error& error) {
       Findings(add(Group::behaviour, "the master reads the description"))
           .error(error.what(), "correct what the message names");
       return;
     }
-    run_probes(exchange_probes(fmu_, folder_.path(), model));
+    run_probes(exchange_probes(fmu_, folder_.path(), model_));
   }
 
   void run_probes(const std::vector<ChildProbe>& probes) {
@@ -252,21 +251,25 @@ class FmuCheck {
     const bool same = model_.co_simulation && model_.co_simulation->model_identifier == exchange->model_identifier;
     const bool usable = same ? is_own_binary(library_path(exchange->model_identifier, folder_.path()))
                              : library_binaries(exchange->model_identifier);
-    if (usable && exports_all(model_exchange, exchange->model_identifier)) exchange_behaviour();
+    if (usable && exports_all(model_exchange, exchange->model_identifier))
+      run_probes(exchange_probes(fmu_, folder_.path(), model_));
+  }
+
+  /// Makes a check of a library, and reports a library that cannot be read. Returns false if there is an error.
+  template <typename Make>
+  static bool look(Check& check, const Make& make) {
+    try {
+      make(check);
+    } catch (const Error& error) {
+      Findings(check).error(error.what(), "build the library again");
+    }
+    return !has_error(check);
   }
 
   /// Checks the libraries of this name. Returns true if that of this machine can be loaded.
   bool library_binaries(const std::string& identifier) {
     Check& platforms = add(Group::binaries, "every platform has its library", Level::interoperable);
     const auto library = library_path(identifier, folder_.path());
-    const auto look = [](Check& check, auto check_it) {
-      try {
-        check_it(check);
-      } catch (const Error& error) {
-        Findings(check).error(error.what(), "build the library again");
-      }
-      return !has_error(check);
-    };
     look(platforms, [&](Check& check) { check_platforms(model_, identifier, folder_.path(), check); });
     if (!is_own_binary(library)) return false;
     look(add(Group::binaries, "nothing but functions of FMI 2.0 is exported", Level::interoperable),
@@ -277,15 +280,14 @@ class FmuCheck {
 
   bool exports_all(master::FmuKind kind, const std::string& identifier) {
     const auto library = library_path(identifier, folder_.path());
-    Check& check = add(Group::binaries, fmt::format("the functions of <{}> are exported", master::element_of(kind)),
-                       Level::interoperable);
-    try {
-      check_symbols(model_, kind, library, check);
-      return can_be_run(model_, kind, library);
-    } catch (const Error& error) {
-      Findings(check).error(error.what(), "build the library again");
-      return false;
-    }
+    bool runs = false;
+    look(add(Group::binaries, fmt::format("the functions of <{}> are exported", master::element_of(kind)),
+             Level::interoperable),
+         [&](Check& check) {
+           check_symbols(model_, kind, library, check);
+           runs = can_be_run(model_, kind, library);
+         });
+    return runs;
   }
 
   void behaviour() {

@@ -121,7 +121,7 @@ class Process {
  public:
   explicit Process(const std::filesystem::path& settings) {
     MEBOTS_ASSERT(current == nullptr, "one library per process");
-    create_wine_settings(find_wine(), settings);
+    create_wine_settings(settings);
     start(settings);
     current = this;
   }

@@ -121,7 +121,7 @@ void check_windows_fmus(ResolvedSystem& system) {
           "wine does not run in a sandbox. Set \"process\" to \"own\", which contains faults but not access to files");
     if (!osmp_triples(*instance.model).empty())
       refuse("its binary variables (OSMP) are addresses in its own process. Export it for FMI 3.0, or for Linux");
-    if (instance.model->is_fmi3() && !intermediate_inputs(*instance.model).empty()) {
+    if (instance.model->is_fmi3() && !IntermediateInputs(*instance.model).empty()) {
       system.notices.push_back(fmt::format(
           "{}: {} runs under wine and cannot call back for inputs within a step: they are constant during a step",
           instance.description->name, instance.fmu->archive().filename().string()));

@@ -163,8 +163,8 @@ Json SummaryValues::value_of(const Entry& entry) const {
 Json SummaryValues::statistics_of(const Group& group) const {
   const auto members = std::span(entries_).subspan(group.first, group.count);
   const auto& first = members.front();
-  const bool is_item = first.model->type_definition(first.variable->declared_type) != nullptr &&
-                       !first.model->type_definition(first.variable->declared_type)->items.empty();
+  const auto* type = first.model->type_definition(first.variable->declared_type);
+  const bool is_item = type != nullptr && !type->items.empty();
   if (first.signal.kind == ValueKind::boolean)
     return {{"count", std::ranges::count_if(members, [](const Entry& one) { return one.whole != 0; })},
             {"of", members.size()}};

@@ -54,3 +54,7 @@ export interface NetworkPage extends Page {
   };
   board: { name: string; cores: number; l1: number; l2: number };
 }
+
+export function sumOf(layers: Layer[], key: "macs" | "weights"): number {
+  return layers.reduce((sum, layer) => sum + layer[key], 0);
+}

@@ -4,10 +4,10 @@ import { shown } from "../data/units";
 import { element } from "../dom";
 import { percent } from "../report/format";
 import { panel } from "../report/widgets";
-import type { Cost, NetworkPage } from "./content";
+import { sumOf, type Cost, type NetworkPage } from "./content";
 
 /** The cores' cycles that executed no instruction, although the core was awake. */
-export function stalledOf({ causes }: Cost): number {
+function stalledOf({ causes }: Cost): number {
   return Object.entries(causes).reduce((sum, [cause, cycles]) => (cause === "base" ? sum : sum + cycles), 0);
 }
 
@@ -28,8 +28,7 @@ export function makeLayers({ network }: NetworkPage): HTMLElement {
   const heads = measured ? HEADS : HEADS.slice(0, 5);
   const rows = layers.map((layer, i) => row([
     layer.name, layer.op, layer.shape.join(" x "), whole(layer.macs), whole(layer.weights), ...(measured ? cells(measured.layers[i]) : [])]));
-  const sum = (key: "macs" | "weights") => whole(layers.reduce((all, layer) => all + layer[key], 0));
-  const total = row(["all", "", "", sum("macs"), sum("weights"), ...(measured ? cells(measured.total) : [])]);
+  const total = row(["all", "", "", whole(sumOf(layers, "macs")), whole(sumOf(layers, "weights")), ...(measured ? cells(measured.total) : [])]);
   total.classList.add("sum");
   const table = element("table", { class: "layers" },
     element("thead", {}, element("tr", {}, ...heads.map((head, i) => element("th", i < 2 ? {} : { class: "right" }, head)))), element("tbody", {}, ...rows, total));

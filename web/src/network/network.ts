@@ -4,7 +4,7 @@ import { shown } from "../data/units";
 import { element } from "../dom";
 import { digits, percent } from "../report/format";
 import { makeColumns } from "../report/widgets";
-import type { NetworkPage } from "./content";
+import { sumOf, type NetworkPage } from "./content";
 import { makeLayers } from "./layers";
 import { makeMemory } from "./memory";
 import { makeRoofline } from "./roofline";
@@ -20,8 +20,8 @@ export function makeNetwork(page: NetworkPage): HTMLElement[] {
 
 function makeAnswer({ network, board }: NetworkPage): HTMLElement {
   const { measured, flight, layers, input } = network;
-  const macs = layers.reduce((sum, one) => sum + one.macs, 0);
-  const weights = layers.reduce((sum, one) => sum + one.weights, 0);
+  const macs = sumOf(layers, "macs");
+  const weights = sumOf(layers, "weights");
   const flies = flight.program ? `It flies in missions with firmware ${flight.firmware!.join(" or ")}.` : `It does not fly: ${flight.none}.`;
   const size = `Input ${input.rows} x ${input.columns} x ${input.channels}; ${layers.length} layers, ${macs.toLocaleString("en")} MACs, ${weights.toLocaleString("en")} weights. ${flies}`;
   if (!measured) {

@@ -4,11 +4,11 @@ import { shown } from "../data/units";
 import { Plot } from "../report/plot";
 import { makeSmallTable, panel } from "../report/widgets";
 import { colour } from "../theme";
-import type { Measured, NetworkPage } from "./content";
+import { sumOf, type Measured, type NetworkPage } from "./content";
 
 export function makeSettings({ network }: NetworkPage, measured: Measured): HTMLElement {
   const { settings } = measured;
-  const macs = network.layers.reduce((sum, one) => sum + one.macs, 0);
+  const macs = sumOf(network.layers, "macs");
   const clocks = [...new Set(settings.map((one) => one.cluster_clock))].sort((a, b) => a - b);
   const times = settings.map(({ time }) => 1e3 * time);
   const energies = settings.map(({ energy }) => 1e3 * energy);

@@ -27,7 +27,7 @@ function makeCourses(study: Study, selection: Selection, shown: Shown): HTMLElem
     const drawn = [...new Set([...(own ? [own] : []), ...curves])].slice(0, MOST_CURVES);
     const values = drawn.flatMap((one) => [...one.mean[shown.objective], ...laterBounds(one, shown.objective)]);
     const most = Math.max(3, ...drawn.map(({ counts }) => counts[counts.length - 1]));
-    plot.axes({ title: "missions of the design", range: [2, most], log: most > 30 }, { title: titleOf(objective), scale: objective.scale, range: extent(values, 0.05, objective.share) });
+    plot.axes({ title: "missions of the design", range: [2, most], log: most > 30 }, { title: titleOf(objective), scale: objective.scale, range: extent(values, { isShare: objective.share }) });
     drawn.forEach((one, i) => drawCourse(one, shown.objective, colour(i)));
     key.replaceChildren(...drawn.map((one, i) => {
       const place = places.get(one.design)!;
@@ -66,7 +66,7 @@ function makeHistory(study: Study, selection: Selection, shown: Shown): HTMLElem
   const plot = new Plot("Designs in the order of the search", () => 220, () => {
     const objective = study.objectives[shown.objective];
     const { number } = study.designs;
-    plot.axes({ title: "designs in the order of the search", range: [0, study.designs.of] }, { title: titleOf(objective), scale: objective.scale, range: extent(objective.mean, 0.05, objective.share) });
+    plot.axes({ title: "designs in the order of the search", range: [0, study.designs.of] }, { title: titleOf(objective), scale: objective.scale, range: extent(objective.mean, { isShare: objective.share }) });
     const { context } = plot;
     const corners: [number, number][] = [];
     number.forEach((design, i) => {

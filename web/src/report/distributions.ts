@@ -26,7 +26,7 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
     const own = quantiles[shown.objective];
     const known = (i: number) => own[i] !== null;
     order = selection.designs.filter(known).sort((a, b) => (objective.mean[a] ?? 0) - (objective.mean[b] ?? 0));
-    const range = extent(own.flatMap((each) => (each ? [each[0], each[6]] : [])), 0.05, objective.share);
+    const range = extent(own.flatMap((each) => (each ? [each[0], each[6]] : [])), { isShare: objective.share });
     const names: [number, string][] = order.length <= MOST_BOXES ? order.map((i, place) => [place + 0.5, `#${study.designs.number[i]}`]) : [];
     spread.axes({ title: `${counted(order.length, "design")}, sorted by ${objective.statistic}`, range: [0, Math.max(1, order.length)], names }, { title: titleOf(objective), scale: objective.scale, range });
     if (order.length <= MOST_BOXES) order.forEach((i, place) => drawBox(i, place, own[i]!));
@@ -80,7 +80,7 @@ export function makeDistributions(study: Study, selection: Selection, shown: Sho
   const histogram = new Plot("Histogram of missions", () => 150, () => {
     const objective = study.objectives[shown.objective];
     const values = missions!.values[shown.objective];
-    const range = extent(values, 0.01);
+    const range = extent(values, { margin: 0.01 });
     const [all, own] = [new Uint32Array(BINS), new Uint32Array(BINS)];
     missions!.counts.forEach((count, i) => {
       for (let k = starts[i]; k < starts[i] + count; ++k) {

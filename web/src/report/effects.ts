@@ -18,7 +18,7 @@ export function makeEffects(study: Study, selection: Selection, shown: Shown): H
   const renew = () => {
     draws.length = 0;
     const objective = study.objectives[shown.objective];
-    const range = extent(objective.mean, 0.05, objective.share);
+    const range = extent(objective.mean, { isShare: objective.share });
     body.replaceChildren(...study.factors.flatMap((factor, number) => {
       if (factor.levels.length < 2) return [];
       const means = study.effects.means[shown.objective][number];

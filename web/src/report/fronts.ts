@@ -46,8 +46,8 @@ export function makeFronts(study: Study, selection: Selection): HTMLElement {
     const all = Array.from({ length: selection.size }, (_, i) => i).filter((i) => x.at(i) !== null && y.at(i) !== null);
     const bounds = (choice: Choice) => (choice.constraint ? [choice.constraint.bound] : []);
     plot.axes(
-      { title: x.name, scale: x.scale, range: extent([...all.map(x.at), ...bounds(x)], 0.05, x.share) },
-      { title: y.name, scale: y.scale, range: extent([...all.map(y.at), ...bounds(y)], 0.05, y.share) },
+      { title: x.name, scale: x.scale, range: extent([...all.map(x.at), ...bounds(x)], { isShare: x.share }) },
+      { title: y.name, scale: y.scale, range: extent([...all.map(y.at), ...bounds(y)], { isShare: y.share }) },
     );
     drawBounds(x, y);
     if (all.length <= MOST_INTERVALS) for (const i of all) drawInterval(i, x, y);

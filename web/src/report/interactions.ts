@@ -27,7 +27,7 @@ export function makeInteractions(study: Study, selection: Selection, shown: Show
     const isSwapped = rows !== pairs[chosen][0];
     const whole = (row: number, column: number) => (isSwapped ? all[column * first.levels.length + row] : all[row * width + column]);
     const own = selection.isFiltered ? cellMeans(first.levels.length * width, (i) => first.level[i] * width + second.level[i], objective, selection) : null;
-    const [low, high] = extent(all, 0);
+    const [low, high] = extent(all, { margin: 0 });
     const cell = (row: number, column: number) => {
       const value = own ? own[row * width + column] : whole(row, column);
       if (value === null) return element("td", { class: "none" }, "\u2013");

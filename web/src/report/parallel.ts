@@ -224,7 +224,7 @@ function few(values: number[]): number[] | null {
 }
 
 function numeric(label: string, unit: string, scale: number, values: (number | null)[], ticks: number[] | null, isShare = false): Scale {
-  const [low, high] = extent(values, 0, isShare);
+  const [low, high] = extent(values, { margin: 0, isShare });
   const place = (value: number) => (value - low) / (high - low || 1);
   const named = ticks ?? [low, low + 0.25 * (high - low), low + 0.5 * (high - low), low + 0.75 * (high - low), high];
   // The names of the ends are placed first. Names between them are left out if there is no space.

@@ -193,7 +193,7 @@ function tickText(value: number, all: number[]): string {
 }
 
 /** From the least to the greatest number, with a margin; of equal numbers, a range around them. Shares stay between 0 and 1. */
-export function extent(values: Iterable<number | null>, margin = 0.05, isShare = false): [number, number] {
+export function extent(values: Iterable<number | null>, { margin = 0.05, isShare = false } = {}): [number, number] {
   let [low, high] = [Infinity, -Infinity];
   for (const value of values) {
     if (value === null) continue;

@@ -30,7 +30,7 @@ function makeChart({ title, x, curves }: ReplayedFlight["charts"][number]): HTML
   };
   const key = element("p", { class: "key" });
   const plot = new Plot(title, () => 250, () => {
-    plot.axes({ title: "time [s]", range: extent(x, 0) }, { title: "", range: extent(curves.flatMap(({ y }) => y)) });
+    plot.axes({ title: "time [s]", range: extent(x, { margin: 0 }) }, { title: "", range: extent(curves.flatMap(({ y }) => y)) });
     const colours = strokes();
     const { context } = plot;
     const isMeasured = (i: number) => curves[i].name === "measured" || curves[i].name === "needed by the motion";

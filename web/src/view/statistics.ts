@@ -15,15 +15,16 @@ export interface FinalValue {
   unit: string;
 }
 
-/** The values of the config's `summary`. Labels inside a label are written after it. */
-export function finalValues(summary: Json): FinalValue[] {
+/** The values of the config's `summary`. Labels inside a label are written after it. `members`: with those of groups. */
+export function finalValues(summary: Json, members = true): FinalValue[] {
   const found: FinalValue[] = [];
   const walk = (values: Json, units: Json, path: string[]) => {
     for (const [key, value] of Object.entries(values ?? {})) {
       if (path.length === 0 && OWN.has(key)) continue;
       const label = [...path, key];
-      if (value !== null && typeof value === "object" && !Array.isArray(value)) walk(value, units?.[key] ?? {}, label);
-      else found.push({ label: label.join(" · ").replaceAll("_", " "), value, unit: typeof units?.[key] === "string" ? units[key] : "-" });
+      if (value !== null && typeof value === "object" && !Array.isArray(value)) {
+        if (members || path.length === 0 || key !== "each") walk(value, units?.[key] ?? {}, label);
+      } else found.push({ label: label.join(" · ").replaceAll("_", " "), value, unit: typeof units?.[key] === "string" ? units[key] : "-" });
     }
   };
   walk(summary, summary.units ?? {}, []);
@@ -32,7 +33,7 @@ export function finalValues(summary: Json): FinalValue[] {
 
 /** The same without the members of groups, whose statistics remain. */
 export function mainValues(summary: Json): FinalValue[] {
-  return finalValues(summary).filter(({ label }) => !label.includes(" \u00b7 each \u00b7 "));
+  return finalValues(summary, false);
 }
 
 export function shownValue(value: Json, unit: string): string {

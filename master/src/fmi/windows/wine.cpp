@@ -89,13 +89,13 @@ const Wine& find_wine() {
   return found;
 }
 
-void create_wine_settings(const Wine& wine, const fs::path& folder) {
+void create_wine_settings(const fs::path& folder) {
   const auto system = folder / "drive_c/windows/system32";
   fs::create_directories(system);
   fs::create_directory(folder / "dosdevices");
   fs::create_symlink("../drive_c", folder / "dosdevices/c:");
   fs::create_symlink("/", folder / "dosdevices/z:");
-  for (const auto& entry : fs::directory_iterator(wine.libraries))
+  for (const auto& entry : fs::directory_iterator(find_wine().libraries))
     fs::create_symlink(entry.path(), system / entry.path().filename());
   std::ofstream(folder / ".update-timestamp") << "disable\n";  // wine takes it for complete
 }

@@ -76,7 +76,7 @@ ConditionDescription read_condition(Object& object, const SystemDescription& sys
 
 ConditionDescription read_lasting_condition(const Node& node, const SystemDescription& system) {
   Object object(node);
-  auto condition = read_condition(object, system, [](Object&, ConditionDescription&) {});
+  auto condition = read_condition(object, system);
   object.read_if("for", condition.for_ns, &duration_ns);
   object.finish();
   return condition;

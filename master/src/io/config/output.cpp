@@ -115,10 +115,6 @@ PanelDescription read_panel(const Node& node, const SystemDescription& system) {
   return panel;
 }
 
-}  // namespace
-
-namespace {
-
 /// Adds the instance of this name, or all instances that fit a pattern.
 void add_mark(const Node& node, const SystemDescription& system, std::vector<std::string>& marks) {
   const auto name = node.readable_text();
@@ -153,7 +149,7 @@ namespace {
 
 ConditionDescription read_final_condition(const Node& node, const SystemDescription& system) {
   Object object(node);
-  auto condition = read_condition(object, system, [](Object&, ConditionDescription&) {});
+  auto condition = read_condition(object, system);
   object.finish();
   return condition;
 }

@@ -353,6 +353,7 @@ class Expansion {
     std::map<std::string_view, const Json*> entries;  // an ordered object searches linearly
     for (auto one = content.begin(); one != content.end(); ++one) entries.emplace(one.key(), &one.value());
     for (const auto& [key, node] : section.members()) {
+      const auto in_file = place_in_file(node, file_);
       each_copy(node, *entries.at(key), {}, [&, &key = key, &node = node](const Json& entry, const Values& values) {
         auto name = values.empty() ? key : Filler(values).filled_text(key);
         if (!names.insert(name).second) {
@@ -361,7 +362,7 @@ class Expansion {
               fmt::format("two entries are named '{}'; put the index into the name, such as {}[{{i}}]", name, name));
         }
         const auto place = pointer + data::pointer_step(name);
-        note_place(place, node, values);
+        note_place(place, in_file, values);
         auto filled = of(node, entry, values, place);
         merge_parameters(node, filled, place + data::pointer_step(kParameters));
         members.emplace_back(std::move(name), std::move(filled));
@@ -375,10 +376,11 @@ class Expansion {
     auto result = Json::array();
     std::size_t i = 0;
     for (const auto& element : node.elements()) {
+      const auto in_file = place_in_file(element, file_);
       each_copy(element, content[i++], values, [&](Json entry, const Values& all) {
         name_member(entry, all, pointer);
         const auto place = pointer + data::pointer_step(std::to_string(result.size()));
-        note_place(place, element, all);
+        note_place(place, in_file, all);
         result.push_back(of(element, entry, all, place));
       });
     }
@@ -411,11 +413,11 @@ class Expansion {
         repeat->fail(ErrorCode::value_out_of_range,
                      fmt::format("there are more than {} copies of all entries together", kMostCopiesOfAll));
       }
+      auto one = entry;
+      one.erase(kRepeat);
       for (const auto& own : copies) {
-        auto one = entry;
-        one.erase(kRepeat);
-        if (!put_once(node, std::move(one), own, put)) break;  // the other copies have the same mistake
-        if (copies_ > kMostCopiesOfAll) break;                 // inside this one
+        if (!node.attempt([&] { put(one, own); })) break;  // the other copies have the same mistake
+        if (copies_ > kMostCopiesOfAll) break;             // inside this one
       }
     });
   }
@@ -450,13 +452,8 @@ class Expansion {
     if (!indexes.empty()) entry["name"] = fmt::format("{}", fmt::join(indexes, ","));
   }
 
-  template <typename Put>
-  static bool put_once(const Node& node, Json entry, const Values& values, const Put& put) {
-    return node.attempt([&] { put(std::move(entry), values); });
-  }
-
-  void note_place(const std::string& pointer, const Node& node, const Values& values) {
-    const auto place = place_in_file(node, file_);
+  /// `place` is that of the entry in the file.
+  void note_place(const std::string& pointer, const std::string& place, const Values& values) {
     repeats_.places[pointer] = values.empty() ? place : fmt::format("{}, {}", place, shown(values));
   }
 

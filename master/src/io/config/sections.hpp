@@ -86,7 +86,8 @@ SolverDescription solver_description(const Node& node);
 using ReadMore = void (*)(Object& object, ConditionDescription& condition);
 
 /// Reads a comparison of a variable, or a quantifier with conditions. `read_more` is called for all of these, too.
-ConditionDescription read_condition(Object& object, const SystemDescription& system, ReadMore read_more);
+ConditionDescription read_condition(
+    Object& object, const SystemDescription& system, ReadMore read_more = [](Object&, ConditionDescription&) {});
 
 /// Reads a condition with an optional duration, `for`.
 ConditionDescription read_lasting_condition(const Node& node, const SystemDescription& system);

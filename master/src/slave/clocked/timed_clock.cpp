@@ -26,18 +26,12 @@ double TimedClock::periodic_s(double count) const {
   return base_s_ + ticks / static_cast<double>(*timing.resolution);
 }
 
-double TimedClock::checked(const EventInstance& instance, double interval_s) const {
-  if (std::isfinite(interval_s) && (interval_s > 0 || (interval_s == 0 && !is_periodic()))) return interval_s;
+double TimedClock::checked(const EventInstance& instance, std::string_view what, double time_s,
+                           bool may_be_zero) const {
+  if (std::isfinite(time_s) && (time_s > 0 || (time_s == 0 && may_be_zero))) return time_s;
   throw Error(ErrorCode::fmu_failed,
-              fmt::format("instance '{}': the clock '{}' has the interval {} s; it must be a time {} 0",
-                          instance.name(), variable_->name, interval_s, is_periodic() ? "above" : "of at least"));
-}
-
-double TimedClock::checked_shift(const EventInstance& instance, double shift_s) const {
-  if (std::isfinite(shift_s) && shift_s >= 0) return shift_s;
-  throw Error(ErrorCode::fmu_failed,
-              fmt::format("instance '{}': the clock '{}' has the shift {} s; it must be a time of at least 0",
-                          instance.name(), variable_->name, shift_s));
+              fmt::format("instance '{}': the clock '{}' has the {} {} s; it must be a time {} 0", instance.name(),
+                          variable_->name, what, time_s, may_be_zero ? "of at least" : "above"));
 }
 
 void TimedClock::start(EventInstance& instance, double start_s) {
@@ -46,18 +40,18 @@ void TimedClock::start(EventInstance& instance, double start_s) {
   count_ = 0;
   if (!is_periodic()) {
     const auto interval_s = instance.new_interval(variable_->value_reference);
-    if (interval_s) interval_s_ = checked(instance, *interval_s);
+    if (interval_s) interval_s_ = checked(instance, "interval", *interval_s, true);
     next_s_ = interval_s ? start_s + interval_s_ : kNever;
     return;
   }
   is_declared_ = timing.interval_counter && timing.resolution && *timing.interval_counter > 0;
   if (!is_declared_ && timing.interval_s) {
-    interval_s_ = checked(instance, *timing.interval_s);
-    base_s_ += checked_shift(instance, timing.shift_s);
+    interval_s_ = checked(instance, "interval", *timing.interval_s, false);
+    base_s_ += checked(instance, "shift", timing.shift_s, true);
   } else if (!is_declared_) {
     const auto interval_s = instance.new_interval(variable_->value_reference);
-    interval_s_ = checked(instance, interval_s.value_or(0));
-    base_s_ += checked_shift(instance, instance.shift(variable_->value_reference));
+    interval_s_ = checked(instance, "interval", interval_s.value_or(0), false);
+    base_s_ += checked(instance, "shift", instance.shift(variable_->value_reference), true);
   }
   next_s_ = periodic_s(count_);
 }
@@ -75,13 +69,13 @@ void TimedClock::update(EventInstance& instance, double time_s, bool has_ticked)
   if (!asks) return;
   const auto interval_s = instance.new_interval(variable_->value_reference);
   if (!is_periodic()) {
-    if (interval_s) interval_s_ = checked(instance, *interval_s);
+    if (interval_s) interval_s_ = checked(instance, "interval", *interval_s, true);
     // If a changing clock has ticked and reports no new interval, the previous one applies.
     if (interval_s || variability == IntervalVariability::changing) next_s_ = time_s + interval_s_;
     return;
   }
   if (!interval_s || *interval_s == interval_s_) return;
-  interval_s_ = checked(instance, *interval_s);
+  interval_s_ = checked(instance, "interval", *interval_s, false);
   base_s_ = time_s;
   count_ = 1;
   next_s_ = periodic_s(count_);

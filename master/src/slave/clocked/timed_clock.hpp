@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string_view>
 
 namespace mebots::master {
 
@@ -36,8 +37,8 @@ class TimedClock {
  private:
   bool is_periodic() const;
   double periodic_s(double count) const;
-  double checked(const EventInstance& instance, double interval_s) const;
-  double checked_shift(const EventInstance& instance, double shift_s) const;
+  /// Returns the time. Throws Error if it is negative, not a number, or zero although it may not be.
+  double checked(const EventInstance& instance, std::string_view what, double time_s, bool may_be_zero) const;
 
   const modeldesc::Variable* variable_;
   double next_s_ = kNever;

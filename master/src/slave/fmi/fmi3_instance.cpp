@@ -60,7 +60,7 @@ void* Fmi3Instance::instantiate(FmuKind kind, const char* resources) {
                                                   callbacks.log_message);
   }
   const bool uses_events = model_->co_simulation->has_event_mode;
-  const auto inputs = can_call_back() ? intermediate_inputs(*model_) : std::vector<std::uint32_t>();
+  const auto inputs = can_call_back() ? IntermediateInputs(*model_).references() : std::vector<std::uint32_t>();
   return functions_->instantiate_co_simulation(name().c_str(), token, resources, false, true, uses_events, uses_events,
                                                inputs.empty() ? nullptr : inputs.data(), inputs.size(),
                                                callbacks.environment, callbacks.log_message,

@@ -18,33 +18,25 @@ bool is_intermediate(const modeldesc::Variable& variable) {
          variable.type == Type::real && variable.fmi3->intermediate_update && variable.fmi3->clocks.empty();
 }
 
-/// Calls action(reference of the FMU, reference of the master) for each input.
-template <typename Action>
-void for_each_input(const modeldesc::ModelDescription& model, Action action) {
+}  // namespace
+
+IntermediateInputs::IntermediateInputs(const modeldesc::ModelDescription& model) {
   if (!model.co_simulation || !model.co_simulation->provides_intermediate_update) return;
   for (const auto& variable : model.variables) {
     if (!is_intermediate(variable)) continue;
     const auto& element = variable.fmi3->element;
-    action(element ? element->array_reference : variable.value_reference, variable.value_reference);
+    const auto reference = element ? element->array_reference : variable.value_reference;
+    auto whole = std::ranges::find(wholes_, reference, &Whole::reference);
+    if (whole == wholes_.end()) whole = wholes_.insert(whole, {reference, {}});
+    whole->elements.push_back(variable.value_reference);
+    elements_.insert(variable.value_reference);
   }
 }
 
-}  // namespace
-
-std::vector<std::uint32_t> intermediate_inputs(const modeldesc::ModelDescription& model) {
+std::vector<std::uint32_t> IntermediateInputs::references() const {
   std::vector<std::uint32_t> references;
-  for_each_input(model, [&](std::uint32_t whole, ValueReference) {
-    if (std::ranges::find(references, whole) == references.end()) references.push_back(whole);
-  });
+  for (const auto& whole : wholes_) references.push_back(whole.reference);
   return references;
-}
-
-IntermediateInputs::IntermediateInputs(const modeldesc::ModelDescription& model) {
-  for_each_input(model, [&](std::uint32_t reference, ValueReference element) {
-    auto whole = std::ranges::find(wholes_, reference, &Whole::reference);
-    if (whole == wholes_.end()) whole = wholes_.insert(whole, {reference, {}});
-    whole->elements.push_back(element);
-  });
 }
 
 void IntermediateInputs::begin_point() {
@@ -54,10 +46,7 @@ void IntermediateInputs::begin_point() {
 void IntermediateInputs::set(std::span<const ValueReference> references, std::span<const double> values) {
   begin_point();
   for (std::size_t i = 0; i < references.size(); ++i) {
-    const auto has = [&](const Whole& whole) {
-      return std::ranges::find(whole.elements, references[i]) != whole.elements.end();
-    };
-    if (std::ranges::any_of(wholes_, has)) courses_[references[i]] = {.value = values[i]};
+    if (elements_.contains(references[i])) courses_[references[i]] = {.value = values[i]};
   }
 }
 

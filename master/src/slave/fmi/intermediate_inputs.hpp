@@ -5,25 +5,25 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
 
 namespace mebots::master {
 
-/// Returns the value references of the inputs that an FMU of FMI 3.0 for co-simulation accepts within a step:
-/// continuous Float64 with intermediateUpdate. Empty if the FMU does not call back. `model` has elements in place of
-/// arrays; the references are of whole arrays.
-std::vector<std::uint32_t> intermediate_inputs(const modeldesc::ModelDescription& model);
-
-/// The values of these inputs within a step: polynomials in time, by the derivatives of their sources. An array is set
-/// only if all of its elements are set at the step's start.
+/// The inputs that an FMU of FMI 3.0 for co-simulation accepts within a step: continuous Float64 with
+/// intermediateUpdate. Their values within a step are polynomials in time, by the derivatives of their sources. An
+/// array is set only if all of its elements are set at the step's start.
 class IntermediateInputs {
  public:
   /// Contains no inputs.
   IntermediateInputs() = default;
+  /// `model` has elements in place of arrays. Contains no inputs if the FMU does not call back.
   explicit IntermediateInputs(const modeldesc::ModelDescription& model);
 
+  /// Returns the value references, those of whole arrays in place of their elements.
+  std::vector<std::uint32_t> references() const;
   bool empty() const { return wholes_.empty(); }
   /// Stores the values at the start of the next step. Other variables are ignored.
   void set(std::span<const ValueReference> references, std::span<const double> values);
@@ -48,6 +48,7 @@ class IntermediateInputs {
   void begin_point();
 
   std::vector<Whole> wholes_;
+  std::set<ValueReference> elements_;  // of all wholes
   std::map<ValueReference, Course> courses_;
   double start_s_ = 0;
   bool has_stepped_ = true;  // since the last value was set

@@ -287,7 +287,7 @@ class Host {
     name_ = commands.get_text();
     const auto archive = commands.get_text();
     const auto folder = commands.get_text();
-    keeps_library_ = commands.get<std::uint8_t>() != 0;
+    keeps_library_ = commands.get_flag();
     const auto python = commands.get_text();
     add_python_path(commands.get_text());
     std::vector<std::string> categories;
@@ -299,7 +299,7 @@ class Host {
     }
     const auto grid = commands.get<TimeGrid>();
     const auto kind = commands.get<FmuKind>();
-    const bool clocks_tick = commands.get<std::uint8_t>() != 0;
+    const bool clocks_tick = commands.get_flag();
     check_sandbox();
     copies_.emplace();
     fmu_ = std::make_shared<Fmu>(archive, folder, kind);
@@ -373,8 +373,7 @@ class Host {
     answers_.put(result.pending);
     answers_.put(result.cancelled);
     answers_.put(result.terminated);
-    answers_.put(result.last_successful_s.has_value());
-    answers_.put(result.last_successful_s.value_or(0));
+    answers_.put_optional(result.last_successful_s);
     answers_.put(std::string_view(result.messages));
     return result.done;
   }

@@ -2,23 +2,17 @@
 #include "host_interfaces.hpp"
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 namespace mebots::master::isolation {
 namespace {
 
-void put_optional(SharedWriter& answers, std::optional<double> value) {
-  answers.put(value.has_value());
-  answers.put(value.value_or(0));
-}
-
 void put_update(SharedWriter& answers, const DiscreteUpdate& update) {
   answers.put(Answer::done);
   answers.put(update.needs_another);
   answers.put(update.terminate);
-  put_optional(answers, update.next_event_s);
+  answers.put_optional(update.next_event_s);
 }
 
 void put_evaluation(SharedWriter& answers, Evaluation evaluation) {
@@ -137,7 +131,7 @@ bool dispatch(EventInstance& instance, Call call, SharedReader& commands, Shared
     case Call::new_interval: {
       const auto interval_s = instance.new_interval(commands.get<ValueReference>());
       answers.put(Answer::done);
-      put_optional(answers, interval_s);
+      answers.put_optional(interval_s);
       return true;
     }
     case Call::shift: {

@@ -9,27 +9,16 @@
 namespace mebots::master::isolation {
 namespace {
 
-/// Any byte but 0 is true: the other process may write anything.
-bool get_flag(SharedReader& answers) {
-  return answers.get<std::uint8_t>() != 0;
-}
-
-std::optional<double> get_optional(SharedReader& answers) {
-  const bool has_value = get_flag(answers);
-  const auto value = answers.get<double>();
-  return has_value ? std::optional(value) : std::nullopt;
-}
-
 DiscreteUpdate get_update(SharedReader& answers) {
   DiscreteUpdate update;
-  update.needs_another = get_flag(answers);
-  update.terminate = get_flag(answers);
-  update.next_event_s = get_optional(answers);
+  update.needs_another = answers.get_flag();
+  update.terminate = answers.get_flag();
+  update.next_event_s = answers.get_optional();
   return update;
 }
 
 Evaluation get_evaluation(SharedReader& answers) {
-  return get_flag(answers) ? Evaluation::recoverable : Evaluation::ok;
+  return answers.get_flag() ? Evaluation::recoverable : Evaluation::ok;
 }
 
 std::int64_t nanoseconds(double time_s) {
@@ -117,8 +106,8 @@ bool IsolatedModelExchange::needs_completed_step() const {
 CompletedStep IsolatedModelExchange::completed_step() {
   CompletedStep step;
   exchange(Call::completed_step, [&](SharedReader& answers) {
-    step.enter_event_mode = get_flag(answers);
-    step.terminate = get_flag(answers);
+    step.enter_event_mode = answers.get_flag();
+    step.terminate = answers.get_flag();
   });
   return step;
 }
@@ -134,9 +123,9 @@ std::optional<StepEnd> IsolatedEventSlave::step_until(double start_s, double end
   bool is_done = false;
   StepEnd end;
   const auto take = [&](SharedReader& answers) {
-    is_done = get_flag(answers);
-    end.event = get_flag(answers);
-    end.terminate = get_flag(answers);
+    is_done = answers.get_flag();
+    end.event = answers.get_flag();
+    end.terminate = answers.get_flag();
     end.time_s = answers.get<double>();
     if (!is_done || (end.time_s >= start_s && end.time_s <= end_s)) return;
     throw DamagedMemory(
@@ -159,7 +148,7 @@ void IsolatedEventSlave::enter_step_mode() {
 bool IsolatedEventSlave::ticks(ValueReference clock) {
   bool ticks = false;
   exchange(
-      Call::ticks, [&](SharedReader& answers) { ticks = get_flag(answers); }, clock);
+      Call::ticks, [&](SharedReader& answers) { ticks = answers.get_flag(); }, clock);
   return ticks;
 }
 
@@ -170,7 +159,7 @@ void IsolatedEventSlave::tick(ValueReference clock) {
 std::optional<double> IsolatedEventSlave::new_interval(ValueReference clock) {
   std::optional<double> interval_s;
   exchange(
-      Call::new_interval, [&](SharedReader& answers) { interval_s = get_optional(answers); }, clock);
+      Call::new_interval, [&](SharedReader& answers) { interval_s = answers.get_optional(); }, clock);
   return interval_s;
 }
 

@@ -170,9 +170,9 @@ void IsolatedSlave::open(const TimeGrid& grid) {
   hand_over(1, [this](SharedReader& answers) {
     check(answers);
     output_derivative_order_ = answers.get<std::uint32_t>();
-    takes_input_derivatives_ = answers.get<std::uint8_t>() != 0;
-    provides_directional_derivatives_ = answers.get<std::uint8_t>() != 0;
-    while (answers.get<std::uint8_t>() != 0) notices_.push_back(valid_utf8(answers.get_text()));
+    takes_input_derivatives_ = answers.get_flag();
+    provides_directional_derivatives_ = answers.get_flag();
+    while (answers.get_flag()) notices_.push_back(valid_utf8(answers.get_text()));
   });
 }
 
@@ -368,13 +368,11 @@ StepResult IsolatedSlave::hand_over_step() {
   StepResult result;
   hand_over(reads_.size() + 1, [&](SharedReader& answers) {
     check(answers);
-    result.done = answers.get<std::uint8_t>() != 0;
-    result.pending = answers.get<std::uint8_t>() != 0;
-    result.cancelled = answers.get<std::uint8_t>() != 0;
-    result.terminated = answers.get<std::uint8_t>() != 0;
-    const bool has_time = answers.get<std::uint8_t>() != 0;
-    const auto last_successful_s = answers.get<double>();
-    if (has_time) result.last_successful_s = last_successful_s;
+    result.done = answers.get_flag();
+    result.pending = answers.get_flag();
+    result.cancelled = answers.get_flag();
+    result.terminated = answers.get_flag();
+    result.last_successful_s = answers.get_optional();
     result.messages = answers.get_text();
     if (result.pending) return;  // the reads are sent again when the step ends
     if (!result.done) return forget_reads();
@@ -498,10 +496,7 @@ void IsolatedSlave::get_binaries(std::span<const ValueReference> references, std
 }
 
 void IsolatedSlave::set_reals(std::span<const ValueReference> references, std::span<const double> values) {
-  forget_reads();
-  put_references(Call::set_reals, references);
-  commands_.put(values);
-  ++pending_;
+  defer(Call::set_reals, references, values);
 }
 
 void IsolatedSlave::set_integers(std::span<const ValueReference> references, std::span<const std::int64_t> values) {
@@ -525,10 +520,7 @@ void IsolatedSlave::set_integers(std::span<const ValueReference> references, std
 }
 
 void IsolatedSlave::set_booleans(std::span<const ValueReference> references, std::span<const std::int64_t> values) {
-  forget_reads();
-  put_references(Call::set_booleans, references);
-  commands_.put(values);
-  ++pending_;
+  defer(Call::set_booleans, references, values);
 }
 
 void IsolatedSlave::set_strings(std::span<const ValueReference> references, std::span<const std::string> values) {
@@ -554,11 +546,7 @@ void IsolatedSlave::get_output_derivatives(std::span<const ValueReference> refer
 
 void IsolatedSlave::set_input_derivatives(std::span<const ValueReference> references,
                                           std::span<const std::int32_t> orders, std::span<const double> values) {
-  forget_reads();
-  put_references(Call::set_input_derivatives, references);
-  commands_.put(orders);
-  commands_.put(values);
-  ++pending_;
+  defer(Call::set_input_derivatives, references, orders, values);
 }
 
 std::unique_ptr<SlaveState> IsolatedSlave::save_state() {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -72,6 +73,10 @@ class SharedWriter {
     append(values.data(), values.size_bytes());
   }
   void put(std::string_view text) { put(std::span<const char>(text)); }
+  void put_optional(std::optional<double> value) {
+    put(value.has_value());
+    put(value.value_or(0));
+  }
 
   std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
@@ -114,6 +119,13 @@ class SharedReader {
     if (count(sizeof(T)) != values.size()) fail();
     const auto bytes = take(values.size_bytes());
     if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  }
+  /// Any byte but 0 is true: the other process may write anything.
+  bool get_flag() { return get<std::uint8_t>() != 0; }
+  std::optional<double> get_optional() {
+    const bool has_value = get_flag();
+    const auto value = get<double>();
+    return has_value ? std::optional(value) : std::nullopt;
   }
   std::string get_text() {
     const auto bytes = get_bytes();
