@@ -121,6 +121,14 @@ void add_options(CLI::App& command, Options& options) {
       ->type_name("FOLDER");
   command.add_option("--gdb", options.gdb_port, "Wait for gdb on this port of 127.0.0.1; 0: any free port")
       ->check(CLI::Range(0, 65535));
+  command
+      .add_option("--load-state", options.load_state,
+                  "Begin with the state in this file, which --save-state wrote with the same program, board and inputs")
+      ->type_name("FILE");
+  command
+      .add_option("--save-state", options.save_state,
+                  "Write the chip's state at the end of the run into this file, for example at --max-time")
+      ->type_name("FILE");
   command.add_flag("--control", options.control,
                    "Take commands from standard input, one JSON object per line, for tests in Python");
   command.add_option("--max-instructions", options.max_instructions, "Stop after exactly this number of instructions")
@@ -141,6 +149,7 @@ void check(const Options& options) {
   std::vector<NamedFile> inputs{{"the program", options.program}};
   if (options.board) inputs.push_back({"--board", *options.board});
   if (options.flash) inputs.push_back({"--flash", *options.flash});
+  if (options.load_state) inputs.push_back({"--load-state", *options.load_state});
   std::vector<NamedFile> outputs;
   const auto add = [&](std::string_view option, const std::optional<std::string>& path) {
     if (path) outputs.push_back({option, *path});
@@ -154,6 +163,7 @@ void check(const Options& options) {
   add("--coverage", options.coverage);
   add("--pipeline", options.pipeline);
   add("--page", options.page);
+  add("--save-state", options.save_state);
   for (const auto* list : {&inputs, &outputs}) {
     for (const auto& file : *list) {
       if (file.path.empty()) throw Error(fmt::format("{} has an empty file name; give a path", file.option));
@@ -206,6 +216,14 @@ void check(const Options& options) {
     throw Error(
         "--control takes the console and decides how far the run goes: leave --console, --gdb, --page, --signature, "
         "--max-time, --max-instructions and --timeout out");
+  }
+  if ((options.load_state || options.save_state) && (options.user || options.host_files || options.control)) {
+    throw Error(
+        "--load-state and --save-state keep the chip, not what the host does for its program: leave --user, "
+        "--host-files and --control out");
+  }
+  if (options.load_state && (options.page || options.report)) {
+    throw Error("--page and --report describe a run from its start: leave them out, or --load-state");
   }
   if (options.pipeline_hart != 0 && !options.pipeline) {
     throw Error("--pipeline-hart needs --pipeline FILE: it chooses the hart of that file");

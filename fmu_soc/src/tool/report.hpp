@@ -41,7 +41,7 @@ struct ChipReport {
   std::optional<int> exit_code;
 };
 
-ChipReport report_of(const Soc& soc, double host_s, std::optional<std::uint32_t> tohost);
+ChipReport report_of(const Soc& soc, double host_mips, std::optional<std::uint32_t> tohost);
 
 /// Prints tables of counts and energies.
 void print(const ChipReport& report);

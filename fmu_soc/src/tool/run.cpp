@@ -9,6 +9,7 @@
 #include "tool/host_services.hpp"
 #include "tool/page.hpp"
 #include "tool/report.hpp"
+#include "tool/state_file.hpp"
 
 #include "devices/gap8/himax.hpp"
 #include "hart/csr_numbers.hpp"
@@ -352,6 +353,20 @@ Limits limits_of(const Options& options) {
   return limits;
 }
 
+/// Restores a saved state before the run. Throws Error if it lies beyond a limit of the run.
+void load_state(const std::string& path, const StateFile& file, Soc& soc, const Limits& limits) {
+  file.load(path, soc);
+  const auto instructions = soc.hart().counters().instructions;
+  if (limits.instructions && instructions > *limits.instructions) {
+    throw Error(fmt::format("--max-instructions {}: the state of --load-state {} is after instruction {}",
+                            *limits.instructions, path, instructions));
+  }
+  if (limits.time && soc.now() > *limits.time) {
+    throw Error(fmt::format("--max-time: the state of --load-state {} is later, at {} s", path,
+                            static_cast<double>(soc.now()) / kPsPerS));
+  }
+}
+
 }  // namespace
 
 int run(const Options& options) {
@@ -401,14 +416,19 @@ int run(const Options& options) {
   if (options.json) json.emplace("--json", *options.json);
   std::optional<observe::TextFile> long_report;
   if (options.report) long_report.emplace("--report", *options.report);
+  std::optional<StateFile> state_file;
+  if (options.load_state || options.save_state) state_file.emplace(options, soc);
+  if (options.load_state) load_state(*options.load_state, *state_file, soc, limits);
+  std::optional<observe::TextFile> saved_state;
+  if (options.save_state) saved_state.emplace("--save-state", *options.save_state);
   if (history) requests.history = &*history;
   observe::Session session(requests, soc);
   if (page) page->follow(soc, session);
 
   const auto start = std::chrono::steady_clock::now();
-  const auto report_now = [&soc, start] {
-    const auto host_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return report_of(soc, host_s, tohost_of(soc));
+  const auto report_now = [&soc, start, first = soc.instructions()] {
+    const std::chrono::duration<double, std::micro> passed = std::chrono::steady_clock::now() - start;
+    return report_of(soc, static_cast<double>(soc.instructions() - first) / passed.count(), tohost_of(soc));
   };
   if (options.control) {
     const auto host_code = [&soc] { return exit_code(soc, tohost_of(soc)); };
@@ -437,6 +457,7 @@ int run(const Options& options) {
   write_reports(report, json, long_report, session);
   if (page) page->write(report, options.program, outcome_text(soc, options, reached, code));
   if (signature) signature->write(soc);
+  if (saved_state) state_file->save(*saved_state, soc);
   return code;
 }
 

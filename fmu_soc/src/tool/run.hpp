@@ -90,6 +90,8 @@ struct Options {
   bool control = false;
   std::optional<std::string> host_files;
   std::optional<int> gdb_port;
+  std::optional<std::string> load_state;
+  std::optional<std::string> save_state;
   std::optional<std::uint64_t> max_instructions;
   std::optional<std::string> max_time;
   std::optional<std::string> timeout;

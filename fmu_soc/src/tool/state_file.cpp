@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tool/state_file.hpp"
+
+#include "mebots/error.hpp"
+#include "mebots/state/layout.hpp"
+#include "mebots/state/save.hpp"
+#include "mebots/text_file.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <libdeflate.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <span>
+
+namespace mebots::soc::tool {
+namespace {
+
+constexpr std::string_view kFormat = "mebots-soc state 1";
+
+std::string checksum_of(std::string_view bytes) {
+  return fmt::format("{:08x}", libdeflate_crc32(0, bytes.data(), bytes.size()));
+}
+
+std::string checksum_of_file(const std::optional<std::string>& path) {
+  return path ? checksum_of(text_of(*path)) : "none";
+}
+
+/// Returns a checksum of the names and contents of a folder's files.
+std::string checksum_of_folder(const std::optional<std::string>& path) {
+  if (!path) return "none";
+  std::set<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(*path)) {
+    if (entry.is_regular_file()) files.insert(entry.path());
+  }
+  std::string all;
+  for (const auto& file : files) all += fmt::format("{} {}\n", file.filename().string(), checksum_of(text_of(file)));
+  return checksum_of(all);
+}
+
+/// Returns the next line and removes it from the text.
+std::string_view take_line(std::string_view& text) {
+  const auto end = text.find('\n');
+  const auto line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  return line;
+}
+
+}  // namespace
+
+StateFile::StateFile(const Options& options, const Soc& soc) {
+  const auto board = options.board ? std::optional(board_file(*options.board).string()) : std::nullopt;
+  lines_ = {{"program", checksum_of_file(options.program)},
+            {"--board", checksum_of_file(board)},
+            {"--core", options.core.value_or("none")},
+            {"--ram", fmt::format("{}", fmt::join(options.ram, " "))},
+            {"--flash", checksum_of_file(options.flash)},
+            {"--pictures", checksum_of_folder(options.pictures)},
+            {"build", fmt::format("{:016x}", state::layout_of(soc))}};
+}
+
+void StateFile::load(const std::string& path, Soc& soc) const {
+  const auto bytes = text_of(path);
+  std::string_view rest = bytes;
+  if (take_line(rest) != kFormat) {
+    throw Error(fmt::format("--load-state {}: this is not a state that --save-state of this version wrote", path));
+  }
+  for (const auto& [name, value] : lines_) {
+    if (take_line(rest) == fmt::format("{} {}", name, value)) continue;
+    throw Error(
+        fmt::format("--load-state {}: the state was saved with another {}; give the same program, board and "
+                    "inputs to the same build of mebots-soc, or save the state again",
+                    path, name));
+  }
+  try {
+    state::restore(soc, std::as_bytes(std::span(rest)));
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("--load-state {}: {}", path, error.what()));
+  }
+}
+
+void StateFile::save(observe::TextFile& file, const Soc& soc) const {
+  if (!soc.running()) {
+    std::filesystem::remove(file.path());
+    const auto* reason = soc.end() == End::stopped
+                             ? "the run was stopped within a step of the cluster; end it with --max-time"
+                             : "the program has ended; end the run before, for example with --max-time";
+    throw Error(fmt::format("--save-state {}: no state is saved, because {}", file.path(), reason));
+  }
+  file.print("{}\n", kFormat);
+  for (const auto& [name, value] : lines_) file.print("{} {}\n", name, value);
+  const auto state = state::save(soc);
+  file.put({reinterpret_cast<const char*>(state.data()), state.size()});
+  file.close();
+}
+
+}  // namespace mebots::soc::tool

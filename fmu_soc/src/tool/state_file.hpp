@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "observe/text_file.hpp"
+#include "tool/run.hpp"
+
+#include "soc/soc.hpp"
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mebots::soc::tool {
+
+/// Reads and writes a chip's state in a file, with `--load-state` and `--save-state`.
+///
+/// The file begins with lines of text, which must be equal when the state is loaded: the version of the format, the
+/// layout of the state, and a checksum of each input of the run. The state follows as bytes.
+class StateFile {
+ public:
+  /// Reads the inputs of the run for their checksums. Throws Error if one cannot be read.
+  StateFile(const Options& options, const Soc& soc);
+
+  /// Restores the chip's state. Throws Error if the file is not readable, is damaged, or has the state of another
+  /// program, board or build. The chip must not be used after an error.
+  void load(const std::string& path, Soc& soc) const;
+  /// Writes the chip's state. If the program has ended or an observer has stopped it, removes the file and throws
+  /// Error, because such a state cannot continue.
+  void save(observe::TextFile& file, const Soc& soc) const;
+
+ private:
+  /// Name and value of a line before the state.
+  std::vector<std::pair<std::string_view, std::string>> lines_;
+};
+
+}  // namespace mebots::soc::tool
