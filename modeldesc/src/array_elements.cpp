@@ -72,6 +72,7 @@ class Expansion {
         throw Error(ErrorCode::value_out_of_range, fmt::format("\"{}\": the arrays have more than {} elements in total",
                                                                variable.name, kMostElements));
     }
+    check_derivatives();
     for (auto& variable : result.variables) {
       if (variable.derivative_of) variable.derivative_of = state_of(variable);
     }
@@ -115,11 +116,22 @@ class Expansion {
     }
   }
 
+  void check_derivatives() const {
+    const auto& variables = description_->variables;
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+      if (!variables[i].derivative_of) continue;
+      const auto state = *variables[i].derivative_of;
+      if (places_[i].count == places_[state].count) continue;
+      throw Error(ErrorCode::fmu_inconsistent,
+                  fmt::format("\"{}\" is the derivative of \"{}\", but has {} elements, and the state has {}",
+                              variables[i].name, variables[state].name, places_[i].count, places_[state].count));
+    }
+  }
+
   /// Returns the state of a derivative's element: the element of the same index.
   std::size_t state_of(const Variable& derivative) const {
     const auto& place = places_[*derivative.derivative_of];
-    const auto index = derivative.fmi3->element ? derivative.fmi3->element->index : 0;
-    return place.first + std::min(index, place.count == 0 ? 0 : place.count - 1);
+    return place.first + (derivative.fmi3->element ? derivative.fmi3->element->index : 0);
   }
 
   std::vector<Unknown> moved(const std::vector<Unknown>& unknowns) const {

@@ -13,6 +13,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 std::string fmi3_text(const std::string& variables, const std::string& structure = "",
                       const std::string& version = "3.0") {
@@ -110,6 +111,20 @@ TEST(ArrayElements, FollowTheStructuralParameter) {
   EXPECT_EQ(with_elements(description, {{1, 4}}).find("m[1,1]")->start, Value()) << "of another size";
   EXPECT_THROW(with_elements(description, {{1, 1'000'000}}), Error);
   EXPECT_THROW(with_elements(description, {{1, UINT64_MAX}}), Error);
+}
+
+TEST(ArrayElements, ADerivativeHasAsManyElementsAsItsState) {
+  const auto description = read_fmi3_text(
+      R"(<UInt64 name="n" valueReference="1" causality="structuralParameter" variability="tunable" start="2"/>
+         <Float64 name="x" valueReference="2"><Dimension valueReference="1"/></Float64>
+         <Float64 name="rate" valueReference="3" derivative="2"><Dimension start="2"/></Float64>)");
+  const auto fitting = with_elements(description);
+  EXPECT_EQ(fitting.variables[*fitting.find("rate[2]")->derivative_of].name, "x[2]");
+  for (const std::uint64_t size : {0, 1, 3}) {
+    const auto expand = [&] { with_elements(description, {{1, size}}); };
+    EXPECT_THAT(expand, ThrowsMessage<Error>(HasSubstr("\"rate\" is the derivative of \"x\", but has 2 elements")))
+        << size;
+  }
 }
 
 }  // namespace
