@@ -303,18 +303,43 @@ void ContinuousSystem::enter_event_mode() {
 
 void ContinuousSystem::handle_event(EventKind kind) {
   count_event(kind);
+  if (kind == EventKind::step) return handle_step_event();
+  if (kind != EventKind::input) limit_events();
   enter_event_mode();
   iterate_event();
+}
+
+/// Restarts the solver only if the event changes what the solver depends on. Some FMUs request an event after every
+/// step; with a restart after each step, the solver would never leave its shortest steps.
+void ContinuousSystem::handle_step_event() {
+  const auto requested_by = causes_;
+  const auto before = solver_view();
+  enter_event_mode();
+  iterate_event();
+  if (!terminated_by_.empty()) return;
+  if (before && before == solver_view()) {
+    restart_is_due_ = false;
+    return;
+  }
+  causes_ = requested_by;
+  limit_events();
+}
+
+/// Returns the values that the solver has from the members at the present time; empty if a member cannot compute them.
+std::optional<ContinuousSystem::SolverView> ContinuousSystem::solver_view() {
+  SolverView view{states_, tolerances_, std::vector<double>(states_.size()), next_event_s_};
+  if (derivatives(time_s_, states_, view.derivatives) != Evaluation::ok) return std::nullopt;
+  return view;
 }
 
 void ContinuousSystem::count_event(EventKind kind) {
   auto& counts = statistics_.counts;
   switch (kind) {
     case EventKind::none:
-      return;
+      break;
     case EventKind::input:
       ++counts.input_events;
-      return;
+      break;
     case EventKind::state:
       ++counts.state_events;
       break;
@@ -325,6 +350,10 @@ void ContinuousSystem::count_event(EventKind kind) {
       ++counts.step_events;
       break;
   }
+}
+
+/// Ends the run if events follow each other without progress in time.
+void ContinuousSystem::limit_events() {
   recent_events_s_.push_back(time_s_);
   if (recent_events_s_.size() <= kZenoEvents) return;
   recent_events_s_.erase(recent_events_s_.begin());

@@ -103,6 +103,14 @@ class ContinuousSystem final : private Equations {
     void visit(state::Visitor& v);
   };
   enum class EventKind { none, state, time, step, input };
+  struct SolverView {
+    std::vector<double> states;
+    std::vector<double> tolerances;
+    std::vector<double> derivatives;
+    double next_event_s;
+
+    bool operator==(const SolverView&) const = default;
+  };
   static constexpr double kNoEvent = std::numeric_limits<double>::infinity();
 
   std::size_t state_count() const override { return states_.size(); }
@@ -124,6 +132,8 @@ class ContinuousSystem final : private Equations {
   EventKind complete_step();
   EventKind event_after_step(bool requested);
   void handle_event(EventKind kind);
+  void handle_step_event();
+  std::optional<SolverView> solver_view();
   void iterate_event();
   bool update_members();
   bool propagate_in_event();
@@ -132,6 +142,7 @@ class ContinuousSystem final : private Equations {
   void restart_from_anchor();
   void count_solver_work();
   void count_event(EventKind kind);
+  void limit_events();
   std::size_t member_of_indicator(std::size_t indicator) const;
   std::string causes() const;
 

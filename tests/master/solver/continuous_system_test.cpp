@@ -220,7 +220,24 @@ TEST(ContinuousSystem, HandlesEventsThatACompletedStepRequests) {
   system.initialize(0);
   system.advance(1);
   EXPECT_EQ(system.statistics().counts.step_events, 1);
+  EXPECT_EQ(system.statistics().counts.restarts, 2) << "the event changes the derivative";
   EXPECT_EQ(model.value(1), 1);
+}
+
+TEST(ContinuousSystem, KeepsTheSolversStepsIfAStepEventChangesNothing) {
+  auto laws = decay(1);
+  laws.completed = [](double, Values&) { return CompletedStep{.enter_event_mode = true}; };
+  PlainModel eventful("a", laws, {1, 0});
+  PlainModel plain("a", decay(1), {1, 0});
+  ContinuousSystem with_events(parts_of({&eventful}), {});
+  ContinuousSystem without(parts_of({&plain}), {});
+  for (auto* system : {&with_events, &without}) {
+    system->initialize(0);
+    system->advance(1);
+  }
+  EXPECT_EQ(eventful.value(0), plain.value(0));
+  EXPECT_GT(with_events.statistics().counts.step_events, 10);
+  EXPECT_EQ(with_events.statistics().counts.restarts, 1);
 }
 
 TEST(ContinuousSystem, PassesEventsOnToOtherMembers) {
