@@ -2,6 +2,7 @@
 #pragma once
 
 #include "subject.hpp"
+#include "trace_file.hpp"
 
 #include <functional>
 #include <optional>
@@ -32,21 +33,7 @@ Probe stop_time_probe();
 /// Returns probes with calls that the standard forbids. The FMU must return an error.
 std::vector<Probe> illegal_call_probes(const Target& target);
 
-/// Reference traces inside an FMU: `documentation/reference/<name>_in.csv` and `<name>_out.csv`, or the result named in
-/// `extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml` with its `_in.csv` in the same folder.
-struct TraceFiles {
-  std::filesystem::path inputs;  ///< empty if absent
-  std::filesystem::path outputs;
-  /// True if the file serves the FMI 2.0 and 3.0 versions of a model. Columns that this FMU lacks, or has as text, are
-  /// then ignored.
-  bool of_many_versions = false;
-};
-
-/// Returns the traces of an unpacked FMU, if it has any.
-std::optional<TraceFiles> find_traces(const std::filesystem::path& folder);
-
-/// Steps from row to row of the output file with the latest inputs, and compares. Reals may differ by 1e-6 of their
-/// value, because compilers round differently; all other values must be equal. Reports the first divergence.
+/// Compares a run with the reference traces.
 void replay(const Library& library, const TraceFiles& files);
 
 }  // namespace mebots::check

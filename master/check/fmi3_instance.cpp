@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstring>
+#include <memory>
 
 namespace mebots::check {
 namespace {
@@ -51,24 +53,33 @@ void Fmi3Instance::require(std::string_view name, fmi3Status status) const {
                                 last_message_.empty() ? "" : ": ", last_message_));
 }
 
-void Fmi3Instance::start() {
+void Fmi3Instance::enter_initialization() {
   MEBOTS_CALL(*this, fmi3EnterInitializationMode, false, 0.0, library_.start_s(), false, 0.0);
+}
+
+void Fmi3Instance::exit_initialization() {
   MEBOTS_CALL(*this, fmi3ExitInitializationMode);
+}
+
+void Fmi3Instance::start() {
+  enter_initialization();
+  exit_initialization();
 }
 
 void Fmi3Instance::run(int first, int last) {
   const double h = library_.step_s();
-  for (int k = first; k < last; ++k) {
-    const double point = library_.start_s() + k * h;
-    bool event = false;
-    bool terminate = false;
-    bool early = false;
-    double reached = point;
-    MEBOTS_CALL(*this, fmi3DoStep, point, h, true, &event, &terminate, &early, &reached);
-    if (early) throw Fmi3Refused("fmi3DoStep returned early, though earlyReturnAllowed was false");
-    if (!(std::abs(reached - (point + h)) <= 1e-9 * std::max(1.0, std::abs(point + h))))
-      throw Fmi3Refused(fmt::format("lastSuccessfulTime is {} s after a step to {} s", reached, point + h));
-  }
+  for (int k = first; k < last; ++k) step(library_.start_s() + k * h, h);
+}
+
+void Fmi3Instance::step(double time_s, double step_s) {
+  const double end_s = time_s + step_s;
+  bool event = false;
+  bool early = false;
+  double reached_s = time_s;
+  MEBOTS_CALL(*this, fmi3DoStep, time_s, step_s, true, &event, &ended_, &early, &reached_s);
+  if (early) throw Fmi3Refused("fmi3DoStep returned early, though earlyReturnAllowed was false");
+  if (!(std::abs(reached_s - end_s) <= 1e-9 * std::max(1.0, std::abs(end_s))))
+    throw Fmi3Refused(fmt::format("lastSuccessfulTime is {} s after a step to {} s", reached_s, end_s));
 }
 
 std::string Fmi3Instance::read(const Fmi3Declared& variable) {
@@ -96,6 +107,36 @@ std::string Fmi3Instance::read(const Fmi3Declared& variable) {
       bytes += std::to_string(sizes[i]) + ':' + std::string(reinterpret_cast<const char*>(values[i]), sizes[i]);
   }
   return bytes;
+}
+
+void Fmi3Instance::set_numbers(const Fmi3Declared& variable, std::span<const double> values) {
+  if (values.size() != variable.elements)
+    throw Fmi3Refused(
+        fmt::format("the trace has {} values for {}, which has {}", values.size(), variable.name, variable.elements));
+#define MEBOTS_WRITE(name, ctype)                                                                              \
+  if (variable.type == #name || (variable.type == "Enumeration" && std::string_view(#name) == "Int64")) {      \
+    const auto typed = std::make_unique<ctype[]>(values.size());                                               \
+    for (std::size_t i = 0; i < values.size(); ++i) typed[i] = static_cast<ctype>(values[i]);                  \
+    return MEBOTS_CALL(*this, fmi3Set##name, &variable.reference, std::size_t{1}, typed.get(), values.size()); \
+  }
+  MEBOTS_FMI3_EACH_NUMBER_TYPE(MEBOTS_WRITE)
+#undef MEBOTS_WRITE
+}
+
+std::vector<double> Fmi3Instance::numbers(const Fmi3Declared& variable) {
+  const auto bytes = read(variable);
+  std::vector<double> numbers(variable.elements);
+#define MEBOTS_CONVERT(name, ctype)                                                                       \
+  if (variable.type == #name || (variable.type == "Enumeration" && std::string_view(#name) == "Int64")) { \
+    for (std::size_t i = 0; i < numbers.size(); ++i) {                                                    \
+      ctype value{};                                                                                      \
+      std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);                                 \
+      numbers[i] = static_cast<double>(value);                                                            \
+    }                                                                                                     \
+  }
+  MEBOTS_FMI3_EACH_NUMBER_TYPE(MEBOTS_CONVERT)
+#undef MEBOTS_CONVERT
+  return numbers;
 }
 
 Fmi3Values Fmi3Instance::outputs() {

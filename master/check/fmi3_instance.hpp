@@ -9,6 +9,7 @@
 #include <dlfcn.h>
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -74,9 +75,18 @@ class Fmi3Instance {
   }
   void require(std::string_view name, fmi3Status status) const;
 
+  void enter_initialization();
+  void exit_initialization();
+  /// Enters and exits initialization mode.
   void start();
   /// Runs from step `first` to step `last`.
   void run(int first, int last);
+  void step(double time_s, double step_s);
+  /// True if the FMU requested the end in its last step.
+  bool ended() const { return ended_; }
+  /// Accesses a variable of a type of numbers or Boolean; whole numbers are exact up to 2^53.
+  void set_numbers(const Fmi3Declared& variable, std::span<const double> values);
+  std::vector<double> numbers(const Fmi3Declared& variable);
   /// Returns all outputs except clocked ones.
   Fmi3Values outputs();
   std::string serialized();
@@ -90,6 +100,7 @@ class Fmi3Instance {
 
   const Fmi3Library& library_;
   fmi3Instance handle_ = nullptr;
+  bool ended_ = false;
   std::string last_message_;
 };
 

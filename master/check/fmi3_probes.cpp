@@ -157,7 +157,9 @@ std::vector<ChildProbe> fmi3_probes(const Fmi3Target& target) {
           probe("a saved state restores", unless(no_steps, has_states, "the FMU does not offer canGetAndSetFMUState"),
                 &states_restore_in_place),
           probe("a serialised state restores",
-                unless(no_steps, serializes, "the FMU does not offer canSerializeFMUState"), &states_restore)};
+                unless(no_steps, serializes, "the FMU does not offer canSerializeFMUState"), &states_restore),
+          probe("reference traces are reproduced", no_steps.empty() ? fmi3_trace_obstacle(target) : no_steps,
+                &replay_trace)};
 }
 
 }  // namespace mebots::check

@@ -18,6 +18,14 @@ struct Fmi3Target {
   std::filesystem::path library;  ///< its shared library
 };
 
+class Fmi3Library;
+
+/// Returns why a run cannot be compared with reference traces; empty if it can. Inputs may be named as in FMI 2.0,
+/// where this FMU has arrays.
+std::string fmi3_trace_obstacle(const Fmi3Target& target);
+/// Compares a run with the reference traces. Output columns that are no numbers of this FMU are ignored.
+void replay_trace(const Fmi3Library& library);
+
 /// Returns the probes of co-simulation.
 std::vector<ChildProbe> fmi3_probes(const Fmi3Target& target);
 

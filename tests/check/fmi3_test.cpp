@@ -13,6 +13,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <utility>
 
 namespace mebots::check {
 namespace {
@@ -180,8 +181,15 @@ TEST_F(Fmi3FolderTest, PlatformsHaveTheNamesOfFmi3) {
   EXPECT_THAT(platforms, Contains(HasSubstr("no binary for x86-64 Linux (binaries/x86_64-linux/culprit3.so)")));
 }
 
-/// Returns the findings about culprit3.cpp with this fault, for co-simulation and model exchange.
-std::vector<std::string> culprit3(const std::string& crime) {
+constexpr const char* kManifest = R"(<fmiReferences xmlns:fmi-ls="http://fmi-standard.org/fmi-ls-manifest"
+    fmi-ls:fmi-ls-name="org.fmi-standard.fmi-ls-ref" fmi-ls:fmi-ls-version="1.0.0" fmi-ls:fmi-ls-description="traces">
+  <Related type="text/csv" source="it_out.csv" role="result"/>
+</fmiReferences>
+)";
+
+/// Returns the findings about culprit3.cpp with this fault and more files, for co-simulation and model exchange.
+std::vector<std::string> culprit3(const std::string& crime,
+                                  std::vector<std::pair<std::string, std::string>> files = {}) {
   const auto description = fmt::format(R"xml(<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="culprit3" instantiationToken="{{culprit3:{}}}">
   <ModelExchange modelIdentifier="culprit3" canGetAndSetFMUState="true"/>
@@ -202,9 +210,9 @@ std::vector<std::string> culprit3(const std::string& crime) {
 )xml",
                                        crime);
   Workshop workshop;
-  return findings(workshop.archive({{"modelDescription.xml", description},
-                                    {"binaries/x86_64-linux/culprit3.so", text_of(CULPRIT3_LIBRARY)}}),
-                  true);
+  files.emplace_back("modelDescription.xml", description);
+  files.emplace_back("binaries/x86_64-linux/culprit3.so", text_of(CULPRIT3_LIBRARY));
+  return findings(workshop.archive(files), true);
 }
 
 TEST(CheckFmi3, EachCrimeOfALibraryIsNamed) {
@@ -221,6 +229,28 @@ TEST(CheckFmi3, EachCrimeOfALibraryIsNamed) {
   EXPECT_THAT(culprit3("divides"), Contains(HasSubstr("the derivative of the state y is nan at step 0")));
   EXPECT_THAT(culprit3("endless"),
               Contains(HasSubstr("fmi3UpdateDiscreteStates requests another update after 1000 updates")));
+}
+
+TEST(CheckFmi3, ReferenceTracesAreReplayed) {
+  // culprit3 integrates 1 + y^2 by Euler's method with the step of the trace: y is 0, 1, 3.
+  const auto with_trace = [](const std::string& folder, const std::string& out,
+                             const std::string& in = "time,y\n0,0\n") {
+    return culprit3("none", {{folder + "it_out.csv", out},
+                             {folder + "it_in.csv", in},
+                             {"extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml", kManifest}});
+  };
+  const std::string own = "documentation/reference/";
+  const std::string layered = "extra/org.fmi-standard.fmi-ls-ref/";
+  for (const auto& folder : {own, layered}) {
+    EXPECT_THAT(with_trace(folder, "time,y,text\n0,0,a\n1,1,b\n2,3,c\n"), IsEmpty()) << folder;
+    EXPECT_THAT(with_trace(folder, "time,y\n0,0\n1,1\n2,3.1\n"),
+                Contains(HasSubstr("it_out.csv: first divergence at 2 s: y is 3, the trace has 3.1")))
+        << folder;
+    EXPECT_THAT(with_trace(folder, "time,y\n0,0 0\n1,1 1\n"), Contains(HasSubstr("y is 0, the trace has 0 0")));
+    EXPECT_THAT(with_trace(folder, "time,y\n0,0\n1,one\n"), Contains(HasSubstr("this is not a number")));
+    EXPECT_THAT(with_trace(folder, "time,y\n0,1\n", "time,y.x\n0,0\n"), IsEmpty())
+        << "skipped: inputs of another version";
+  }
 }
 
 TEST(CheckFmi3, OurOwnFmusAreCleanAndAreRun) {

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "child.hpp"
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+/// Reference traces inside an FMU, and the comparison of a run with them, for any version of FMI.
+namespace mebots::check {
+
+/// `documentation/reference/<name>_in.csv` and `<name>_out.csv`, or the result named in
+/// `extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml` with its `_in.csv` in the same folder.
+struct TraceFiles {
+  std::filesystem::path inputs;  ///< empty if absent
+  std::filesystem::path outputs;
+  /// True if the file serves the FMI 2.0 and 3.0 versions of a model. Columns that this FMU lacks, or has as text, are
+  /// then ignored.
+  bool of_many_versions = false;
+};
+
+/// Returns the traces of an unpacked FMU, if it has any.
+std::optional<TraceFiles> find_traces(const std::filesystem::path& folder);
+
+/// Numeric columns of a trace. A cell is a number, or the numbers of an array separated by blanks.
+struct Trace {
+  using Cell = std::vector<double>;
+  std::vector<std::string> names;
+  std::vector<double> times;
+  std::vector<std::vector<Cell>> rows;  // by time and column
+};
+
+/// Returns the columns for which `is_number` is true. Throws Error if a cell is not a number, and, unless
+/// `ignores_others`, if there is any other column.
+Trace read_trace(const std::filesystem::path& file, bool ignores_others,
+                 const std::function<bool(const std::string& name)>& is_number);
+
+/// The calls of an instance that a comparison needs.
+struct TracedInstance {
+  std::function<void()> enter_initialization;
+  std::function<void()> exit_initialization;
+  std::function<void(const std::string& name, std::span<const double> values)> set;
+  std::function<std::vector<double>(const std::string& name)> get;
+  std::function<void(double time_s, double step_s)> step;
+  std::function<bool()> ended;  ///< true if the FMU has ended the run
+  std::function<bool(const std::string& name)> is_real;
+};
+
+/// Steps from row to row of the output file with the latest inputs, and compares. Reals may differ by 1e-6 of their
+/// value, because compilers round differently; all other values must be equal. Reports the first divergence to the
+/// witness. Returns true if the run reaches the end of the trace.
+bool replay(Witness& witness, const TraceFiles& files, const Trace& inputs, const Trace& outputs,
+            const TracedInstance& instance);
+
+}  // namespace mebots::check
