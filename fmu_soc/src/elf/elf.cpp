@@ -178,7 +178,11 @@ std::uint32_t loaded_entry(const ElfBytes& file, std::uint32_t entry, const std:
     if (holds(segment.load_address, segment)) return entry;
   }
   for (const auto& segment : segments) {
-    if (holds(segment.run_address, segment)) return entry - segment.run_address + segment.load_address;
+    if (!holds(segment.run_address, segment)) continue;
+    const std::uint32_t loaded = entry - segment.run_address + segment.load_address;
+    if (loaded % 2 != 0)
+      file.fail(fmt::format("entry point 0x{:08x} is loaded at the odd address 0x{:08x}", entry, loaded));
+    return loaded;
   }
   file.fail(fmt::format("entry point 0x{:08x} lies in none of its segments", entry));
 }
