@@ -12,6 +12,8 @@ local variables. A Binary is compared by its CRC. Inputs have the constants of I
 - Model exchange: simulate_fmu with CVODE. Both tools get the relative tolerance 1e-10, so values differ by the solvers' errors.
 - Reference file: NAMECS.csv or NAMEME.csv, NAME.csv, NAME_ref.csv beside the FMU, else NAME_out.csv in its extra/org.fmi-standard.fmi-ls-ref.
   mebots runs again, with the inputs of NAME_in.csv if there are any, and is compared at the times that both have.
+
+The exit code is 1 if a difference from FMPy is unexplained.
 """
 
 import argparse
@@ -38,6 +40,13 @@ INPUTS = {"Float": 1.5, "Int": 3, "UInt": 3, "Boolean": True, "Real": 1.5, "Inte
 MOST_VARIABLES = 300
 MOST_EVENTS = 1000
 SHORT_STEP_NS = 1_000_000
+MOST_SOLVER_ERROR = 1e-5  # difference of two solvers at TOLERANCE
+
+# FMUs whose differences have a known cause, by the end of the path. docs/interop.md has the evidence.
+EXPLAINED = {
+    "MapleSim_2023/FMI_Export/FMI_2/ME/ControlledTemperature/ControlledTemperature.fmu": "writes beyond its memory in fmi2GetDirectionalDerivative",
+    "SlidingCrank.fmu": "FMPy restarts its solver after every step, and has the larger error",
+}
 NEVER = math.inf
 KNOWN_AHEAD = ("constant", "fixed", "countdown")  # Clocks that the importer ticks by time; no public FMU has others
 
@@ -168,7 +177,7 @@ def run_mebots(program, what, folder, *more):
         header, *rows = csv.reader(file)
     names = [re.sub(r" \[[^\]]*\]$", "", name).removeprefix("it.") if name.removeprefix("it.") not in what["outputs"]
              else name.removeprefix("it.") for name in header]
-    crc = {k for k, name in enumerate(names) if name in binaries}
+    crc = {k for k, name in enumerate(names) if re.sub(r"\[[\d,]+\]$", "", name) in binaries}
     return {"columns": {name: [float(zlib.crc32(bytes.fromhex(row[k]))) if k in crc else float(row[k]) for row in rows]
                         for k, name in enumerate(names) if k > 0}}
 
@@ -330,15 +339,6 @@ def fmpy_child(what, target):
     os._exit(0)  # freeing the FMU is not part of the comparison
 
 
-def differing(one, other, bound):
-    """Returns the number of values whose difference is above the bound, relative to the largest value of the column."""
-    count = 0
-    for name, values in one.items():
-        scale = max((abs(value) for value in values if math.isfinite(value)), default=0.0) or 1.0
-        count += sum(1 for a, b in zip(values, other[name]) if not abs(a - b) <= bound * scale)
-    return count
-
-
 def examine(program, what):
     with tempfile.TemporaryDirectory(prefix="fmi3_corpus") as name:
         folders = [pathlib.Path(name) / part for part in ("run", "isolated", "fmpy", "file")]
@@ -351,11 +351,14 @@ def examine(program, what):
     row = {"kind": "CS" if what["kind"] == "co_simulation" else "ME", "values": f"{len(what['outputs'])} x {what['steps'] + 1}",
            "isolated": "same bits" if ours == alone else alone.get("error", "differs"),
            "file": against_file, "result": ours.get("error") or (f"FMPy: {theirs['error']}" if "error" in theirs else "")}
-    if not row["result"]:
+    row["explained"] = ours == alone
+    if "columns" in ours and "columns" in theirs:
         gap, place = corpus.difference(theirs["columns"], ours["columns"])
-        bound = 1e-6 if row["kind"] == "ME" else 0
         row["result"] = "same bits" if gap == 0 else f"{gap:.1e} ({place})"
-        row["beyond"] = differing(theirs["columns"], ours["columns"], bound) if math.isfinite(gap) else -1
+        row["explained"] &= gap <= (MOST_SOLVER_ERROR if row["kind"] == "ME" else 0)
+    elif "columns" in theirs:
+        row["explained"] = False
+    row["explained"] |= next((True for end in EXPLAINED if what["fmu"].endswith(end)), False)
     return row
 
 
@@ -367,7 +370,7 @@ def main():
     arguments = parser.parse_args()
     base = arguments.folder.resolve()
     fmus, repeated = corpus.different([fmu for fmu in sorted(base.rglob("*.fmu")) if arguments.match in str(fmu.relative_to(base))])
-    left_out = []
+    left_out, unexplained = [], []
     print("| FMU | tool | kind | values | with --isolate | mebots and FMPy | mebots and reference file |\n|---|---|---|---|---|---|---|")
     for fmu in fmus:
         try:
@@ -377,10 +380,13 @@ def main():
             continue
         for what in todo:
             row = examine(arguments.program.resolve(), what)
-            beyond = f"; {row['beyond']} values differ by more" if row.get("beyond") else ""
+            if not row["explained"]:
+                unexplained.append(f"{fmu.relative_to(base)} ({row['kind']})")
             print(f"| {fmu.relative_to(base)} | {what['tool']}, {what['version']} | {row['kind']} | {row['values']} | {row['isolated']} | "
-                  f"{row['result']}{beyond} | {row['file']} |", flush=True)
+                  f"{row['result']} | {row['file']} |", flush=True)
     print(f"\n{repeated} files with the same bytes as another", *left_out, sep="\n")
+    if unexplained:
+        sys.exit(f"fmi3_corpus: unexplained: {', '.join(unexplained)}")
 
 
 if __name__ == "__main__":
