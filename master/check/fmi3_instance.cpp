@@ -12,6 +12,17 @@ namespace {
 
 constexpr double kAssumedStep_s = 0.01;
 
+template <typename T>
+std::vector<double> numbers_in(const std::string& bytes) {
+  std::vector<double> numbers(bytes.size() / sizeof(T));
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    T value{};
+    std::memcpy(&value, bytes.data() + i * sizeof(T), sizeof(T));
+    numbers[i] = static_cast<double>(value);
+  }
+  return numbers;
+}
+
 }  // namespace
 
 Fmi3Library::Fmi3Library(const Fmi3Target& target, Witness& witness) : target_(target), witness_(witness) {
@@ -125,18 +136,12 @@ void Fmi3Instance::set_numbers(const Fmi3Declared& variable, std::span<const dou
 
 std::vector<double> Fmi3Instance::numbers(const Fmi3Declared& variable) {
   const auto bytes = read(variable);
-  std::vector<double> numbers(variable.elements);
-#define MEBOTS_CONVERT(name, ctype)                                                                       \
-  if (variable.type == #name || (variable.type == "Enumeration" && std::string_view(#name) == "Int64")) { \
-    for (std::size_t i = 0; i < numbers.size(); ++i) {                                                    \
-      ctype value{};                                                                                      \
-      std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);                                 \
-      numbers[i] = static_cast<double>(value);                                                            \
-    }                                                                                                     \
-  }
+#define MEBOTS_CONVERT(name, ctype)                                                                     \
+  if (variable.type == #name || (variable.type == "Enumeration" && std::string_view(#name) == "Int64")) \
+    return numbers_in<ctype>(bytes);
   MEBOTS_FMI3_EACH_NUMBER_TYPE(MEBOTS_CONVERT)
 #undef MEBOTS_CONVERT
-  return numbers;
+  return {};
 }
 
 Fmi3Values Fmi3Instance::outputs() {

@@ -80,7 +80,7 @@ Trace read_trace(const fs::path& file, bool ignores_others,
   Trace trace;
   std::vector<std::size_t> kept;
   for (std::size_t i = 1; i < header.size(); ++i) {
-    const std::string name(header[i]);
+    const std::string& name = header[i];
     const bool number = is_number(name);
     if (!number && !ignores_others) reader.fail(i, ErrorCode::syntax_error, "this is not a number of this FMU");
     if (!number) continue;
