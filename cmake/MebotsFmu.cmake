@@ -20,7 +20,11 @@
 # archive has the name in description.json.
 # Builds ${MEBOTS_FMU_DIR}/<name>.fmu; the default of MEBOTS_FMU_DIR is fmus/ in the build folder. With both versions of FMI, this
 # archive is of FMI 2.0, and <name>_fmi3.fmu of FMI 3.0. The targets are <name>_archive and <name>_fmi3_archive.
-# Works inside this tree and after find_package(mebots).
+# Works inside this tree and after find_package(mebots). MEBOTS_PLATFORMS and MEBOTS_FMU_SOURCES (MebotsPlatforms.cmake) add binaries of other
+# platforms and the sources.
+include(${CMAKE_CURRENT_LIST_DIR}/MebotsPlatforms.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/MebotsFmuSources.cmake)
+
 function(mebots_add_fmu name)
   cmake_parse_arguments(ARG "" "BOARD;SOURCE_DIR;IDENTIFIER;COUNT;MODEL"
     "FMI;MODEL_SOURCES;MODEL_LIBRARIES;MODEL_DEFINITIONS;BUNDLE;LINKED_IN;RESOURCES;RESOURCE_FILES" ${ARGN})
@@ -58,6 +62,20 @@ function(mebots_add_fmu name)
   if(3 IN_LIST versions)
     list(APPEND outputs ${fmi3_dir}/modelDescription.xml ${fmi3_dir}/index.html ${fmi3_dir}/terminalsAndIcons.xml)
     list(REMOVE_DUPLICATES outputs)
+  endif()
+
+  if(MEBOTS_FMU_SOURCES)
+    if(ARG_BOARD OR ARG_MODEL OR ARG_MODEL_LIBRARIES OR ARG_MODEL_DEFINITIONS OR ARG_BUNDLE)
+      message(FATAL_ERROR "MEBOTS_FMU_SOURCES: the sources of ${name} are not complete, because it uses BOARD, MODEL, MODEL_LIBRARIES, "
+        "MODEL_DEFINITIONS or BUNDLE; only an FMU made of MODEL_SOURCES alone can carry its sources")
+    endif()
+    _mebots_stage_sources(${identifier} ${out_dir} "${versions}" ${ARG_MODEL_SOURCES})
+    foreach(version IN LISTS versions)
+      list(APPEND generate_options --fmi${version}-sources ${out_dir}/sources${version}.txt)
+    endforeach()
+    if(3 IN_LIST versions)
+      list(APPEND outputs ${fmi3_dir}/buildDescription.xml)
+    endif()
   endif()
 
   set(board_option)
@@ -160,16 +178,34 @@ function(mebots_add_fmu name)
       endif()
     endif()
     _mebots_fmu_library(${target} ${name} ${model} ${identifier} ${version} ${library_dir})
+    set(source_stamp)
+    if(MEBOTS_FMU_SOURCES)
+      _mebots_add_sources(source_stamp ${name} ${version} ${source_dir} ${out_dir} ${description_dir} ${ARG_MODEL_SOURCES})
+      list(APPEND version_options --sources ${out_dir}/sources${version})
+    endif()
     set(archive ${MEBOTS_FMU_DIR}/${target}.fmu)
+    if(MEBOTS_PLATFORMS)
+      set(archive ${PROJECT_BINARY_DIR}/platforms/own/${target}.fmu)
+    endif()
     add_custom_command(
       OUTPUT ${archive}
       COMMAND mebots::mebots-modeldesc pack ${archive} --description ${description_dir}/modelDescription.xml
               --documentation ${description_dir}/index.html --binary $<TARGET_FILE:${target}> ${pack_options} ${version_options}
       DEPENDS mebots::mebots-modeldesc ${target} ${description_dir}/modelDescription.xml ${description_dir}/index.html ${part_list}
-              ${resource_dependencies} ${optional_files}
+              ${resource_dependencies} ${optional_files} ${source_stamp}
       COMMENT "Packing ${target}.fmu"
       VERBATIM)
-    add_custom_target(${target}_archive ALL DEPENDS ${archive})
+    if(MEBOTS_PLATFORMS)
+      _mebots_merge_archives(${target} ${archive} ${MEBOTS_FMU_DIR}/${target}.fmu)
+    else()
+      add_custom_target(${target}_archive ALL DEPENDS ${archive})
+    endif()
+    if(MEBOTS_PLATFORM)
+      if(NOT TARGET mebots_archives)
+        add_custom_target(mebots_archives)
+      endif()
+      add_dependencies(mebots_archives ${target}_archive)
+    endif()
   endforeach()
 endfunction()
 

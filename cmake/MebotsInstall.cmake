@@ -7,7 +7,7 @@
 #   lib/python3.x/site-packages/mebots/   the Python package
 #   share/man, bash-completion, fish, zsh manual pages and completion
 #   share/mebots/                         LICENSE, bill of materials (sbom.spdx.json), fmus, the page of a run with its licences (web), configs with boards and scenarios, scenes, templates, scripts;
-#                                         fmu_soc: sources for a chip FMU with another board or firmware
+#                                         sources: the libraries of FMUs, for other platforms; fmu_soc: sources for a chip FMU with another board or firmware
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
@@ -34,6 +34,14 @@ foreach(export mebotsPrograms mebotsLibraries)
   install(EXPORT ${export} NAMESPACE mebots:: DESTINATION ${package_dir})
 endforeach()
 
+set(MEBOTS_INSTALL_FMUS "" CACHE PATH
+  "Folder with FMUs for several platforms, such as build/platforms of scripts/platforms.sh: they are installed instead of this build's")
+if(MEBOTS_INSTALL_FMUS)
+  file(GLOB fmus_to_install ${MEBOTS_INSTALL_FMUS}/*.fmu)
+  if(NOT fmus_to_install)
+    message(FATAL_ERROR "MEBOTS_INSTALL_FMUS: ${MEBOTS_INSTALL_FMUS} contains no FMU; run scripts/platforms.sh first, or leave the variable out")
+  endif()
+endif()
 set(world_fmus)
 foreach(count IN LISTS MEBOTS_WORLD_DRONES)
   list(APPEND world_fmus fmu_world_${count} fmu_world_${count}_fmi3)
@@ -132,9 +140,17 @@ if(MEBOTS_PAGES)
 endif()
 foreach(fmu fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_radio fmu_radio_fmi3 fmu_world fmu_world_fmi3 fmu_soc fmu_soc_fmi3 fmu_gap8
         fmu_gap8_drone fmu_flight_controller ${world_fmus})
-  if(TARGET ${fmu})
-    install(FILES ${MEBOTS_FMU_DIR}/${fmu}.fmu DESTINATION ${share}/fmus)
+  if(NOT TARGET ${fmu})
+    continue()
   endif()
+  set(archive ${MEBOTS_FMU_DIR}/${fmu}.fmu)
+  if(MEBOTS_INSTALL_FMUS AND EXISTS ${MEBOTS_INSTALL_FMUS}/${fmu}.fmu)
+    install(CODE "
+      include(\"${PROJECT_SOURCE_DIR}/cmake/MebotsSameFmu.cmake\")
+      mebots_require_same_fmu(\"${MEBOTS_INSTALL_FMUS}/${fmu}.fmu\" \"${archive}\")")
+    set(archive ${MEBOTS_INSTALL_FMUS}/${fmu}.fmu)
+  endif()
+  install(FILES ${archive} DESTINATION ${share}/fmus)
 endforeach()
 
 if(MEBOTS_CHIP)
@@ -170,11 +186,17 @@ endif()
 # folder.
 set(installed_package ${PROJECT_BINARY_DIR}/generated/package)
 configure_package_config_file(cmake/mebotsConfig.cmake.in ${installed_package}/mebotsConfig.cmake
-  INSTALL_DESTINATION ${package_dir} PATH_VARS share NO_SET_AND_CHECK_MACRO)
+  INSTALL_DESTINATION ${package_dir} PATH_VARS share CMAKE_INSTALL_BINDIR NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${installed_package}/mebotsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${installed_package}/mebotsConfig.cmake ${installed_package}/mebotsConfigVersion.cmake
   cmake/MebotsFmu.cmake cmake/MebotsParts.cmake cmake/MebotsSoc.cmake cmake/MebotsTarget.cmake cmake/fmi2.map cmake/fmi3.map cmake/list_exports.cmake
+  cmake/MebotsCross.cmake cmake/MebotsFmuSources.cmake cmake/MebotsMath.cmake cmake/MebotsMathNames.cmake cmake/MebotsMuslSource.cmake
+  cmake/MebotsPlatforms.cmake
   DESTINATION ${package_dir})
+
+# The sources of the libraries of FMUs, for other platforms and for the sources in an FMU.
+install(FILES modeldesc/CMakeLists.txt DESTINATION ${share}/sources/modeldesc)
+install(DIRECTORY modeldesc/data modeldesc/include modeldesc/math modeldesc/shell DESTINATION ${share}/sources/modeldesc)
 
 # find_package(mebots COMPONENTS firmware) also finds a build folder if it is in CMAKE_PREFIX_PATH, or if its bin/ is in PATH.
 set(build_package ${PROJECT_BINARY_DIR}/lib/cmake/mebots)

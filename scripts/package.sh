@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Builds the Debian package in build/deb and tests it in a clean Debian 12 (scripts/try_package.sh). Needs scripts/setup.sh once before,
-# root and debootstrap. MEBOTS_MAINTAINER='NAME <ADDRESS>' sets the package's maintainer.
+# root and debootstrap. MEBOTS_INSTALL_FMUS=build/platforms takes the FMUs for several platforms (scripts/platforms.sh).
+# MEBOTS_MAINTAINER='NAME <ADDRESS>' sets the package's maintainer.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 cmake --preset release -B build/deb -DCMAKE_INSTALL_PREFIX=/usr -DMEBOTS_SITE_PACKAGES=lib/python3/dist-packages -DMEBOTS_EXAMPLES=OFF \
-  ${MEBOTS_MAINTAINER:+"-DMEBOTS_MAINTAINER=$MEBOTS_MAINTAINER"}
+  ${MEBOTS_MAINTAINER:+"-DMEBOTS_MAINTAINER=$MEBOTS_MAINTAINER"} \
+  ${MEBOTS_INSTALL_FMUS:+"-DMEBOTS_INSTALL_FMUS=$(realpath "$MEBOTS_INSTALL_FMUS")"}
 cmake --build build/deb
 rm -f build/deb/*.deb
 (cd build/deb && cpack)

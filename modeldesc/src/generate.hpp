@@ -12,7 +12,8 @@ namespace mebots::modeldesc {
 
 /// Returns the modelDescription.xml of a description as plain data. The GUID is a hash of the content: equal
 /// descriptions have equal GUIDs.
-ModelDescription to_model_description(const Description& description);
+/// `source_files` are the sources in the archive that an importing tool can compile.
+ModelDescription to_model_description(const Description& description, std::vector<std::string> source_files = {});
 
 /// Returns an HTML page about the FMU and its variables.
 std::string write_html(const ModelDescription& description);
@@ -30,16 +31,23 @@ Fmi3Text write_fmi3_xml(const Description& description, const ModelDescription& 
 /// Returns terminalsAndIcons.xml of FMI 3.0; empty if the FMU has neither terminals nor an icon.
 std::string write_terminals_and_icons(const Description& description, bool has_icon);
 
+/// Returns buildDescription.xml of FMI 3.0 for these sources.
+std::string write_build_description(const std::string& model_identifier, const std::vector<std::string>& sources);
+
 /// Returns a hash of the text in the form of a GUID.
 std::string token_of(const std::string& text);
 
 struct GenerateOptions {
   std::vector<FmiVersion> fmi;  ///< versions to write; empty = those of the description
   bool has_icon = false;        ///< the archive contains a picture
+  /// The sources in the archive, relative to sources/; empty = it has none.
+  std::vector<std::string> fmi2_sources = {};
+  std::vector<std::string> fmi3_sources = {};
 };
 
 /// Writes modelDescription.xml, index.html, variables.hpp, binding.hpp and variable_table.cpp into `folder`, and
-/// terminalsAndIcons.xml for FMI 3.0. With both versions, the files of FMI 3.0 alone are in `folder`/fmi3.
+/// terminalsAndIcons.xml and, if there are sources, buildDescription.xml for FMI 3.0. With both versions, the files of
+/// FMI 3.0 alone are in `folder`/fmi3.
 void generate(const Description& description, const std::filesystem::path& folder, const GenerateOptions& options = {});
 
 }  // namespace mebots::modeldesc

@@ -4,6 +4,7 @@
 #include "description.hpp"
 #include "generate.hpp"
 #include "mebots/error.hpp"
+#include "mebots/text_file.hpp"
 #include "pack_fmu.hpp"
 
 #include <fmt/format.h>
@@ -11,9 +12,23 @@
 
 #include <cstdio>
 #include <exception>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
+
+namespace {
+
+/// Returns the lines of a file that are not empty.
+std::vector<std::string> lines_of(const std::string& file) {
+  std::istringstream text(mebots::text_of(file));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);)
+    if (!line.empty()) lines.push_back(line);
+  return lines;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace mebots::modeldesc;
@@ -43,10 +58,19 @@ int main(int argc, char** argv) {
   generate_command
       ->add_option("--count", copies, "copies of the thing that the description repeats, such as drones (default 1)")
       ->check(CLI::Range(1, 4096));
+  std::string fmi2_sources;
+  std::string fmi3_sources;
+  generate_command
+      ->add_option("--fmi2-sources", fmi2_sources, "list of the sources in the archive to compile, one a line")
+      ->type_name("FILE.txt");
+  generate_command->add_option("--fmi3-sources", fmi3_sources, "the same for FMI 3.0: writes buildDescription.xml")
+      ->type_name("FILE.txt");
   generate_command->add_option("--out", folder, "folder to write to")->type_name("FOLDER")->required();
   generate_command->callback([&] {
     GenerateOptions options;
     options.has_icon = has_icon;
+    if (!fmi2_sources.empty()) options.fmi2_sources = lines_of(fmi2_sources);
+    if (!fmi3_sources.empty()) options.fmi3_sources = lines_of(fmi3_sources);
     for (const int version : versions) options.fmi.push_back(static_cast<FmiVersion>(version));
     generate(read_description(description, board, copies), folder, options);
   });
@@ -80,6 +104,7 @@ int main(int argc, char** argv) {
   pack_command
       ->add_option("--parts", parts.parts, "list of third-party parts, for their licences and the bill of materials")
       ->type_name("FILE");
+  pack_command->add_option("--sources", parts.sources, "folder whose contents go to sources/")->type_name("FOLDER");
   pack_command->add_option("--reference", parts.reference, "folder with reference traces")->type_name("FOLDER");
   pack_command->callback([&] { pack_fmu(archive, parts); });
 

@@ -122,6 +122,7 @@ void pack_fmu(const fs::path& archive, const FmuParts& parts) {
   files.push_back({"documentation/sbom.spdx.json", bill});
   if (!parts.reference.empty()) add_folder(parts.reference, "documentation/reference/", files);
   for (const fs::path& folder : parts.resource_folders) add_folder(folder, "resources/", files);
+  if (!parts.sources.empty()) add_folder(parts.sources, "sources/", files);
   for (const fs::path& file : parts.resource_files) files.push_back({"resources/" + file.filename().string(), file});
 
   std::error_code error;

@@ -48,6 +48,7 @@ struct FmuParts {
   std::string license_id;                        // SPDX expression of `license`; may be empty
   std::vector<std::filesystem::path> resource_folders;  // their contents are copied to resources/
   std::vector<std::filesystem::path> resource_files;    // are copied to resources/
+  std::filesystem::path sources;                        // folder, its contents are copied to sources/; may be empty
 };
 
 /// Writes the .fmu. The binary's header determines its platform. Throws mebots::Error with the name of a missing file.

@@ -117,7 +117,7 @@ void add_structure(const Description& description, ModelDescription& result) {
 
 }  // namespace
 
-ModelDescription to_model_description(const Description& description) {
+ModelDescription to_model_description(const Description& description, std::vector<std::string> source_files) {
   ModelDescription result;
   result.fmi_version = "2.0";
   result.model_name = description.name;
@@ -134,6 +134,7 @@ ModelDescription to_model_description(const Description& description) {
   flags.can_get_and_set_fmu_state = true;
   flags.can_serialize_fmu_state = true;
   flags.can_not_use_memory_management_functions = true;
+  flags.source_files = std::move(source_files);
 
   for (const Enumeration& enumeration : description.enumerations) {
     TypeDefinition& type = result.types.emplace_back();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes modelDescription.xml and terminalsAndIcons.xml of FMI 3.0 from the description that FMI 2.0 uses too.
+// Writes modelDescription.xml, terminalsAndIcons.xml and buildDescription.xml of FMI 3.0 from the description that
+// FMI 2.0 uses too.
 #include "fmi3_variables.hpp"
 #include "generate.hpp"
 #include "xml_writer.hpp"
@@ -12,6 +13,9 @@
 
 namespace mebots::modeldesc {
 namespace {
+
+/// Every operation rounds once, and all mathematical functions are those in the sources.
+constexpr const char* kSourceOptions = "-ffp-contract=off -fno-builtin";
 
 std::string value_text(const Value& value) {
   if (const auto* real = std::get_if<double>(&value)) return number_text(*real);
@@ -155,6 +159,21 @@ Fmi3Text write_fmi3_xml(const Description& description, const ModelDescription& 
   text.token = token_of(model_description_text(common, variables, ""));
   text.xml = model_description_text(common, variables, text.token);
   return text;
+}
+
+std::string write_build_description(const std::string& model_identifier, const std::vector<std::string>& sources) {
+  XmlText text("fmiBuildDescription");
+  Element set = text.root()
+                    .text("fmiVersion", "3.0")
+                    .child("BuildConfiguration")
+                    .text("modelIdentifier", model_identifier)
+                    .child("SourceFileSet")
+                    .text("language", "C++20")
+                    .text("compiler", "gcc")
+                    .text("compilerOptions", kSourceOptions);
+  for (const auto& file : sources) set.child("SourceFile").text("name", file);
+  set.child("IncludeDirectory").text("name", ".");
+  return text.str();
 }
 
 std::string write_terminals_and_icons(const Description& description, bool has_icon) {

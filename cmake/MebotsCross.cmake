@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+# For a build of a project for another platform (MEBOTS_PLATFORM, cmake/MebotsPlatforms.cmake): compiles the libraries of FMUs from the
+# installed sources, instead of taking this machine's.
+# MEBOTS_HOST_TOOLS is the folder of this machine's programs.
+
+# Headers without libraries are the same everywhere. /usr/include itself has headers of this machine.
+foreach(library "fmt::fmt-header-only;fmt;libfmt-dev" "nlohmann_json::nlohmann_json;nlohmann;nlohmann-json3-dev")
+  list(GET library 0 target)
+  list(GET library 1 folder)
+  list(GET library 2 package)
+  if(NOT IS_DIRECTORY /usr/include/${folder})
+    message(FATAL_ERROR "the headers in /usr/include/${folder} are missing: apt-get install ${package}")
+  endif()
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/headers)
+  file(CREATE_LINK /usr/include/${folder} ${PROJECT_BINARY_DIR}/headers/${folder} SYMBOLIC)
+  add_library(${target} INTERFACE IMPORTED GLOBAL)
+  set_target_properties(${target} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ${PROJECT_BINARY_DIR}/headers)
+endforeach()
+
+enable_language(C)
+include(${CMAKE_CURRENT_LIST_DIR}/MebotsMath.cmake)
+add_subdirectory(${MEBOTS_ROOT}/sources/modeldesc ${PROJECT_BINARY_DIR}/mebots EXCLUDE_FROM_ALL)
+foreach(library fmt data shell)
+  target_compile_options(mebots_${library} PRIVATE -ffile-prefix-map=${MEBOTS_ROOT}/sources=mebots)
+endforeach()

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "child.hpp"
+
+#include <filesystem>
+
+namespace mebots::check {
+
+/// The number of steps of a plain run, and their length if the description states none.
+inline constexpr int kPlainSteps = 20;
+inline constexpr double kPlainStep_s = 0.01;
+
+/// Runs `instances` instances of the co-simulation FMU that is unpacked in `folder` for a few steps, as the master
+/// does, and reads all outputs. Must be called inside a child process only.
+void run_plainly(const std::filesystem::path& archive, const std::filesystem::path& folder, int instances,
+                 double step_s, Witness& witness);
+
+}  // namespace mebots::check

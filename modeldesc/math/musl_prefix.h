@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Precedes each of musl's mathematical functions, so that they compile with the headers of any C library. With GCC or Clang.
+#define _GNU_SOURCE
+#include <errno.h>
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+
+// What musl's own headers define.
+#define hidden
+#define weak_alias(old, replacement) _Static_assert(1, "")
+#ifndef __BYTE_ORDER
+#define __BYTE_ORDER __BYTE_ORDER__
+#define __LITTLE_ENDIAN __ORDER_LITTLE_ENDIAN__
+#define __BIG_ENDIAN __ORDER_BIG_ENDIAN__
+#endif
+
+// glibc declares other functions of these names.
+#define __sin mebots_musl_sin
+#define __cos mebots_musl_cos
+#define __tan mebots_musl_tan
+#define __sinl mebots_musl_sinl
+#define __cosl mebots_musl_cosl
+#define __tanl mebots_musl_tanl
+
+// One rounding for each operation, on processors that could fuse two. musl calls fma() if it is fast.
+#pragma GCC optimize("fp-contract=off")
+#undef __FP_FAST_FMA
+#undef __FP_FAST_FMAF
+
+// In a shared library, calls must reach these functions and not those of the program that loads it.
+#ifndef _WIN32
+#pragma GCC visibility push(hidden)
+#endif
