@@ -3,7 +3,7 @@
 # Puts Debian's libraries for 64-bit ARM into build/arm64-sysroot, for scripts/arm64.sh. Rebuilds ODE, libccd, libpng and musl's functions
 # from Debian's sources: Debian's own builds fuse a product and a sum into one operation with one rounding, as compilers for ARM do by
 # default. So their last bits differ from those of x86-64. ARKODE is not rebuilt: it is C99, for which compilers do not fuse.
-set -Eeuo pipefail
+set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/debian_sources.sh
 sysroot=$PWD/build/arm64-sysroot
@@ -14,34 +14,52 @@ libraries=$sysroot/usr/lib/$target
 # Lists the libraries of scripts/setup.sh for that processor, except those for tests and translation.
 packages=$(sed -n '/^packages=(/,/^)/p' scripts/setup.sh | sed 's/#.*//' | grep -oE '\b[a-z0-9.+-]+-dev\b' |
   grep -vE '^(libxbyak|libgtest|libgmock|libbenchmark|libclang-rt-[0-9]+|python3|pybind11)-dev$' | paste -sd,)
-wanted=$packages$'\n'$(sha256sum <scripts/arm64_sysroot.sh)
-if [[ $(cat "$sysroot/.made_of" 2>/dev/null) == "$wanted" ]]; then exit; fi
-
-rm -rf "$sysroot"
-mmdebstrap --quiet --variant=extract --architectures=arm64 "--include=libc6-dev,libstdc++-12-dev,$packages" bookworm "$sysroot" "$mirror"
-
 place=$PWD/build/arm64-sources
-debian_sources "$place" musl ode libccd libpng1.6
-
 plain="-O2 -fPIC -ffp-contract=off"
-build() {
+begin_sysroot "$sysroot" "$place" "$packages $(cat scripts/arm64_sysroot.sh scripts/debian_sources.sh cmake/arm64.cmake | sha256sum)"
+
+# mmdebstrap wants an empty folder, and the one for the libraries contains the marks of steps.
+unpack_packages() {
+  rm -rf "$place/root"
+  mmdebstrap --quiet --variant=extract --architectures=arm64 "--include=libc6-dev,libstdc++-12-dev,$packages" bookworm "$place/root" "$mirror"
+  cp -a "$place/root/." "$sysroot/"
+  rm -rf "$place/root"
+}
+
+build_musl() (
+  cd "$place"/musl-*/
   # musl calls fma() by name only if the compiler says that it is fast.
-  (cd "$place"/musl-*/ && ./configure "--target=$target" "CROSS_COMPILE=$target-" \
-    "CFLAGS=$plain -U__FP_FAST_FMA -U__FP_FAST_FMAF" && make -j"$(nproc)" lib/libc.a)
+  ./configure "--target=$target" "CROSS_COMPILE=$target-" "CFLAGS=$plain -U__FP_FAST_FMA -U__FP_FAST_FMAF"
+  make -j"$(nproc)" lib/libc.a
+  cp lib/libc.a "$sysroot/usr/lib/aarch64-linux-musl/"
+)
+
+build_libccd() {
   cmake -S "$place"/libccd-*/ -B "$place/libccd" -G Ninja -DCMAKE_BUILD_TYPE=None "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" \
     "-DCMAKE_SYSROOT=$sysroot" "-DCMAKE_C_FLAGS=$plain" -DCCD_DOUBLE=ON
   cmake --build "$place/libccd"
-  (cd "$place"/libpng1.6-*/ && ./configure "--host=$target" "CC=$target-gcc --sysroot=$sysroot" "CFLAGS=$plain" --disable-shared &&
-    make -j"$(nproc)" libpng16.la)
-  (cd "$place"/ode-*/ && PKG_CONFIG_SYSROOT_DIR=$sysroot PKG_CONFIG_LIBDIR=$libraries/pkgconfig ./configure "--host=$target" \
-    "CC=$target-gcc --sysroot=$sysroot" "CXX=$target-g++ --sysroot=$sysroot" "CFLAGS=$plain" "CXXFLAGS=$plain" \
-    --enable-double-precision --with-libccd=system --enable-libccd --disable-shared --disable-demos && make -j"$(nproc)")
+  cp "$place/libccd/src/libccd.so.2.0" "$libraries/"
 }
-trap 'tail -n 20 "$place/build.txt" >&2' ERR
-build >"$place/build.txt" 2>&1
 
-cp "$place"/musl-*/lib/libc.a "$sysroot/usr/lib/aarch64-linux-musl/"
-cp "$place/libccd/src/libccd.so.2.0" "$libraries/"
-cp "$place"/libpng1.6-*/.libs/libpng16.a "$libraries/"
-cp "$place"/ode-*/ode/src/.libs/libode.a "$libraries/"
-echo "$wanted" >"$sysroot/.made_of"
+build_libpng() (
+  cd "$place"/libpng1.6-*/
+  ./configure "--host=$target" "CC=$target-gcc --sysroot=$sysroot" "CFLAGS=$plain" --disable-shared
+  make -j"$(nproc)" libpng16.la
+  cp .libs/libpng16.a "$libraries/"
+)
+
+build_ode() (
+  cd "$place"/ode-*/
+  PKG_CONFIG_SYSROOT_DIR=$sysroot PKG_CONFIG_LIBDIR=$libraries/pkgconfig ./configure "--host=$target" \
+    "CC=$target-gcc --sysroot=$sysroot" "CXX=$target-g++ --sysroot=$sysroot" "CFLAGS=$plain" "CXXFLAGS=$plain" \
+    --enable-double-precision --with-libccd=system --enable-libccd --disable-shared --disable-demos
+  make -j"$(nproc)"
+  cp ode/src/.libs/libode.a "$libraries/"
+)
+
+step packages unpack_packages
+step sources debian_sources "$place" musl ode libccd libpng1.6
+step musl build_musl
+step libccd build_libccd
+step libpng build_libpng
+step ode build_ode

@@ -1,16 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-# For scripts that build Debian's libraries for other platforms.
+# For scripts that build Debian's libraries for other platforms. Each step is done once, so that an interrupted script continues where it was.
+
+# begin_sysroot SYSROOT SOURCES WANTED
+# Creates the folders for the libraries and for their sources. Deletes what an earlier run left if WANTED, which describes the build, has changed.
+begin_sysroot() {
+  steps=$1/.steps
+  log=$2/build.txt
+  if [[ $(cat "$steps/wanted" 2>/dev/null) != "$3" ]]; then
+    rm -rf "$1" "$2"
+    mkdir -p "$steps" "$2"
+    echo "$3" >"$steps/wanted"
+  fi
+  trap 'if (($?)); then tail -n 20 "$log" >&2; echo "$(basename "$0"): failed; the whole output is in $log" >&2; fi' EXIT
+}
+
+# step NAME COMMAND...
+# Executes COMMAND, with its output in the log, unless it has succeeded before. Prints the time that it took.
+step() {
+  local name=$1 start=$SECONDS
+  shift
+  if [[ -e $steps/$name ]]; then return; fi
+  "$@" >>"$log" 2>&1
+  touch "$steps/$name"
+  echo "$(basename "$0"): $name in $((SECONDS - start)) s"
+}
 
 # debian_sources FOLDER PACKAGE...
 # Fetches the packages' sources with Debian's patches into FOLDER, with a separate configuration of apt.
 debian_sources() {
   local place=$1 mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
   shift
-  rm -rf "$place"
   mkdir -p "$place/lists/partial" "$place/cache/archives/partial"
   echo "deb-src $mirror bookworm main" >"$place/sources.list"
   local options=(-qq -o "Dir::Etc::SourceList=$place/sources.list" -o Dir::Etc::SourceParts=- -o "Dir::State::Lists=$place/lists"
     -o "Dir::Cache=$place/cache" -o APT::Sandbox::User=root)
-  apt-get "${options[@]}" update >/dev/null
-  (cd "$place" && apt-get "${options[@]}" source "$@" >/dev/null)
+  apt-get "${options[@]}" update
+  (cd "$place" && apt-get "${options[@]}" source "$@")
 }

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Builds the FMUs for 64-bit Windows and 64-bit ARM Linux on Debian 12, merges their binaries into the archives of this machine's build,
-# runs them under wine and qemu-user, and compares all values with this machine's (docs/platforms.md). Not part of CI.
+# runs them under wine and qemu-user, and compares all values with this machine's (docs/platforms.md). Not part of CI. Continues where an earlier
+# run was interrupted.
 #
 #   scripts/platforms.sh [--install] [BUILD_FOLDER]    the build for this machine (build/release), with its FMUs
 #
@@ -19,7 +20,7 @@ wine=$(command -v wine64 || echo /usr/lib/wine/wine64)
 for program in x86_64-w64-mingw32-g++-posix aarch64-linux-gnu-g++ qemu-aarch64-static mmdebstrap "$wine"; do
   command -v "$program" >/dev/null || { echo "platforms.sh: $program is missing: apt-get install ${packages[*]}" >&2; exit 2; }
 done
-fmus=${MEBOTS_PLATFORM_FMUS:-fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_world fmu_world_fmi3}
+fmus=${MEBOTS_PLATFORM_FMUS:-fmu_battery fmu_battery_fmi3 fmu_motors fmu_motors_fmi3 fmu_soc fmu_soc_fmi3 fmu_world fmu_world_fmi3}
 for fmu in $fmus; do
   [[ -e $host/fmus/$fmu.fmu ]] || { echo "platforms.sh: no $host/fmus/$fmu.fmu to compare with: build it (cmake --preset release)" >&2; exit 2; }
 done
@@ -40,21 +41,13 @@ build win64 "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/win64.cmake" "-DMUSL_ARCHIVE=$PWD
 scripts/arm64_sysroot.sh
 build arm64-fmus "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/arm64.cmake" "-DCMAKE_SYSROOT=$PWD/build/arm64-sysroot"
 
-# A DLL imports only from libraries of Windows, and exports only the functions of FMI.
-for library in $(find build/win64/fmu_binaries -name '*.dll'); do
-  tables=$(x86_64-w64-mingw32-objdump -p "$library")
-  foreign=$(sed -n 's/^\s*DLL Name: //p' <<<"$tables" | grep -viE '^(kernel32|msvcrt|advapi32|user32|shell32|ws2_32)\.dll$' || true)
-  [[ -z $foreign ]] || { echo "platforms.sh: $library needs $foreign" >&2; exit 1; }
-  names=$(sed -n '/\[Ordinal\/Name Pointer\] Table/,$p' <<<"$tables" | sed -nE 's/^\s*\[ *[0-9]+\] (\S+)$/\1/p')
-  version=2
-  if [[ $library == */fmi3/* ]]; then version=3; fi
-  [[ -n $names ]] && ! grep -v "^fmi$version" <<<"$names" || { echo "platforms.sh: $library exports other names" >&2; exit 1; }
-done
+python3 tests/platforms/dll_test.py build/win64/fmu_binaries
 
 mkdir -p build/platforms
 archives=()
 for fmu in $fmus; do
   "$host/bin/mebots" fmu-platforms "$host/fmus/$fmu.fmu" "build/win64/fmus/$fmu.fmu" "build/arm64-fmus/fmus/$fmu.fmu" --out "build/platforms/$fmu.fmu"
+  "$host/bin/mebots" check "build/platforms/$fmu.fmu" >"build/platforms/$fmu.check" || { cat "build/platforms/$fmu.check" >&2; exit 1; }
   archives+=("build/platforms/$fmu.fmu")
 done
 ls -l "${archives[@]}"
@@ -64,5 +57,9 @@ gcc -std=c11 -O1 "$loader" -o build/platforms/run_fmu -ldl
 x86_64-w64-mingw32-gcc -std=c11 -O1 -static "$loader" -o build/platforms/run_fmu.exe
 aarch64-linux-gnu-gcc -std=c11 -O1 "$loader" -o build/platforms/run_fmu_arm64 -ldl
 export WINEDEBUG=-all WINEPREFIX=$PWD/build/platforms/wine
-python3 tests/platforms/compare.py --loader linux64=build/platforms/run_fmu --loader "win64=$wine build/platforms/run_fmu.exe" \
-  --loader "aarch64-linux=qemu-aarch64-static -L build/arm64-sysroot build/platforms/run_fmu_arm64" "${archives[@]}"
+loaders=(--loader linux64=build/platforms/run_fmu --loader "win64=$wine build/platforms/run_fmu.exe"
+  --loader "aarch64-linux=qemu-aarch64-static -L build/arm64-sysroot build/platforms/run_fmu_arm64")
+python3 tests/platforms/compare.py "${loaders[@]}" "${archives[@]}"
+if [[ " $fmus " == *" fmu_soc "* ]]; then
+  python3 tests/platforms/fly.py "${loaders[@]}" configs/gate_easy.json build/platforms "${MEBOTS_PLATFORM_FLIGHT_S:-6}"
+fi

@@ -63,6 +63,7 @@ class Fmu:
         self.guid = root.get("instantiationToken" if self.is_fmi3 else "guid")
         self.identifier = root.find("CoSimulation").get("modelIdentifier")
         self.variables = list(self._variables(root))
+        self.items = dict(self._items(root))
 
     def _variables(self, root):
         """Yield name, kind, causality, value reference and number of elements."""
@@ -78,11 +79,19 @@ class Fmu:
             if kind is not None and node.get("variability") != "constant":
                 yield node.get("name"), kind, node.get("causality"), node.get("valueReference"), count
 
+    @staticmethod
+    def _items(root):
+        """Yield the value of each item of each enumeration of FMI 2.0, by variable and name of the item."""
+        types = {kind.get("name"): kind.findall("Enumeration/Item") for kind in root.iterfind("TypeDefinitions/SimpleType")}
+        for node in root.iterfind("ModelVariables/ScalarVariable"):
+            for item in types.get(node[0].get("declaredType"), []):
+                yield (node.get("name"), item.get("name")), int(item.get("value"))
+
     def library(self, platform):
         fmi2, fmi3, suffix = NAMES[platform]
         return self.folder / "binaries" / (fmi3 if self.is_fmi3 else fmi2) / (self.identifier + suffix)
 
-    def orders(self, platform):
+    def orders(self, platform, steps=STEPS):
         """Return the list of orders of run_fmu. Wine has the file system at Z:."""
         drive = "Z:" if platform == "win64" else ""
         resources = f"{drive}{self.folder}/resources"
@@ -96,11 +105,12 @@ class Fmu:
         outputs = [(kind, f"read {kind} {reference} {count}") for name, kind, causality, reference, count in self.variables
                    if causality == "output" and not name.endswith((".base.lo", ".base.hi"))]  # OSMP's addresses differ between runs
         yield from (order for _, order in outputs)
-        for step in range(STEPS):
+        for step in range(steps):
             for name, kind, causality, reference, count in self.variables:
                 value = course(name, step)
                 if causality == "input" and kind == "real" and value is not None:
                     yield f"real {reference} {' '.join(bits(value * (1 + 0.01 * element)) for element in range(count))}"
+            yield "answer"
             yield f"step {bits(step * STEP_S)} {bits(STEP_S)}"
             yield from (order for kind, order in outputs if kind != "string" or step % STRING_EVERY == 0)
 

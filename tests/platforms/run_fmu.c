@@ -7,6 +7,8 @@
 // An order is a line of UTF-8 text; numbers are bits in hexadecimal:
 //   library PATH | guid TEXT | resources TEXT | instantiate VERSION | initialise | step TIME LENGTH
 //   real|integer|boolean|string REFERENCE VALUE... | read real|integer|int64|boolean|string REFERENCE COUNT
+//   text REFERENCE | answer
+// `read string` prints a hash, `text` the string itself. `answer` ends the line of output and flushes it.
 // The resources are a file URI for FMI 2.0, and a folder for FMI 3.0.
 #include <stdarg.h>
 #include <stdint.h>
@@ -166,7 +168,7 @@ static void set_reals(Reference reference, const char* value) {
 }
 
 static void set(const char* type, Reference reference, char* value) {
-  int32_t integer = (int32_t)strtol(value, NULL, 16);
+  int32_t integer = (int32_t)strtoul(value, NULL, 16);
   _Bool flag = integer != 0;
   const char* text = value;
   void* place = strcmp(type, "string") == 0 ? (void*)&text : (void*)&integer;
@@ -196,6 +198,12 @@ static void read_values(const char* type, Reference reference, size_t count) {
   }
 }
 
+static void print_text(Reference reference) {
+  const char* text = NULL;
+  check(access("Get", "string", reference, &text, 1), "Get");
+  printf(" %s", text);
+}
+
 // Executes an order. `rest` is the line after its first word.
 static void perform(const char* order, char* rest) {
   if (strcmp(order, "library") == 0) {
@@ -210,12 +218,16 @@ static void perform(const char* order, char* rest) {
     instantiate();
   } else if (strcmp(order, "initialise") == 0) {
     initialise();
+  } else if (strcmp(order, "text") == 0) {
+    print_text((Reference)strtoul(rest, NULL, 10));
+  } else if (strcmp(order, "answer") == 0) {
+    putchar('\n');
+    fflush(stdout);
   } else {
     char* first = strtok(rest, " ");
     char* second = strtok(NULL, strcmp(order, "string") == 0 ? "" : " ");
     if (strcmp(order, "step") == 0) {
       step(real_of(first), real_of(second));
-      putchar('\n');
     } else if (strcmp(order, "read") == 0) {
       read_values(first, (Reference)strtoul(second, NULL, 10), strtoul(strtok(NULL, " "), NULL, 10));
     } else if (strcmp(order, "real") == 0) {
@@ -227,7 +239,7 @@ static void perform(const char* order, char* rest) {
 }
 
 int main(void) {
-  static char line[1 << 16];
+  static char line[1 << 19];  // a text may be a whole picture
   while (fgets(line, sizeof line, stdin) != NULL) {
     line[strcspn(line, "\r\n")] = '\0';
     char* rest = strchr(line, ' ');
