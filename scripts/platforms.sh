@@ -60,6 +60,7 @@ export WINEDEBUG=-all WINEPREFIX=$PWD/build/platforms/wine
 loaders=(--loader linux64=build/platforms/run_fmu --loader "win64=$wine build/platforms/run_fmu.exe"
   --loader "aarch64-linux=qemu-aarch64-static -L build/arm64-sysroot build/platforms/run_fmu_arm64")
 python3 tests/platforms/compare.py "${loaders[@]}" "${archives[@]}"
+python3 tests/platforms/resource_paths.py "$wine" build/platforms/run_fmu.exe "${archives[@]}"
 if [[ " $fmus " == *" fmu_soc "* ]]; then
   python3 tests/platforms/fly.py "${loaders[@]}" configs/gate_easy.json build/platforms "${MEBOTS_PLATFORM_FLIGHT_S:-6}"
 fi
