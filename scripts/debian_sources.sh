@@ -11,7 +11,8 @@ begin_sysroot() {
     mkdir -p "$steps" "$2"
     echo "$3" >"$steps/wanted"
   fi
-  trap 'if (($?)); then tail -n 20 "$log" >&2; echo "$(basename "$0"): failed; the whole output is in $log" >&2; fi' EXIT
+  exec 3>&2  # a step that fails ends the script while its errors still go to the log
+  trap 'if (($?)); then tail -n 20 "$log" >&3; echo "$(basename "$0"): failed; the whole output is in $log" >&3; fi' EXIT
 }
 
 # step NAME COMMAND...
@@ -30,6 +31,7 @@ step() {
 debian_sources() {
   local place=$1 mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
   shift
+  find "$place" -mindepth 1 -maxdepth 1 ! -name build.txt -exec rm -rf {} +  # apt-get would keep a folder that is not completely unpacked
   mkdir -p "$place/lists/partial" "$place/cache/archives/partial"
   echo "deb-src $mirror bookworm main" >"$place/sources.list"
   local options=(-qq -o "Dir::Etc::SourceList=$place/sources.list" -o Dir::Etc::SourceParts=- -o "Dir::State::Lists=$place/lists"
