@@ -29,7 +29,7 @@ done
 build() {
   local name=$1
   shift
-  cmake --preset release -B "build/$name" "-DMEBOTS_HOST_TOOLS=$host/bin" -DMEBOTS_SOC_TRANSLATE=OFF -DMEBOTS_WORLD_DRONES= "$@" >/dev/null
+  cmake --preset release -B "build/$name" "-DMEBOTS_HOST_TOOLS=$host/bin" -DMEBOTS_WORLD_DRONES= "$@" >/dev/null
   local targets=()
   for fmu in $fmus; do targets+=("${fmu}_archive"); done
   SECONDS=0

@@ -10,8 +10,7 @@
 #include "translate/fetch_writer.hpp"
 #include "translate/registers.hpp"
 #include "translate/translator.hpp"
-
-#include <xbyak/xbyak.h>
+#include "translate/xbyak.hpp"
 
 #include <array>
 #include <cstddef>

@@ -3,8 +3,7 @@
 
 #include "hart/execution.hpp"
 #include "translate/region.hpp"
-
-#include <xbyak/xbyak.h>
+#include "translate/xbyak.hpp"
 
 #include <cstdint>
 

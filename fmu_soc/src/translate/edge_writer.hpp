@@ -4,8 +4,7 @@
 #include "mebots/assert.hpp"
 #include "translate/region.hpp"
 #include "translate/translator.hpp"
-
-#include <xbyak/xbyak.h>
+#include "translate/xbyak.hpp"
 
 #include <bit>
 #include <cstdint>

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "hart/block_cache.hpp"
-
-#include <xbyak/xbyak.h>
+#include "translate/xbyak.hpp"
 
 #include <cstdint>
 

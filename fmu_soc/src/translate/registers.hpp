@@ -2,8 +2,7 @@
 #pragma once
 
 #include "translate/region.hpp"
-
-#include <xbyak/xbyak.h>
+#include "translate/xbyak.hpp"
 
 #include <array>
 #include <cstdint>

@@ -17,6 +17,12 @@ namespace {
 
 constexpr std::size_t kStubAlignment = 16;
 
+/// wait_for_far() with the calling convention of translated code.
+[[gnu::sysv_abi]] std::uint64_t wait_for_far_from_code(Execution& execution, std::uint64_t cycle,
+                                                       std::uint32_t offset) noexcept {
+  return wait_for_far(execution, cycle, offset);
+}
+
 /// Ends the run of a core that reached its limit in translated code. Stores its resume point (rdx), and continues with
 /// the next core of the round at its resume point (rcx). Guest registers are stored.
 void emit_next_core(Assembler& a, const Label& next_core, const Label& done) {
@@ -96,7 +102,7 @@ void emit_far_stub(Assembler& a) {
   a.add(rsi, ptr[rbx + offset_of_counter(offsetof(Counters, cycles))]);
   a.mov(rdi, rbx);
   a.mov(edx, ecx);
-  a.mov(rax, reinterpret_cast<std::uint64_t>(&wait_for_far));
+  a.mov(rax, reinterpret_cast<std::uint64_t>(&wait_for_far_from_code));
   a.call(rax);
   for (int i = 0; i < kVectors; ++i) a.movq(Xbyak::Xmm(kFirstVector + i), slot(i));
   a.movdqu(xmm15, ptr[rsp]);

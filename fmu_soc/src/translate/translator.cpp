@@ -9,7 +9,6 @@
 #include <xbyak/xbyak_util.h>
 
 #include <algorithm>
-#include <bit>
 
 namespace mebots::soc::translate {
 namespace {
@@ -69,8 +68,10 @@ class HostTranslator : public Translator {
       std::uint64_t exit;
       Execution* execution;
     };
-    using Enter = Return (*)(Execution*, const std::uint8_t*);
-    const auto [exit, stopped] = std::bit_cast<Enter>(stubs_.prologue)(&execution, code);
+    // Translated code follows the System V ABI on each system.
+    using Enter = Return(__attribute__((sysv_abi))*)(Execution*, const std::uint8_t*);
+    const auto enter = reinterpret_cast<Enter>(stubs_.prologue);
+    const auto [exit, stopped] = enter(&execution, code);
     if (exit == kNoExit) return {nullptr, stopped};
     last_exit_ = static_cast<std::uint32_t>(exit);
     return {&exits_.exit(last_exit_), stopped};
