@@ -148,12 +148,20 @@ Json summary_of(const ChipReport& report, const std::string& outcome) {
           {"energy", energy},   {"units", {{"energy", units}}}, {"versions", {{"mebots", MEBOTS_VERSION}}}};
 }
 
-/// Returns the content of the page's tables: the report, and a sentence on each part.
+/// Returns a core's clock over the run; null if the core never had power.
+Json clock_json(const ClockRange& clock) {
+  if (!clock.has_run()) return nullptr;
+  return {{"least_hz", clock.least_hz()}, {"most_hz", clock.most_hz()}, {"mean_hz", clock.mean_hz()}};
+}
+
+/// Returns the content of the page's tables: the report, clocks, and a sentence on each part.
 Json tables_of(const ChipReport& report, const PowerCourse& course) {
   auto chip = Json::parse(json_text(report));
   for (const auto* list : {&report.parts, &report.devices}) {
     for (const auto& part : *list) chip["texts"][part.name] = part.text;
   }
+  chip["clocks"] = {{"controller", clock_json(course.controller_clock())},
+                    {"cluster", clock_json(course.cluster_clock())}};
   for (std::size_t i = 0; i < kStates.size(); ++i) {
     chip["states_s"][std::string(kStateLabels[i])] = seconds(course.points().back().in_state[i]);
   }

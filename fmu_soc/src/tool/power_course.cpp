@@ -1,22 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tool/power_course.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace mebots::soc::tool {
+
+void ClockRange::add(double hz, Picoseconds span) {
+  if (hz == 0 || span <= 0) return;
+  least_hz_ = has_run() ? std::min(least_hz_, hz) : hz;
+  most_hz_ = std::max(most_hz_, hz);
+  ticks_ += hz * static_cast<double>(span);
+  span_ += static_cast<double>(span);
+}
 
 PowerCourse::PowerCourse(const Soc& soc) : soc_(soc) {
   for (const auto& slot : soc.devices()) {
     if (!slot.entry->states.empty()) devices_.push_back(slot.entry->name);
   }
   add(soc.now());
+  add_clocks(soc.now());
 }
 
 void PowerCourse::changed(Picoseconds time) {
+  add_clocks(time);
   if (time - points_.back().time >= spacing_) add(time);
 }
 
+/// Adds the time since the last call at the clocks of then, and reads the present clocks.
+void PowerCourse::add_clocks(Picoseconds time) {
+  controller_clock_.add(controller_hz_, time - clocks_since_);
+  cluster_clock_.add(cluster_hz_, time - clocks_since_);
+  clocks_since_ = time;
+  controller_hz_ = soc_.power().clock_hz();
+  const auto* cluster = soc_.cluster();
+  cluster_hz_ = cluster != nullptr && cluster->powered() ? cluster->clock_hz() : 0;
+}
+
 void PowerCourse::finish() {
+  add_clocks(soc_.now());
   if (soc_.now() > points_.back().time) add(soc_.now());
 }
 

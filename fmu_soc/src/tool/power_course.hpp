@@ -11,7 +11,26 @@
 
 namespace mebots::soc::tool {
 
-/// Energy of each part and device, and time in each state, over the time of a run, in memory.
+/// The clock of a core over the time in which it has power.
+class ClockRange {
+ public:
+  /// Adds a span of time at a clock.
+  void add(double hz, Picoseconds span);
+  /// Returns whether the core has had power for some time. The other functions need this.
+  bool has_run() const { return span_ > 0; }
+  double least_hz() const { return least_hz_; }
+  double most_hz() const { return most_hz_; }
+  /// Returns the mean over time.
+  double mean_hz() const { return ticks_ / span_; }
+
+ private:
+  double least_hz_ = 0;
+  double most_hz_ = 0;
+  double ticks_ = 0;  // sum of hz times picoseconds
+  double span_ = 0;
+};
+
+/// Energy of each part and device, time in each state, and clocks, over the time of a run, in memory.
 ///
 /// A point is taken at an event, but at most one point in each interval of the present spacing. If there are too many
 /// points, every second one is dropped, and the spacing doubles. Values are totals since the start, so their
@@ -37,15 +56,24 @@ class PowerCourse final : public StateListener {
   /// Names of the devices that have states with power.
   const std::vector<std::string>& devices() const { return devices_; }
   const std::vector<Point>& points() const { return points_; }
+  const ClockRange& controller_clock() const { return controller_clock_; }
+  const ClockRange& cluster_clock() const { return cluster_clock_; }
 
  private:
   void add(Picoseconds time);
   void halve();
+  void add_clocks(Picoseconds time);
 
   const Soc& soc_;
   std::vector<std::string> devices_;
   std::vector<Point> points_;
   Picoseconds spacing_ = 1'000'000;  // 1 us
+  ClockRange controller_clock_;
+  ClockRange cluster_clock_;
+  // The clocks since the last call; 0 without power.
+  Picoseconds clocks_since_ = 0;
+  double controller_hz_ = 0;
+  double cluster_hz_ = 0;
 };
 
 }  // namespace mebots::soc::tool

@@ -14,6 +14,21 @@ interface Cores {
   cycles_waited?: number;
 }
 
+/** The clock of a core over the time in which it had power. */
+interface Clock {
+  least_hz: number;
+  most_hz: number;
+  mean_hz: number;
+}
+
+/** Returns "87 MHz", or the range of a clock that changed. */
+export function clockText(clock: Clock | null): string {
+  if (clock === null) return "off";
+  const { least_hz, most_hz, mean_hz } = clock;
+  if (least_hz === most_hz) return shown(most_hz, "Hz");
+  return `${shown(least_hz, "Hz")} to ${shown(most_hz, "Hz")}, in the mean ${shown(mean_hz, "Hz")}`;
+}
+
 export function cyclesPerInstruction({ cycles, instructions }: Cores): string {
   return instructions > 0 ? (cycles / instructions).toFixed(3) : "\u2013";
 }
@@ -60,17 +75,17 @@ function makeEnergy(chip: Json): HTMLElement {
 }
 
 function makeCounts(chip: Json): HTMLElement {
-  const columns: [string, Cores][] = [];
-  if (chip.controller) columns.push([chip.cluster ? "fabric controller" : "core", chip.controller]);
-  if (chip.cluster) columns.push([`cluster, ${chip.cluster.cores} cores`, chip.cluster]);
+  const columns: [string, Cores, Clock | null][] = [];
+  if (chip.controller) columns.push([chip.cluster ? "fabric controller" : "core", chip.controller, chip.clocks.controller]);
+  if (chip.cluster) columns.push([`cluster, ${chip.cluster.cores} cores`, chip.cluster, chip.clocks.cluster]);
   const whole = (value: number | undefined) => (value === undefined ? "\u2013" : value.toLocaleString("en"));
-  const rows: [string, (cores: Cores) => string][] = [
-    ["instructions", ({ instructions }) => whole(instructions)], ["cycles", ({ cycles }) => whole(cycles)],
+  const rows: [string, (cores: Cores, clock: Clock | null) => string][] = [
+    ["clock", (_, clock) => clockText(clock)], ["instructions", ({ instructions }) => whole(instructions)], ["cycles", ({ cycles }) => whole(cycles)],
     ["cycles per instruction", cyclesPerInstruction],
     ["refills of the instruction cache", ({ cache_refills }) => whole(cache_refills)], ["cycles waited for it", ({ cycles_waited }) => whole(cycles_waited)],
   ];
   return element("table", {}, element("thead", {}, element("tr", {}, ...["", ...columns.map(([name]) => name)].map((head, i) => element("th", i > 0 ? { class: "right" } : {}, head)))),
-    element("tbody", {}, ...rows.map(([name, read]) => element("tr", {}, element("td", {}, name), ...columns.map(([, cores]) => number(read(cores)))))));
+    element("tbody", {}, ...rows.map(([name, read]) => element("tr", {}, element("td", {}, name), ...columns.map(([, cores, clock]) => number(read(cores, clock)))))));
 }
 
 function makeShares(values: Record<string, number>, total: number, unit: string): HTMLElement {

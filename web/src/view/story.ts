@@ -4,7 +4,7 @@ import type { Json } from "../data/payload";
 import { type Run, rowAt } from "../data/run";
 import { shown, shownTime } from "../data/units";
 import { element } from "../dom";
-import { cyclesPerInstruction } from "./chip";
+import { clockText, cyclesPerInstruction } from "./chip";
 import { mainValues } from "./statistics";
 
 /** Returns the first time at which a recorded variable whose name has this ending is not 0. */
@@ -42,8 +42,8 @@ function charge(summary: Json): string {
 /** Returns a text about a program on the chip alone: mean power, and the instructions of the controller. */
 function chip({ header }: Run): string {
   if (!header.chip) return "";
-  const { chip_mean_w, controller, cluster } = header.chip;
-  const counts = `${cluster ? "controller" : "core"}: ${controller.instructions.toLocaleString("en")} instructions, ${cyclesPerInstruction(controller)} cycles each`;
+  const { chip_mean_w, controller, cluster, clocks } = header.chip;
+  const counts = `${cluster ? "controller" : "core"} at ${clockText(clocks.controller)}: ${controller.instructions.toLocaleString("en")} instructions, ${cyclesPerInstruction(controller)} cycles each`;
   return `${chip_mean_w === null ? "" : `${shown(chip_mean_w, "W")} in the mean; `}${counts}`;
 }
 
