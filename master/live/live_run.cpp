@@ -29,9 +29,14 @@ using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 constexpr auto kPatience = 20s;     ///< for a browser's thread: a step may take long
-constexpr auto kLinger = 3s;        ///< at the end, for active browsers
-constexpr auto kLookedLately = 5s;  ///< a browser is active if its last request is not older
-constexpr auto kHeldNap = 50ms;     ///< between checks of the interrupt flag while the run is paused
+constexpr auto kLinger = 3s;        ///< at the end, for active clients that are no page
+constexpr auto kLookedLately = 5s;  ///< such a client is active if its last request is not older
+/// The same for a page. It reports when it closes, so this is only for a browser that crashed. On a busy machine, a
+/// page may take many seconds to draw.
+constexpr auto kPageLinger = 30s;
+constexpr std::size_t kMostPages = 32;
+constexpr std::string_view kLeaveOrder = "leave=";
+constexpr auto kHeldNap = 50ms;  ///< between checks of the interrupt flag while the run is paused
 constexpr std::string_view kPaceOrder = "pace=";
 
 /// Returns the rows in memory from `first` on as a table, thinned out like a table from a file.
@@ -135,17 +140,33 @@ void LiveRun::keep() {
 }
 
 void LiveRun::linger() {
-  const auto start = Clock::now();
-  if (start - last_look_ > kLookedLately) return;
+  const auto end = Clock::now();
   const auto& interrupted = run_->interrupt_flag();
-  while (!end_seen_ && !interrupted.load(std::memory_order_relaxed) && Clock::now() - start < kLinger)
-    mailbox_.wait_and_answer(kHeldNap);
+  while (is_awaited(end) && !interrupted.load(std::memory_order_relaxed)) mailbox_.wait_and_answer(kHeldNap);
+}
+
+bool LiveRun::is_awaited(Clock::time_point end) const {
+  const auto waited = Clock::now() - end;
+  const auto is_open = [&](const auto& page) { return end - page.second < kPageLinger; };
+  if (waited < kPageLinger && std::ranges::any_of(pages_, is_open)) return true;
+  return !end_seen_ && waited < kLinger && end - last_look_ < kLookedLately;
+}
+
+void LiveRun::note_look(const std::string& page) {
+  const auto now = Clock::now();
+  if (page.empty()) {
+    last_look_ = now;
+    end_seen_ = ended_;
+  } else if (ended_) {
+    pages_.erase(page);
+  } else if (pages_.size() < kMostPages || pages_.contains(page)) {
+    pages_[page] = now;
+  }
 }
 
 std::string LiveRun::data(const Known& known) {
-  last_look_ = Clock::now();
+  note_look(known.page);
   for_browser_ = false;
-  end_seen_ = ended_;
   master::report::RunFolder folder;
   folder.live = {{"held", held_},
                  {"pace", pace_},
@@ -186,8 +207,11 @@ std::string LiveRun::control(const std::string& order) {
                        fmt::format("'{}': the pace must be from 0 (as fast as possible) to {}", order, kFastestPace));
     }
     set_pace(*pace);
+  } else if (order.starts_with(kLeaveOrder)) {
+    pages_.erase(order.substr(kLeaveOrder.size()));
   } else {
-    throw InputError(ErrorCode::invalid_argument, fmt::format("'{}' must be hold, step, go or pace=NUMBER", order));
+    throw InputError(ErrorCode::invalid_argument,
+                     fmt::format("'{}' must be hold, step, go, pace=NUMBER or leave=PAGE", order));
   }
   return Json({{"held", held_}}).dump();
 }

@@ -13,6 +13,7 @@
 #include <deque>
 #include <functional>
 #include <future>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -70,7 +71,7 @@ class LiveRun {
   const std::string& address() const { return address_; }
   /// Steps to the end.
   void run();
-  /// After the end, waits briefly for active browsers to receive the last rows.
+  /// After the end, waits until open pages have the last rows, but not for long.
   void linger();
   /// After the end, serves the page until the run's interrupt flag is set.
   void keep();
@@ -83,6 +84,7 @@ class LiveRun {
     std::size_t rows = 0;
     std::size_t pictures = 0;  // of each camera
     std::size_t log = 0;       // bytes
+    std::string page = {};     // identifies a page that is open; empty for other clients
   };
 
   void step_until_the_end();
@@ -91,6 +93,9 @@ class LiveRun {
   void set_pace(double pace);
   /// Returns the wall time until the next step is due at the requested pace.
   std::chrono::steady_clock::duration until_due() const;
+  /// True if a page is open, or another client was active, that has not received the end.
+  bool is_awaited(std::chrono::steady_clock::time_point end) const;
+  void note_look(const std::string& page);
   std::string data(const Known& known);
   void add_constant_data(master::report::RunFolder& folder) const;
   std::string control(const std::string& order);
@@ -109,8 +114,11 @@ class LiveRun {
   bool held_ = false;
   bool one_step_ = false;
   bool ended_ = false;
+  // Of clients that are no page.
   bool end_seen_ = false;
   std::chrono::steady_clock::time_point last_look_{};
+  /// Open pages that have not received the end, with the time of their last request.
+  std::map<std::string, std::chrono::steady_clock::time_point> pages_;
   nlohmann::ordered_json scenario_ = nlohmann::ordered_json::array();
   std::unique_ptr<Server> server_;
 };

@@ -102,7 +102,8 @@ void RequestServer::route(const std::string& token, int port, const LiveRun::Ser
   });
   Get("/[0-9a-f]+/data", [answers](const httplib::Request& request, httplib::Response& response) {
     reply(response, "application/octet-stream", [&] {
-      return answers.data({count_of(request, "rows"), count_of(request, "pictures"), count_of(request, "log")});
+      return answers.data({count_of(request, "rows"), count_of(request, "pictures"), count_of(request, "log"),
+                           request.get_param_value("page")});
     });
   });
   Post("/[0-9a-f]+/control", [answers](const httplib::Request& request, httplib::Response& response) {

@@ -17,9 +17,11 @@ export async function launch(chromium) {
   });
 }
 
-/** Opens a page and waits until it has drawn everything. Adds errors to `problems`, and the page's requests to `requests`. */
-export async function openUrl(browser, url, { width = 1400, height = 900, dark = false, touch = false } = {}) {
+/** Opens a page and waits until it has drawn everything. Adds errors to `problems`, and the page's requests to `requests`. `prepare` runs in the page
+ * before its scripts. */
+export async function openUrl(browser, url, { width = 1400, height = 900, dark = false, touch = false, prepare = () => {} } = {}) {
   const page = await browser.newPage();
+  await page.evaluateOnNewDocument(prepare);
   const problems = [];
   const requests = [];
   page.on("pageerror", (error) => problems.push(`error: ${error.message}`));

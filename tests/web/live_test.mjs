@@ -194,6 +194,23 @@ const overHttp = {
     assert.equal(await live.ended, 0);
   },
 
+  async "the run waits at its end for each open page that is slow, until it has the last rows or closes"() {
+    const live = await runLive("slow_pages", system, ["--stop-time", "1"]);
+    await order(live, "hold");
+    for (const page of ["slow", "closed"]) await header(live, `?page=${page}`);
+    let over = false;
+    live.ended.finally(() => { over = true; });
+    await order(live, "go");
+    await until(live, (run) => run.live.ended); // this client is no page: the run waits for others
+    await new Promise((done) => setTimeout(done, 3500)); // longer than it waits for a client that is no page
+    assert.equal(over, false);
+    assert.equal((await header(live, "?page=slow")).runs[0].live.ended, true);
+    await new Promise((done) => setTimeout(done, 300));
+    assert.equal(over, false);
+    assert.equal((await order(live, "leave=closed")).status, 200);
+    assert.equal(await live.ended, 0);
+  },
+
   async "a run that is resumed can be looked at, too"() {
     const cut = await runLive("resumed", system, ["--checkpoint-every", "10", "--live-pace", "1000"]);
     await until(cut, (run) => run.summary.simulated_time > 30);

@@ -12,10 +12,16 @@ const PERIOD = 400;
 /** Offered paces, in multiples of real time. */
 const PACES = [0, 0.1, 0.5, 1, 2, 5, 10];
 
+/** Identifies this page to the run, which waits at its end until all open pages have its last data. */
+const PAGE = String(Math.random()).slice(2);
+
+/** The run has answered that it cannot give the data now, because a step takes long. */
+class Busy extends Error {}
+
 /** Fetches all data, or only the data that this page lacks. */
-export async function fetchPayload(known?: { rows: number; pictures: number; log: number }): Promise<Payload> {
-  const answer = await fetch(known ? `data?rows=${known.rows}&pictures=${known.pictures}&log=${known.log}` : "data");
-  if (!answer.ok) throw new Error(await answer.text());
+export async function fetchPayload(known = { rows: 0, pictures: 0, log: 0 }): Promise<Payload> {
+  const answer = await fetch(`data?rows=${known.rows}&pictures=${known.pictures}&log=${known.log}&page=${PAGE}`);
+  if (!answer.ok) throw new Busy(await answer.text());
   return readPayload(new Uint8Array(await answer.arrayBuffer()));
 }
 
@@ -61,7 +67,10 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
   };
   const keepLooking = async () => {
     try {
-      await look();
+      await look().catch((error) => {
+        if (!(error instanceof Busy)) throw error;
+        badge.textContent = "waiting for the run";
+      });
       if (run.header.live?.ended) return;
       setTimeout(keepLooking, PERIOD);
     } catch {
@@ -69,6 +78,7 @@ export function follow(run: Run, clock: Clock, span: Window): HTMLElement {
     }
   };
   show();
+  addEventListener("pagehide", () => navigator.sendBeacon("control", new URLSearchParams({ order: `leave=${PAGE}` })));
   setTimeout(keepLooking, PERIOD);
   return element("span", { class: "live" }, badge, " ", hold, " ", step, " ", pace);
 }

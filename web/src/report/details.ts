@@ -111,6 +111,8 @@ function replayTexts(study: Study, mission: Mission): HTMLElement[] {
     element("p", {}, `${name} again, with pictures and all results, and its page:`),
     makeCommand(`${command} && mebots report ${study.replay!.folder}/${folder}`),
     element("p", {}, isThere ? "It was flown before: " : "Then open ", element("a", { href: page, target: "_blank" }, page), "."),
+    element("p", {}, "Or watch it while it flies; it starts when a browser opens the address that it prints:"),
+    makeCommand(`${command} --live`),
   ];
 }
 
