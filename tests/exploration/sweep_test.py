@@ -565,7 +565,17 @@ class Python(StudyCase):
             mebots.Mission(config)
 
     def test_dir_lists_all_that_the_package_offers(self):
-        self.assertLessEqual({"Mission", "sweep", "replay", "identify", "new_cell", "read"}, set(dir(mebots)))
+        names = {name for name in dir(mebots) if not name.startswith("__")}
+        self.assertEqual(names | {"__version__"}, {*mebots.__all__, "gym", "testing"})
+        for name in names:
+            self.assertIsNotNone(getattr(mebots, name), name)
+
+    def test_a_package_without_gymnasium_has_help_and_says_how_to_install_it(self):
+        shown = "'class Mission' in pydoc.render_doc(mebots, renderer=pydoc.plaintext)"
+        code = f"import sys; sys.modules['gymnasium'] = None; import mebots, pydoc; print(hasattr(mebots, 'gym'), {shown}); mebots.gym"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+        self.assertEqual(done.stdout, "False True\n", done.stderr)
+        self.assertIn("AttributeError: mebots.gym needs gymnasium: pip install 'mebots[gym]'", done.stderr)
 
     def test_sweep_gives_the_same_bytes_as_the_program(self):
         self.sweep_file = self.study()

@@ -44,7 +44,8 @@ class Stub(unittest.TestCase):
         tree = ast.parse(pathlib.Path(mebots.__file__).read_text(encoding="utf-8"))
         imported = {alias.name for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) for alias in node.names}
         annotated = {node.target.id for node in ast.walk(tree) if isinstance(node, ast.AnnAssign)}
-        self.assertEqual(set(mebots.__all__) - imported - annotated, set())
+        offered = {name for name in dir(mebots) if not name.startswith("__")}
+        self.assertEqual({*mebots.__all__, *offered} - imported - annotated, set())
 
 
 if __name__ == "__main__":

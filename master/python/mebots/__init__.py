@@ -14,7 +14,8 @@
     results = mebots.read("results/gate_easy")
     print(results.summary["outcome"], results["world.drone.speed"].max())
 
-``mebots.configs`` is the folder of the shipped missions.
+``mebots.configs`` is the folder of the shipped missions, ``mebots.gym`` has environments of Gymnasium, and
+``mebots.testing`` runs firmware in tests.
 """
 
 from typing import TYPE_CHECKING
@@ -29,6 +30,7 @@ from mebots.system import System
 if TYPE_CHECKING:
     import pathlib
 
+    from mebots import gym, testing
     from mebots.exploration.command import sweep
     from mebots.flight.identify import identify
     from mebots.flight.new_cell import new_cell
@@ -36,13 +38,14 @@ if TYPE_CHECKING:
 
     configs: pathlib.Path
 
-__all__ = ["Error", "InputError", "Mission", "Results", "System", "configs", "identify", "new_cell", "read", "replay", "show", "sweep", "__version__"]
-
 _FLIGHT = ("identify", "new_cell", "replay")
+_MODULES = ("gym", "testing")  # imported on first use: gym needs a package of an extra
+
+__all__ = ["Error", "InputError", "Mission", "Results", "System", "configs", "identify", "new_cell", "read", "replay", "show", "sweep", "__version__"]
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*__all__, *_MODULES, "__all__", "__doc__", "__file__", "__name__", "__path__"})
 
 
 def __getattr__(name: str):
@@ -54,8 +57,13 @@ def __getattr__(name: str):
         from mebots.installation import data_folder
 
         return data_folder() / "configs"
-    if name in _FLIGHT:
-        import importlib
+    import importlib
 
+    if name in _FLIGHT:
         return getattr(importlib.import_module(f"mebots.flight.{name}"), name)
+    if name in _MODULES:
+        try:
+            return importlib.import_module(f"mebots.{name}")
+        except InputError as error:
+            raise AttributeError(str(error)) from error  # so that help(mebots) and hasattr() work without the extra
     raise AttributeError(f"module 'mebots' has no attribute '{name}'")
