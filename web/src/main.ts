@@ -56,6 +56,9 @@ async function main(): Promise<void> {
   const infos = panelsOf(run);
   const height = !stage && infos.length <= FEW_PANELS ? ROOMY_HEIGHT : undefined;
   for (const info of infos) panels.append(makePanel(info, runs, clock, span, { height }));
+  if (infos.length === 0 && !run.header.live) {
+    panels.append(element("p", { class: "faint" }, "No recorded variable changes in this run. Set inputs or parameters, or run it longer; the tab Variables has all values."));
+  }
   const isChip = run.header.chip != null;
   const tabs = makeTabs([
     ...(runs.length > 1 ? [{ name: "Runs", content: () => makeComparison(runs) }] : []),
