@@ -25,7 +25,7 @@ namespace {
 
 using master::Run;
 
-constexpr int kRanToItsEnd = 0;
+constexpr int kSuccess = 0;
 constexpr int kFailed = 1;
 constexpr int kBadInput = 2;
 
@@ -70,7 +70,7 @@ RunOptions options_of(const TypedOptions& typed) {
 int exit_code(const Run& run, const ReportOptions& options, Console& console) {
   if (run.report().end_reason == EndReason::interrupted) return kFailed;
   const auto why = why_unexpected(run, options.expect);
-  if (why.empty()) return kRanToItsEnd;
+  if (why.empty()) return kSuccess;
   console.error(why);
   return kFailed;
 }
@@ -132,7 +132,7 @@ int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptio
     if (options.dry_run) {
       run->start();
       for (const auto& line : start_lines(*run)) console.line(line);
-      return kRanToItsEnd;
+      return kSuccess;
     }
     const auto view = options.live.is_on() ? LiveView::make(*run, options.live, console) : nullptr;
     if (view) {
@@ -158,7 +158,7 @@ int execute(const std::function<std::unique_ptr<Run>()>& open, const ReportOptio
     write_junit(options.junit, run.get(), options.expect, error_text);
   } catch (const Error& error) {
     console.error(error.what());
-    if (code == kRanToItsEnd) code = kFailed;
+    if (code == kSuccess) code = kFailed;
   }
   return code;
 }
