@@ -35,7 +35,7 @@ typedef struct {
   uint32_t others[(NN_BYTES_1 + NN_BYTES_2 + NN_BYTES_3) / 4];
 } nn_small_weights_t;
 
-// The camera's rows for eight rows of the picture.
+// A stripe consists of the camera's rows that are reduced to eight rows of the picture.
 #define NN_STRIPE_ROWS 8
 #define NN_STRIPE_BYTES (18 * 324)
 #define NN_STRIPES (SHRUNK_EDGE / NN_STRIPE_ROWS)

@@ -160,7 +160,7 @@ void Cluster::note_awake(std::uint64_t tick) {
   last_asleep_ = 0;
 }
 
-/// Records that a core fell asleep in `tick`, or that a transfer ended in it.
+/// Records that a core fell asleep in `tick`, or that a transfer ended in `tick`.
 void Cluster::note_asleep(std::uint64_t tick) {
   last_asleep_ = std::max(last_asleep_, tick);
   if (busy_.runs() && scheduler_.awake() == 0 && !dma_.busy()) busy_.end(clock_.time_of(last_asleep_));

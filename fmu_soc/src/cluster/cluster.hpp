@@ -39,8 +39,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   /// Sets the function called after a core has stored into a watched word. If it returns true, the run ends.
   void set_watcher(std::function<bool(std::uint32_t address)> watcher) { watcher_ = std::move(watcher); }
 
-  /// Serves a core's access outside memory and the cluster's registers. It is called with the time of the access, and
-  /// may change the next event of the rest of the chip.
+  /// Serves a core's access to an address outside of memory and of the cluster's registers. The argument is the time of
+  /// the access. The access may change the next event of the rest of the chip.
   using Outside = std::function<BusReply(const ClusterAccess& access, Picoseconds now)>;
   void set_outside(Outside outside) { outside_ = std::move(outside); }
 
@@ -48,7 +48,8 @@ class Cluster final : private ClusterBus, private ClusterEvents {
   bool powered() const { return powered_.runs(); }
 
   /// power_off() clears all state of cores and devices. power_on() starts the cluster in the first tick at or after
-  /// `now`. Its registers decide which cores start where; those of MEbots' own devices start all cores at `boot`.
+  /// `now`. The cluster's registers determine the start address of each core. With MEbots' own devices, all cores start
+  /// at `boot`.
   void power_off(Picoseconds now);
   void power_on(Picoseconds now, std::uint32_t boot);
   /// Sets the frequency from the first tick at or after `now` on.

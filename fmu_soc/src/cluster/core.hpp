@@ -29,8 +29,8 @@ class ClusterBus {
 /// A core of a cluster: its hart, the tick of its cycles, and its turn at shared devices.
 class ClusterCore final : private Bus {
  public:
-  /// `code` is the decoded code of all cores. Its banks are the banks of L1. `way` is the port to the SoC, which cores
-  /// share if the settings say so. All references must outlive the core.
+  /// `code` is the decoded code of all cores. The banks in `code` are those of L1. `way` is the port to the SoC; the
+  /// settings determine whether cores share it. All references must outlive the core.
   ClusterCore(ClusterBus& bus, const ClusterSettings& settings, unsigned id, Memory& memory, DecodedCode& code,
               Banks& way)
       : bus_(bus),
@@ -104,7 +104,7 @@ class ClusterCore final : private Bus {
   void stopped(Stop stop) { asleep_ = stop == Stop::sleeping; }
   /// True if the core's next run can resume in translated code.
   bool can_resume() const { return !waits_for_turn_ && hart_.has_resume_point(); }
-  /// Sets whether other cores or the DMA use the banks of L1 at the same time.
+  /// Sets whether other cores or the DMA use the banks of L1 in parallel to this core.
   void share_banks(bool several) {
     shares_banks_ = several;
     hart_.share_first(several ? &l1_ : nullptr);

@@ -165,7 +165,7 @@ void ClusterDma::occupy(Banks& banks, std::uint64_t until) {
       waited += occupy_burst(banks, *transfer, until);
     }
     if (waited == 0) continue;
-    // Transfers queued after it wait, too.
+    // Transfers that were queued later wait, too.
     for (auto& other : transfers_) {
       if (other.end == kNoTick || other.end < transfer->end || &other == transfer) continue;
       other.next_beat += waited;

@@ -36,8 +36,9 @@ struct DmaTiming {
 /// START queues their transfer. Transfers run one after the other in the order of their starts, in bursts. A row of a
 /// 2D transfer is at least one burst. The latency of a queued transfer overlaps with the transfer before it.
 ///
-/// The words of a transfer claim L1's banks as accesses of the cores do. A beat waits at most a cycle, and delays the
-/// beats after it. All bytes are copied when the transfer ends. Then its requester gets the event.
+/// The words of a transfer claim L1's banks as accesses of the cores do. A beat waits at most one cycle, which also
+/// delays all later beats. All bytes are copied when the transfer ends. Then the core that started the transfer gets
+/// the event.
 class ClusterDma {
  public:
   static constexpr unsigned kTransfers = 16;
@@ -81,7 +82,7 @@ class ClusterDma {
   /// True if another transfer can be queued.
   bool has_room() const;
 
-  /// Clears all transfers, also those whose commands are incomplete. Keeps the counts.
+  /// Clears all transfers, including transfers with incomplete commands. Keeps the counts.
   void reset();
 
   /// True if transfers are queued or running.

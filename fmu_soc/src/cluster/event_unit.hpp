@@ -43,8 +43,8 @@ class EventUnit {
     woken_ = 0;
     return woken;
   }
-  /// Returns the level of the interrupt line to the fabric controller. It is active if one of the fabric controller's
-  /// events is pending and enabled.
+  /// Returns the level of the interrupt line to the fabric controller. The line is active if an event of the fabric
+  /// controller is pending and enabled.
   bool interrupt() const { return (of_[kFabricController].buffer & of_[kFabricController].mask) != 0; }
   /// Returns the cores that run the entry of a fork.
   std::uint32_t at_work() const { return at_work_; }

@@ -54,8 +54,8 @@ struct ClusterAccess {
   unsigned size = 4;                      // bytes; less than 4 only for a store
 };
 
-/// The cluster's registers. Cores use them to start each other, and to wait for each other and for the DMA. Calls are
-/// in the order of ticks. After an access, the caller queries its effects.
+/// The registers with which cores start other cores, and wait for other cores and for the DMA. Calls are in the order
+/// of ticks. After an access, the caller queries its effects.
 class ClusterPeripherals : public TransferListener {
  public:
   ClusterPeripherals() = default;
@@ -67,7 +67,7 @@ class ClusterPeripherals : public TransferListener {
   virtual bool owns_of_core(std::uint32_t address) const = 0;
   virtual bool owns_of_fabric_controller(std::uint32_t address) const = 0;
   virtual BusReply access(const ClusterAccess& access) = 0;
-  /// Returns the tick of the registers' next event. Only accesses change it. advance() runs the event.
+  /// Returns the tick of the registers' next event. Only accesses change this tick. advance() runs the event.
   virtual std::uint64_t next_tick() const { return kNoTick; }
   virtual void advance(std::uint64_t /*tick*/) {}
 

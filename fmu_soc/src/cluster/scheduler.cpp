@@ -74,8 +74,8 @@ std::uint64_t ClusterScheduler::run_quantum(std::uint64_t start, std::uint64_t u
   return finish_quantum(end);
 }
 
-/// Does the same as run_quantum(), if all awake cores ended the previous quantum in translated code and no other event
-/// is due. Only the cores' ticks have changed since the previous quantum.
+/// Fast version of run_quantum(), for the case that all awake cores ended the previous quantum in translated code and
+/// no other event is due. Only the cores' ticks have changed since the previous quantum.
 std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::uint64_t until) {
   MEBOTS_ASSERT(sharing_banks_ && start > banks_.start());
   move_banks(start);
@@ -89,7 +89,7 @@ std::uint64_t ClusterScheduler::run_quantum_in_step(std::uint64_t start, std::ui
   return finish_quantum(end);
 }
 
-/// Runs everything that needs an order by ticks. Returns the start of the next quantum.
+/// Runs cores, registers and DMA in the order of their ticks. Returns the start of the next quantum.
 std::uint64_t ClusterScheduler::finish_quantum(std::uint64_t end) {
   while (goes_on_) {
     if (!sharing_banks_) {
@@ -274,7 +274,7 @@ std::uint64_t ClusterScheduler::keep_in_step() {
   }
   in_step_ = true;
   if (queue_.size() == awake_) return first;
-  // The other cores have already passed the end of this quantum, or they wait.
+  // All other cores have already passed the end of this quantum, or wait.
   for (const auto* core : cores_) {
     if (core->sleeps()) continue;
     in_step_ = in_step_ && core->can_resume();

@@ -20,20 +20,20 @@ namespace mebots::soc {
 class ClusterEvents {
  public:
   virtual ~ClusterEvents() = default;
-  /// Runs the event of the registers in this tick. Their next alarm is later.
+  /// Runs the event of the registers in this tick. The registers' next alarm must be at a later tick.
   virtual void alarm_rings(std::uint64_t tick) = 0;
   /// Ends every DMA transfer whose end tick is reached.
   virtual void transfers_end(std::uint64_t tick) = 0;
-  /// Called if a core's run ended neither at its limit nor for its turn. Returns false to end the run of the chip; then
-  /// no core runs again.
+  /// Called if a core stopped before its limit, for another reason than the order of cores. Returns false to end the
+  /// run of the chip; then no core runs again.
   virtual bool core_stopped(ClusterCore& core, Stop stop) = 0;
 };
 
 /// The order in which the cores, registers and DMA of a cluster act: a round-robin scheduler with turns of a quantum of
 /// ticks. schedule.md states the rule and its reasons.
 ///
-/// It only uses ticks of the cluster's clock. Each core has its own tick. The cluster runs one quantum after the other,
-/// each from the tick that the one before returned.
+/// The scheduler only uses ticks of the cluster's clock. Each core has its own tick. Each quantum starts at the tick
+/// that the previous quantum returned.
 class ClusterScheduler {
  public:
   /// Ticks of a quantum without conflicts at the banks.
@@ -46,7 +46,7 @@ class ClusterScheduler {
                    ClusterEvents& events);
   ClusterScheduler(const ClusterScheduler&) = delete;
   ClusterScheduler& operator=(const ClusterScheduler&) = delete;
-  /// Adds the next core in the order of ids. It must outlive the scheduler.
+  /// Adds a core. Cores must be added in the order of their ids, and outlive the scheduler.
   void add(ClusterCore& core);
 
   /// Returns the number of cores that are awake.

@@ -14,8 +14,8 @@
 
 namespace mebots::soc {
 
-/// Latencies of cores and DMA to the SoC's memories, in ticks of the cluster. They change with the clocks of cluster
-/// and SoC.
+/// Latencies of cores and DMA to the SoC's memories, in ticks of the cluster. These latencies change with the clocks of
+/// cluster and SoC.
 struct ClusterLatencies {
   /// Upper bound of access_ticks, for a slow clock of the SoC.
   static constexpr std::uint32_t kMostAccessTicks = 512;

@@ -244,7 +244,7 @@ void BlockCache::evict(std::uint32_t segment) {
   }
 }
 
-/// The slots stay unchanged until their segment is filled again, because a hart may be executing them.
+/// The slots remain unchanged until their segment is filled again, because a hart may still execute these slots.
 void BlockCache::invalidate(std::uint32_t number) {
   MEBOTS_ASSERT(number != 0 && blocks_[number].valid());
   auto& block = blocks_[number];

@@ -82,7 +82,7 @@ struct Block {
 class BlockListener {
  public:
   virtual ~BlockListener() = default;
-  /// Called when the block becomes invalid. Its number may be used again.
+  /// Called when the block becomes invalid. A later block may get the same number.
   virtual void invalidated(std::uint32_t number) = 0;
   /// Called when all blocks become invalid.
   virtual void invalidated_all() = 0;
@@ -120,7 +120,8 @@ class BlockCache {
     MEBOTS_ASSERT(block.first < kArenaSize);
     return &arena_[block.first];
   }
-  /// Returns the slot for the block of a hardware loop's next iteration. Clears it if it belongs to another start.
+  /// Returns the slot for the block of a hardware loop's next iteration. If the slot belongs to another start address,
+  /// clears the slot.
   std::uint16_t* loop_link(const Instruction& holder, std::uint32_t start) const {
     if (block(holder.link).pc != start) holder.link = 0;
     return &holder.link;
@@ -137,7 +138,8 @@ class BlockCache {
   }
 
   /// Decodes one instruction and the end of a block for the given state of the pipeline. If the instruction cannot be
-  /// fetched, returns null. The result is kept until code changes, because loops need the same instructions often.
+  /// fetched, returns null. The result is stored until code changes, because loops execute the same instructions many
+  /// times.
   const Instruction* single(std::uint32_t pc, const Previous& two_before, const Previous& before);
 
   /// Ends blocks after the instruction at `pc`, the last one of a hardware loop. Returns true if blocks did not end
@@ -209,7 +211,7 @@ class BlockCache {
 
   static constexpr std::size_t kArenaSize = std::size_t{kSegmentSize} * kSegments;
 
-  /// One instruction, its end, and the slot of its link. Valid for one generation of the memory's code.
+  /// An instruction, the end of its block, and the slot of its link. Valid for one generation of the memory's code.
   struct Single {
     std::uint64_t generation = 0;  // 0 = empty; the memory never has this one
     Previous two_before;
@@ -217,8 +219,8 @@ class BlockCache {
     std::array<Instruction, 3> slots{};
   };
 
-  /// Frees the arena. It is allocated without initialisation: to clear 16 MB would delay each start, and most programs
-  /// use only a part.
+  /// Frees the arena. The arena is allocated without initialisation. Clearing 16 MB would delay each start, and most
+  /// programs use only a part of the arena.
   struct FreeArena {
     void operator()(Instruction* arena) const { std::allocator<Instruction>().deallocate(arena, kArenaSize); }
   };

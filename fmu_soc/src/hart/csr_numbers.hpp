@@ -53,7 +53,7 @@ struct Named {
   std::string_view name;
 };
 
-/// Returns the registers that every core has and that are the only one of their row, by number.
+/// Returns the registers that every core has, by number. Excludes registers that share a row of the table with others.
 std::span<const Named> named();
 /// Returns the name of a register, such as "mepc" or "mhpmcounter7"; "csr0x7c0" if it has none.
 std::string name(unsigned number);

@@ -31,7 +31,8 @@ constexpr std::uint32_t kInhibitCycle = 1U << 0;
 constexpr std::uint32_t kInhibitInstret = 1U << 2;
 /// Software, timer and external interrupt of machine mode, and 16 fast lines.
 constexpr std::uint32_t kInterruptLines = 0xffff0000U | (1U << 11) | (1U << 7) | (1U << 3);
-/// JEDEC number of the OpenHW Group and architecture number of CV32E40P. GAP8's RI5CY has numbers of the same form.
+/// JEDEC number of the OpenHW Group and architecture number of CV32E40P. GAP8's RI5CY also has a JEDEC number and an
+/// architecture number.
 constexpr std::uint32_t kVendor = 0x602;
 constexpr std::uint32_t kArchitecture = 4;
 constexpr std::uint32_t kCountersOn = 1U << 0;      // PCMR
@@ -253,7 +254,7 @@ std::uint32_t Csrs::leave_handler() {
   state_.interrupts_on = state_.interrupts_were_on;
   state_.interrupts_were_on = true;
   // GAP8's FreeRTOS reads bit 31 of mcause to find out whether it is in a handler, also after the handler. Therefore
-  // mret clears mcause, as GVSoC's models of GAP8 do. The privileged specification leaves it unchanged.
+  // mret clears mcause, as in GVSoC's models of GAP8. In the privileged specification, mret does not change mcause.
   if (has_gap8_interrupts_) word<csr::kMcause>() = 0;
   const auto mode = state_.mode_before;
   if (timing_.options.has(Extension::user)) state_.mode_before = Mode::user;
@@ -270,11 +271,11 @@ const Instruction* Csrs::access(const Instruction* at) {
   const auto operand = immediate ? at->rs1 : e.x[at->rs1];
   const bool replace = at->op == Op::csrrw || at->op == Op::csrrwi;
   const bool set = at->op == Op::csrrs || at->op == Op::csrrsi;
-  // csrrs and csrrc with x0 (or 0) only read; csrrw into x0 only writes. RI5CY writes its event counters back even
-  // then. That write replaces the count of this instruction.
+  // csrrs and csrrc with x0 (or 0) only read; csrrw into x0 only writes. RI5CY writes its event counters back in these
+  // cases, too. This write replaces the count of the present instruction.
   const bool writes = replace || at->rs1 != 0 || (timing_.has_xpulp() && is_event_counter(number));
 
-  // Adds the instructions before this one to the counters, because the access may read them.
+  // Adds the previous instructions to the counters, because the access may read a counter.
   const auto saved = e.counters;
   const bool counted = counts_events_;
   e.counters.instructions += at->index;
@@ -451,7 +452,7 @@ void Csrs::update_counting() {
   counts_events_ = (word<csr::kPcmr>() & kCountersOn) != 0 && (word<csr::kPcer>() & kAccounted) != 0;
 }
 
-/// While a counter is inhibited, its base is its value. Otherwise its value is the core's count minus the base.
+/// The value of an inhibited counter is its base. The value of other counters is the core's count minus the base.
 std::uint64_t Csrs::read_counter(bool instret) const {
   const auto base = instret ? state_.instret_base : state_.cycle_base;
   const auto inhibit = instret ? kInhibitInstret : kInhibitCycle;

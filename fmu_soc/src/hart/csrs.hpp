@@ -15,7 +15,7 @@
 
 namespace mebots::soc {
 
-/// CSR accesses of a program whose effect differs from that on most other cores. They are reported in messages.
+/// CSR accesses that have another effect on most other cores. Messages report these accesses.
 struct CsrRemarks {
   std::optional<std::uint32_t> moved_mtvec = {};  // the value written, of which the core cleared low bits
   std::optional<unsigned> read_stopped_counter =
@@ -23,10 +23,11 @@ struct CsrRemarks {
 };
 
 /// The control and status registers of a core, from the table csrs.inc: machine mode of CV32E40P; with Xpulp also
-/// RI5CY's; with an event unit also GAP8's. They determine whether an interrupt is taken.
+/// RI5CY's; with an event unit also GAP8's. The registers determine whether an interrupt is taken.
 class Csrs {
  public:
-  /// A core with GAP8's interrupts has the CSRs of the stack check, too. They only keep their values; no check is made.
+  /// A core with GAP8's interrupts has the CSRs of the stack check, too. In the model, these CSRs store values, but no
+  /// stack is checked.
   Csrs(Execution& execution, BlockCache& blocks, const HartSettings& settings);
 
   /// Resets all registers. The counters start from here.
@@ -50,9 +51,9 @@ class Csrs {
     return (state_.interrupts_on || state_.mode == Mode::user) && word<csr::kMie>() != 0;
   }
 
-  /// The mode of the next instruction.
+  /// The privilege mode of the next instruction.
   Mode mode() const { return state_.mode; }
-  /// The mode whose rights loads and stores have: mstatus.MPRV may choose that of the code before a trap.
+  /// The privilege mode that loads and stores use. With mstatus.MPRV, this is the mode of the code before a trap.
   Mode data_mode() const { return state_.modifies_privilege ? state_.mode_before : state_.mode; }
   /// True if U mode must not execute wfi (mstatus.TW).
   bool wait_traps() const { return state_.mode == Mode::user && state_.wait_traps; }

@@ -25,8 +25,8 @@ std::uint32_t loaded(std::uint32_t value, unsigned size, bool sign) {
 }
 
 /// Returns the cycles from `cycle` on for which the table of banks has rows. In later cycles, the interpreter treats
-/// all banks as free and claims none. Translated code does not check its position in the table, so it must end before
-/// the last row.
+/// all banks as free and claims none. Translated code does not check its position in the table. So translated code must
+/// end before the last row.
 std::uint64_t bank_cycles_left(const Execution& e, std::uint64_t cycle) {
   if (const auto* shared = e.ram[0].banks; shared != nullptr) return shared->cycles_left(cycle);
   MEBOTS_ASSERT(cycle >= e.counters.cycles);

@@ -38,10 +38,10 @@ class DataPath {
   void share_first(BankSchedule* banks);
   std::uint32_t longest_wait() const;
 
-  /// Switches the fast path off, so that each access is checked against the rights of its mode; or on again.
+  /// Enables or disables the fast path. Without the fast path, each access is checked against the rights of its mode.
   void guard(bool guarded);
 
-  // These functions execute an instruction, and return what its handler returns.
+  // These functions execute an instruction, and return the result of the instruction's handler.
   const Instruction* load(const Instruction* at, std::uint32_t address, unsigned size, bool sign);
   const Instruction* store(const Instruction* at, std::uint32_t address, unsigned size, std::uint32_t value);
   /// p.elw

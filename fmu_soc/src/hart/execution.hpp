@@ -30,7 +30,7 @@ struct FastRegion {
   bool is_shared() const { return banks != nullptr; }
 };
 
-/// The reason why a block was left other than by a branch or at its end.
+/// The reason for which execution left a block, if neither a branch nor the block's end was the reason.
 enum class Leave : std::uint8_t { normal, trap, device, stop, sleep, event, turn, counting };
 
 /// Registers of a hardware loop. The body runs once more after its last instruction while the count is above 1.
@@ -118,16 +118,16 @@ inline constexpr std::uint32_t kFloatControl = 0x1f80;
 /// Data that the interpreter and translated code exchange.
 struct HostState {
   /// First and last value of the cycle count of translated code. The count is the number of cycles that may still
-  /// start, and falls to 0. If banks are shared, it is an address instead, which moves from row to row of the table of
-  /// banks.
+  /// start, and decreases to 0. If banks are shared, an address in the table of banks takes the place of the count, and
+  /// advances one row per cycle.
   std::uint64_t begin = 0;
   std::uint64_t end = 0;
-  /// Address at which translated code resumes after it stopped at its limit. Null if it cannot resume there, or if
-  /// state has changed since.
+  /// Address at which translated code resumes after it stopped at its limit. Null if translated code cannot resume, or
+  /// if the state has changed since it stopped.
   const std::uint8_t* resume_point = nullptr;
   /// The next hart of the round; null = none. Translated code continues with that hart without a return to the caller.
-  /// `resume_point_of_next` points to that hart's resume point, or to a null one. It is loaded first, because the host
-  /// cannot predict the indirect jump to it.
+  /// `resume_point_of_next` points to that hart's resume point, or to a null one. Translated code loads this pointer
+  /// first, because the host cannot predict the indirect jump to the address.
   Execution* next = nullptr;
   const std::uint8_t* const* resume_point_of_next = &kNoResumePoint;
   std::uint64_t instructions = 0;  // of the last run; upper half: loads and stores
@@ -138,7 +138,8 @@ struct HostState {
   std::uint64_t slow_load_when = 0;  // `instructions` at that time; if equal now, the load is in the present block
   std::uint64_t tick_offset = 0;     // active cycle c of the hart is tick c + offset of shared units
   bool alone = false;                // true if no other core uses the banks: then the table need not be read
-  // The host's control register of floating-point operations (MXCSR): outside of translated code, in it, and after it.
+  // Values of the host's control register of floating-point operations (MXCSR): outside of translated code, inside, and
+  // after translated code.
   std::uint32_t float_control_outside = 0;
   std::uint32_t float_control = kFloatControl;
   std::uint32_t float_control_after = kFloatControl;
@@ -219,7 +220,7 @@ struct Execution {
   /// Returns the active cycle in which an instruction starts.
   std::uint64_t cycle_of(const Instruction* at) const { return counters.cycles + at->cycles_before + extra_cycles; }
   /// Returns the cycle in which an instruction starts, for devices and counters. A stall after a load belongs to the
-  /// instruction. If an instruction is left before it has any effect, its stall has not happened yet.
+  /// instruction. If execution leaves an instruction before it has any effect, its stall has not occurred yet.
   std::uint64_t start_of(const Instruction* at) const { return cycle_of(at) - stalled_before(at); }
   const Instruction* leave_after(const Instruction* at, Leave why);
   const Instruction* leave_before(const Instruction* at, Leave why);

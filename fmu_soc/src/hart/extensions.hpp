@@ -10,7 +10,7 @@
 /// Instructions of RISC-V extensions that the core lacks, for messages.
 namespace mebots::soc {
 
-/// An instruction, or the group to which it belongs, and its extension.
+/// An instruction or a group of instructions, and its extension.
 struct ForeignInstruction {
   std::string_view name;       // "amoadd.w", "a load of a float"; empty: unknown
   std::string_view extension;  // "A", "RV64I"
@@ -21,8 +21,9 @@ struct ForeignInstruction {
 /// extension.
 ForeignInstruction foreign_instruction(std::uint32_t word);
 
-/// Returns a text that names an illegal instruction and how to avoid it; empty if the instruction is unknown. `has` are
-/// the extensions of the core. `architecture` is that of the program, from Elf::architecture(), or empty.
+/// Returns a text that names an illegal instruction and how to avoid it; empty if the instruction is unknown. `has`
+/// contains the extensions of the core. `architecture` is the architecture of the program from Elf::architecture(), or
+/// empty.
 std::string advice_for_illegal(std::uint32_t word, Extensions has, std::string_view architecture);
 
 }  // namespace mebots::soc

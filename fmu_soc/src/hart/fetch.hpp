@@ -12,8 +12,9 @@
 
 namespace mebots::soc {
 
-/// Fetches a core's instructions through the instruction cache, if there is one. An instruction waits for its lines
-/// when the core reaches it, never before. Therefore the refills and their cycles do not depend on where a run stops.
+/// Fetches a core's instructions through the instruction cache, if there is one. An instruction waits for its cache
+/// lines only when the core reaches the instruction. Therefore the refills and their cycles do not depend on where a
+/// run stops.
 class Fetch {
  public:
   /// `cache` may be null.

@@ -15,11 +15,11 @@ struct Instruction;
 /// Executes one instruction. Returns the next instruction of the block; null if the block is left.
 using Handler = const Instruction* (*)(Execution&, const Instruction*);
 
-/// The number that an instruction has instead of x0 as its rd: a register that is never read.
+/// Number of a register that no instruction reads. It replaces x0 as destination register (rd).
 inline constexpr std::uint8_t kNoRegister = kRegisters;
 
-/// A decoded instruction in a block. It contains sums over the instructions before it in the same block. An exit from
-/// the block adds them once, so counting costs nothing per instruction.
+/// A decoded instruction in a block. It contains sums over all previous instructions of the block. An exit from the
+/// block adds these sums once, so counting has no cost per instruction.
 struct Instruction {
   Handler run = nullptr;
   std::int32_t imm = 0;  // absolute address for jumps and branches, value for auipc; operand_value() of Xpulp
@@ -70,7 +70,7 @@ struct Flow {
 };
 static_assert(offsetof(Flow, instruction_fj) == offsetof(Flow, instructions) + 8, "both are one vector register");
 
-/// Finds the steps that may enter another function. It is not called for calls and indirect jumps, which are always
+/// Finds the steps that may enter another function. Not called for calls and indirect jumps, because these are always
 /// recorded.
 class FlowMap {
  public:

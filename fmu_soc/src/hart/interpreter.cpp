@@ -128,7 +128,7 @@ bool Interpreter::run_fetching(const Block& block, std::uint32_t stall) {
   const auto wait = std::uint64_t{missing} * fetch_.cache()->refill_cycles();
   if (!limit_.admits(execution_.counters.cycles, block.last_start_bound + stall + wait)) return false;
   const auto* first = blocks_.instructions(block);
-  // All instructions, also the first, are fetched before they stall for a load.
+  // Each instruction is fetched before its stall for a load, including the first instruction.
   execution_.begin_block(fetch_.fetch_lines(first, execution_.counters.cycles), stall, nullptr);
   execute_fetching(first);
   return true;

@@ -39,15 +39,15 @@ class BlockWalk {
   BlockWalk(const BlockWalk&) = delete;
   BlockWalk& operator=(const BlockWalk&) = delete;
 
-  /// As Interpreter::run_until(). A null `stop` means the end of the block.
+  /// Runs like Interpreter::run_until(). If `stop` is null, runs to the end of the block.
   virtual const Instruction* walk(const Instruction* at, const Instruction* stop) = 0;
 
  protected:
   ~BlockWalk() = default;
 };
 
-/// Runs decoded blocks by the handlers of their instructions: one instruction, a block, or the rest of one. Lines that
-/// are absent from the instruction cache are fetched one by one, when the core reaches them.
+/// Runs decoded blocks by the handlers of their instructions: one instruction, a block, or the rest of one. If a line
+/// is absent from the instruction cache, it is fetched when the core reaches it.
 class Interpreter {
  public:
   Interpreter(Execution& execution, const Memory& memory, BlockCache& blocks, Fetch& fetch, const RunLimit& limit)
@@ -58,7 +58,7 @@ class Interpreter {
 
   /// Runs only the instruction at the pc, decoded for the present pipeline. Ignores the BlockWalk.
   void step();
-  /// Runs a block to the limit, or to its end. Its first instruction stalls for `stall` cycles after a load. Ignores
+  /// Runs a block to the limit, or to its end. The first instruction stalls for `stall` cycles after a load. Ignores
   /// the BlockWalk.
   void run_to_limit(const Block& block, std::uint32_t stall);
   /// Continues at the instruction at which the last limit cut a block, up to the new limit. If the core is no longer at
@@ -85,7 +85,7 @@ class Interpreter {
   void run_one_by_one(const Instruction* at);
   void cut_at(const Instruction* at);
 
-  /// The instruction at which a limit cut a block. It is valid while blocks and pipeline are unchanged.
+  /// The instruction before which a limit stopped a block. Valid while blocks and pipeline do not change.
   struct Cut {
     const Instruction* at = nullptr;  // null = none
     std::uint64_t generation = 0;     // of blocks

@@ -31,7 +31,8 @@ struct Retired {
   CycleShares cycles = {};   // only for an observer without quiet code
 };
 
-/// A taken trap or interrupt. The hart's pc is at the handler; the cycles to enter it follow.
+/// A trap or interrupt that the hart has taken. The hart's pc is at the handler. The cycles of the entry are not
+/// counted yet.
 struct Trapped {
   std::uint32_t pc = 0;  // of the instruction that did not run
   std::uint32_t cause = 0;
@@ -46,8 +47,8 @@ struct QuietCode {
   bool holds(std::uint32_t address) const { return address - begin < size; }
 };
 
-/// Observes a hart instruction by instruction. The hart calls the observer after each instruction. The counts are the
-/// same as without an observer. An observer must outlive the runs that it observes, and must not throw.
+/// Observes a hart instruction by instruction. The hart calls the observer after each instruction. An observer does not
+/// change the counts. An observer must outlive the runs that it observes, and must not throw.
 class Observer {
  public:
   Observer() = default;
@@ -62,7 +63,7 @@ class Observer {
   virtual void retired(const Hart& /*hart*/, const Retired& /*instruction*/) {}
   /// Returns code in which the observer needs no call per instruction. For an instruction in this code whose successor
   /// is also in it, the hart does not call retired() and before(), except for calls, indirect jumps and mret. The
-  /// result is used until the next call of a function that is not const.
+  /// result must be valid until the next call of a function that is not const.
   virtual QuietCode quiet() const { return {}; }
   /// If not null, the observer only needs the steps that may enter another function. Hot code is then translated, and
   /// records these steps; before() is not called. The observer may get the steps late, but before any other event. The

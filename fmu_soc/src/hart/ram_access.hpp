@@ -37,8 +37,8 @@ struct RamPlace {
   return {ram.data + place.offset, ram.marks + place.offset / 4};
 }
 
-/// Performs an access that needs one check only: in fast RAM, within a word, without shared banks. All other accesses
-/// have no effect here. Calls no function, so that a handler saves no registers.
+/// Performs an access that needs one check only: in fast RAM, within a word, without shared banks. Other accesses have
+/// no effect. Calls no function, so that a handler saves no registers.
 template <unsigned Size>
 [[gnu::always_inline]] inline RamAccess quick_access(Execution& e, std::uint32_t address) {
   const auto place = find_ram(e, address);

@@ -52,7 +52,8 @@ struct Timing {
 inline constexpr unsigned kTakenBranchExtra = 2;
 inline constexpr unsigned kUnalignedTargetExtra = 1;
 inline constexpr unsigned kMisalignedExtra = 1;
-/// Cycles of a trap's entry. Only their sum with the cycles of mret was measured: 9 cycles. The split is our choice.
+/// Cycles of a trap's entry. Only the sum of entry and mret was measured: 9 cycles. The division of the sum is an
+/// assumption.
 inline constexpr unsigned kTrapEntryCycles = 4;
 
 /// The state of an earlier instruction in the pipeline.
@@ -85,7 +86,7 @@ Previous executed(const Executed& instruction, bool across_words) {
   return {instruction.op, instruction.rd, static_cast<std::uint8_t>(pointer | (slow ? Previous::kSlow : 0))};
 }
 
-/// Returns the state of the same instruction one instruction later. `slow` only affects a jump directly after it.
+/// Returns the state as it is one instruction later. `slow` only affects a jump directly after the instruction.
 constexpr Previous one_later(Previous before) {
   before.pointer_and_slow = before.pointer();
   return before;
@@ -104,8 +105,8 @@ struct Current {
 /// Returns the cycles of an instruction other than a jump, without stalls and without cycles that depend on data.
 unsigned own_cycles(const Timing& timing, const Current& current);
 
-/// Returns the cycles of an instruction after the two before it, as far as decoding determines them. Excludes taken
-/// branches, operands of divisions, misaligned addresses and unaligned targets.
+/// Returns the cycles of an instruction that decoding determines. They depend on the two previous instructions.
+/// Excludes taken branches, operands of divisions, misaligned addresses and unaligned targets.
 unsigned static_cycles(const Timing& timing, const Previous& two_before, const Previous& before,
                        const Current& current);
 

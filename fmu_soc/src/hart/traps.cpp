@@ -20,7 +20,7 @@ constexpr std::uint32_t kEndlessReturns = 1'000'000;
 constexpr unsigned kReturnAddress = 1;
 constexpr unsigned kStackPointer = 2;
 
-/// Offsets of GAP8's exception vectors. They follow the vectors of 32 interrupts and the reset.
+/// Offsets of GAP8's exception vectors, which come after the vectors of 32 interrupts and the reset.
 constexpr std::uint32_t kIllegalVector = 0x84;
 constexpr std::uint32_t kCallVector = 0x88;
 constexpr std::uint32_t kAccessVector = 0x8C;

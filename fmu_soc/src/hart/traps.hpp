@@ -76,8 +76,8 @@ class Traps {
     some,
   };
 
-  /// The state at the last exception, to compare with the next one at the same pc. This detects endless traps also in
-  /// handlers that leave without mret, for example by longjmp.
+  /// The state at the last exception, to compare with the next one at the same pc. The comparison also detects endless
+  /// traps of handlers that leave without mret, for example by longjmp.
   struct LastException {
     std::uint32_t pc = 0;
     std::uint32_t cause = 0;

@@ -185,7 +185,7 @@ constexpr Word execute_bset(Word a, Word b) {
 }
 
 #ifdef MEBOTS_TRANSLATES
-/// `apply(to, number)` writes the host instruction, which also takes the number modulo 32.
+/// `apply(to, number)` writes the host instruction. Like the guest instruction, it uses the number modulo 32.
 template <typename Apply>
 void emit_bit(Assembler& c, const Instruction* at, Apply apply) {
   c.registers.copy(eax, at->rs1);

@@ -21,7 +21,7 @@ class FlowLog {
 
   FlowLog(Execution& execution, const DecodedCode& decoded) : execution_(execution), decoded_(decoded) {}
 
-  /// Shortens the limit of a run so that its steps fit. Returns the new limit.
+  /// Reduces the limit of a run, so that the log can hold all steps of the run. Returns the new limit.
   std::uint64_t make_room(std::uint64_t cycles);
   /// Passes the steps of the last run to the observer, if there is one.
   void report(const ObservedRun& observed);

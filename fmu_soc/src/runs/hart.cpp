@@ -30,7 +30,8 @@ Hart::Hart(Memory& memory, Bus& bus, DecodedCode& decoded, const HartSettings& s
 }
 
 void Hart::connect(std::span<const MemoryPort> ports) {
-  // Translated code contains all properties of the fast memories except their other users and, if shared, their waits.
+  // Translated code contains all properties of the fast memories, with two exceptions: other users of a memory and, if
+  // a memory is shared, its wait cycles.
   if (data_path_.connect(ports)) decoded_.drop_translations();
   blocks_.set_longest_wait(data_path_.longest_wait());
 }
@@ -128,9 +129,9 @@ bool Hart::stays_awake() {
 }
 
 /// Returns the block at the pc, by the link of the last instruction if possible. Returns 0 if the pc cannot be fetched.
-/// Also returns 0 if a limit or a return from a trap led there and no block begins there yet: limits may cut at any
-/// instruction, and blocks from all these places would fill the cache. With a loose limit, a block is always decoded.
-/// There, blocks determine where a core stops, and that must not depend on the blocks decoded so far.
+/// Also returns 0 if no block begins at this pc and a limit or a return from a trap led to it. A limit may stop at any
+/// instruction, and blocks from all these addresses would fill the cache. With a loose limit, always decodes a block:
+/// then blocks determine where a core stops, and this must not depend on earlier decoding.
 inline std::uint32_t Hart::following() {
   const auto* link = execution_.link;
   if (link == nullptr) {
@@ -153,7 +154,7 @@ inline std::uint32_t Hart::land() {
 }
 
 /// Runs a block as far as the limit allows, or only its first instruction. Returns true if translated code ran and
-/// stopped only because its patch point is not chained yet.
+/// stopped only at a patch point that is not chained yet.
 inline bool Hart::run_block(std::uint32_t number, bool left_translated) {
   const auto& before = execution_.pipeline.before;
   const auto& block = blocks_.block(number);
@@ -187,7 +188,7 @@ void Hart::step() {
   }
 }
 
-/// Runs one instruction if the mode may fetch it.
+/// Runs one instruction if the privilege mode may fetch it.
 void Hart::step_guarded() {
   auto& e = execution_;
   const auto may_fetch = [this](std::uint32_t address) {

@@ -35,10 +35,10 @@ enum class Stop : std::uint8_t {
   observer,  // the observer wants the run to end before the next instruction
 };
 
-/// A RISC-V hardware thread (hart): RV32IMC_Zicsr_Zifencei in machine mode, with the extensions in Timing. Its cycles
-/// are those of RI5CY, which also has Xpulp v2, or those of CV32E40P. Straight code is decoded once into blocks. A
-/// block runs only if all its instructions start before the limit. Otherwise the hart runs one instruction at a time,
-/// with the same counts.
+/// A RISC-V hardware thread (hart): RV32IMC_Zicsr_Zifencei in machine mode, with the extensions in Timing. The cycles
+/// are those of RI5CY, which also has Xpulp v2, or of CV32E40P. Straight code is decoded once into blocks. A block runs
+/// only if all its instructions start before the limit. Otherwise the hart runs one instruction at a time, with the
+/// same counts.
 class Hart {
  public:
   /// Accesses all regions of the memory without waiting; the first two are the fast ones. Other harts in the same
@@ -70,8 +70,8 @@ class Hart {
     bool ran = false;           // that hart continued in the interpreter
     Stop stop = Stop::limit;    // its reason to stop
   };
-  /// Runs a round: each hart from this one on, in translated code, up to the same tick (active cycle + offset). Ends
-  /// with the first hart that leaves translated code. The harts must share banks and decoded code.
+  /// Runs a round: each hart from this one on, in translated code, up to the same tick (active cycle + offset). The
+  /// round ends when a hart leaves translated code. The harts must share banks and decoded code.
   static RoundEnd run_round_robin(Hart& first, std::uint64_t limit_tick);
   /// Sets the next hart of a round; null if there is none. run() resets it.
   void set_next(Hart* next) { execution_.set_next(next == nullptr ? nullptr : &next->execution_); }
@@ -110,7 +110,7 @@ class Hart {
   /// exist.
   bool csr(unsigned number, std::uint32_t& value) const { return csrs_.read(number, value); }
   bool set_csr(unsigned number, std::uint32_t value);
-  /// Accesses of the program that have another effect on most other cores. Not part of a state.
+  /// CSR accesses of the program that have another effect on most other cores. Not part of a state.
   const CsrRemarks& csr_remarks() const { return csrs_.remarks(); }
   Mode mode() const { return csrs_.mode(); }
   /// Registers of F follow x31: see kFirstFloat.

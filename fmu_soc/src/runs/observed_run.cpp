@@ -106,8 +106,9 @@ void ObservedRun::run_block(const Block& block, std::uint32_t stall, bool alone)
   if (wants_all()) execution_.link = nullptr;
 }
 
-/// Does what Interpreter::run_until() does, and calls the observer for the instructions that it needs. During a call,
-/// counters and pc are those after the instruction; otherwise the counters are those of the block's start.
+/// Runs like Interpreter::run_until(), and calls the observer for the instructions that it needs. During a call,
+/// counters and pc have the values after the instruction. At other times, the counters have their values at the block's
+/// start.
 const Instruction* ObservedRun::walk(const Instruction* at, const Instruction* stop) {
   auto& e = execution_;
   while (at != nullptr && at != stop) {

@@ -49,7 +49,7 @@ class ObservedRun final : private BlockWalk {
   void run_block(const Block& block, std::uint32_t stall, bool alone);
   void step();
 
-  // Calls to the observer, if there is one.
+  // Functions that call the observer, if there is one.
   void trapped(const Trapped& trap) {
     account_.entered_trap();
     if (observer_ != nullptr) observer_->trapped(hart_, trap);

@@ -70,7 +70,7 @@ void TranslatedRun::set_budget() {
 bool TranslatedRun::finish(const translate::Exit& exit) {
   auto& e = execution_;
   auto& host = e.host;
-  // The state of the pipeline before the next instruction. It is empty if another block reached this one by a jump.
+  // The state of the pipeline before the next instruction. Empty if a jump from another block led to this block.
   if ((host.instructions & 0xffffffffU) != 0) {
     e.pipeline = {};
   }
@@ -95,8 +95,8 @@ bool TranslatedRun::finish(const translate::Exit& exit) {
   return true;
 }
 
-/// Adds the flags that the host has raised in translated code to fflags. MXCSR has the same flags in reverse order, and
-/// one more flag.
+/// Adds the flags that the host has raised in translated code to fflags. MXCSR has the flags of fflags in reverse
+/// order, and one more flag.
 void TranslatedRun::take_float_flags() {
   const auto host = execution_.host.float_control_after;
   const auto flag = [host](unsigned bit, std::uint8_t guest) { return (host >> bit & 1U) != 0 ? guest : 0U; };

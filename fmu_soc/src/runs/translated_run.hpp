@@ -14,7 +14,7 @@
 namespace mebots::soc {
 
 /// Runs a core in translated code: chooses the blocks to translate, enters and leaves the code, and handles its exits.
-/// If a block was left in its middle, the interpreter finishes it.
+/// If translated code leaves a block before its end, the interpreter finishes the block.
 class TranslatedRun {
  public:
   TranslatedRun(Execution& execution, DecodedCode& decoded, Interpreter& interpreter, Fetch& fetch,
@@ -60,7 +60,7 @@ class TranslatedRun {
   translate::RunEnd run_round(std::uint64_t limit_tick);
   /// Passes the steps between functions of the last run to the observer.
   void report_flow() { flow_log_.report(observed_); }
-  /// Handles an exit from translated code. Returns the same as `run`.
+  /// Handles an exit from translated code. The result has the meaning of the result of `run`.
   bool finish(const translate::Exit& exit);
 
  private:

@@ -36,7 +36,7 @@ const Xbyak::util::Cpu& host_processor();
 /// A jump with a distance of 32 bits.
 inline constexpr auto kNear = Xbyak::CodeGenerator::T_NEAR;
 
-/// Offset from Execution of a member of its HostState, or of its counters.
+/// Returns the offset of a member of HostState, or of a counter, from the start of Execution.
 constexpr int offset_of_host(std::size_t member) {
   return static_cast<int>(offsetof(Execution, host) + member);
 }
@@ -57,7 +57,7 @@ struct Stubs {
   /// holds the value that load_next_point() has loaded.
   const std::uint8_t* park = nullptr;
   /// Subroutine (writable address). Fetches line edx into the set whose entries begin at byte offset rax; [rcx] is the
-  /// line's presence byte. Null if there is no instruction cache, or if other cores use it.
+  /// line's presence byte. Null if there is no instruction cache, or if other cores use the cache.
   const std::uint8_t* fetch = nullptr;
   /// Subroutine (writable address). Counts an access at offset ecx of the second memory and spends its wait. edx holds
   /// the cycles of the block before the access. If the interpreter must make the access instead, sets eax to a negative
@@ -89,13 +89,13 @@ struct TranslationContext {
 ///   rax, rcx, rdx, xmm0 to xmm2  scratch; the other registers hold guest registers, zero-extended
 class Assembler : public Xbyak::CodeGenerator {
  public:
-  /// Writes at offset `used` of the code memory.
+  /// Writes host code at offset `used` of the code memory.
   Assembler(const TranslationContext& context, std::size_t used, const Stubs& stubs);
 
-  /// Defers a warm path: code that runs often, but not each time. It is placed after the region's hot code.
+  /// Defers a warm path: code that runs often, but not each time. The assembler places it after the region's hot code.
   void defer_warm(std::function<void()> emit) { warm_.push_back(std::move(emit)); }
-  /// Defers a cold path: code that is hardly ever needed. It is placed last, so that no line of the host's caches
-  /// contains both hot and cold code.
+  /// Defers a cold path: code that is hardly ever needed. The assembler places it last, so that no line of the host's
+  /// caches contains both hot and cold code.
   void defer_cold(std::function<void()> emit) { cold_.push_back(std::move(emit)); }
   void emit_deferred();
 

@@ -7,7 +7,7 @@
 
 namespace mebots::soc::translate {
 
-/// Memory for host code, mapped twice: writable at one address and executable at another, never both at one address.
+/// Memory for host code, mapped twice: writable at one address and executable at another address. No address is both.
 class CodeMemory {
  public:
   /// Returns null if the host does not provide such memory.

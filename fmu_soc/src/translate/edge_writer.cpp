@@ -61,7 +61,7 @@ const Node* EdgeWriter::node_at(std::uint32_t link, std::uint32_t pc) const {
   return number == 0 ? nullptr : region_->find(number);
 }
 
-/// Leaves before a block if one of its instructions might start too late.
+/// Leaves translated code before a block if one of the block's instructions might start after the limit.
 void EdgeWriter::check_limit(const Node& node, std::uint32_t stall, const Exit& at_limit) {
   Label leave;
   a_.cycles.jump_at_limit(*node.block, stall, leave);
@@ -211,7 +211,8 @@ void EdgeWriter::jump(const Instruction* at, std::uint32_t pc, bool jumped) {
 void EdgeWriter::leave_chained(Exit exit) {
   MEBOTS_ASSERT(exit.patch_point == 0 && !exit.indirect);
   a_.registers.store_all();
-  // Until the patch point is patched, it leads to the next instruction. Its target is data, so code is never changed.
+  // Until a patch point is patched, it leads to the next instruction. The target of the jump is data, so patching does
+  // not change code.
   exit.patch_point = a_.exits.add_patch_point();
   constexpr auto kJumpBytes = 6;
   a_.jmp(ptr[rip + static_cast<int>(a_.exits.place_of(exit.patch_point) - (a_.getCurr() + kJumpBytes))]);
@@ -222,7 +223,7 @@ void EdgeWriter::leave_chained(Exit exit) {
 
 void EdgeWriter::jump_indirect(const Instruction* at) {
   MEBOTS_ASSERT(at->op == Op::jalr);
-  // A jump most likely has the same target as the last time.
+  // The most likely target of a jump is its last target.
   if (const auto* node = at->link != 0 ? region_->find(at->link) : nullptr; node != nullptr) {
     Label guessed;
     a_.cmp(eax, node->block->pc);

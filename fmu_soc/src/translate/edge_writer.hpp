@@ -25,7 +25,8 @@ class EdgeWriter {
   void begin(const Region& region);
   /// Must be called before the code of a node is written.
   void begin_node(std::size_t index);
-  /// Writes the entries of a node. Code continues with the node if it comes next, or jumps to it.
+  /// Writes the entries of a node. If the node is next in the code, execution continues into it; otherwise a jump leads
+  /// to it.
   Entry emit_entry(const Node& node, bool runs_into_node);
   /// Writes the code that all exits of the region share.
   void emit_exits();

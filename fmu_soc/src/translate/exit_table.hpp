@@ -15,7 +15,7 @@
 namespace mebots::soc::translate {
 
 /// The layout of the code memory: the stubs, then a ring of segments that are filled one after the other. A segment
-/// begins with its patch points. They are data, in pages without code.
+/// begins with its patch points. Patch points are data, in pages without code.
 struct Segments {
   static constexpr std::uint32_t kCount = 8;
   static constexpr std::size_t kStubBytes = 4096;
@@ -55,7 +55,8 @@ class ExitTable {
     return exits_[segment_][index];
   }
 
-  /// Adds a patch point to the present segment. It has no target yet. Returns its number, which is never 0.
+  /// Adds a patch point to the present segment. The patch point has no target yet. Returns its number, which is at
+  /// least 1.
   std::uint32_t add_patch_point() {
     MEBOTS_ASSERT(free_patch_points() > 0);
     unpatched_[segment_].push_back(nullptr);
@@ -77,7 +78,7 @@ class ExitTable {
   void patch(std::uint32_t patch_point, const std::uint8_t* target) {
     std::memcpy(place_of(patch_point), &target, sizeof target);
   }
-  /// Sets the target of a patch point that is not chained to a block. It lies outside of translated code.
+  /// Sets the target of a patch point that is not chained to a block. The target is outside of translated code.
   void set_unpatched(std::uint32_t patch_point, const std::uint8_t* target) {
     unpatched_[patch_point >> kIndexBits][(patch_point & kIndexMask) - 1] = target;
     patch(patch_point, target);

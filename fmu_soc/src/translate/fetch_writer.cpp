@@ -31,9 +31,8 @@ void FetchWriter::jump_when_absent(std::uint32_t address, Label& absent) {
   a_.je(absent, kNear);
 }
 
-/// Writes code before an instruction that fetches the absent lines of the instruction, except the line that it shares
-/// with the instruction before it. If other cores use the cache, the interpreter fetches the lines. May change eax, rcx
-/// and rdx.
+/// Writes the code that fetches the absent cache lines of an instruction. Excludes a line that also contains the
+/// previous instruction. If other cores use the cache, the interpreter fetches the lines. May change eax, rcx and rdx.
 void FetchWriter::emit(const Block& block, const Instruction* at, const Instruction* before) {
   MEBOTS_ASSERT(a_.blocks.fetched() != nullptr && !is_block_end(at->op));
   const auto& cache = *a_.blocks.fetched();
@@ -59,8 +58,8 @@ void FetchWriter::emit(const Block& block, const Instruction* at, const Instruct
   }
 }
 
-/// Fetches the line of this code if it is absent. Code for a line that is seldom absent is placed after the region's
-/// other code. This saves a jump if the line is present, and costs two jumps if it is absent.
+/// Fetches the line of this code if it is absent. If a line is seldom absent, its code is placed after the region's
+/// other code. This saves a jump if the line is present, and costs two jumps if the line is absent.
 void FetchWriter::emit_line(std::uint32_t line, std::uint32_t address, bool often_absent) {
   Label present;
   if (often_absent) {

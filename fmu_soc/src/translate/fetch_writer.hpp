@@ -17,8 +17,8 @@ class FetchWriter {
 
   /// True if translated code refills the cache. If other cores use the cache, the interpreter refills it.
   bool are_inline() const;
-  /// Writes code before an instruction that fetches the absent lines of the instruction, except the line that it shares
-  /// with the instruction before it.
+  /// Writes the code that fetches the absent cache lines of an instruction. Excludes a line that also contains the
+  /// previous instruction.
   void emit(const Block& block, const Instruction* at, const Instruction* before);
   /// Jumps if the line of this code is absent. May change rdx.
   void jump_when_absent(std::uint32_t address, Xbyak::Label& absent);

@@ -86,8 +86,8 @@ std::uint32_t next_of(const Node& node) {
   return at->link != 0 || at->index == 0 || !is_jump(at[-1].op) ? at->link : at[-1].link;
 }
 
-/// Orders the nodes: after each node comes its successor, if that is not placed yet. Then no jump is needed between
-/// them.
+/// Orders the nodes. After each node comes its successor, if the successor is not placed yet. Two nodes in sequence
+/// need no jump.
 void put_in_order(Region& region) {
   std::vector<Node> ordered;
   ordered.reserve(region.nodes.size());

@@ -25,7 +25,7 @@ struct Node {
   }
 };
 
-/// Blocks that are translated together, so that guest registers stay in host registers between them.
+/// Blocks that are translated together. From one block to the next, guest registers stay in host registers.
 struct Region {
   std::vector<Node> nodes;  // in the order of their code; the first is the one whose translation was requested
 
@@ -52,9 +52,9 @@ inline bool stalls(const Block& block, const Instruction* end) {
   return end->index != 0 && block.stall_after(executed(end[-1], false)) != 0;
 }
 
-/// True if an early jump of the block depends on the last instructions of the block before, or if only the run shows
-/// whether it depends on them. `end` is the slot after these instructions. If a block ends with a misaligned load, the
-/// interpreter executes the load.
+/// True if an early jump of the block depends on the last instructions of the previous block, or may depend on them.
+/// `end` is the slot after these instructions. If a block ends with a misaligned load, the interpreter executes the
+/// load.
 inline bool delays_jump(const BlockCache& blocks, const Block& block, const Instruction* end) {
   MEBOTS_ASSERT(is_block_end(end->op));
   if (!block.early_jump) return false;

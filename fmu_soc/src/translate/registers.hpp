@@ -14,7 +14,7 @@ class Assembler;
 
 /// Number of host registers that hold guest registers.
 inline constexpr unsigned kHostRegisters = 9;
-/// Number of vector registers. They hold operands of dot products, or floats.
+/// Number of vector registers for operands of dot products, or for floats.
 inline constexpr unsigned kVectorRegisters = 12;
 /// Number of the first of these vector registers.
 inline constexpr int kFirstVector = 3;
@@ -35,8 +35,8 @@ struct Registers {
   std::array<bool, kGuestRegisters> written{};  // true if the region writes it
 };
 
-/// Allocates the vector registers to the guest registers that mostly dot products and floats use, and the host
-/// registers to the most used of the others.
+/// Allocates registers to guest registers: vector registers if mostly dot products and floats use the guest register,
+/// host registers to the most used of the other guest registers.
 Registers allocate(const Region& region);
 
 /// The locations of a region's guest registers. Writes the code that reads and writes these registers.

@@ -16,8 +16,8 @@ static_assert(offsetof(Pipeline, before) == 0 && offsetof(Pipeline, two_before) 
 
 }  // namespace
 
-/// Returns the node that a link from the end of a block leads to. Returns null if it is not in the region, or if more
-/// than a stall depends on the instructions before it.
+/// Returns the node that a link from the end of a block leads to. Returns null if the node is not in the region, or if
+/// the previous instructions change more than a stall of the node.
 const Node* EdgeWriter::straight_successor(const Instruction* at, std::uint32_t link) const {
   if (link == 0) return nullptr;
   const auto* node = a_.blocks.block(link).valid() ? region_->find(link) : nullptr;

@@ -31,9 +31,10 @@ class SignalTimes {
   std::size_t size() const { return times_s_.size(); }
   double s(std::size_t row) const { return times_s_[row]; }
   std::int64_t ns(std::size_t row) const;
-  /// Returns the row whose value applies at this time: the last row that is not later. On the side before a jump, this
-  /// is the first row with this time. Returns kNone before the first row. `near` is the result of an earlier call. If
-  /// time advances in small steps, the cost does not depend on the number of rows.
+  /// Returns the row whose value applies at this time: the last row that is not later. If several rows have this time
+  /// (a jump) and the side before the jump is requested, returns the first of these rows. Returns kNone before the
+  /// first row. `near` is the result of an earlier call. If time advances in small steps, the cost does not depend on
+  /// the number of rows.
   std::size_t row_at(std::int64_t time_ns, SignalSide side, std::size_t near) const;
 
  private:

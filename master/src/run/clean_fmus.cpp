@@ -35,7 +35,7 @@ Uses& uses() {
   return all;
 }
 
-/// Returns the functions that FMUs of this process import, each with the first such FMU.
+/// Returns the functions that FMUs of this process import. Each function has the name of the first FMU that imports it.
 std::map<const ProcessFunction*, std::string> functions_of(const ResolvedSystem& system) {
   std::map<const ProcessFunction*, std::string> functions;
   for (const auto& instance : system.instances) {

@@ -18,7 +18,7 @@ struct MemberState final : SlaveState {
   std::vector<std::byte> group;
 };
 
-/// `inner` is the slave of `state.inner`.
+/// `inner` must be the slave whose state is `state.inner`.
 std::vector<std::byte> serialize_member(Slave& inner, const MemberState& state);
 std::unique_ptr<MemberState> deserialize_member(Slave& inner, std::span<const std::byte> bytes);
 

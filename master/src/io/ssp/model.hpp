@@ -115,8 +115,8 @@ struct Element {
 /// The change of a value along a chain of connections: factor * value + offset, or a map.
 class Course {
  public:
-  /// `unit` is that of the value at the start, or empty. If `difference` is true, the value is a difference of two
-  /// values (relativeQuantity), so that a unit's offset does not apply.
+  /// `unit` is the unit of the value before the conversion, or empty. If `difference` is true, the value is a
+  /// difference of two values (relativeQuantity), so that a unit's offset does not apply.
   explicit Course(std::optional<modeldesc::Unit> unit, bool difference = false)
       : unit_(std::move(unit)), difference_(difference) {}
 

@@ -47,7 +47,7 @@ class ClockedSlave final : public ForwardingSlave {
   std::unique_ptr<SlaveState> deserialize(std::span<const std::byte> bytes) override;
 
   EventInstance& instance() { return *instance_; }
-  /// Returns the instance without the group.
+  /// Returns the wrapped instance, without the handling of its clocks.
   Slave& alone() { return inner(); }
   /// At a tick of the clock, sets the waiting inputs in the FMU.
   void give_inputs(ValueReference clock);

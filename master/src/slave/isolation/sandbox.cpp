@@ -28,7 +28,7 @@ constexpr const char* kTemporaryFolder = "/tmp";
 constexpr std::uint64_t kTemporaryBytes = std::uint64_t{256} << 20;
 constexpr std::uint64_t kSharedMemoryBytes = std::uint64_t{64} << 20;
 
-/// Where the system keeps programs and libraries. Some are symbolic links into /usr.
+/// Folders in which the system keeps programs and libraries. Some of these folders are symbolic links into /usr.
 constexpr auto kSystemFolders =
     std::to_array<const char*>({"/usr", "/lib", "/lib32", "/lib64", "/libx32", "/bin", "/sbin", "/opt", "/nix"});
 /// Files that the loader and the C library read.
