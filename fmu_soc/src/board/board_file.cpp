@@ -144,7 +144,7 @@ void check_overlaps(const Node& root, const BoardDescription& board) {
   for (std::size_t i = 0; i < board.memories.size(); ++i) {
     const auto& memory = board.memories[i];
     take(memories[i], {memory.name, memory.base, memory.size});
-    // The alias is only in the map of the cores of the memory's own place, so the other cores may have an alias at the
+    // Only the cores at the memory's own place have the alias in their map. So the other cores may have an alias at the
     // same address.
     if (memory.alias && memory.place == Place::fabric_controller) {
       take(memories[i], {memory.name, *memory.alias, memory.size});

@@ -42,7 +42,7 @@ struct BoardMemory {
   std::string text;
 };
 
-/// Instruction caches by Place: that of the fabric controller, and that of the cluster's cores.
+/// Instruction caches by Place: one of the fabric controller, and one of the cluster's cores.
 using BoardInstructionCaches = std::array<InstructionCacheSettings, 2>;
 
 /// Supply of the chip. A chip without a supply entry always has power.
@@ -51,8 +51,8 @@ struct BoardSupply {
   double least_v = 0;    // below this voltage, the chip switches off for good
 };
 
-/// An address range that the real machine uses and the board lacks. An access to it is a fault, and the message names
-/// the range.
+/// An address range that the real machine uses and the board lacks. An access to the range is a fault, and the message
+/// names the range.
 struct BoardAbsence {
   std::string name;
   std::uint32_t base = 0;

@@ -61,8 +61,8 @@ Chip parse_chip(const std::string& json_text, const std::string& name);
 const Chip& gap8();
 /// Returns GAP8 with energies that were calibrated on measured currents.
 const Chip& gap8_silicon();
-/// Returns the chip with the board's set of energies: that of gap8(), or that of gap8_silicon(), which was calibrated
-/// on currents of a GAPuino.
+/// Returns the chip with the board's set of energies: gap8(), or gap8_silicon(), which was calibrated on currents of a
+/// GAPuino.
 const Chip& chip_of(const BoardDescription& board);
 /// Returns the chip with a set of energies, all multiplied by one factor. `position` selects the factor in the range of
 /// EnergyChecks, from -1 (least) over 0 (1) to 1 (greatest). Throws Error that names the FMU's parameter if the name is

@@ -106,7 +106,7 @@ auto by_name(Read read) {
         found.push_back(read(key, member));
       });
     }
-    // The order is alphabetical, so that it does not depend on the order in the file.
+    // Sorts alphabetically, so that the result does not depend on the order in the file.
     std::ranges::stable_sort(found, {}, &T::name);
     return found;
   };
@@ -180,7 +180,7 @@ std::vector<std::string> numbers_of(const BoardDevice& device, bool inputs) {
   return names;
 }
 
-/// Checks a register that sends a variable. It must have an output, and must have no other effect.
+/// Checks a register that sends a variable. The variable must be an output, and the register must have no other effect.
 void check_sender(const Node& node, const BoardDevice& device, const BoardRegister& reg) {
   const auto entry = entry_of(node, reg);
   if (reg.access == "r" || !reg.shows.empty()) {

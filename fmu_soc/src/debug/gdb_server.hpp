@@ -56,7 +56,7 @@ class GdbServer {
   static constexpr std::string_view kTrap = "T05";
   static constexpr std::string_view kAtBreakpoint = "swbreak:;";
 
-  /// A way into the past; reverse.cpp describes it.
+  /// A method to go back in time; see reverse.cpp.
   struct Replay {
     enum class Phase : std::uint8_t { searching, seeking, restarting };
     struct Place {
@@ -90,8 +90,8 @@ class GdbServer {
 
     GdbServer& server_;
     unsigned number_;
-    // The state at which this hart was stopped last. It shows whether the hart has returned to the same instruction,
-    // after other harts ran or after a sleep.
+    // The state at which this hart stopped last. A comparison shows whether the hart has returned to the same
+    // instruction, after other harts ran or after a sleep.
     bool was_held_ = false;
     std::uint32_t held_pc_ = 0;
     std::uint64_t held_instructions_ = 0;

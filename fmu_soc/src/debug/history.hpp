@@ -15,7 +15,7 @@ namespace mebots::soc::debug {
 ///
 /// A position is the number of instructions that all harts have begun since the start, counted by calls of
 /// Observer::before(). A replay from a saved state calls it in the same order, because the run is cut into the same
-/// pieces. What the program printed stays printed, and what it read is read again from a log, at the same calls.
+/// pieces. The output of the program is not repeated. Its input is read again from a log, at the same calls.
 class History {
  public:
   struct Snapshot {
@@ -50,7 +50,7 @@ class History {
   std::uint64_t position() const { return position_; }
   const std::vector<Snapshot>& snapshots() const { return snapshots_; }
 
-  /// True while the program repeats what it has done before, or while it is being stopped for that.
+  /// True during a replay, and while the program is being stopped for a replay.
   bool repeats() const { return leaves_ || position_ < frontier_; }
   /// While true, the run ends, so that a saved state can be restored.
   void set_leaves(bool leaves) { leaves_ = leaves; }

@@ -3,9 +3,9 @@
 // Steps of gdb into the past. A request ends the run. rewind() restores a state from before, and the run goes through
 // the same instructions again:
 //
-//   searching   runs up to the present position and notes the last place at which gdb wants to stop. Without such a
-//               place, the search continues from the preceding saved state.
-//   seeking     runs from the same state to that place, where gdb stops.
+// The mode `searching` runs up to the present position and records the last place at which gdb wants to stop. Without
+// such a place, the search continues from the preceding saved state. The mode `seeking` runs from the same state to
+// that place, where gdb stops.
 #include "debug/gdb_server.hpp"
 
 #include <fmt/core.h>

@@ -77,7 +77,7 @@ void GdbServer::HartObserver::switched(const Hart& /*hart*/, bool /*on*/) {
   if (server_.only_hart_ == number_) server_.only_hart_.reset();
 }
 
-/// `position` is that of the instruction that the hart begins next. Returns false if the run must end here.
+/// `position` is the position of the instruction that the hart begins next. Returns false if the run must end here.
 bool GdbServer::HartObserver::hold(const Hart& hart, std::uint64_t position) {
   server_.here_ = position;
   server_.killed_ = server_.serve() == Resume::end;

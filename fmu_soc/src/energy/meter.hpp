@@ -152,7 +152,7 @@ struct PowerState {
   }
 };
 
-/// The sizes that the energies of the parts depend on.
+/// Sizes of the chip's memories and number of cluster cores, on which the energies of the parts depend.
 struct Inventory {
   std::uint32_t fc_memory_bytes = 0;  // memories of the fabric controller's domain, with L2
   std::uint32_t l1_bytes = 0;

@@ -33,7 +33,7 @@ double number_of(const data::Member& member) {
   return value;
 }
 
-/// Returns the members of an axis by their points. There is at least one.
+/// Returns the members of an axis by their points; at least one.
 std::vector<Point> sorted_points(const data::Node& node) {
   std::vector<Point> points;
   for (const auto& member : node.members()) {

@@ -38,7 +38,7 @@ constexpr bool is_signaling(std::uint32_t a) {
   return is_nan(a) && (a & kQuiet) == 0;
 }
 
-/// How an operation rounds, and the flags that it raises.
+/// The rounding mode of an operation, and the flags that it raises.
 struct Context {
   Rounding rounding = Rounding::nearest_even;
   std::uint8_t flags = 0;

@@ -70,7 +70,7 @@ const Instruction* execute_float_move(Execution& e, const Instruction* at) {
 
 #ifdef MEBOTS_TRANSLATES
 /// Leaves the block if the floating-point unit is off, or if frm is not the host's rounding mode. Only an instruction
-/// that ends a block can change these, so that the first floating-point operation of a block checks for all others.
+/// that ends a block can change these. So only the first floating-point operation of a block needs the check.
 void emit_check(Assembler& c, const Instruction* at) {
   static_assert(offsetof(Execution, rounding) == offsetof(Execution, float_off) + 1);
   for (const auto* before = at - at->index; before != at; ++before) {
@@ -106,7 +106,8 @@ void emit_float_move(Assembler& c, const Instruction* at) {
 /// Operations that the host executes. They round to nearest. MXCSR collects their flags: see
 /// TranslatedRun::take_float_flags().
 
-/// Returns false for a rounding mode other than the host's present one; the interpreter executes those.
+/// Returns false for a rounding mode other than the host's present one. The interpreter executes operations with these
+/// modes.
 bool emit_rounding(Assembler& c, const Instruction* at) {
   const auto own = static_cast<unsigned>(at->imm) & 7U;
   if (own != static_cast<unsigned>(float32::Rounding::nearest_even) && own != float32::kDynamic) return false;
@@ -363,7 +364,7 @@ void emit_fsgnjx_s(Assembler& c, const Instruction* at) {
     c.xor_(eax, ecx);
   });
 }
-/// Leaves NaNs to the interpreter. Also leaves it zeros, because they may have different signs.
+/// Leaves NaNs to the interpreter, and also zeros, because two zeros may have different signs.
 template <typename Apply>
 void emit_extreme(Assembler& c, const Instruction* at, Apply apply) {
   emit_check(c, at);

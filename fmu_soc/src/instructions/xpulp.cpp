@@ -64,8 +64,8 @@ const Instruction* execute_lp_starti(Execution& e, const Instruction* at) {
   e.loops[at->rs2].start = at->pc + static_cast<Word>(at->imm);
   return next(e, at);
 }
-/// Sets the end of a loop. If the present block continues past the new end, leaves it, because it must be decoded
-/// again.
+/// Sets the end of a loop. If the present block continues past the new end, leaves the block, because it must be
+/// decoded again.
 const Instruction* set_loop_end(Execution& e, const Instruction* at, Word pc) {
   MEBOTS_ASSERT(at->rs2 < e.loops.size());
   e.loops[at->rs2].end = pc;

@@ -63,7 +63,8 @@ inline constexpr unsigned kFenceCycles = 4;
 /// operations take one cycle. The real core may continue earlier if the next instructions do not need the result.
 inline constexpr unsigned kFloatDivideCycles = 19;
 inline constexpr unsigned kFloatRootCycles = 19;
-/// Cycles of mret. Only their sum with the cycles of a trap's entry was measured: 9 cycles. The split is our choice.
+/// Cycles of mret. Only the sum of a trap's entry and mret was measured: 9 cycles. The division of the sum is an
+/// assumption.
 inline constexpr unsigned kMretCycles = 5;
 
 /// Properties that all encodings of an operation share. Properties that a kind does not have keep their default values.
@@ -109,8 +110,8 @@ inline constexpr auto kNameInStates = name_in_states();
 
 }  // namespace op_rows
 
-/// Name of an operation in a state. A state stores the number of an operation. A build with other rows has another name
-/// here, so that it refuses the states of this build.
+/// Name of an operation in a state. A state stores this name and the number of an operation. A build with other rows
+/// has another name, so it refuses states of this build.
 inline constexpr std::string_view kOpInStates(op_rows::kNameInStates.data(), op_rows::kNameInStates.size());
 
 inline constexpr int kOpCount = static_cast<int>(op_rows::kTraits.size());

@@ -28,8 +28,8 @@ class Banks {
   /// them.
   static constexpr std::uint64_t kLongestRun = 1024;
   static constexpr std::uint64_t kLongestBlock = 5120;
-  /// Number of ticks after the start of the table that can be claimed. Cores reach them in their last block, and may
-  /// wait there.
+  /// Number of ticks that can be claimed, from the start of the table. In its last block, a core may reach these ticks
+  /// and wait.
   static constexpr std::uint64_t kReach = kLongestRun + kLongestBlock + 1024;
 
   /// `count` must be a power of two, at most kMost.
@@ -160,7 +160,7 @@ class Banks {
   const std::uint8_t* horizon_ = nullptr;
 };
 
-/// The banks from the view of one core, which counts its own active cycles.
+/// Access to the banks for one core. Converts the core's active cycles to ticks.
 class BankSchedule {
  public:
   explicit BankSchedule(Banks& banks) : banks_(&banks) {}

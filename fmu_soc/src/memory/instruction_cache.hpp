@@ -93,7 +93,7 @@ class InstructionCache {
     if (!pending_refills_.empty()) [[unlikely]]
       note_arrivals(tick);
   }
-  /// For a shared cache: true if no other core can need a line before it has arrived for the core that fetches it.
+  /// For a shared cache: true if no other core can need a line before the line arrives for the core that fetches it.
   void set_alone(bool alone);
   /// Invalidates all lines.
   void flush();

@@ -20,7 +20,7 @@ struct FreeBytes {
 };
 using ZeroedBytes = std::unique_ptr<std::uint8_t[], FreeBytes>;
 
-/// A region of RAM. Each word has a byte of marks, which show a store that a listener needs it.
+/// A region of RAM. Each word has a byte of marks, which show that a listener must be called for a store.
 struct Region {
   static constexpr std::uint8_t kCode = 1;   // instructions decoded by the first decode cache
   static constexpr std::uint8_t kWatch = 2;  // watched by the host
@@ -54,7 +54,7 @@ class Memory {
   Region* find(std::uint32_t address, std::uint32_t count);
   const Region* find(std::uint32_t address, std::uint32_t count) const;
 
-  /// Copies bytes in or out. Returns false, without effect, if they are not all in one region.
+  /// Copies bytes in or out. If the bytes are not all in one region, has no effect and returns false.
   bool read(std::uint32_t address, std::span<std::uint8_t> bytes) const;
   bool write(std::uint32_t address, std::span<const std::uint8_t> bytes);
 
@@ -68,13 +68,14 @@ class Memory {
   /// Clears marks of every word that the bytes touch.
   void unmark(std::uint32_t address, std::uint32_t count, std::uint8_t marks);
 
-  /// Returns a mark for one more decode cache. Each has its own, so that it can clear it independently. Throws Error if
-  /// there are no more marks.
+  /// Returns a mark for one more decode cache. Each cache has a mark of its own, so that it can clear the mark
+  /// independently. Throws Error if there are no more marks.
   std::uint8_t add_code_mark();
   /// Must be called after bytes in RAM were changed other than by loading a program. Then cores invalidate the code
-  /// decoded from them. Returns true if code was decoded from them.
+  /// that was decoded from these bytes. Returns true if there was such code.
   bool changed(std::uint32_t address, std::uint32_t count);
-  /// Does the same, also if no code was decoded there: an instruction that begins or ends there has changed.
+  /// Reports a change like the function above, also if no code was decoded from the bytes. Used if an instruction that
+  /// begins or ends there has changed.
   void invalidate_code(std::uint32_t address, std::uint32_t count);
   /// Invalidates all decoded code.
   void forget_code();
@@ -84,16 +85,16 @@ class Memory {
     std::uint32_t address = 0;
     std::uint32_t count = 0;
   };
-  /// Returns the number of changes so far. A core compares it before it continues.
+  /// Returns the number of changes so far. A core compares this number before it continues.
   std::uint64_t code_generation() const { return code_generation_; }
-  /// Returns change number `generation`, which must be below code_generation(). Null if it is too old, or if it
+  /// Returns change number `generation`, which must be below code_generation(). Null if the change is too old, or if it
   /// concerned all code.
   const Change* change(std::uint64_t generation) const {
     return generation < oldest_change_ ? nullptr : &changes_[generation % kKeptChanges];
   }
 
-  /// Visits the contents of all regions and the ends of hardware loops. Blocks end at those, so turns of cluster cores
-  /// depend on them. Other marks are not part of a state.
+  /// Visits the contents of all regions and the ends of hardware loops. Blocks end at the ends of hardware loops, so
+  /// the turns of cluster cores depend on these ends. Other marks are not part of a state.
   void visit(state::Visitor& v);
 
  private:

@@ -124,8 +124,8 @@ template <typename Now>
 void CoreProfile::step(const Step& step, Now now) {
   if (is_jump(step.op) && is_link(step.rd)) {
     charge(now());
-    // A coroutine is called through one link register and may return through the other one. The called function then
-    // replaces that frame.
+    // A coroutine is called through one link register and may return through the other one. In this case, the called
+    // function replaces the frame of the coroutine.
     if (step.op == Op::jalr && is_link(step.rs1) && step.rd != step.rs1) return_to(step.next, now);
     push(functions_.entered(step.next), step.after, Kind::function);
   } else if (step.op == Op::mret) {

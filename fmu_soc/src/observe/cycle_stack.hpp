@@ -84,7 +84,7 @@ class CycleStack {
 
   const std::deque<CoreStack>& harts() const { return harts_; }
   const Functions& functions() const { return functions_; }
-  /// By bank of the cluster's L1; empty without a cluster.
+  /// One element per bank of the cluster's L1; empty without a cluster.
   const std::vector<BankUse>& banks() const { return banks_; }
 
  private:

@@ -72,7 +72,8 @@ void PowerTrace::changed(Picoseconds time) {
   note_states(time);
 }
 
-/// Writes the span since the last reading: its mean values at its start, then the changes of state within it.
+/// Writes the time span since the last reading: mean values at the start of the span, then the changes of state within
+/// the span.
 void PowerTrace::close_span(Picoseconds time) {
   const auto now_j = energies(time);
   writer_->value(span_start_, kClockChannel, span_clock_hz_);

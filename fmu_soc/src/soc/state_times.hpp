@@ -20,7 +20,7 @@ class StateTimes {
  public:
   static constexpr std::size_t kCounted = 4;
 
-  /// Sets the state from `time` on. If `time` is before the last one, changes only the state.
+  /// Sets the state from `time` on. If `time` is before the last change, changes only the state.
   void pass(Picoseconds time, ChipState state) {
     if (time > since_) {
       if (state_ != ChipState::off) total_[static_cast<std::size_t>(state_)] += time - since_;

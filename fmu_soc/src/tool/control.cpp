@@ -140,7 +140,7 @@ std::uint32_t Control::address_of(const Json& place) const {
   return *address;
 }
 
-/// {"read": symbol or address, "size": bytes}; without a size, that of the symbol.
+/// {"read": symbol or address, "size": bytes}. Without a size, reads the size of the symbol.
 Control::Json Control::read(const Json& command) const {
   const auto address = address_of(command.at("read"));
   const auto& symbols = soc_.program().symbols();

@@ -24,7 +24,8 @@ class ControlledConsole final : public Console {
   void send(std::string_view bytes) { input_.insert(input_.end(), bytes.begin(), bytes.end()); }
   /// Takes a byte as ConsolePort::read_console() does.
   int read_byte();
-  /// Returns -EAGAIN if no input has been sent. The program cannot wait for it, because a call takes no simulated time.
+  /// Returns -EAGAIN if no input has been sent. The program cannot wait for input, because a call takes no simulated
+  /// time.
   long read(std::span<char> into) override;
   const std::string& printed() const { return printed_; }
 

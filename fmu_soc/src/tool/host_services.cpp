@@ -45,8 +45,8 @@ constexpr std::uint32_t kApplicationExit = 0x20026;  // ADP_Stopped_ApplicationE
 constexpr std::uint64_t kCentiseconds = 100;
 constexpr std::uint64_t kTicks = 1'000'000;
 
-/// Flags of open() for SYS_OPEN's numbers. SYS_OPEN numbers the modes of fopen(), each as text and as binary; both are
-/// the same here.
+/// Flags of open() for SYS_OPEN's numbers. SYS_OPEN numbers the modes of fopen(), each as text and as binary. On this
+/// host, text and binary are equal.
 constexpr std::array kModes{O_RDONLY,
                             O_RDWR,
                             O_WRONLY | O_CREAT | O_TRUNC,

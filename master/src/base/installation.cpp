@@ -41,7 +41,7 @@ const Home& home() {
   return found;
 }
 
-// Relative paths from the folder of the program or extension to those of data and programs.
+// Relative paths from the folder of the program or extension to the folders of data and programs.
 constexpr std::string_view kDataOfProgram[] = {"..", "../share/mebots"};
 constexpr std::string_view kDataOfExtension[] = {"share/mebots", "../..", "../../../../share/mebots"};
 constexpr std::string_view kProgramsOfProgram[] = {"."};

@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// While guards exist, the first SIGINT, SIGTERM or SIGHUP sets the flags of all of them; the second one has its
+/// While guards exist, the first SIGINT, SIGTERM or SIGHUP sets the flags of all guards; the second signal has its
 /// default effect and ends the process. A signal that the process ignores stays ignored. The destructor of the last
 /// guard restores the earlier handlers, and raises the signal again if a guard requires it. Thread-safe. Flags of more
 /// than kMost guards are not set.

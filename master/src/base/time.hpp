@@ -50,7 +50,7 @@ ExactTime exact_time_of(std::int64_t time_ns);
 /// Returns a time from a program, rounded to nanoseconds. If it is neither a whole number of nanoseconds nor a ratio as
 /// in exact_time(), throws InputError, in which `what` is the name of the time.
 std::int64_t nanoseconds_of(double seconds, std::string_view what);
-/// Does the same as nanoseconds_of() for a duration, which must be greater than 0.
+/// Converts like nanoseconds_of(), but for a duration, which must be greater than 0.
 std::int64_t duration_of(double seconds, std::string_view what);
 
 /// Returns the ratio in lowest terms. The result must fit into an ExactTime.

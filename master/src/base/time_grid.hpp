@@ -23,7 +23,7 @@ class TimeGrid {
 
   /// Returns the internal time of the point t_k.
   std::int64_t time_ns(std::int64_t k) const { return is_whole_ ? start_ns_ + k * step_ns_ : rounded_ns(k); }
-  /// True if the time is that of a point t_k with k >= 0.
+  /// True if a point t_k with k >= 0 has this time.
   bool is_point(std::int64_t time_ns) const;
   /// Returns the number k of the last point that is not after this time.
   std::int64_t point_at(std::int64_t time_ns) const;
@@ -31,7 +31,7 @@ class TimeGrid {
   /// Returns the double nearest to the point with this internal time. A time between points is converted directly.
   double time_s(std::int64_t time_ns) const { return is_whole_ ? to_seconds(time_ns) : exact_s(time_ns); }
   /// Returns the double nearest to the time between two points, or between two times that are not points. If only one
-  /// is a point, returns the difference of their doubles.
+  /// of the two times is a point, returns the difference of their doubles.
   double length_s(std::int64_t from_ns, std::int64_t to_ns) const {
     return is_whole_ ? to_seconds(to_ns - from_ns) : exact_length_s(from_ns, to_ns);
   }

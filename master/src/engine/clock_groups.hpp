@@ -25,7 +25,7 @@ class ClockGroups {
   void connect();
 
  private:
-  /// The place of an instance: its group, and its index among the members.
+  /// The place of an instance: its group, and its index in the group.
   struct Place {
     std::size_t group = 0;
     std::size_t member = 0;

@@ -25,7 +25,7 @@ class ContinuousGroups {
   void connect();
 
  private:
-  /// The place of an instance: its system, and its index among the members.
+  /// The place of an instance: its system, and its index in the system.
   struct Place {
     std::size_t system = 0;
     std::size_t member = 0;

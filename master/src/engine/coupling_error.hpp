@@ -14,9 +14,9 @@
 /// derivatives are known), while the output y of its source changes differently. No FMU can detect the difference.
 namespace mebots::master {
 
-/// The course of an output over one step: a parabola through its values at both ends of the step and at the end before.
-/// In the first step, it is a line. It does not use the FMU's derivatives, because their order equals that of the
-/// coupling error.
+/// The course of an output over one step: a parabola through its values at both ends of the step and at the end of the
+/// previous step. In the first step, the course is a line. The FMU's derivatives are not used, because their error has
+/// the same order as the coupling error.
 struct OutputCourse {
   std::optional<double> before = {};  ///< the value one step before `first`
   double before_length_s = 0;         ///< of that step
@@ -72,7 +72,7 @@ class CoupledInput {
 /// (Sadjina, Kyllingstad, Skjong, Pedersen 2017, "Energy conservation and power bonds in co-simulations").
 class PowerBond {
  public:
-  /// Throws InputError unless both are connected Real inputs of two instances with the same step, one in each
+  /// Throws InputError unless the bond names connected Real inputs of two instances with the same step, one in each
   /// direction.
   PowerBond(const ResolvedSystem& system, Ensemble& ensemble, const BondDescription& description);
 
@@ -84,7 +84,7 @@ class PowerBond {
   };
   /// Returns the energies of the step that ends at this point. Returns nullopt if no step of both instances ends there.
   std::optional<Energy> energy(const Point& point, const TimeGrid& grid) const;
-  /// Starts a step of both instances, if one starts at this point.
+  /// Starts a step of the bond, if a step of both instances starts at this point.
   void advance(const Point& point, const TimeGrid& grid);
 
   const BondDescription& description() const { return *description_; }

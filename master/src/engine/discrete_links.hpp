@@ -8,7 +8,7 @@
 
 namespace mebots::master {
 
-/// Returns a link between two members of a group; `from` and `to` are their indices in it.
+/// Returns a link between two members of a group; `from` and `to` are the members' indices in the group.
 DiscreteLink link_of(const ResolvedConnection& connection, std::size_t from, std::size_t to);
 
 }  // namespace mebots::master

@@ -480,7 +480,7 @@ void Ensemble::initialize_slaves(std::int64_t stop_ns) {
 }
 
 void Ensemble::terminate() {
-  // Terminates every slave, even after an error of one: some write their files only now.
+  // Terminates every slave, even after an error of one slave, because some FMUs write their files only now.
   std::exception_ptr first;
   for (auto& member : members_) {
     try {
@@ -680,9 +680,8 @@ double Ensemble::line_slope(const DerivativeLink& link) const {
   return (real(link.from) - source.earlier_reals[link.from.slot]) / length_s;
 }
 
-/// If a source has already stepped (Gauss-Seidel), it is at a later time, and its value at the step's end is known. The
-/// input then follows a line from its value at the step's start to that value. Holding the later value would reduce the
-/// order by one.
+/// If a source has already stepped (Gauss-Seidel), its value at the step's end is known. The input then follows a line
+/// from its value at the step's start to this value. Holding the later value would reduce the order by one.
 void Ensemble::start_on_lines(Member& member, std::int64_t time_ns) const {
   for (const auto& link : member.derivatives) {
     const auto& source = members_[link.from.instance];

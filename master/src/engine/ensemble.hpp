@@ -18,7 +18,7 @@
 
 namespace mebots::master {
 
-/// Values of one type that are read from, or written to, a slave in one call.
+/// Values of one type that one call reads from a slave, or writes to it.
 template <typename T>
 struct Bank {
   std::vector<ValueReference> references;
@@ -79,10 +79,10 @@ class Ensemble {
   /// Reads a slave's watched and connected outputs. Throws Error for NaN or infinity in one of them. `time_ns` is their
   /// time.
   void read_outputs(std::size_t instance, std::int64_t time_ns);
-  /// Sets a slave's connected inputs to the values last read from their sources. `time_ns` is the start of its step. If
-  /// the slave accepts time derivatives of inputs and a source provides them, sets these too. If a source is already at
-  /// a later time, uses the line between its last two values. Throws NotFiniteError if a conversion overflows. Throws
-  /// Error if an Integer is not an item of the Enumeration to which it is connected.
+  /// Sets a slave's connected inputs to the values last read from their sources. `time_ns` is the start of the slave's
+  /// step. If the slave accepts time derivatives of inputs and a source provides them, also sets derivatives. If a
+  /// source is already at a later time, uses the line between its last two values. Throws NotFiniteError if a
+  /// conversion overflows. Throws Error if an Integer is not an item of the Enumeration to which it is connected.
   void write_inputs(std::size_t instance, std::int64_t time_ns);
 
   /// These functions return the last read value of a signal. The references are valid from initialize() until the
@@ -267,7 +267,7 @@ class Ensemble {
 };
 
 /// Returns inputs of connections that cut all loops: if these inputs are held fixed, connections and direct
-/// dependencies of initial values contain no loop. Each loop has at least one of them.
+/// dependencies of initial values contain no loop. Each loop contains at least one of the returned inputs.
 std::vector<ResolvedVariable> torn_inputs(const ResolvedSystem& system);
 
 /// Returns a loop among connections and direct dependencies of initial values, as "a.y -> b.u -> b.y -> a.u -> a.y";

@@ -20,7 +20,7 @@ namespace {
 constexpr int kLoopSweeps = 200;
 constexpr int kNewtonSteps = 50;
 constexpr int kHalvings = 12;
-/// If a value changes by less than this, relative to itself, it counts as converged. A value near zero is compared with
+/// A value has converged if its relative change is less than this. If a value is near zero, its change is compared with
 /// kSmall.
 constexpr double kStill = 1e-12;
 constexpr double kSmall = 1e-9;

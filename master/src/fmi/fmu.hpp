@@ -32,8 +32,8 @@ class WindowsLibrary;
 /// it.
 class Fmu {
  public:
-  /// `wish` is the requested kind of its instances. If it is empty, the kind is co-simulation if the FMU offers it,
-  /// else model exchange. Throws InputError if the file is not an FMU of version 1.0, 2.0 or 3.0.
+  /// `wish` is the requested kind of the FMU's instances. If `wish` is empty, the kind is co-simulation if the FMU
+  /// offers it, else model exchange. Throws InputError if the file is not an FMU of version 1.0, 2.0 or 3.0.
   explicit Fmu(std::filesystem::path archive, std::optional<FmuKind> wish = {});
   /// For an FMU that another process has unpacked into `folder` and will delete.
   Fmu(std::filesystem::path archive, std::filesystem::path folder, std::optional<FmuKind> wish = {});
@@ -64,8 +64,8 @@ class Fmu {
   FmuKind kind() const;
   /// Returns the path of the shared library for this platform, even if it does not exist.
   std::filesystem::path library_file() const;
-  /// True if the FMU has a library for 64-bit Windows, none for this platform, and wine can run it. Then it is loaded
-  /// in a process of its own.
+  /// True if the FMU has a library for 64-bit Windows, none for this platform, and wine can run it. Such a library is
+  /// loaded in a process of its own.
   bool runs_under_wine() const;
   bool is_loaded() const { return library_ != nullptr || windows_library_ != nullptr; }
   /// Returns the loaded shared library, a `link_map`; null if it is not loaded.
@@ -161,7 +161,7 @@ class FmuLibrary {
   /// status, opens the archive again. The two kinds of an archive may have different libraries, so each kind is an FMU
   /// of its own.
   std::shared_ptr<Fmu> open(const std::filesystem::path& archive, std::optional<FmuKind> wish = {});
-  /// Drops the used FMUs that are not clean, so that open() unpacks and loads them again.
+  /// Drops the used FMUs that are not clean, so that open() unpacks and loads these FMUs again.
   void forget_changed();
 
  private:

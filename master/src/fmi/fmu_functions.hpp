@@ -27,7 +27,7 @@ struct LibraryOwner {
 };
 
 /// Throws InputError if functions are missing without which no simulation of this kind works, and lists them (`mebots
-/// check` requires all). Also throws if the library is of another version or has numbers of other sizes.
+/// check` requires all). Also throws if the library has another version of FMI, or numbers of other sizes.
 void check_functions(const FmuFunctions& functions, const LibraryOwner& owner);
 
 /// Looks up the functions in a library from dlopen(). Throws as check_functions() does.

@@ -63,7 +63,7 @@ class LibraryState {
   std::optional<std::string> difference() const {
     return difference_in([](const Object&) { return true; });
   }
-  /// Does the same as difference() while instances exist. Ignores libraries that export kKeepsNoState.
+  /// Like difference(), for use while instances exist: ignores libraries that export kKeepsNoState.
   std::optional<std::string> difference_while_used() const {
     return difference_in([](const Object& object) { return !object.keeps_no_state; });
   }
@@ -129,12 +129,12 @@ struct LibraryNeeds {
   bool loads_libraries = false;                          ///< it imports dlopen, so all ELF files in the FMU count
   std::string interpreter;                               ///< "a Python interpreter", if it embeds one; else empty
 
-  /// Returns the texts that occur in files of the FMU. If an FMU loads a library by its name, the name is one of them.
+  /// Returns the texts that occur in files of the FMU. If an FMU loads a library by name, these texts include the name.
   std::set<std::string_view> mentioned(const std::vector<std::string_view>& texts) const;
 };
 
-/// Reads the library in `file` and all libraries that it needs. `folder` is that of the unpacked FMU; `loaded` lists
-/// the libraries of the process. Throws Error if a file is not a library.
+/// Reads the library in `file` and all libraries that it needs. `folder` is the folder of the unpacked FMU; `loaded`
+/// lists the libraries of the process. Throws Error if a file is not a library.
 LibraryNeeds read_library_needs(const std::filesystem::path& file, const std::filesystem::path& folder,
                                 const std::vector<modeldesc::LoadedLibrary>& loaded);
 

@@ -8,7 +8,7 @@
 namespace mebots::master {
 
 /// A temporary folder for an unpacked FMU; the destructor deletes it. A process that is killed leaves its folders
-/// behind. The next process that creates one deletes those whose owner has ended.
+/// behind. The next process that creates such a folder deletes all folders whose process has ended.
 class UnpackFolder {
  public:
   /// Throws Error if there is no folder for temporary files.

@@ -206,7 +206,7 @@ class Process {
     }
   }
 
-  /// The process of the library has ended: ends this one in the same way.
+  /// The process of the library has ended: ends this process in the same way.
   [[noreturn]] void end_alike() {
     int status = 0;
     while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {

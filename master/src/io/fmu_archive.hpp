@@ -19,7 +19,7 @@ modeldesc::ModelDescription unpack_fmu(const std::filesystem::path& archive, con
 /// Reads the description of an FMU of version 2.0 without unpacking the rest. Throws InputError for any other file.
 modeldesc::ModelDescription read_fmu_description(const std::filesystem::path& archive);
 
-/// Descriptions of FMUs, read from their archives without unpacking them. Each is read once.
+/// Descriptions of FMUs, read from their archives without unpacking. Each description is read once.
 class FmuDescriptions {
  public:
   /// Returns null if the file's description cannot be read as one of FMI 2.0. read_fmu_description() then gives

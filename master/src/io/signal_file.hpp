@@ -28,8 +28,9 @@ struct WantedSignal {
 /// "speed [km/h]". Values of continuous Reals are interpolated between rows; all others are held until the next row.
 class SignalFile {
  public:
-  /// Reads the header. `name` is the file's name in errors. If `time_column` is empty, the time column is the one named
-  /// time or t, in upper or lower case. Its unit is the second unless its title has another. Throws InputError.
+  /// Reads the header. `name` is the file's name in errors. If `time_column` is empty, the time column is the column
+  /// named time or t, in upper or lower case. The unit of time is the second, unless the column's title has another
+  /// unit. Throws InputError.
   SignalFile(const std::filesystem::path& file, std::string name, const std::string& time_column);
   SignalFile(const SignalFile&) = delete;
   SignalFile& operator=(const SignalFile&) = delete;

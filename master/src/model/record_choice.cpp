@@ -138,7 +138,7 @@ std::vector<ResolvedVariable> recorded_variables(const ResolvedSystem& system) {
     if (is_clocked(variable) && !ticks) return;
     const bool output = shown && (is_number(variable.type) || (variable.type == Type::string && record.texts));
     const auto fit = wanted.fit(name);
-    // A pattern without a star may name any variable. One with a star selects outputs: texts only if the config
+    // A pattern without a star may name any variable. A pattern with a star selects outputs: texts only if the config
     // requests them, and no binaries. Reading a text may be expensive in the FMU.
     const bool by_pattern = record.patterns ? fit == Patterns::Fit::pattern : true;
     if (output || variable.causality == Causality::output) names.push_back(name);

@@ -42,7 +42,7 @@ nlohmann::ordered_json step_control_json(const ResolvedSystem& system, const Ste
 std::string step_control_line(const ResolvedSystem& system, const StepStatistics& steps);
 
 /// Returns the statistics as JSON, times in seconds. `total_s` is the wall time of initialisation and stepping. The
-/// part of it outside of calls to instances is the master's.
+/// time outside of calls to instances is that of the master.
 nlohmann::ordered_json statistics_json(const Statistics& statistics, double total_s);
 
 /// Returns the statistics as lines of text.

@@ -210,7 +210,7 @@ struct OverrideDescription {
   std::string place;
 };
 
-/// A final value of one of several like things, such as drones.
+/// A final value of one member of a group, such as one of several drones.
 struct GroupMember {
   std::string name;
   VariableName variable;
@@ -273,7 +273,7 @@ struct PanelDescription {
   std::vector<CurveDescription> curves;
 };
 
-/// What the page of a run shows first. Has no effect on computed or recorded values.
+/// Contents of the page of a run. No effect on computed or recorded values.
 struct ViewDescription {
   std::optional<VariableName> scene;  ///< String, read once at t = 0: a scene in the format of docs/seeing.md
   std::string scene_place;
@@ -290,7 +290,7 @@ struct BondDescription {
   std::string place;
 };
 
-/// What to report about the coupling, and the limits of its warnings.
+/// Quantities of the coupling report, and the limits of its warnings.
 struct CouplingDescription {
   std::optional<double> input_limit;  ///< maximum deviation of an input (root mean square), relative to its range
   std::vector<BondDescription> bonds;
@@ -359,7 +359,8 @@ struct SystemDescription {
   ExactTime length_of(std::int64_t count) const;
   /// Returns the step of an instance.
   ExactTime step_of(const InstanceDescription& instance) const;
-  /// Returns the index in `instances`. As all searches of names, it is not for use by two threads at once.
+  /// Returns the index in `instances`. Like all searches by name, it must not be called by two threads at the same
+  /// time.
   std::optional<std::size_t> index_of(std::string_view instance_name) const;
   const InstanceDescription* find_instance(std::string_view instance_name) const;
   std::vector<std::string> instance_names() const;

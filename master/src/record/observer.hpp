@@ -19,9 +19,10 @@ class Observer {
 
   /// Called at t = 0 and after every communication step. If it returns a text, the run ends here for that reason.
   virtual std::optional<std::string> reached(const Point& /*point*/) { return std::nullopt; }
-  /// Called at the same points after reached() of all observers, unless the run ends at this point.
+  /// Called at t = 0 and after every communication step, after reached() of all observers. Not called if the run ends
+  /// at this point.
   virtual void continues(const Point& /*point*/) {}
-  /// Called when the run ends at `point`, which was reached. Not called if the run fails.
+  /// Called when the run ends at `point`. Not called if the run fails.
   virtual void ended(const Point& /*point*/) {}
 
   /// Visits the state that the observer needs to continue from a saved state.

@@ -68,7 +68,7 @@ void PictureRecorder::make_folder() const {
 
 void PictureRecorder::remove_pictures() const {
   std::error_code error;
-  // Removes an earlier run's pictures, which would look like those of this run.
+  // Removes pictures of an earlier run, which could be mistaken for pictures of this run.
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     if (entry.path().extension() == ".png") std::filesystem::remove(entry.path(), error);
   }

@@ -22,7 +22,7 @@ std::string make_page(const PageParts& parts, std::span<const RunFolder> runs);
 /// Returns the page of a run in progress. It fetches data only from its own server.
 std::string make_live_page(const PageParts& parts, const std::string& name);
 
-/// Returns a page that shows `data`, which is JSON (web/src/report/content.ts). It needs no network.
+/// Returns a page that shows `data`, which is JSON (web/src/report/content.ts). The page needs no network.
 std::string make_data_page(const PageParts& parts, const std::string& title, std::string_view data);
 
 /// The runs as bytes for the page. They consist of the length of the header (32 bits, little-endian), the header as

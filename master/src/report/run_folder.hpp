@@ -30,8 +30,8 @@ struct PictureSeries {
 inline constexpr std::size_t kMostPictureBytes = 1'500'000;
 
 /// Reduces the pictures to the size of a page: first their resolution, by averaging 2 x 2 pixels to not less than 128
-/// pixels of width; then their number, evenly in time. Those within the spans `whole` are unchanged, as are files that
-/// are not PNGs of grey pixels.
+/// pixels of width; then their number, evenly in time. Pictures within the spans `whole` do not change, nor do files
+/// that are not PNGs of grey pixels.
 void fit_into_page(PictureSeries& series, const std::vector<TimeSpan>& whole);
 
 /// The content of a run's folder. Only the table of results is always present. Everything else is empty if the run, or

@@ -29,7 +29,7 @@ fmi::WholeLimits exact_range(Type type) {
   return {-most, static_cast<std::uint64_t>(most)};
 }
 
-/// Returns the values that a variable of whole numbers can have: those of its type, or from its first to its last item.
+/// Returns the range of a variable with whole numbers: the range of its type, or from its first to its last item.
 fmi::WholeLimits range_of(const modeldesc::ModelDescription& model, const Variable& variable) {
   if (variable.type == Type::boolean) return {0, 1};
   const auto* type = variable.type == Type::enumeration ? model.type_definition(variable.declared_type) : nullptr;

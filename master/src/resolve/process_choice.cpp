@@ -107,7 +107,7 @@ void part_single_instances(ResolvedSystem& system) {
   }
 }
 
-/// Refuses what an FMU for Windows cannot do under wine, or gives notice of it.
+/// Refuses features that an FMU for Windows lacks under wine, or sends a notice about them.
 void check_windows_fmus(ResolvedSystem& system) {
   for (const auto& instance : system.instances) {
     if (!instance.isolation.alone() || !instance.fmu->runs_under_wine()) continue;

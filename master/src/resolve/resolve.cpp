@@ -87,8 +87,8 @@ void resolve_tolerance(ResolvedInstance& instance, std::vector<std::string>& not
   }
 }
 
-/// Sends a notice about parts of modelDescription.xml that the reader left out. It names only the first part, because a
-/// file may have any number of them.
+/// Sends a notice about parts of modelDescription.xml that the reader left out. The notice names only the first part,
+/// because a file may have any number of such parts.
 void note_structure_faults(const ResolvedInstance& instance, std::vector<std::string>& notices) {
   const auto& faults = instance.model->structure_faults;
   if (faults.empty()) return;
@@ -130,7 +130,7 @@ std::string whole_name(const modeldesc::ModelDescription& description, const Var
 }
 
 /// True if a connection provides an input in another form: `x.base64` is an alternative to the binary `x`. If one of
-/// them is connected, the other need not be.
+/// the two is connected, the other need not be connected.
 bool has_connected_alternative(const modeldesc::ModelDescription& description, const Variable& variable,
                                const std::set<const Variable*>& served) {
   constexpr std::string_view kEnding = ".base64";

@@ -20,8 +20,9 @@ namespace mebots::master {
 /// machine and independent of other draws.
 double unit_draw(std::int64_t seed, std::string_view name, std::int64_t index);
 
-/// Returns the parameters that a draw sets, as "instance.variable". They are named calibration.*; each is a position
-/// from -1 to 1 in the interval that a data file gives for a quantity. Leaves out those that the system sets.
+/// Returns the parameters that a draw sets, as "instance.variable". Their names are calibration.*; each value is a
+/// position from -1 to 1 in the interval that a data file gives for a quantity. Leaves out parameters that the system
+/// sets.
 std::vector<std::string> calibration_parameters(const ResolvedSystem& system);
 /// Opens the FMUs of a config and returns these parameters. Throws InputError.
 std::vector<std::string> calibration_parameters(const std::filesystem::path& config);

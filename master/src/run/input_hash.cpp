@@ -13,7 +13,7 @@
 namespace mebots::master {
 namespace {
 
-/// Returns the files of a folder, those of its folders included, in an order that does not depend on the file system.
+/// Returns the files of a folder and of its subfolders, in an order that does not depend on the file system.
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {

@@ -37,8 +37,8 @@ constexpr unsigned kPwmFirstEvent = 38;
 constexpr unsigned kPwmEventEnableShift = 16;
 constexpr unsigned kPwmEvents = 4;
 
-/// The operations of a channel. It performs the first at its threshold. Combined operations also perform a second one:
-/// at the end of the period, or at the threshold while the counter counts down.
+/// The operations of a channel. A channel performs the first operation at its threshold. A combined operation has a
+/// second part, at the end of the period, or at the threshold while the counter counts down.
 enum PwmOperation : std::uint32_t {
   kPwmSet,
   kPwmToggleClear,

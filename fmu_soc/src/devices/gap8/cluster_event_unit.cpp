@@ -116,8 +116,8 @@ BusReply ClusterEventUnit::wait(Core& core, Wait what, bool clear, bool event) {
   return BusReply::done(events, event ? kEventLoadExtra : 0);
 }
 
-/// Each of the three blocks has a word for each event. They differ in the effect: raise; raise and wait; raise, wait
-/// and clear.
+/// Each of the three blocks has a word for each event. The effects of the blocks are: raise; raise and wait; raise,
+/// wait and clear.
 BusReply ClusterEventUnit::software_event(unsigned core, std::uint32_t offset, const std::uint32_t* stored,
                                           bool event) {
   const auto number = offset % reg::kTriggerBytes / 4;

@@ -28,7 +28,7 @@ class EventUnit {
   bool store(std::uint32_t offset, std::uint32_t value);
   /// Serves a p.elw.
   BusReply load_event(std::uint32_t offset);
-  /// Removes the next event from the queue of SoC events. Bit 31 is set if there was one.
+  /// Removes and returns the next event from the queue of SoC events. Bit 31 is set if the queue contained an event.
   std::uint32_t take_soc_event();
 
   void raise(unsigned event);
@@ -67,7 +67,7 @@ class EventUnitPort final : public Device {
   EventUnit unit_;
 };
 
-/// The same registers in the demultiplexed range, which the core uses to wait for events.
+/// The registers of the event unit in the demultiplexed range, which the core uses to wait for events.
 class EventUnitDemux final : public Device {
  public:
   explicit EventUnitDemux(EventUnit& unit) : unit_(unit) {}

@@ -33,8 +33,8 @@ class Mchan {
 
   BusReply access(unsigned who, std::uint32_t offset, const std::uint32_t* stored, std::uint64_t tick);
 
-  /// The events that a completed transfer raises. It raises none while other transfers of its counter are not
-  /// completed.
+  /// The events that a completed transfer raises. While other transfers of its counter are not completed, it raises
+  /// none.
   struct Ended {
     bool raises_event = false;
     bool raises_interrupt = false;

@@ -31,8 +31,8 @@ inline constexpr std::int64_t kReferenceClockHz = 32768;
 struct Signals {
   std::function<void(unsigned event)> raise_fabric_event = [](unsigned) {};
   std::function<void(unsigned event, Picoseconds now)> raise_soc_event = [](unsigned, Picoseconds) {};
-  /// Called before the fabric controller's clock changes. Each receiver must also call the function that was set before
-  /// its own.
+  /// Called before the fabric controller's clock changes. A receiver that replaces this function must also call the
+  /// previous function.
   std::function<void(Picoseconds now)> clock_changes = [](Picoseconds) {};
   /// Settings that the FLLs and the power unit request; nullopt on a board without FLLs.
   std::optional<PowerSettings> power;

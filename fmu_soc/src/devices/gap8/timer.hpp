@@ -24,12 +24,13 @@ class TimerClock {
   virtual std::int64_t never() const = 0;
   /// Returns the counts between two times of a counter with this configuration.
   virtual std::uint64_t counts(std::uint32_t config, std::int64_t from, std::int64_t to) const = 0;
-  /// Returns the time after `counts` more counts; never() if it is too far away to matter.
+  /// Returns the time after `counts` more counts; never() if this time is out of range.
   virtual std::int64_t time_of(std::uint32_t config, std::int64_t since, std::uint64_t counts) const = 0;
 };
 
-/// Registers of GAP8's timers, of the fabric controller and of the cluster: two 32-bit counters. A comparison of each
-/// raises an event, restarts the counter, or stops it. Both can form a 64-bit counter. Source: archi/timer/timer_v2.h.
+/// Registers of GAP8's timers, of the fabric controller and of the cluster: two 32-bit counters. When a counter reaches
+/// its compare value, it raises an event, restarts, or stops. Both can form a 64-bit counter. Source:
+/// archi/timer/timer_v2.h.
 class TimerCounters {
  public:
   static constexpr std::uint32_t kReferenceClock = 1U << 7;

@@ -146,7 +146,7 @@ bool Udma::store(std::uint32_t offset, Picoseconds now, std::uint32_t value) {
   return true;
 }
 
-/// Cancels the channel's transfers. If one of them was running, the next transfer of the queue starts now.
+/// Cancels the channel's transfers. If a cancelled transfer was running, the next transfer of the queue starts now.
 void Udma::clear(std::size_t channel, Picoseconds now) {
   auto& queue = queues_[kChannelRows[channel].line];
   const bool runs = !queue.empty() && queue.front().channel == channel;

@@ -36,7 +36,7 @@ void UdmaHyperBus::cancel(const UdmaTransfer& /*transfer*/, Picoseconds now) {
   release(now, 0, false);
 }
 
-/// Both memories become idle, even if the border between them has moved during the transfer.
+/// Both memories become idle, even if the border between RAM and flash has moved during the transfer.
 void UdmaHyperBus::release(Picoseconds now, std::uint32_t bytes, bool of_flash) {
   parts_.ram.end(now, of_flash ? 0 : bytes);
   parts_.flash.end(now, of_flash ? bytes : 0);

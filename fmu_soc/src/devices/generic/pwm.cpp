@@ -15,7 +15,7 @@ namespace mebots::soc {
 namespace {
 
 /// Timer with four PWM outputs. PERIOD and DUTY are buffered: a period that has begun keeps its values, and the next
-/// one takes those that were stored last. The device has an event only while stored values wait for a period.
+/// period uses the values that were stored last. The device has an event only while stored values wait for a period.
 class Pwm final : public Device {
  public:
   bool load(std::uint32_t offset, Picoseconds now, std::uint32_t& value) override;

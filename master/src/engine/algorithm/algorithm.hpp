@@ -28,7 +28,7 @@ class Algorithm {
   virtual std::optional<End> step(const GridStep& span) = 0;
 };
 
-/// The objects that an algorithm uses. All of them outlive the algorithm.
+/// The objects that an algorithm uses. They must outlive the algorithm.
 struct AlgorithmContext {
   const ResolvedSystem& system;
   SlaveSteps& slaves;
@@ -38,15 +38,15 @@ struct AlgorithmContext {
 /// Creates the algorithm named in the system's description. Throws as find_algorithm() does.
 std::unique_ptr<Algorithm> make_algorithm(const AlgorithmContext& context);
 
-/// Jacobi: at t_k, every slave whose step starts there receives its inputs from all outputs at t_k; then all step.
-/// Therefore the order of the instances has no effect. The new outputs of a slave with a longer step become visible
-/// when the others reach its time. With several threads, slaves step in parallel if measured times show a gain; the
-/// results have the same bits.
+/// Jacobi: at t_k, every slave whose step starts there receives its inputs from all outputs at t_k. Then all these
+/// slaves step. Therefore the order of the instances has no effect. The new outputs of a slave with a longer step
+/// become visible when the others reach its time. With several threads, slaves step in parallel if measured times show
+/// a gain; the results have the same bits.
 std::unique_ptr<Algorithm> make_jacobi(const AlgorithmContext& context);
 
-/// Gauss-Seidel: the slaves step one after the other in the declared order. Each receives its inputs just before its
-/// step: from earlier slaves at the step's end, from later ones at its start. The new outputs of a slave with a longer
-/// step become visible at its turn in the step in which the others reach its time.
+/// Gauss-Seidel: the slaves step one after the other in the declared order. Each slave receives its inputs just before
+/// its step: outputs at the end of the step from earlier slaves, outputs at its start from later slaves. The new
+/// outputs of a slave with a longer step become visible at its turn in the step in which the others reach its time.
 std::unique_ptr<Algorithm> make_gauss_seidel(const AlgorithmContext& context);
 
 }  // namespace mebots::master

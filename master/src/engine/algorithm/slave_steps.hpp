@@ -20,7 +20,7 @@ struct GridStep {
 };
 
 /// Steps the slaves on the grid of points t_k, for every algorithm. A slave's step is the communication step, or its
-/// own multiple of h. In the latter case it starts at every n-th point, and no communication step passes such a point.
+/// own multiple of h. A multiple starts at every n-th point, and no communication step passes such a point.
 class SlaveSteps {
  public:
   /// `system`, `ensemble` and `interrupted` must outlive this object.
@@ -43,7 +43,7 @@ class SlaveSteps {
   StepResult step(std::size_t slave, const GridStep& span);
   /// Waits for a pending step. Throws SlaveError if the slave rejects the step.
   StepResult finish(std::size_t slave, const GridStep& span, StepResult result);
-  /// Reads the slave's outputs at t_k, if one of its steps ends there.
+  /// Reads the slave's outputs at t_k, if one of the slave's steps ends there.
   void read_outputs(std::size_t slave, std::int64_t k);
 
   /// Returns why the run ends at t_k; empty if the slave has finished its step.
@@ -68,8 +68,9 @@ class SlaveSteps {
 End interrupted_at(std::int64_t time_ns);
 
 /// Advances the slave by one step, in parts if necessary. If the slave discards a step, restores its state and tries
-/// the part that the slave reported, else half. Stops if a part of one microsecond is discarded, or if the slave
-/// requests the end of the simulation. The slave must be able to save its state. Throws the slave's exceptions.
+/// the part that the slave reported. Without a report, tries half the step. Stops if a part of one microsecond is
+/// discarded, or if the slave requests the end of the simulation. The slave must be able to save its state. Throws the
+/// slave's exceptions.
 StepResult step_in_parts(Slave& slave, std::int64_t start_ns, std::int64_t duration_ns,
                          const std::atomic<bool>& cancel);
 

@@ -18,7 +18,7 @@ namespace mebots::master {
 ///
 /// Serial windows come first. Parallel stepping must beat the fastest of the last few serial runs, so that cheap steps
 /// are not compared with earlier expensive ones. If the steps are long enough, parallel stepping is tried, and kept
-/// while every window is faster. It is abandoned within a window that takes longer than a serial one, so a trial costs
+/// while every window is faster. If a parallel window takes longer than a serial one, it is abandoned. So a trial costs
 /// at most one serial window. After failed trials, further trials become rare.
 class ThreadPolicy {
  public:

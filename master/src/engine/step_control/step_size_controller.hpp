@@ -8,10 +8,10 @@
 
 namespace mebots::master {
 
-/// Chooses the length of the next step from the errors of the last two: a PI controller as in ECCO. The next step is
-/// the last one times safety * e^-(kI + kP) * e_before^kP, within the limits of the factor and of the step. Errors are
-/// relative to their tolerance; lengths are in steps of the grid. The gains are for errors that grow with the square of
-/// the step. If an error grows with another power p of the step, e is the error to the power 2 / p.
+/// Chooses the length of the next step from the errors of the last two steps: a PI controller as in ECCO. The next step
+/// is the last one times safety * e^-(kI + kP) * e_before^kP, within the limits of the factor and of the step. Errors
+/// are relative to their tolerance; lengths are in steps of the grid. The gains are for errors that grow with the
+/// square of the step. If an error grows with another power p of the step, e is the error to the power 2 / p.
 class StepSizeController {
  public:
   /// The description must outlive the controller.

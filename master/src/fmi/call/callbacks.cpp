@@ -49,7 +49,7 @@ Registry& registry() {
   return all;
 }
 
-/// Returns the target that satisfies the predicate; null if there is none, or more than one.
+/// Returns the target that satisfies the predicate; null if no target or more than one satisfies it.
 template <typename Predicate>
 CallbackTarget* find_only(const std::unordered_set<CallbackTarget*>& targets, Predicate predicate) {
   const auto found = std::ranges::find_if(targets, predicate);

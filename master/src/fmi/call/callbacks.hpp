@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-/// The functions that an FMU calls. They trust no argument: the environment may be invalid, and a text may not be a
-/// text.
+/// The functions that an FMU calls. These functions trust no argument: the environment may be invalid, and a text may
+/// be no text.
 namespace mebots::master {
 
 /// A call of the logger, with texts converted to valid UTF-8.
@@ -29,7 +29,7 @@ struct LoggerCall {
   bool in_call = true;          ///< false: logged by a thread of the FMU outside of our calls
 };
 
-/// Receives the messages of one instance. Threads of the FMU may call it, also several at once.
+/// Receives the messages of one instance. Several threads of the FMU may call it at the same time.
 class CallbackListener {
  public:
   virtual ~CallbackListener() = default;
@@ -173,8 +173,8 @@ class LibraryScope {
 
 }  // namespace mebots::master
 
-/// Texts that foreign code passes to a callback. They are not trusted: a pointer may be invalid, and a format may need
-/// arguments that are missing.
+/// Texts that foreign code passes to a callback. mebots does not trust these texts: a pointer may be invalid, and a
+/// format may need arguments that are missing.
 namespace mebots::master {
 
 /// Longer texts are truncated.

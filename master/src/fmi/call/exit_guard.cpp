@@ -46,7 +46,7 @@ std::string reason(const char* what) {
                      call.function, kRemedy);
 }
 
-/// The process whose runs are guarded. Forks of it are not guarded.
+/// The process whose runs are guarded. Its forked processes are not guarded.
 std::atomic<pid_t> guarded_process = 0;
 /// The thread that ends the process because a run was busy.
 std::atomic<pid_t> ending_thread = 0;

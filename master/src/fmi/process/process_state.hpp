@@ -57,8 +57,9 @@ class ThreadState {
   /// Reads the state of the calling thread.
   ThreadState();
 
-  /// Appends one text for each difference from the state at construction, and undoes what it can. A change that stays
-  /// is reported once in the life of the process. Has an effect only on the thread that called the constructor.
+  /// Appends one text for each difference from the state at construction, and undoes the change if possible. A change
+  /// that cannot be undone is reported once in the life of the process. Has an effect only on the thread that called
+  /// the constructor.
   void put_right(std::vector<std::string>& texts) const;
   /// True if the signal mask differs. This check is cheap.
   bool is_mask_changed() const;
@@ -80,7 +81,7 @@ class ThreadState {
 };
 
 /// The timers of this process: the three of setitimer(), of which alarm() uses the first, and those of timer_create().
-/// The kernel lists the latter in /proc/self/timers; if it does not, they are not compared.
+/// The kernel lists the latter in /proc/self/timers; if it does not, these timers are not compared.
 class TimerState {
  public:
   /// Reads the active timers.
@@ -132,10 +133,10 @@ class ProcessState {
   /// Reads the parts that can change according to `reach`. For the open descriptors see DescriptorState.
   explicit ProcessState(const OpenFiles& files = open_files(), ProcessReach reach = ProcessReach::everything);
 
-  /// Restores what it can. Returns a text per difference: "the mask of file modes became 000 (put back to 022)". Does
-  /// not restore descriptors, except the standard three. Does not restore signal handlers, since the FMU may need them,
-  /// except those that end a run (SIGINT, SIGTERM, SIGHUP). A remaining change is reported once in the life of the
-  /// process.
+  /// Undoes changes where possible. Returns a text per difference: "the mask of file modes became 000 (put back to
+  /// 022)". Does not restore descriptors, except the standard three. Does not restore signal handlers, since the FMU
+  /// may need them, except those that end a run (SIGINT, SIGTERM, SIGHUP). A remaining change is reported once in the
+  /// life of the process.
   std::vector<std::string> put_right() const;
   /// Returns true if the calling thread blocks other signals. Costs one system call.
   bool is_mask_changed() const { return rest_ && rest_->thread.is_mask_changed(); }

@@ -20,7 +20,8 @@ struct Wine {
 const Wine& find_wine();
 
 /// Creates a folder of settings for wine with links to its DLLs. wine itself would take 15 s and 700 MB to create one.
-/// Each FMU has its own: wineserver serves all programs of one folder, and it ends with the process that started it.
+/// Each FMU has a folder of its own: wineserver serves all programs of one folder, and ends with the process that
+/// started it.
 void create_wine_settings(const std::filesystem::path& folder);
 
 }  // namespace mebots::master::windows

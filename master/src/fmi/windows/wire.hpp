@@ -96,8 +96,8 @@ class Reader {
   std::string_view bytes_;
 };
 
-/// How the arguments of a C function of FMI travel. A pointer is an array whose length is another argument, or a single
-/// value. Arrays of constants travel to the FMU; others travel in both directions.
+/// The transfer of the arguments of a C function of FMI. A pointer is an array whose length is another argument, or a
+/// single value. Arrays of constants travel to the FMU; others travel in both directions.
 template <typename... Arguments>
 struct Signature {
   static constexpr std::size_t kCount = sizeof...(Arguments);

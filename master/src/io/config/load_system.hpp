@@ -19,7 +19,7 @@
 /// Reads a SystemDescription from files.
 namespace mebots::master {
 
-/// Times [s] that replace those of the file or that the file lacks.
+/// Times [s] that replace times of the file or supply missing ones.
 struct GivenTimes {
   std::optional<WrittenTime> step;
   std::optional<double> stop_time_s;
@@ -34,10 +34,10 @@ struct LoadedSystem {
 /// Reads a system from a config file, an FMU alone (`.fmu`), an SSP (`.ssp`, `.ssd`, or the folder of one) or an
 /// OspSystemStructure.xml. Throws InputError that names file, line and column, JSON pointer and the nearest valid key.
 LoadedSystem load_system(const std::filesystem::path& path, const GivenTimes& times = {});
-/// Does the same as load_system(), but does not return the JSON. This is faster.
+/// Loads like load_system(), but does not return the JSON, which is faster.
 SystemDescription read_config(const std::filesystem::path& path, const GivenTimes& times = {});
 
-/// Does the same as load_system() for a text in memory. `file` is its name in messages; paths of FMUs are relative to
+/// Loads like load_system() from a text in memory. `file` is its name in messages; paths of FMUs are relative to
 /// `file`.
 namespace config {
 
@@ -133,7 +133,7 @@ struct Schema {
 /// Returns the schemas of all kinds of file, sorted by name. Valid as long as the program.
 std::span<const Schema> schemas();
 
-/// Return the keys that a config may have, and those that an instance in it may have.
+/// These functions return the keys that a config may have, and the keys that an instance may have.
 std::vector<std::string> config_keys();
 std::vector<std::string> instance_keys();
 

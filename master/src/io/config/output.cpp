@@ -165,7 +165,8 @@ SummaryEntry read_conditional(const Node& node, const std::vector<std::string>& 
   return entry;
 }
 
-/// Reads a list of variables of like things. Those without a name are named by their position from 1.
+/// Reads a list of variables of similar things, such as drones. A member without a name gets its position, from 1, as
+/// its name.
 std::vector<GroupMember> read_group(const Node& node, const SystemDescription& system) {
   std::vector<GroupMember> group;
   std::set<std::string> names;

@@ -68,7 +68,7 @@ void check_name(const Node& node, std::string_view name) {
   }
 }
 
-/// A value and an index must differ: a name in braces means one of them.
+/// A value and an index must have different names, because a name in braces must have one meaning.
 void check_value_name(const Node& node, std::string_view name, std::string_view index) {
   check_name(node, name);
   if (name == index)
@@ -90,7 +90,7 @@ bool has_leading_zero(std::string_view cell) {
   return cell.size() > 1 && cell[0] == '0' && std::isdigit(static_cast<unsigned char>(cell[1])) != 0;
 }
 
-/// Returns numbers, true and false as such, and everything else as text.
+/// Returns numbers, true and false as JSON values, and everything else as text.
 Json json_of(std::string_view cell) {
   if (has_leading_zero(cell)) return std::string(cell);
   if (const auto whole = data::csv_number<std::int64_t>(cell)) return *whole;
@@ -159,7 +159,7 @@ std::vector<Values> table(const Node& node, const std::string& index, Repeats& r
   return rows;
 }
 
-/// Returns all combinations, those of `second` fastest. Their names must differ.
+/// Returns all combinations; `second` changes fastest. The names must differ.
 std::vector<Values> product(const Node& node, const std::vector<Values>& first, const std::vector<Values>& second) {
   if (first.empty() || second.empty()) return {};
   for (const auto& [name, value] : second.front()) {
@@ -184,7 +184,7 @@ class Groups {
  public:
   explicit Groups(Repeats& repeats) : repeats_(repeats) {}
 
-  /// A group may use those before it.
+  /// A group may use groups that are defined before it.
   void read(const Node& node) {
     for (const auto& [name, range] : node.members()) {
       check_name(range, name);
@@ -452,7 +452,7 @@ class Expansion {
     if (!indexes.empty()) entry["name"] = fmt::format("{}", fmt::join(indexes, ","));
   }
 
-  /// `place` is that of the entry in the file.
+  /// `place` is the place of the entry in the file.
   void note_place(const std::string& pointer, const std::string& place, const Values& values) {
     repeats_.places[pointer] = values.empty() ? place : fmt::format("{}, {}", place, shown(values));
   }

@@ -11,8 +11,8 @@
 #include <map>
 #include <string>
 
-/// Readers of the sections of a config. The table in config_reader.cpp defines their order: a reader may use what the
-/// earlier ones stored in `system`. They report errors to the node's document, and throw data::Mistakes if they cannot
+/// Readers of the sections of a config. The table in config_reader.cpp defines their order: a reader may use results of
+/// earlier readers in `system`. Readers report errors to the node's document, and throw data::Mistakes if they cannot
 /// continue.
 namespace mebots::master::config {
 

@@ -24,8 +24,8 @@ std::string name_beside(const data::Node& node) {
   return name;
 }
 
-/// `base` is the other file's value at this place, or null. An object that the other file lacks counts as a change as a
-/// whole, so that the place of a missing key is in the changes.
+/// `base` is the other file's value at this place, or null. If the other file lacks an object, the whole object counts
+/// as a change. So the place of a missing key is in the changes.
 void mark(const Json& change, const Json* base, const Json::json_pointer& at,
           std::map<std::string, std::string>& places) {
   const bool goes_into = base != nullptr && base->is_object();

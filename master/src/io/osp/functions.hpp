@@ -17,8 +17,8 @@ struct OspVariable {
   std::string text() const { return simulator + "." + variable; }
 };
 
-/// The effect of a function from one source on one variable. The variable is the sum of factor * from + offset over all
-/// links that end at it.
+/// The effect of a function's input on one variable. The variable is the sum of factor * from + offset over all links
+/// that end at the variable.
 struct FunctionLink {
   OspVariable from;
   OspVariable to;
@@ -30,8 +30,8 @@ struct FunctionLink {
 /// The kind of the connection's end that is not a function.
 enum class Ends { variable, group };
 
-/// The <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim a function reads
-/// outputs at a communication point and provides its own at the same point. Therefore it is converted to parts of
+/// The <Functions> of an OspSystemStructure.xml: LinearTransformation, Sum and VectorSum. In libcosim, a function reads
+/// its inputs and provides its outputs at the same communication point. Therefore it is converted to parts of
 /// connections. Throws InputError with file, line and element.
 class Functions {
  public:

@@ -141,8 +141,8 @@ class SystemReader {
     return component;
   }
 
-  /// Reads the system of another SSD in place of a component. The component's values follow, and so override, those of
-  /// the system (5.3.3).
+  /// Reads the system of another SSD in place of a component. The values of the component come after the values of the
+  /// system, and so override them (5.3.3).
   Element read_definition(pugi::xml_node node) const {
     const auto path = resolve_uri(source_, file_, node, node.attribute("source").value());
     if (std::ranges::find(nesting_.open, path) != nesting_.open.end()) {

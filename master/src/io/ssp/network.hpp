@@ -28,7 +28,7 @@ struct Port {
   const modeldesc::Variable* variable = nullptr;
   bool is_component = false;
 
-  /// Returns the FMU's unit if it has one with a base; else the one declared in the SSD.
+  /// Returns the unit of the FMU if it has a base; else the unit that the SSD declares.
   std::optional<modeldesc::Unit> unit() const;
   /// True if unit() comes from the FMU, or neither FMU nor SSD declares one.
   bool has_own_unit() const;
@@ -60,7 +60,7 @@ class Network {
           const std::function<std::filesystem::path(const std::filesystem::path&)>& place);
 
   const std::vector<PlacedComponent>& components() const { return components_; }
-  /// Returns the elements with their paths; inner ones precede their containers.
+  /// Returns the elements with their paths; inner elements precede their containers.
   const std::vector<PlacedComponent>& elements() const { return elements_; }
   Port port(const Endpoint& endpoint) const;
   bool is_component(const std::string& path) const { return models_.contains(path); }

@@ -50,7 +50,8 @@ void write_config(const SystemDescription& system, nlohmann::ordered_json config
 
 namespace mebots::master::ssp {
 
-/// Does the same as read_ssp() for files in any place. `archive` is the name of the SSP in messages. Throws InputError.
+/// Reads an SSP like read_ssp(), from files in any place. `archive` is the name of the SSP in messages. Throws
+/// InputError.
 SspConfig read(const Files& files, const std::string& archive, const std::string& ssd = "SystemStructure.ssd");
 
 }  // namespace mebots::master::ssp

@@ -33,9 +33,9 @@ class ValueNotices {
   std::map<FileAndText, std::vector<std::string>> names_;
 };
 
-/// Returns the values of all parameter bindings. Outer ones override inner ones, and later ones earlier ones (SSP 2.0,
-/// 5.3.3). Leaves out names without an endpoint, and variables that cannot be set. Throws InputError if a value's unit
-/// does not fit or the value cannot be transformed.
+/// Returns the values of all parameter bindings. Outer bindings override inner bindings, and later bindings override
+/// earlier ones (SSP 2.0, 5.3.3). Leaves out names without an endpoint, and variables that cannot be set. Throws
+/// InputError if a value's unit does not fit or the value cannot be transformed.
 std::map<Endpoint, StartingValue> starting_values(const Network& network, ValueNotices& notices);
 
 /// Converts a value to the type of the variable: whole numbers of type Real become Integers.
