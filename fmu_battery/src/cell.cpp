@@ -138,7 +138,7 @@ Cell load_cell(const std::filesystem::path& path, const CellPositions& positions
 double terminal_current_a(double source_v, double series_ohm, double power_w) {
   const double discriminant = source_v * source_v - 4 * series_ohm * power_w;
   if (discriminant <= 0) return source_v / (2 * series_ohm);
-  // This is equal to (E - sqrt(...)) / (2 R), but has no difference of nearly equal numbers.
+  // The expression is equal to (E - sqrt(...)) / (2 R), but contains no difference of nearly equal numbers.
   return 2 * power_w / (source_v + std::sqrt(discriminant));
 }
 

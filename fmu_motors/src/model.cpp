@@ -19,7 +19,7 @@ constexpr double kMost = 1e40;
 constexpr double kLeastDensity = 1 / kMost;
 /// A current is a surge if the current of the previous step was less than this share of it.
 constexpr double kEarlierShare = 0.1;
-/// A smaller sag is harmless, and other loads may have caused it.
+/// A smaller drop of the voltage is harmless, and other loads may have caused it.
 constexpr double kLeastSag_v = 0.02;
 
 void check(double value, std::string_view name, std::string_view unit, const data::Limits& limits) {

@@ -220,7 +220,7 @@ void Drone::take_mass() {
   if (mass_kg != mass_kg_) set_mass(mass_kg);
 }
 
-/// The seed is set again, because it is a tunable parameter: it may have changed, also with a restored state.
+/// Sets the seed again. It is a tunable parameter, so a program or a restored state may have changed it.
 void Drone::reseed() {
   const auto seed = seed_of(shared_, index_);
   camera_.reseed(seed);

@@ -13,7 +13,8 @@
 namespace mebots::app {
 namespace {
 
-/// Limits the warnings and errors shown, so that an FMU that logs one in each step does not hide everything else.
+/// Limits the number of printed warnings and errors. Otherwise, an FMU with a message in each step would hide all other
+/// output.
 constexpr int kShown = 20;
 
 constexpr std::string_view kClearLine = "\r\x1b[K";

@@ -38,7 +38,7 @@ std::string unit_text(const Json& unit) {
   return unit.is_string() && unit != "1" ? " " + unit.get<std::string>() : "";
 }
 
-/// Appends values. `intervals` contains the intervals of these values, under the same labels.
+/// Appends the values with their intervals. `intervals` has the same labels as the values.
 void append_values(const Json& values, const Json& units, const Json& intervals, const std::string& prefix,
                    std::vector<std::string>& lines) {
   for (const auto& [label, value] : values.items()) {

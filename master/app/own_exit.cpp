@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Replaces functions that end, replace or copy the process. The dynamic linker prefers a program's functions to those
-// of the C library, so an FMU that calls one arrives here. Calls that the C library makes itself, such as in exit() or
-// system(), do not arrive here.
+// of the C library, so an FMU calls the functions in this file. Calls inside the C library, such as in exit() or
+// system(), do not use these functions.
 #include "fmi/call/exit_guard.hpp"
 
 #include <dlfcn.h>

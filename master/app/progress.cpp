@@ -55,8 +55,8 @@ std::optional<std::string> Progress::reached(const master::Point& point) {
 void Progress::look(const master::Point& point) {
   const auto now = Clock::now();
   const double since_look_s = std::chrono::duration<double>(now - last_look_).count();
-  // Adapts the number of steps between two looks at the clock, so that about kLookEveryS pass between them, whatever a
-  // step costs.
+  // Adapts the number of steps between two readings of the clock, so that the time between two readings is about
+  // kLookEveryS.
   if (since_look_s < kLookEveryS / 2) stride_ = std::min(stride_ * 2, kLongestStride);
   if (since_look_s > kLookEveryS * 2) stride_ = std::max<std::int64_t>(stride_ / 2, 1);
   last_look_ = now;

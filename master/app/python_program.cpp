@@ -61,8 +61,8 @@ Path package_folder(const std::string& command) {
                   command, fmt::join(master::as_texts(places), ", ")));
 }
 
-/// Sets PATH if the environment has none. Without PATH, Python does not find its own program, which a study starts for
-/// its missions.
+/// Sets PATH if the environment has none. A study starts the program `python3` for its missions; without PATH, Python
+/// does not find this program.
 void ensure_path() {
   const char* path = std::getenv("PATH");
   if (path == nullptr || *path == '\0') setenv("PATH", "/usr/local/bin:/usr/bin:/bin", 1);

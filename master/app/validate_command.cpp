@@ -110,8 +110,8 @@ Likeness likeness(const master::Schema& schema, const data::Node& root) {
   });
 }
 
-/// Returns the kind whose schema has most of the file's keys. Of several such kinds, returns the one with the fewest
-/// other keys. Converters have distinct keys.
+/// Returns the kind whose schema has most of the file's keys. If several kinds are equal, returns the kind whose schema
+/// has the fewest other keys. Converters have distinct keys.
 std::string kind_by_content(const data::Node& root) {
   std::string best;
   Likeness most;

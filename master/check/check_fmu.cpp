@@ -296,7 +296,7 @@ class FmuCheck {
     return !has_error(check);
   }
 
-  /// Checks the libraries of this name. Returns true if that of this machine can be loaded.
+  /// Checks the libraries of this name. Returns true if the library for this machine can be loaded.
   bool library_binaries(const std::string& identifier) {
     Check& platforms = add(Group::binaries, "every platform has its library", Level::interoperable);
     const auto library = library_path(identifier, folder_.path());

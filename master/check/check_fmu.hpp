@@ -17,8 +17,8 @@ struct Options {
   bool run = true;                              ///< false: examine the files only and run none of the FMU's code
 };
 
-/// Examines an FMU from its archive to its behaviour. Its code runs in child processes. Throws mebots::Error if the
-/// file cannot be read.
+/// Examines an FMU from its archive to its behaviour. The FMU's code runs in child processes. Throws mebots::Error if
+/// the file cannot be read.
 Report check_fmu(const std::filesystem::path& fmu, const Options& options);
 
 /// Returns the report for people: findings by group, with remedies.

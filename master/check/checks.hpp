@@ -45,10 +45,11 @@ void check_osmp(const ModelDescription& model, Findings findings);
 /// True for a name of the structured naming convention: identifiers, `der(...)`, array indices, quoted names.
 bool is_structured_name(std::string_view name);
 
-/// Checks platforms and files under binaries/ of the unpacked FMU in `folder`. `identifier` is that of its libraries.
+/// Checks platforms and files under binaries/ of the unpacked FMU in `folder`. `identifier` is the name of the
+/// libraries, without extension.
 void check_platforms(const modeldesc::ModelDescription& model, const std::string& identifier,
                      const std::filesystem::path& folder, Findings findings);
-/// Checks that the header of a library is that of the platform which its folder names.
+/// Checks that the header of a library belongs to the platform of its folder.
 void check_machine(const std::filesystem::path& library, const modeldesc::Platform& expected, Findings findings);
 /// Returns whether the library exists and is built for this machine. Throws Error if it cannot be read.
 bool is_own_binary(const std::filesystem::path& library);

@@ -53,7 +53,8 @@ class SharedBox {
 
 BlackBox* signalled_box = nullptr;
 
-/// Records whether the crash is in code of mebots. Then the crash takes its course, because of SA_RESETHAND.
+/// Records whether the crash is in code of mebots. Then the signal's default action ends the process, because of
+/// SA_RESETHAND.
 void on_signal(int signal) {
   const auto callback = master::current_callback();
   const char* name = callback.only_memory ? nullptr : callback.name;  // a bad pointer is the fault of the FMU that
@@ -180,8 +181,8 @@ bool is_given_up(const CrashRule& rule) {
   return rule.given_up != nullptr && *rule.given_up;
 }
 
-/// Reads until the child closes its end of the pipe or the child ends. A process that it leaves behind may keep the
-/// pipe open, so both are checked. Returns false if the deadline passes or the user cancels first.
+/// Reads until the child closes its end of the pipe or the child ends. A process that the child leaves behind may keep
+/// the pipe open, so both conditions are checked. Returns false if the deadline passes or the user cancels first.
 bool read_all(int pipe, pid_t keeper, const BlackBox& box, const CrashRule& rule, std::string& text) {
   constexpr int kLook_ms = 50;
   SpentTime spent(box.child);

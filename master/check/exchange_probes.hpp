@@ -10,8 +10,8 @@
 
 namespace mebots::check {
 
-/// Returns experiments with an FMU for model exchange, of FMI 2.0 or 3.0, unpacked into `folder`. They call it through
-/// the master's adapter of its version.
+/// Returns experiments with an FMU for model exchange, of FMI 2.0 or 3.0, unpacked into `folder`. The experiments call
+/// the FMU through the master's adapter for its version of FMI.
 std::vector<ChildProbe> exchange_probes(const std::filesystem::path& archive, const std::filesystem::path& folder,
                                         const modeldesc::ModelDescription& model);
 

@@ -27,7 +27,7 @@ namespace mebots::check {
 using modeldesc::ModelDescription;
 using modeldesc::Variable;
 
-/// The data that the probes share. They are complete before any of the FMU's code runs.
+/// The data that the probes share. The data are complete before any code of the FMU runs.
 struct Target {
   const ModelDescription* model;
   std::filesystem::path folder;        ///< the unpacked FMU
@@ -78,7 +78,7 @@ class Library {
   Witness& witness() const { return *witness_; }
   const fmi2::Functions& functions() const { return functions_; }
   std::string resource_uri() const;
-  /// Returns the changes that loading the library made to the process. They were reverted.
+  /// Returns the changes that loading the library made to the process. These changes were reverted.
   const std::vector<std::string>& changes_at_load() const { return changes_at_load_; }
 
   /// Returns the output variables of a type in the order of Outputs::reals and so on.

@@ -43,7 +43,7 @@ bool is_number(std::string_view text) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-/// Accepts numbers as XML Schema writes them, with INF and NaN in no other spelling.
+/// Accepts numbers in the form of XML Schema. INF and NaN must have exactly this spelling.
 bool is_real(std::string_view text) {
   static constexpr std::string_view kNotFinite[] = {"INF", "-INF", "NaN"};
   return is_one_of<kNotFinite>(text) || (is_number<double>(text) && text.find_first_of("iInN") == std::string::npos);

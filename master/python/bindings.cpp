@@ -38,8 +38,8 @@ using mebots::RunOptions;
 using mebots::RunState;
 using mebots::Severity;
 
-/// Returns a column's bytes, from which NumPy creates an array. This works with any version of NumPy: its binary
-/// interface changed from 1 to 2, and Debian's pybind11 supports the first only.
+/// Returns a column's bytes, from which NumPy creates an array. Bytes work with any version of NumPy. NumPy's binary
+/// interface changed from version 1 to 2, and Debian's pybind11 supports only version 1.
 py::bytes bytes_of(const std::vector<double>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
 }

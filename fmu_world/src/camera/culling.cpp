@@ -11,8 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Number of faces per group. A small number keeps them near each other; a large number saves tests of single faces
-/// outside the picture.
+/// Number of faces per group. With a small number, the faces of a group are near each other. With a large number, fewer
+/// faces outside the picture are tested one by one.
 constexpr std::size_t kMostFaces = 16;
 /// Margin that is added to the radius of a sphere, because results are rounded.
 constexpr double kMargin_m = 1e-6;

@@ -13,8 +13,9 @@
 /// Culling removes parts of a scene that cannot be in a picture, before anything is projected.
 namespace mebots::world::camera {
 
-/// The four planes through the camera and the sides of a picture, or of some of its rows. A face completely outside one
-/// of them covers no pixel: the centres of the outermost pixels are half a pixel inside, far more than any rounding.
+/// The four planes through the camera and the sides of a picture, or of some of its rows. A face completely outside of
+/// one plane covers no pixel: the centres of the outermost pixels are half a pixel inside, which is far more than
+/// rounding errors.
 class PictureSides {
  public:
   PictureSides(const Intrinsics& intrinsics, int first_row, int end_row);

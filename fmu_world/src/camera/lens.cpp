@@ -16,7 +16,7 @@ namespace {
 constexpr double kFarthestAside = 5.67;
 
 /// Returns the direction of a ray that meets the sensor at `at`: the least root of r (1 + k1 r^2 + k2 r^4) = at, by
-/// Newton's method from 0. It rises to the root while the slope is positive.
+/// Newton's method from 0. The iterates rise to the root while the slope is positive.
 double undistorted(const LensSettings& settings, double at) {
   double r = 0.0;
   for (int i = 0; i < 60; ++i) {

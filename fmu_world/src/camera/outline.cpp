@@ -44,7 +44,8 @@ Polygon clipped(const Polygon& polygon, const ClipPlane& plane) {
   return kept;
 }
 
-/// True if no plane cuts the face, which is the case for nearly all faces. This test is cheaper than the planes.
+/// True if no plane cuts the face, which is the case for nearly all faces. This test takes less time than clipping by
+/// the planes.
 bool all_inside(std::span<const Vector3d> corners_C_m, double side) {
   bool inside = true;
   for (const Vector3d& p : corners_C_m) {

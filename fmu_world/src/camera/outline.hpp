@@ -112,7 +112,7 @@ class Outline {
     int column, winding;
   };
 
-  /// Does the same for one row with any number of crossings.
+  /// Like the function above, for one row with any number of crossings.
   template <typename Span>
   void winding_spans(int row, Span&& span) const {
     std::array<Crossing, kMaxOutlineCorners> crossings;  // of the row's centre line, from left to right

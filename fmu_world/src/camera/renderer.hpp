@@ -16,7 +16,7 @@
 
 namespace mebots::world::camera {
 
-/// A geometry prepared for pictures. It never changes.
+/// Geometry in the form that the renderer needs. Constant after construction.
 struct Scenery {
   /// Throws mebots::Error for faces with fewer than 3 or more than 8 corners.
   explicit Scenery(Geometry all);
@@ -30,10 +30,10 @@ struct Scenery {
 /// Faces that cannot be in the picture are left out, if possible by groups. Then, in strips of 16 rows, every face's
 /// pixels are tested against the strip's inverse depths, and each visible pixel is textured once, with correct
 /// perspective. Finally noise is added, and each row is rounded and limited to 0..255. The same arguments give the same
-/// bytes, for any renderer, thread or vector unit. After construction, it does not use the heap.
+/// bytes, for any renderer, thread or vector unit. After construction, the renderer does not use the heap.
 class Renderer {
  public:
-  /// Working memory of a call. Each thread that renders at the same time needs its own.
+  /// Working memory of a call. Threads that render at the same time need separate objects.
   class Workspace {
     friend class Renderer;
     struct VisibleFace {

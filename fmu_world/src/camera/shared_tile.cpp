@@ -9,7 +9,7 @@
 namespace mebots::world::camera {
 namespace {
 
-/// The tiles in use. Drawing them takes most of the time of a world's start. They never change, so all worlds share
+/// The tiles in use. Drawing tiles takes most of the time of a world's start. Tiles never change, so all worlds share
 /// them.
 class Tiles {
  public:

@@ -30,8 +30,8 @@ struct Gains {
   double thrust_base = 36000.0;
   double thrust_min = 20000.0;
 
-  /// This value is not from the firmware: the sender of a take-off or landing command moves the wanted altitude at
-  /// these speeds, as the ideal stabiliser does.
+  /// This value is not from the firmware: the commands take-off and landing change the wanted altitude at these speeds,
+  /// as in the ideal stabiliser.
   double climb_m_per_s = 0.5;
   double descent_m_per_s = 0.3;
 };

@@ -59,7 +59,7 @@ Eigen::Vector3d inertia_for(const scene::Drone& drone, double mass_kg);
 Wrench rotor_wrench(const scene::Drone& drone, const RotorValues& thrust_n, const RotorValues& torque_n_m);
 
 /// Returns the torque of the rotating rotors on the body, in body axes: their angular momentum h is along z, so the
-/// torque is -dh/dt - w x h. `acceleration` is that of the rotors, positive = faster.
+/// torque is -dh/dt - w x h. `acceleration` is the angular acceleration of the rotors, positive = faster.
 Eigen::Vector3d spin_torque(double rotor_inertia_kg_m2, const RotorValues& speed_rad_per_s,
                             const RotorValues& acceleration_rad_per_s2, const Eigen::Vector3d& rate_B_rad_per_s);
 

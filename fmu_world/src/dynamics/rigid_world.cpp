@@ -98,7 +98,7 @@ class RigidWorld::Impl {
     prepare_thread();
     world_ = dWorldCreate();
     // By default, all worlds share one list of jobs, which two threads must not use at the same time. Therefore each
-    // world gets its own.
+    // world has a list of its own.
     threading_ = dThreadingAllocateSelfThreadedImplementation();
     dWorldSetStepThreadingImplementation(world_, dThreadingImplementationGetFunctions(threading_), threading_);
     dWorldSetGravity(world_, 0.0, 0.0, -kGravity_m_per_s2);
@@ -322,8 +322,8 @@ class RigidWorld::Impl {
 
   void collide(Drone& drone, const Obstacle& obstacle) {
     std::array<dContact, kMaxContactsPerMesh> contacts;
-    // ODE's routines for boxes, cylinders and planes only use the stack, so instances in several threads need no
-    // lock. Those for triangles need one.
+    // ODE's routines for boxes, cylinders and planes only use the stack, so instances in several threads need no lock.
+    // The routines for triangles need a lock.
     const bool is_mesh = obstacle.solid != nullptr && obstacle.solid->shape == scene::Solid::Shape::mesh;
     const auto lock = is_mesh ? std::unique_lock(mesh_collisions) : std::unique_lock<std::mutex>();
     const int count = dCollide(drone.geom, obstacle.geom, obstacle.most_contacts, &contacts[0].geom, sizeof(dContact));

@@ -89,7 +89,7 @@ class GateJudge {
   bool missed() const { return missed_; }
   bool turned_back() const { return turned_back_; }
   bool stuck() const { return stuck_; }
-  /// True if the drone has crossed a plane, so that there is a lateral error.
+  /// True if the drone has crossed the plane of a gate. Only then is there a lateral error.
   bool reached() const { return reached_; }
   double lateral_error_m() const { return lateral_error_m_; }
   /// Returns the distance before the next gate's plane; negative after the last gate; 0 in a scene without gates.

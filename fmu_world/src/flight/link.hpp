@@ -9,7 +9,7 @@
 
 namespace mebots::world {
 
-/// The command to the stabiliser.
+/// The command that the stabiliser gets.
 struct Setpoint {
   FlightMode mode = FlightMode::off;
   double forward_m_per_s = 0.0;

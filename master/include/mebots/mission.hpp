@@ -19,11 +19,10 @@
 
 namespace mebots {
 
-/// A run of an FMU, or of a system of FMUs that a config or an SSP describes. It computes the same as `mebots run`,
-/// step by step.
+/// A run of an FMU, or of a system of FMUs that a config or an SSP describes. The results are those of `mebots run`.
 ///
-/// Times are in seconds, values in the unit of their variable. Functions throw InputError for what the caller can
-/// correct, and Error if the run fails. A failed run has the state `failed`; its step() and value() throw. Returned
+/// Times are in seconds, values in the unit of their variable. Functions throw InputError for errors that the caller
+/// can correct, and Error if the run fails. A failed run has the state `failed`; its step() and value() throw. Returned
 /// objects are copies.
 ///
 /// Use a mission from one thread at a time; several missions can run on several threads. interrupt() may be called from
@@ -42,9 +41,9 @@ class Mission {
 
   // Functions to call before start().
 
-  /// Sets the listener for messages of FMUs and for the run's own notices (instance ""). It is called during calls to
-  /// FMUs: it may call interrupt(), and no other function of the mission. If it throws, the run fails when the FMU's
-  /// call returns.
+  /// Sets the listener for messages of FMUs and for the run's own notices (instance ""). The listener is called during
+  /// calls to FMUs. It may call interrupt(), but no other function of the mission. If it throws, the run fails when the
+  /// FMU's call returns.
   void on_message(std::function<void(const Message&)> listener);
   /// Sets the listener for communication points. It receives the time [s] of each point, t = 0 included, after the
   /// point was recorded. It may read variables, interrupt() the run, and write variables except at t = 0. If it throws,
@@ -69,7 +68,7 @@ class Mission {
   /// another process. Config, FMUs, settings and recorded variables must be the same. Only for missions without `out`.
   void start_from(std::span<const std::byte> state);
 
-  // Functions that run the mission. If it has not started, each of them starts it.
+  // Functions that run the mission. If the mission has not started, each function starts it.
 
   /// Opens the FMUs, makes all checks, and initialises to t = 0 (or to the checkpoint).
   void start();
@@ -84,8 +83,8 @@ class Mission {
   /// Ends the run at the present point and writes its reports. No effect after the end. Called from a listener, it acts
   /// as interrupt().
   void close() noexcept;
-  /// Requests the end of the run, with the outcome "interrupted". It takes effect between two calls to FMUs, and within
-  /// 0.1 s during a call to an isolated FMU. The run ends without an error. Safe in signal handlers.
+  /// Requests the end of the run, with the outcome "interrupted". The run ends between two calls to FMUs. A call to an
+  /// isolated FMU is ended within 0.1 s. The run ends without an error. Safe in signal handlers.
   void interrupt() noexcept;
 
   /// Returns the mission's state between two steps, for start_from(), so that several runs can continue from one state.
@@ -122,7 +121,7 @@ class Mission {
   /// Returns the content of summary.json, as far as it exists, as JSON text; "{}" before the start.
   std::string summary() const;
 
-  // Functions for variables. If the mission has not started, each of them starts it.
+  // Functions for variables. If the mission has not started, each function starts it.
 
   /// Returns the present value of a Real, Integer, enumeration or Boolean (0 or 1). After an interrupt in the middle of
   /// a step, some FMUs may already be at its end; the records do not contain that.

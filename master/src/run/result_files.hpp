@@ -23,8 +23,9 @@ namespace mebots::master {
 /// log.txt, summary.json, checkpoint.bin. An earlier run's files are unchanged until this run reaches t = 0.
 class ResultFiles {
  public:
-  /// Creates the folder and the files that every run has, or opens those of the run that `resumed` continues. Throws
-  /// InputError if that fails. `system` and `resumed` must outlive this object. If `resumed` is null, the run is new.
+  /// Creates the folder and the files that every run has. If `resumed` continues an earlier run, opens the files of
+  /// that run. Throws InputError if this fails. `system` and `resumed` must outlive this object. If `resumed` is null,
+  /// the run is new.
   ResultFiles(const std::filesystem::path& folder, const ResolvedSystem& system, const Checkpoint* resumed);
 
   const std::filesystem::path& folder() const { return folder_.path(); }
@@ -36,7 +37,7 @@ class ResultFiles {
   /// Gives the recorder its sinks. Must be called before the first point.
   void add_sinks(Recorder& recorder);
   /// Creates the observers that each write one file, and returns them in order. Must be called before the first point.
-  /// They are valid as long as this object.
+  /// The observers are valid as long as this object.
   std::vector<Observer*> make_observers(Ensemble& ensemble);
   /// Returns the observer that writes checkpoints; it must be the last.
   Observer& make_checkpointer(Simulation& simulation, const RunOptions& options, const std::string& inputs);

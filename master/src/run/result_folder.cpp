@@ -133,7 +133,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / ".m
     if (is_still(file_, descriptor_)) break;
     ::close(descriptor_);
   }
-  // If writing the number fails, the lock is still valid; only the message of the other run lacks the number.
+  // The message of a second run contains the number. If writing the number fails, the lock is still valid.
   const auto own = std::to_string(::getpid());
   static_cast<void>(::ftruncate(descriptor_, 0) == 0 && ::pwrite(descriptor_, own.data(), own.size(), 0) > 0);
 }

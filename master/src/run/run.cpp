@@ -415,7 +415,7 @@ void Run::initialise() {
   } else {
     simulation_->initialize();
   }
-  // This line is logged before the log is continued, so that the finished log equals that of an uninterrupted run.
+  // Logs this line before it continues the log, so that the complete log equals the log of an uninterrupted run.
   if (checkpoint_) say(Severity::info, "notice", fmt::format("resumed at {} s", to_seconds(time_ns())));
   if (files_) files_->started(ensemble);
 }
@@ -552,7 +552,7 @@ void Run::report_fault(const std::string& text) {
   say(Severity::error, "notice", report_.notices.back());
 }
 
-/// The results are on the disk by then, so a crash here loses no data.
+/// At this time, the results are on the disk, so a crash loses no data.
 void Run::free_fmus(bool unloads) {
   if (freed_ || !simulation_) return;
   freed_ = true;

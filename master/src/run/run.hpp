@@ -47,8 +47,8 @@ namespace mebots::master {
 /// For one thread at a time; interrupt() may be called from any thread and from signal handlers.
 class Run {
  public:
-  /// Reads the config and applies the options. Creates no files. Throws InputError. If `library` is that of an earlier
-  /// run, FMUs that this run opened are not opened again.
+  /// Reads the config and applies the options. Creates no files. Throws InputError. If an earlier run used `library`,
+  /// FMUs that the earlier run opened are not opened again.
   explicit Run(const std::filesystem::path& config, RunOptions options = {},
                std::shared_ptr<FmuLibrary> library = std::make_shared<FmuLibrary>());
   /// Returns the run of the checkpoint in this folder; start() restores its state. Throws InputError.
@@ -149,11 +149,11 @@ class Run {
   /// Returns the number of columns without the time.
   std::size_t columns() const { return recorder_ ? recorder_->columns().size() : 0; }
 
-  // Functions to call after the start. Before it and after a failure they throw InputError.
+  // Functions to call after the start. Before the start and after a failure, they throw InputError.
 
   const ResolvedSystem& resolved() const;
   /// Calls `work`, which reads or sets variables of an instance. An error of the FMU makes the run fail. A listener may
-  /// call it only at a point.
+  /// call this function only at a communication point.
   void call(std::size_t instance, std::string_view what, const std::function<void(Slave&)>& work);
   /// Adds the intervals of drawn runs to the summary after the end.
   void report_uncertainty(const nlohmann::ordered_json& uncertainty);

@@ -28,8 +28,8 @@ void put_unless_empty(Json& object, const char* key, const std::string& text) {
   if (!text.empty()) object[key] = text;
 }
 
-/// Returns the member `text` of a config. If it has none, returns that of the extended config, which follows in
-/// `source`. Empty for an SSP.
+/// Returns the member `text` of a config. If the config has none, returns the `text` of the extended config, which
+/// follows in `source`. Empty for an SSP.
 std::string text_for_people(const std::string& source) {
   std::istringstream stream(source);
   try {

@@ -51,7 +51,7 @@ class AccessSlave : public ForwardingSlave {
   virtual void get(ValueKind kind, std::span<const ValueReference> references, Destination values) = 0;
   virtual void set(ValueKind kind, std::span<const ValueReference> references, Source values) = 0;
 
-  /// These functions access the wrapped slave.
+  /// Functions of the wrapped slave.
   void pass_get(ValueKind kind, std::span<const ValueReference> references, Destination values);
   void pass_set(ValueKind kind, std::span<const ValueReference> references, Source values);
 };

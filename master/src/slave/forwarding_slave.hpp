@@ -7,7 +7,7 @@
 
 namespace mebots::master {
 
-/// Wraps another slave and forwards every call. It is the base class of slaves that add something.
+/// Wraps another slave and forwards every call. Base class of slaves that change some of the calls.
 class ForwardingSlave : public Slave {
  public:
   explicit ForwardingSlave(std::unique_ptr<Slave> inner) : inner_(std::move(inner)) {}

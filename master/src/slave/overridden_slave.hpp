@@ -11,8 +11,9 @@
 
 namespace mebots::master {
 
-/// Applies a scenario's overrides to variables of the wrapped slave: to inputs as this slave sees them, to outputs as
-/// all others see them. Times are the slave's own communication points.
+/// Applies a scenario's overrides to variables of the wrapped slave: an override of an input changes the value that
+/// this slave gets; an override of an output changes the value that all others read. Times are the slave's own
+/// communication points.
 class OverriddenSlave final : public AccessSlave {
  public:
   /// `schedule` must outlive the slave. `step_ns` is the length of its steps.

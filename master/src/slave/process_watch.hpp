@@ -12,9 +12,9 @@ namespace mebots::master {
 
 struct ResolvedSystem;
 
-/// Watches the process while several FMUs are called: reports process-wide changes and reverts them. It names an FMU
-/// only if no other FMU runs in this process. A slave that is watched separately (Fmi2Slave) reports its own changes
-/// earlier.
+/// Watches the process while several FMUs are called: reports process-wide changes and reverts them. A report names an
+/// FMU only if no other FMU runs in this process. A slave that is watched separately (Fmi2Slave) reports its own
+/// changes earlier.
 class ProcessWatch {
  public:
   /// Watches the state that the FMUs of this process can change according to their imports. `system` and `messages`

@@ -66,8 +66,8 @@ class Slave {
   /// reading, terminate() and destruction are allowed.
   virtual StepResult finish_step(const std::atomic<bool>& cancel);
   virtual void terminate() = 0;
-  /// Frees the instance, after its last call; otherwise the destructor does. Returns the error if freeing fails. It has
-  /// also been logged, and does not affect the results.
+  /// Frees the instance, after its last call; otherwise the destructor does. Returns the error if freeing fails. The
+  /// error is also logged, and does not affect the results.
   virtual std::optional<std::string> free_instance() = 0;
 
   virtual void get_reals(std::span<const ValueReference> references, std::span<double> values) = 0;

@@ -60,7 +60,7 @@ class TimedSlave final : public AccessSlave {
     timed([&] { pass_set(kind, references, values); });
   }
 
-  /// Does the work, counts it, and returns its duration [s].
+  /// Calls `work`, counts the call, and returns its duration [s].
   template <typename Work>
   double timed(Work work) {
     const auto start = std::chrono::steady_clock::now();

@@ -85,9 +85,9 @@ class ContinuousSystem final : private Equations {
   /// Visits the state of the solver. The members' own states must be restored first.
   void visit(state::Visitor& v);
   /// After a restore, repeats the solver's steps since its last start, so that the following steps have the same bits.
-  /// Without this call, the next advance() does it. `keep` saves the members' states and returns a function that
-  /// restores them. Returns false if the repetition ends in different states, because a member depends on more than
-  /// time, states and inputs; then the solver restarts at the present time.
+  /// Without this call, the next advance() repeats these steps. `keep` saves the members' states and returns a function
+  /// that restores them. Returns false if the repetition ends in different states, because a member depends on more
+  /// than time, states and inputs; then the solver restarts at the present time.
   bool repeat_steps(const std::function<std::function<void()>()>& keep);
   bool must_repeat() const { return must_repeat_; }
 

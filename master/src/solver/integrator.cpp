@@ -33,7 +33,7 @@ class Integrator::Cvode {
  public:
   Cvode(Equations& equations, SolverMethod method) : equations_(&equations), method_(method) {
     check(SUNContext_Create(nullptr, &context_), "SUNContext_Create");
-    // CVODE requires at least one state, so a system without states gets one that stays 0.
+    // CVODE requires at least one state, so a system without states gets a state that is always 0.
     const auto count = static_cast<sunindextype>(std::max<std::size_t>(1, equations.state_count()));
     y_ = N_VNew_Serial(count, context_);
     tolerances_ = N_VNew_Serial(count, context_);

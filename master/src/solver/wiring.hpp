@@ -33,7 +33,7 @@ struct Wire {
 };
 
 /// The wires of a continuous system, ordered so that every output is read after the inputs on which it depends were
-/// set. Outputs are read in stages: all outputs of a stage and member in one call. Wires in a loop, and those that
+/// set. Outputs are read in stages: all outputs of a stage and member in one call. Wires in a loop, and wires that
 /// depend on a loop, are evaluated together until no value changes.
 class Wiring {
  public:

@@ -57,7 +57,7 @@ class Requantisation:
     lower: np.ndarray | None = None
 
     def apply(self, sums: np.ndarray, low: int, high: int) -> np.ndarray:
-        """Requantises sums. The last dimension of ``sums`` must be that of the channels."""
+        """Requantises sums. The last dimension of ``sums`` must be the channels."""
         product = sums.astype(np.int64) * self.multiplier
         if self.lower is not None:
             product += self.lower

@@ -88,8 +88,9 @@ uint8_t* network_l1_buffer(void);
 
 
 def l1_bytes(plan: Plan) -> int:
-    """Returns the bytes of L1, including those that kernels may read after the last buffer. They suffice for the rows of a camera's picture
-    (app/deployed.c)."""
+    """Returns the size of L1 in bytes, including bytes that kernels may read after the last buffer. This size suffices
+    for the rows of a camera's picture (app/deployed.c).
+    """
     return max(plan.l1_bytes + 16, 16 << 10)
 
 

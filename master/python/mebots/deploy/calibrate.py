@@ -52,7 +52,7 @@ def _one_line(error: Exception) -> str:
 
 
 class Ranges:
-    """Least and greatest values of tensors. With a percentile, also histograms of their magnitudes."""
+    """Minimum and maximum of tensors. With a percentile, also histograms of their magnitudes."""
 
     def __init__(self, percentile: float | None) -> None:
         self._percentile = percentile

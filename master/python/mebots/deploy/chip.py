@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds a deployed network for this machine and for the chip, and runs it there."""
+"""Builds a deployed network for this machine and for the chip, and runs it on both."""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ class Importer:
         return tensor
 
     def alias(self, tensor: Tensor) -> None:
-        """Makes the output the same tensor as the input."""
+        """Uses the input's tensor as the output."""
         self._tensors[self.node.output[0]] = tensor
 
     def add(self, kind: str, inputs: list[Tensor], **fields: Any) -> Node:

@@ -53,7 +53,7 @@ class IntegerLayers:
         return tensor
 
     def _next(self, node: Node, kind: str) -> Node | None:
-        """Returns the only user of the node's output, if there is only one and it is of this kind; otherwise None."""
+        """If the node's output has one user and the user is of this kind, returns the user; otherwise None."""
         users = self._graph.users(node.output)
         if len(users) == 1 and users[0].kind == kind and self._graph.has_one_user(node.output):
             return users[0]

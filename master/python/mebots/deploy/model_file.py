@@ -130,7 +130,7 @@ class Model:
 
 
 def _label(node: Any) -> str:
-    """Returns the node's name; if it has none, that of its output."""
+    """Returns the node's name; for a node without a name, the name of its output."""
     return node.name or node.output[0]
 
 

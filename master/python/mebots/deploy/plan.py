@@ -145,8 +145,9 @@ def gathered_stride(layer: Layer) -> int:
 
 
 def gathers(layer: Layer) -> bool:
-    """True if patches are copied before they are used. This is the case if their runs of contiguous bytes are short and
-    many channels share the copy."""
+    """True if patches are copied before they are used. Patches are copied if their runs of contiguous bytes are short
+    and many channels share the copy.
+    """
     if layer.kind != "convolution" or layer.groups > 1:
         return False
     rows, columns, run = _patch_runs(layer)
@@ -190,7 +191,7 @@ def gathered_bytes(layer: Layer) -> int:
 
 
 def gather_geometry(layer: Layer) -> tuple[int, int, int]:
-    """Returns the same as run_geometry() for the patch before it is copied."""
+    """Returns the geometry, as run_geometry() does, of the patch before it is copied."""
     return _patch_runs(layer)
 
 

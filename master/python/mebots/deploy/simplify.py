@@ -14,7 +14,7 @@ _LIMITED_KINDS = ("conv", "add", "multiply", "mean_pool")
 
 
 def simplify(graph: Graph) -> None:
-    """Changes the graph in place. The values of its outputs stay the same."""
+    """Changes the graph in place. The values of the graph's outputs do not change."""
     _drop_unused(graph)
     changed = True
     while changed:

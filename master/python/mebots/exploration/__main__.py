@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``python -m mebots.exploration STUDY --out DIR`` does the same as ``mebots sweep``."""
+"""``python -m mebots.exploration STUDY --out DIR`` runs a study like ``mebots sweep``."""
 
 import sys
 

@@ -396,7 +396,9 @@ class Campaign:
         return journal
 
     def _take(self, journal: Journal) -> list[tuple[Reply, np.ndarray]]:
-        """Waits for results, appends them to the journal and counts them. Returns them with their places there."""
+        """Waits for results, appends them to the journal and counts them. Returns the results with their places in the
+        journal.
+        """
         found = []
         for reply in self._dispatcher.take():
             found.append((reply, journal.append_lines(reply.digests, reply.lines, reply.lengths)))

@@ -83,7 +83,7 @@ class Evidence:
             self._measures.append(array.array("d"))
 
     def put(self, design: int, replicate: int, measures: Measures) -> None:
-        """Stores the measures of a mission. They count after ``count_to``."""
+        """Stores the measures of a mission. They are not counted before ``count_to`` is called."""
         width, own = len(self.index), self._measures[design]
         values = [math.nan if one is None else one for one in measures]
         if len(own) == replicate * width:
@@ -140,8 +140,9 @@ class Evidence:
 
     @property
     def design_error(self) -> float:
-        """Returns the permitted error of one statement about one design. All such statements together use half of
-        ``error``; comparisons use the other half."""
+        """Returns the permitted error of one statement about one design. All statements about one design use half of
+        ``error``; comparisons of two designs use the other half.
+        """
         statements = len(self.study.constraints) + (self.study.stop is not None) + len(self._senses)
         return self.study.error / 2 / (max(len(self.counts), 1) * max(statements, 1))
 

@@ -54,7 +54,7 @@ class MissionProcess:
         package = str(pathlib.Path(__file__).resolve().parents[2])
         environment["PYTHONPATH"] = os.pathsep.join([package, *filter(None, [environment.get("PYTHONPATH")])])
         environment["TMPDIR"] = folder = _folder()  # the process is killed at the end; its unpacked FMUs are deleted
-                                                    # Its folder is deleted with it.
+                                                    # The folder of the worker is deleted together with the worker.
         self._process = subprocess.Popen(
             [sys.executable, "-m", "mebots.exploration.worker", str(life), str(out), folder],
             stdin=subprocess.PIPE,
@@ -111,7 +111,7 @@ class MissionProcess:
                 self._process.stdin.close()
 
     def _line(self, limit_s: float | None) -> dict[str, Any]:
-        # The times are read only after the first wait, because most missions end before, and their records contain the
+        # The times are read only after the first wait. Most missions end before this, and their records contain the
         # time.
         begun_s = last_s = None
         moved_at = time.monotonic()
@@ -138,8 +138,9 @@ class MissionProcess:
         return json.loads(line)
 
     def _processor_time_s(self) -> float:
-        """Returns the processor time of the process and its descendants. They are included because a fork of the
-        process runs the mission and starts the processes of isolated instances."""
+        """Returns the processor time of the process and its descendants. Descendants are included because a fork of the
+        process runs the mission and starts the processes of isolated instances.
+        """
         return _ticks_of_all(self._process.pid) / _TICKS
 
     def _lost(self) -> Lost:

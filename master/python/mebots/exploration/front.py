@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Pareto front, with the certainty of each statement about it.
 
-Two designs are compared first by the intervals of their means, for all designs at once. Only if the intervals overlap
-are they compared pair by pair.
+Two designs are compared first by the intervals of their means, for all designs at once. If the intervals of two designs
+overlap, the designs are compared pair by pair.
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ def places(evidence: Evidence) -> list[str]:
 
 
 class Dominance:
-    """What is certain about each design, in comparison with the leaders among ``feasible`` and with all ``rivals``."""
+    """Certain statements about each design, from comparisons with the leaders among ``feasible`` and with all
+    ``rivals``.
+    """
 
     def __init__(self, evidence: Evidence, feasible: list[int], rivals: list[int]) -> None:
         self._evidence = evidence

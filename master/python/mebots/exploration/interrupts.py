@@ -17,8 +17,9 @@ _pending = False
 
 @contextlib.contextmanager
 def held() -> Iterator[None]:
-    """Delays an interrupt until the end of the block. No effect in threads other than the main one, because Python
-    interrupts only that."""
+    """Delays an interrupt until the end of the block. No effect outside of the main thread, because Python interrupts
+    only the main thread.
+    """
     global _holds
     if not _can_come():
         yield

@@ -179,7 +179,7 @@ class Journal:
         return self._builds.total() - self._builds[build]
 
     def append(self, records: Iterable[Record]) -> list[int]:
-        """Does the same as ``append_lines``."""
+        """Appends lines, as ``append_lines`` does."""
         records = list(records)
         lines = [line_of(record) for record in records]
         digests = [bytes.fromhex(record["mission"]) for record in records]

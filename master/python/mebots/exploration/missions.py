@@ -235,7 +235,9 @@ class Missions:
         return command
 
     def settings(self, name: str, value: Any) -> Values:
-        """Returns the settings of a factor or draw with this value: the value itself, or the settings of its option."""
+        """Returns the settings that a factor or draw with this value makes: the value itself, or the settings of the
+        option.
+        """
         options = self._options.get(name)
         return {name: value} if options is None else options[value]
 
@@ -324,7 +326,7 @@ def _signals(config: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _put(config: dict[str, Any], pointer: str, value: Any) -> None:
-    """Sets the value at a JSON pointer (RFC 6901). Only its last step may be new."""
+    """Sets the value at a JSON pointer (RFC 6901). Only the last member of the pointer may be new."""
     steps = [step.replace("~1", "/").replace("~0", "~") for step in pointer.split("/")[1:]]
     place: Any = config
     for number, step in enumerate(steps):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Saved states from which other missions start, by hash. The latest states are in memory, and more of them on disk,
-where other mission processes of the same parent find them. A deleted state is computed again by one process, while
-others that need it wait."""
+where other mission processes of the same parent find them. If a state was deleted, one process computes it again, and
+other processes that need this state wait.
+"""
 
 from __future__ import annotations
 

@@ -64,7 +64,7 @@ def _rounded(value: float) -> float:
 
 @dataclasses.dataclass(frozen=True)
 class Replay:
-    """Commands that repeat missions. They write into folders below ``folder``, which is in the report's folder."""
+    """Commands that repeat missions. They write results into folders below ``folder``, which is in the report's folder."""
 
     space: Space
     folder: pathlib.Path

@@ -17,7 +17,9 @@ FLYING = "flying"
 
 
 class Flights(Sequence[Flight]):
-    """The same replicates of several designs, in the study's order. No list of them is stored."""
+    """Missions with the same replicates of several designs, in the study's order. The missions are not stored as a
+    list.
+    """
 
     def __init__(self, designs: Sequence[int], begin: int, end: int) -> None:
         self.designs = designs

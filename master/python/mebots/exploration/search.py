@@ -14,7 +14,7 @@ from mebots.extras import extra
 
 
 class Search:
-    """Requests designs from the sampler and appends them to ``designs``. It has the interface of Rounds."""
+    """Requests designs from the sampler and appends them to ``designs``. Has the interface of Rounds."""
 
     def __init__(self, study: Study, evidence: Evidence, designs: list[Values]) -> None:
         self._study = study

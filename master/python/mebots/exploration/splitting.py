@@ -216,8 +216,8 @@ def _set_level(splitting: Splitting, pilot: Estimate, flown: list[tuple[Way, Rec
     pilot.ways = [way for way, _ in entrances]
     pilot.reached.append(len(entrances))
     if level != splitting.goal:
-        # When these missions ran, the level was unknown, so no state was saved there. Each mission runs to the level
-        # once more.
+        # When these missions ran, the level was unknown, so no state was saved at the level. Each mission runs to the
+        # level once more.
         pilot.simulated_s += [record["simulated_time"] for _, record in entrances]
 
 

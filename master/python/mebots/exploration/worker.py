@@ -327,8 +327,9 @@ class _Pipes:
         os.close(nothing)
 
     def orders(self) -> Iterator[Order]:
-        """Yields orders. The next one is sent after the record was written, so that no process reads an order too
-        early."""
+        """Yields orders. The next order is sent after the record was written, so that no process reads an order too
+        early.
+        """
         text = b""
         while block := os.read(self._orders, 1 << 16):
             text += block

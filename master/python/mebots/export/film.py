@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes a film of a run's page: Chromium draws it moment by moment, and ffmpeg encodes the film.
+"""Makes a film of a run's page: Chromium draws the page frame by frame, and ffmpeg encodes the film.
 
-Chromium is controlled through a pipe (--remote-debugging-pipe). Thus no other program is needed, and no other program
-can connect to it.
+Chromium is controlled through a pipe (--remote-debugging-pipe). Thus no further program is needed, and no other program
+can connect to Chromium.
 """
 
 from __future__ import annotations

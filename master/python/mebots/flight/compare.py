@@ -65,7 +65,7 @@ def errors(raw: FlightLog, log: FlightLog, traces: Traces, motion: Motion | None
 
 def thrusts(traces: Traces, log: FlightLog) -> Iterator[tuple[str, Array, Mask]]:
     """Yields the thrust of all rotors at the traces' times by three methods (by the commands, at the measured
-    voltage, and by the measured speeds), and the times at which it is known."""
+    voltage, and by the measured speeds), and the times at which the thrust is known."""
     everywhere = np.ones(len(traces.times), bool)
     yield COMMANDS_ONLY, traces.thrust_n(), everywhere
     if traces.has_measured_voltage:

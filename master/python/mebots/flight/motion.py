@@ -98,8 +98,9 @@ def motion_of(log: FlightLog, airframe: Airframe, times: Array, good: Mask, wind
 
 
 def _on_ground(log: FlightLog, times: Array) -> Mask:
-    """True at times at which the drone may be on the ground, and for ``GROUND_MARGIN_S`` before and after. It may be
-    there if the rotors turn too slowly to fly, and if the height, where it is known, is the lowest of the log."""
+    """True at times at which the drone may be on the ground, and for ``GROUND_MARGIN_S`` before and after. The drone
+    may be on the ground if the rotors turn too slowly to fly, and if the height, if known, is the lowest of the log.
+    """
     command = np.mean([mean_over(log[name], times) for name in COMMANDS], axis=0)
     driven = command[command > DRIVEN]
     ground = command < LEAST_COMMAND * (np.median(driven) if len(driven) else 1.0)

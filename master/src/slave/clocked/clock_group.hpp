@@ -15,7 +15,7 @@
 
 namespace mebots::master {
 
-/// A connection of clocks: the second ticks whenever the first does, at the same instant.
+/// A connection of clocks: whenever the first clock ticks, the second clock ticks at the same instant.
 struct ClockLink {
   std::size_t from = 0;  ///< member
   std::size_t to = 0;
@@ -23,7 +23,7 @@ struct ClockLink {
   ValueReference to_clock = 0;
 };
 
-/// A connection of clocked variables. It transfers a value at instants at which a clock of each end ticks.
+/// A connection of clocked variables. A value is transferred at instants at which the clocks of both ends tick.
 struct ClockedLink {
   DiscreteLink link;
   std::vector<ValueReference> from_clocks;
@@ -31,11 +31,11 @@ struct ClockedLink {
 };
 
 /// The co-simulation slaves whose clocks are connected, or a single one with clocks. Steps them from tick to tick and
-/// handles their events (FMI 3.0.2, sections 2.2.8 and 4.2.1). When the first of them steps, the whole group advances.
+/// handles their events (FMI 3.0.2, sections 2.2.8 and 4.2.1). When the first member steps, the whole group advances.
 ///
-/// Members step one after the other. If one returns early to handle an event, later members step only to that time.
-/// Earlier members are then ahead, and handle the event at their own time. If a member cannot step to any time
-/// (canHandleVariableCommunicationStepSize = false), clocks tick at communication points only.
+/// Members step one after the other. If a member returns early to handle an event, later members step only to the time
+/// of this event. Earlier members are then ahead, and handle the event at their own time. If a member cannot step to
+/// any time (canHandleVariableCommunicationStepSize = false), clocks tick at communication points only.
 class ClockGroup {
  public:
   /// Both arguments must outlive the group.

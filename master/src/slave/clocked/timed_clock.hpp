@@ -37,7 +37,7 @@ class TimedClock {
  private:
   bool is_periodic() const;
   double periodic_s(double count) const;
-  /// Returns the time. Throws Error if it is negative, not a number, or zero although it may not be.
+  /// Returns the time. Throws Error if the time is negative, not a number, or zero where zero is not permitted.
   double checked(const EventInstance& instance, std::string_view what, double time_s, bool may_be_zero) const;
 
   const modeldesc::Variable* variable_;

@@ -17,8 +17,8 @@
 
 namespace mebots::master {
 
-/// The slaves of one continuous system. When the first of them steps, the group advances the system; the others return
-/// the same result.
+/// The slaves of one continuous system. When the first slave steps, the group advances the whole system. When the other
+/// slaves step, they return the same result.
 class ContinuousGroup final : private DiscreteLinks, private OuterInputs {
  public:
   struct Setup {

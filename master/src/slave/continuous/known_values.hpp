@@ -20,7 +20,7 @@ using WholeNumber = std::int64_t;
 template <typename T>
 class KnownValues {
  public:
-  /// Stores a value. Returns true if it differs from the stored one or if there was none.
+  /// Stores a value. Returns true if no value was stored before, or a different one.
   bool update(ValueReference reference, const T& value) {
     const auto found = std::ranges::lower_bound(references_, reference);
     const auto place = found - references_.begin();

@@ -17,7 +17,7 @@
 namespace mebots::master {
 
 /// A co-simulation instance of FMI 1.0 in this process. FMI 1.0 has one call for the whole initialisation,
-/// fmiInitializeSlave, and outputs can be read only after it. If an input changes between enter_initialization() and
+/// fmiInitializeSlave. Outputs can be read only after this call. If an input changes between enter_initialization() and
 /// exit_initialization(), this class creates the instance again with all values set so far, and initialises it before
 /// the next value is read. Thus inputs from connections take part in the initialisation, as in FMI 2.0.
 class Fmi1Slave final : public Slave {

@@ -35,7 +35,7 @@ class Fmi3Values {
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::int64_t> values);
   void set(ValueKind kind, std::span<const ValueReference> references, std::span<const std::string> values);
 
-  /// The FMU's variables to which some of the master's belong, and the place of each of these among their values.
+  /// FMU variables, and for each variable of the master its place in the values of the FMU variables.
   struct Whole {
     std::vector<std::uint32_t> references = {};
     std::size_t value_count = 0;

@@ -23,9 +23,9 @@
 
 namespace mebots::master {
 
-/// Calls an instance of an FMU, of any version of FMI. It finds the instance of a callback, converts C++ exceptions to
-/// SlaveErrors, and adds names and times to messages. It keeps the floating-point environments of master and FMU apart.
-/// It reverts and reports changes of the process. Not for use by two threads at once.
+/// Calls an instance of an FMU, of any version of FMI. This class finds the instance of a callback, converts C++
+/// exceptions to SlaveErrors, and adds names and times to messages. It keeps the floating-point environments of master
+/// and FMU apart. It reverts and reports changes of the process. Not for use by two threads at once.
 class InstanceCalls final : public CallbackListener {
  public:
   /// Returns the standard's name of a status.
@@ -70,8 +70,8 @@ class InstanceCalls final : public CallbackListener {
   void instantiate(const char* function, const std::function<void*()>& make);
   /// Replaces an instance that the caller has freed.
   void instantiate_again(const char* function, const std::function<void*()>& make);
-  /// Calls `free` to free the instance; no effect the second time. Returns the error if the FMU failed; it has also
-  /// been logged.
+  /// Calls `free` to free the instance. A second call has no effect. If the FMU failed, returns the error, which is
+  /// also logged.
   std::optional<std::string> free_instance(const char* function, const std::function<void()>& free);
   /// Sets the handler of fmi2StepFinished, which a thread of the FMU may call. Must be called before instantiate().
   void on_step_finished(std::function<void(int)> handler) { step_finished_ = std::move(handler); }
@@ -86,7 +86,7 @@ class InstanceCalls final : public CallbackListener {
   [[gnu::always_inline]] auto call(const char* name, Function* function, Arguments... arguments) {
     return in_scope(name, [&] { return function(instance_, arguments...); });
   }
-  /// Calls a function of the FMU from one of its callbacks, inside call(). Exceptions of the FMU pass.
+  /// Calls a function of the FMU from one of its callbacks, inside call(). Does not catch exceptions of the FMU.
   template <typename Function, typename... Arguments>
   int call_inside(Function* function, Arguments... arguments) {
     return function(instance_, arguments...);
@@ -171,8 +171,8 @@ class InstanceCalls final : public CallbackListener {
   std::function<void(int)> step_finished_ = [](int) {};
   std::function<void(double)> intermediate_update_ = [](double) {};
 
-  // FMUs may log from their own threads. Errors are held until the call returns: if it fails, its exception contains
-  // them. Messages of the FMU's threads are held too; the stepping thread delivers them.
+  // FMUs may log from their own threads. Errors are held until the call returns: if the call fails, its exception
+  // contains these errors. Messages of the FMU's threads are held too; the stepping thread delivers them.
   mutable std::mutex log_mutex_;
   std::vector<Held> held_;
   MessageLimit limit_;                 // since the start of the call, or since the last one

@@ -22,7 +22,7 @@ class IntermediateInputs {
   /// `model` has elements in place of arrays. Contains no inputs if the FMU does not call back.
   explicit IntermediateInputs(const modeldesc::ModelDescription& model);
 
-  /// Returns the value references, those of whole arrays in place of their elements.
+  /// Returns the value references. For arrays, returns one reference of the whole array.
   std::vector<std::uint32_t> references() const;
   bool empty() const { return wholes_.empty(); }
   /// Stores the values at the start of the next step. Other variables are ignored.

@@ -27,7 +27,7 @@ struct InstanceRequest {
 /// SlaveError if instantiation fails.
 std::unique_ptr<Slave> make_slave_here(InstanceRequest request, MessageSink& messages);
 
-/// A co-simulation instance whose caller handles its events, with both of its interfaces.
+/// A co-simulation instance whose caller handles its events, as Slave and as EventInstance.
 struct EventParts {
   std::unique_ptr<Slave> slave;
   EventInstance* instance;  ///< the same object

@@ -26,7 +26,8 @@ class PendingStep {
   /// Waits for the end of the step and returns its status; fmiPending if `cancel` becomes true, or `until` is reached.
   /// Queries the FMU by `status_of_fmu`, every 20 us at first and every 2 ms later. The query decides, because a
   /// callback that arrives late may belong to an earlier step. The callback decides in two cases only: the query
-  /// returns nothing, or it reports fmiPending for kLongestDenial after as many callbacks as there were pending steps.
+  /// returns nothing, or the query still reports fmiPending kLongestDenial after there were as many callbacks as
+  /// pending steps.
   int wait(const std::atomic<bool>& cancel, const std::function<std::optional<int>()>& status_of_fmu,
            Clock::time_point until = Clock::time_point::max());
   /// True if GetStatus has denied the end of a step. GetStatus is then not called again.

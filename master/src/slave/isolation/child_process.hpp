@@ -60,10 +60,11 @@ std::filesystem::path find_fmu_host();
 /// Forks and returns in the child, which leads a new session. The calling process becomes its keeper. When the child
 /// ends, when `parent` ends (by any signal), or at end_kept(), the keeper ends all descendants of the child, in any
 /// process group or session. Then it ends in the same way as the child. If the keeper ends, the child ends, too.
-/// Neither of them dumps core. The process must have one thread only. Throws Error if no process can be created.
+/// Neither child nor keeper dumps core. The process must have one thread only. Throws Error if no process can be
+/// created.
 void fork_kept(pid_t parent);
 
-/// Makes a keeper end its processes and itself, and waits for it. Does not reap it.
+/// Makes a keeper end its processes and itself, and waits for the keeper's end. Does not reap the keeper.
 void end_kept(pid_t keeper);
 
 }  // namespace mebots::master::isolation

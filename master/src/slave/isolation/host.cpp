@@ -485,7 +485,7 @@ struct Arguments {
   }
 
   bool is_sandboxed() const { return !sandbox.folder.empty(); }
-  /// Returns the arguments with which the same program runs inside the namespaces.
+  /// Returns the arguments for the start of this program inside the namespaces.
   std::vector<std::string> inside() const {
     auto words = rest;
     words.emplace_back("--inside");

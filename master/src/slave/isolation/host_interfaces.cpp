@@ -20,8 +20,8 @@ void put_evaluation(SharedWriter& answers, Evaluation evaluation) {
   answers.put(evaluation != Evaluation::ok);
 }
 
-/// Answers with numbers that `evaluate` computes. If that fails recoverably, they are meaningless, and are sent all the
-/// same.
+/// Answers with numbers that `evaluate` computes. If the evaluation fails recoverably, sends the numbers, too; they
+/// have no meaning then.
 template <typename Evaluate>
 void put_values(SharedWriter& answers, std::size_t count, Evaluate evaluate) {
   std::vector<double> values(count);

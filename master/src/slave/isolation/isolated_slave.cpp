@@ -68,7 +68,7 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
       std::make_unique<ChildProcess>(find_fmu_host(), host_arguments(),
                                      std::array<int, 4>{control_buffer_.descriptor(), command_buffer_.descriptor(),
                                                         answer_buffer_.descriptor(), log_buffer_.descriptor()});
-  // The sizes of both buffers are now final, so only the process needs their descriptors.
+  // From now on, the sizes of both buffers do not change, so only the host process needs their descriptors.
   control_buffer_.close_descriptor();
   log_buffer_.close_descriptor();
   open(grid);
@@ -135,7 +135,7 @@ std::optional<std::string> IsolatedSlave::report_end() {
   return fmt::format("instance '{}': {}", name_, problem);
 }
 
-/// Returns the error that the host reported when it freed the instance; it was also logged. Stores the host's
+/// Returns the error that the host reported when it freed the instance. The error is also logged. Stores the host's
 /// comparison of the FMU's memory.
 std::optional<std::string> IsolatedSlave::failure_of_close() {
   try {
@@ -253,7 +253,7 @@ void IsolatedSlave::wait(std::size_t calls_left) {
   }
 }
 
-/// Converts bubblewrap's exit code: that of the program in it, or 128 plus the signal that ended the program.
+/// Converts bubblewrap's exit code, which is the program's exit code, or 128 plus the signal that ended the program.
 ProcessEnd IsolatedSlave::end_in_sandbox(ProcessEnd end) const {
   constexpr int kSignalled = 128;
   if (!instance_->isolation.sandboxed() || end.by_signal || end.number <= kSignalled) return end;

@@ -19,9 +19,9 @@
 
 namespace mebots::master::isolation {
 
-/// A slave in a separate process (mebots-fmu-host). Set values wait for the next call that computes. A step also sends
-/// the reads that followed the last step, and their answers are kept, so that a communication step takes one hand-over.
-/// If the process ends, or a call exceeds its deadline, every call throws SlaveError.
+/// A slave in a separate process (mebots-fmu-host). Set values wait for the next call that computes. A step also
+/// requests the values that were read after the last step, and stores the answers. So a communication step needs one
+/// exchange with the process. If the process ends, or a call exceeds its deadline, every call throws SlaveError.
 class IsolatedSlave : public Slave {
  public:
   /// Descriptors that the master needs per instance.
@@ -156,7 +156,7 @@ class IsolatedSlave : public Slave {
   std::string lost_;                           // why the process ended
   bool freed_ = false;
 
-  // The FMU's capabilities; its process detects them when it loads the library.
+  // Capabilities of the FMU, which the host process detects when it loads the library.
   std::uint32_t output_derivative_order_ = 0;
   bool takes_input_derivatives_ = false;
   bool provides_directional_derivatives_ = false;

@@ -62,7 +62,7 @@ pid_t fork_or_throw() {
   return child;
 }
 
-/// Returns the number in a text; 0 if it is not one.
+/// Returns the number in a text; 0 if the text is no number.
 pid_t number_in(std::string_view text) {
   pid_t number = 0;
   std::from_chars(text.data(), text.data() + text.size(), number);
@@ -108,7 +108,8 @@ struct Child {
   }
 };
 
-/// Ends all descendants of the child. Orphans become children of the keeper, which ends them until there are none.
+/// Ends all descendants of the child. Orphans become children of the keeper. The keeper ends its children until there
+/// are none.
 void end_descendants(Child& child) {
   if (!child.ended) kill(child.number, SIGKILL);
   for (const auto until = Clock::now() + kPatience; child.reap() && Clock::now() < until;) {
@@ -143,7 +144,7 @@ void end_descendants(Child& child) {
   end_as(child.status);
 }
 
-/// Called in the child, which then ends when the keeper ends. The other end of `alive` is closed when the keeper ends.
+/// Called in the child. When the keeper ends, the other end of `alive` is closed, and the child ends.
 void end_with_keeper(const Pipe& alive) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   pollfd gone{alive.ends[0], 0, 0};

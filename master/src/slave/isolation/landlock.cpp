@@ -91,8 +91,8 @@ bool shield_other_processes() {
   const long version = offered_version();
   if (version < 2) return false;  // version 1 would forbid moving files between folders
   const bool scopes = version >= kScopesSince;
-  // A ruleset must not be empty. If the kernel cannot scope signals, the ruleset handles a right, and then grants it
-  // again.
+  // A ruleset must not be empty. If the kernel cannot restrict signals, the ruleset therefore restricts one right and
+  // grants it again.
   const Ruleset wanted{scopes ? 0 : kRefer | kMakeBlockDevice, 0, scopes ? kSignals : 0};
   const int rules = create(wanted, version);
   if (rules < 0) return false;

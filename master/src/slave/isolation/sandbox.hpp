@@ -38,8 +38,8 @@ struct FileAccess {
   std::vector<std::string> writes_in_place;  ///< read and write, such as /dev/null
 };
 
-/// Restricts this process and its children to these files, and their signals and abstract sockets to each other.
-/// Returns the reason if the kernel refuses this; else empty.
+/// Restricts this process and its children to these files. They can only send signals and connect abstract sockets to
+/// each other. Returns the reason if the kernel refuses this; else empty.
 std::optional<std::string> restrict_files(const FileAccess& access);
 
 /// Removes the access of this process and its children to memory and open files of other processes (since Linux 5.19),

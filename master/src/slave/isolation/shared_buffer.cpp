@@ -19,7 +19,7 @@ namespace mebots::master::isolation {
 namespace {
 
 constexpr std::size_t kFirstSize = 1 << 16;
-/// The master's descriptors start here, above those that a child process gets.
+/// Number of the master's first descriptor. Lower numbers are for the descriptors that a child process gets.
 constexpr int kLowestDescriptor = 16;
 
 [[noreturn]] void fail(const char* what) {

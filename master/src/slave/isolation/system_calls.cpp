@@ -206,7 +206,7 @@ constexpr auto kPrivate = std::to_array<int>({
     SCMP_SYS(msgrcv),    SCMP_SYS(msgctl),
 });
 
-/// For socket pairs. In a network namespace, also for other sockets.
+/// Permitted for socket pairs. In a network namespace, also permitted for other sockets.
 constexpr auto kSocketData =
     std::to_array<int>({SCMP_SYS(sendto), SCMP_SYS(recvfrom), SCMP_SYS(sendmsg), SCMP_SYS(recvmsg), SCMP_SYS(sendmmsg),
                         SCMP_SYS(recvmmsg), SCMP_SYS(shutdown)});
