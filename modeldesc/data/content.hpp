@@ -15,8 +15,8 @@
 
 namespace mebots::data {
 
-/// Stores the offsets of a text's line starts, to convert an offset to line and column. It is fast even if the text is
-/// one long line.
+/// Stores the offsets of a text's line starts, to convert an offset to line and column. The conversion is fast even if
+/// the text is one long line.
 class TextLines {
  public:
   TextLines() : TextLines(std::string()) {}

@@ -41,7 +41,7 @@ std::size_t bounded_distance(std::string_view a, std::string_view b, std::size_t
       if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
       nearest = std::min(nearest, row[j]);
     }
-    // Each row depends only on the two rows before it. Its values are not less than the least value of these rows.
+    // Each row depends only on the two rows before it. No value of a row is less than the minimum of these two rows.
     if (std::min(nearest, nearest_of_last) > most) return most + 1;
     nearest_of_last = nearest;
   }

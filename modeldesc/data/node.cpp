@@ -161,7 +161,7 @@ void Node::fail_unknown(std::string_view what, std::string_view name, std::span<
 void Node::note(const Mistakes& mistakes) const {
   auto& all = document_->content_->mistakes;
   for (auto mistake : mistakes.list()) {
-    // The mistake is in another file, which this value names. It is reported at this value.
+    // The mistake is in another file, which this value names. It is reported at the place of this value.
     if (!mistake.place.starts_with(document_->content_->name)) {
       mistake.offset = document_->content_->values[index_].offset;
     }

@@ -56,7 +56,7 @@ T& checked(T* pointer, std::string_view name) {
   throw Error(fmt::format("this FMU does not offer it: modelDescription.xml declares {}", flag));
 }
 
-/// Builds data that instances share, once: the C++ library's facets and the FMU's own tables. It must be called by a
+/// Builds data that instances share, once: the C++ library's facets and the FMU's own tables. Must be called from a
 /// function that every tool calls after loading the library and before the first instance.
 void prepare_library() noexcept;
 

@@ -31,7 +31,7 @@ double to_s(std::int64_t time_ns) {
 }
 
 /// Returns the permitted difference between two computations of the same time: tools that add up steps accumulate
-/// rounding errors. It is less than half a step, so that communication points stay distinct.
+/// rounding errors. The permitted difference is less than half a step, so that communication points are distinct.
 double time_tolerance_s(double time_s, double step_s) {
   return 1e-6 + std::min(1e-9 * std::abs(time_s), step_s / 4);
 }

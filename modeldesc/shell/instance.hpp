@@ -18,8 +18,8 @@
 
 namespace mebots::shell {
 
-/// An instance of the FMU. Every method throws mebots::Error for what the caller can correct; unless stated otherwise,
-/// it has then changed nothing.
+/// An instance of the FMU. Every method throws mebots::Error for errors that the caller can correct. Unless stated
+/// otherwise, a method that throws changes nothing.
 class Instance final : public Host {
  public:
   Instance(const Definition& definition, const Version& version, Logger logger, std::filesystem::path resources);

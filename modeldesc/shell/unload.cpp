@@ -2,8 +2,8 @@
 // Releases memory when the FMU's library is unloaded.
 #include <dlfcn.h>
 
-// GCC's C++ library reserves memory (72 kB per copy of the library) for exceptions thrown when no memory is left. It
-// releases it only on request. libc++ has no such function.
+// GCC's C++ library reserves memory (72 kB per copy of the library) for exceptions thrown when no memory is left. The
+// library releases this memory only on request. libc++ has no such function.
 namespace __gnu_cxx {            // NOLINT(bugprone-reserved-identifier): theirs
 [[gnu::weak]] void __freeres();  // NOLINT(bugprone-reserved-identifier,readability-identifier-naming)
 }

@@ -26,7 +26,7 @@ const T& field(const void* variables, const Variable& variable) {
   return *reinterpret_cast<const T*>(static_cast<const std::byte*>(variables) + variable.offset);
 }
 
-/// Returns the variable with this reference. Throws mebots::Error if there is none or if it has another type
+/// Returns the variable with this reference. Throws mebots::Error if the variable does not exist or has another type
 /// (enumerations count as Integer).
 const Variable& find_variable(const Definition& definition, fmi2ValueReference reference, Type type);
 

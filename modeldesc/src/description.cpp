@@ -180,8 +180,8 @@ class DescriptionReader {
     if (!field.on_demand) {
       field.cpp_name = cpp_name(field);
       check_cpp_name(node.at("name"), field.cpp_name);
-      // The name must be unique in all three structs. C++ would accept the same name in two of them, but it would
-      // mislead readers.
+      // The name must be unique in all three structs. C++ would accept the same name in two structs, but readers might
+      // confuse the two.
       claim(cpp_names_, field.cpp_name, node.at("name"));
     }
     result_.fields.push_back(std::move(field));

@@ -111,7 +111,7 @@ TEST(Integrator, CutOffIsLocatedWhereTheVoltageCrosses) {
   const double voltage_v = source_v - c.series_ohm * terminal_current_a(source_v, c.series_ohm, 9);
   // The voltage is the one at the located instant. The interpolant between two steps is of third order.
   EXPECT_NEAR(voltage_v, cell.cut_off_voltage_v, 1e-6);
-  // The same event is found with steps of 1 ms.
+  // Steps of 1 ms find the same event.
   CellState slow{0.12, 0.05, 0.05};
   double passed_s = 0;
   for (;;) {
@@ -129,7 +129,7 @@ struct LongStep {
   Event event;
 };
 
-/// 1000 steps give the same result as one step. The event is included.
+/// 1000 steps give the same result as one step, including the event.
 void expect_the_same_in_short_steps(const LongStep& step) {
   SCOPED_TRACE(testing::Message() << "charge " << step.soc << ", " << step.demand.terminal_w() << " W, "
                                   << step.duration_s << " s");

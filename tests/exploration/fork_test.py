@@ -57,7 +57,7 @@ class SavedState(StudyCase):
         self.assertEqual(result(past), self.straight({}))
 
     def test_an_fmu_is_not_set_back_it_is_made_anew(self):
-        """In the first mission, the FMU was informed that it is not set back before 0.8 s."""
+        """In the first mission, the master promised the FMU that no state before 0.8 s would be restored."""
         mission = mebots.Mission(self.folder / "mission.json")
         mission.run_until(0.3)
         state = mission.save_state()

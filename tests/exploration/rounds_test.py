@@ -49,7 +49,7 @@ class Rounds(StudyCase):
             self.assertLess(float(row["integral: high"]) - float(row["integral: low"]), 0.6)
 
     def test_the_better_of_two_designs_is_found_by_pairs(self):
-        """The difference is much smaller than the spread of each design: only common draws reveal it."""
+        """The difference is much smaller than the spread of each design. Only common draws reveal the difference."""
         self.study(design={"kind": "grid", "factors": {"a.offset": [0, 0.05]}}, objectives={"out": OUT},
                    draws={"replicates": 100, "variables": {"a.real_in": {"uniform": [0, 3]}, "a.gain": {"uniform": [1, 2]}}},
                    rounds={"size": 5, "stop": {"objective": "out", "best": True}})

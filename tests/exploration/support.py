@@ -42,7 +42,7 @@ class StudyCase(unittest.TestCase):
         }))
 
     def study(self, **sections):
-        """Returns a study with two designs and ten draws. ``sections`` replace sections of it."""
+        """Returns a study with two designs and ten draws. ``sections`` replace sections of the study."""
         content = {
             "mission": "mission.json",
             "design": {"kind": "grid", "factors": {"a.gain": [0.2, 1]}},

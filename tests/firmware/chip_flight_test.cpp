@@ -94,7 +94,7 @@ struct Outcome {
   soc::EnergyLedger energy;
 };
 
-/// Returns a picture placed in the centre of those of the sensor of GAP8's board.
+/// Returns a picture with the size of the sensor of GAP8's board; the given picture is in its centre.
 std::vector<std::uint8_t> in_the_middle(const std::vector<std::uint8_t>& picture, std::size_t edge) {
   constexpr std::size_t kSensor = 324;
   const auto margin = (kSensor - edge) / 2;
@@ -220,7 +220,7 @@ TEST(ChipFlight, OneInferenceCostsLessThanThreeMillionInstructions) {
   EXPECT_LT(most, 3'000'000U);
 }
 
-/// Returns the outcome of the same flight on GAP8's own devices.
+/// Returns the outcome of this flight with GAP8's own devices.
 const Outcome& gap8_flight() {
   static const Outcome outcome = [] {
     Surroundings around;

@@ -70,7 +70,8 @@ class Camera {
   std::uint64_t count_ = 0;
 };
 
-/// A point of the world in the camera's picture: its pixel from the top left, and its distance along the optical axis.
+/// A point of the world in the camera's picture: its pixel, counted from the top left, and its distance along the
+/// optical axis.
 struct Projection {
   double x_px;
   double y_px;

@@ -183,7 +183,7 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance, std::size_t* count) {
   return fmi3OK;
 }
 
-// Every element has the same value, which is the output.
+// All elements have the value of the output.
 #define MEBOTS_DEFINE(name, type)                                                                              \
   fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference[], std::size_t, type values[],      \
                            std::size_t count) {                                                                \

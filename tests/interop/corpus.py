@@ -251,7 +251,7 @@ def times_of(what):
 
 
 def finer(what, parts):
-    """Returns the same run with each step divided; the coarsest of such runs has at most HALVED_STEPS steps."""
+    """Returns the run with each step divided; the coarsest of such runs has at most HALVED_STEPS steps."""
     steps = min(what["steps"], HALVED_STEPS)
     return what | {"step_ns": what["step_ns"] // parts, "steps": steps * parts}
 
@@ -336,7 +336,7 @@ def examine(program, base, fmu):
 
 
 def different(fmus):
-    """Returns one FMU of each content, and the number of FMUs with the same bytes as another."""
+    """Returns one FMU for each distinct content, and the number of other FMUs with equal bytes."""
     first, repeated = {}, 0
     for fmu in fmus:
         digest = hashlib.sha256(fmu.read_bytes()).digest()

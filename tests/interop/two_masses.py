@@ -18,7 +18,7 @@ SECONDS = 5
 
 
 def held(fmu, target):
-    """Returns the same FMU without declared time derivatives: inputs are held."""
+    """Returns this FMU without declared time derivatives, so that its inputs are constant during a step."""
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w") as copy:
         for name in source.namelist():
             content = source.read(name)

@@ -36,7 +36,7 @@ struct CoreWork {
   }
 };
 
-/// The times of one decision, or sums over several.
+/// The times of one decision, or their sums over several decisions.
 struct Decision {
   std::array<Picoseconds, kDecisionParts> parts{};
   Picoseconds latency = 0;  // from the request to the end; measured, not summed

@@ -51,7 +51,7 @@ enum class ProcessKind {
   sandboxed,  ///< a separate process with access to few files and nothing else (docs/master/isolation.md)
 };
 
-/// Additions to the defaults of a sandbox.
+/// Changes to the default settings of a sandbox.
 struct SandboxDescription {
   std::vector<std::string> reads;     ///< further paths that the FMU may read, absolute
   std::vector<std::string> may_lack;  ///< mechanisms that may be missing

@@ -46,7 +46,7 @@ class ElfBytes {
     return bytes_.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(size));
   }
 
-  /// Copies a structure from `offset`. Throws the same errors as part().
+  /// Copies a structure from `offset`. Throws errors like part().
   template <typename T>
   T get(std::uint64_t offset, std::string_view what) const {
     T value;

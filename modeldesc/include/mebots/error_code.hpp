@@ -112,7 +112,7 @@ constexpr std::string_view name_of(ErrorCode code) {
   return kErrorCodes[static_cast<std::size_t>(code)].name;
 }
 
-/// Returns the code with this name, if it exists. This is for codes that come from another process or a file.
+/// Returns the code with this name, if it exists. For codes from another process or a file.
 constexpr std::optional<ErrorCode> error_code_of(std::string_view name) {
   const auto* const found =
       std::find_if(kErrorCodes.begin(), kErrorCodes.end(), [&](const ErrorCodeRow& row) { return row.name == name; });

@@ -18,12 +18,11 @@ struct PageParts {
 /// Reads page.html and `name`.js and .css from a folder. Throws Error if one of them cannot be read.
 PageParts read_page_parts(const std::filesystem::path& folder, const std::string& name);
 
-/// Returns an HTML document with the script and the data in it. It needs no network. Script and data are deflated
-/// (RFC 1950) and in base64.
+/// Returns an HTML document that contains the script and the data. The document needs no network. Script and data are
+/// deflated (RFC 1950) and in base64.
 std::string fill_page(const PageParts& parts, const std::string& title, std::string_view data);
 
-/// Returns the document of fill_page() without data. The page fetches the data from its own server, and only from
-/// there.
+/// Returns the document of fill_page() without data. The page fetches the data only from its own server.
 std::string fill_live_page(const PageParts& parts, const std::string& title);
 
 }  // namespace mebots

@@ -82,7 +82,7 @@ TEST(Clocks, TicksWithoutEndAreReported) {
   }
 }
 
-/// Has a periodic clock whose shift and interval it states itself.
+/// An FMU with a periodic clock. The FMU itself returns shift and interval of the clock.
 class ShiftedInstance final : public EventInstance {
  public:
   explicit ShiftedInstance(double shift_s) : shift_s_(shift_s) {}

@@ -39,7 +39,7 @@ TEST(Scenario, AnOutputIsSetBetweenTwoTimesAsAllOthersSeeIt) {
   TestRun run(system_with(R"({"variable": "a.real_out", "set": 7, "from": 0.3, "until": 0.6})"));
   run.to_end();
   EXPECT_THAT(run.column("a.real_out"), ElementsAre(2, 2, 2, 7, 7, 7, 2, 2, 2, 2, 2));
-  // The value is set at the start of the step, so its effect is visible one point later.
+  // The value is set at the start of the step, so its effect is visible at the next point.
   EXPECT_THAT(run.column("b.real_in"), ElementsAre(2, 2, 2, 2, 7, 7, 7, 2, 2, 2, 2));
 }
 

@@ -30,7 +30,7 @@ TEST(Simulation, TimesAreCountedSoThatALongRunEndsExactly) {
   EXPECT_EQ(run.simulation().time_ns(), 100'000'000'000'000);
   EXPECT_EQ(run.column("a.steps").back(), 1'000'000);
   EXPECT_EQ(run.column("time").back(), 100000.0);
-  // The FMU itself adds t and h, so there is one rounding of a number near 1e5.
+  // The FMU adds t and h, so the result has one rounding of a number near 1e5.
   EXPECT_NEAR(run.column("a.last_end").back(), 100000.0, 2e-11);
 }
 

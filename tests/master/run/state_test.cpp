@@ -114,7 +114,7 @@ TEST(State, AnFmuHearsThatItMayBeSetBackOnlyWhereThatCanHappen) {
 }
 
 TEST(State, AStateOfBeforeAStepThatWasTakenWithoutOneIsRefused) {
-  // The FMU was informed that it will not be set back, and may have dropped the data for it.
+  // The master has promised the FMU not to restore an earlier state, so the FMU may have dropped the data for this.
   TestRun run(kSystem);
   run.initialize();
   const auto bytes = run.simulation().serialize(run.simulation().save_state());

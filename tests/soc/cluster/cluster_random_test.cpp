@@ -26,7 +26,7 @@ class Onlooker final : public Observer {
   std::uint64_t count_ = 0;
 };
 
-/// An observer that only needs some steps, so that hot code is translated. Checks that they are in order.
+/// An observer that only needs some steps, so that hot code is translated. Checks the order of these steps.
 class StepCounter final : public Observer, private FlowMap {
  public:
   const FlowMap* flow() const override { return this; }

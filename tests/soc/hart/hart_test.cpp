@@ -537,8 +537,8 @@ data: .word 77, 0, 0, 0, 0, 0
 }
 
 TEST(Run, InPiecesFollowsChangedCodeAndLoopEnds) {
-  // Eight iterations of the same instructions. Every second one stores an instruction over `patch`; from the fourth on,
-  // a hardware loop ends at `last`.
+  // Eight iterations of the same instructions. Every second iteration stores an instruction over `patch`; from the
+  // fourth iteration on, a hardware loop ends at `last`.
   const auto program = assemble(fmt::format(R"(
 _start: .option norvc
     la s0, patch

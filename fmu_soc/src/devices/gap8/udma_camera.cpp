@@ -145,7 +145,7 @@ void UdmaCamera::convert() {
   const std::size_t width = format_.width();
   const std::size_t rows = pixels_.size() / width;
   const std::size_t pairs = width / kPixelBytes;
-  // The window is in pairs of bytes, as in the interface. Its last row and column are included.
+  // The registers count columns in pairs of bytes. The window includes its last row and column.
   const bool has_window = (interface_.global & kHasWindow) != 0;
   const std::size_t first_row = has_window ? lower >> 16 : 0;
   const std::size_t end_row = has_window ? std::min<std::size_t>(rows, (upper >> 16) + 1) : rows;

@@ -118,7 +118,7 @@ class ConfigMaker {
     }
   }
 
-  /// Returns the change of a value from the hop `first` on.
+  /// Returns the combined transformation of a value by all hops from `first` on.
   Course course_of(const Way& way, std::size_t first, const std::optional<modeldesc::Unit>& unit) const {
     const auto from = network_.port(way[first]->from);
     const auto to = network_.port(way.back()->to);

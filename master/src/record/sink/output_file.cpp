@@ -111,7 +111,7 @@ void OutputFile::flush() {
     if (count < 0) {
       const int error_number = errno;
       buffer_.clear();
-      // A partial row would be unreadable: truncates to the end of the last complete piece, which is the end of a row.
+      // Truncates to the end of the last complete row, because readers cannot read a partial row.
       if (uninterrupted([&] { return ::ftruncate(descriptor_, before); }) == 0)
         written_bytes_ = static_cast<std::uint64_t>(before);
       fail(error_number);

@@ -33,7 +33,7 @@ class CsvReader {
   std::size_t line() const { return line_; }
   /// A cell of the row, without its quotation marks. Valid until the next call of next().
   std::string_view cell(std::size_t column) const { return cells_[column]; }
-  /// Returns the cell as a finite number. Throws Error if it is not one.
+  /// Returns the cell as a number. Throws Error if the cell is not a finite number.
   double number(std::size_t column) const;
 
   /// Throws Error with the place of the cell and `what`.

@@ -45,7 +45,7 @@ class Node {
   /// Returns the members of an object, in the order of the file. A duplicate key is reported; its first value counts.
   std::vector<Member> members() const;
   bool has(std::string_view key) const { return find(key).has_value(); }
-  /// Returns the member of this key. Empty if there is none or if this is not an object.
+  /// Returns the member with this key. Empty if the member does not exist, or if this value is not an object.
   std::optional<Node> find(std::string_view key) const;
   Node at(std::string_view key) const;
 
@@ -76,7 +76,7 @@ class Node {
   std::string shown() const;
   /// Returns the JSON pointer (RFC 6901); empty for the root.
   std::string pointer() const;
-  /// Returns a place such as "file.json:12:5: /pointer/to/value". The place of a member is that of its key.
+  /// Returns a place such as "file.json:12:5: /pointer/to/value". The place of a member is the place of its key.
   std::string place() const;
 
  private:

@@ -20,8 +20,8 @@ namespace mebots::data {
 ///     object.read_if("yaw", gate.yaw_rad, number());
 ///     object.finish();
 ///
-/// If a member is missing or wrong, adds a mistake, leaves its variable unchanged, and continues with the next. The
-/// known keys are those that were read, so there is no second list of them.
+/// If a member is missing or wrong, adds a mistake, does not change its variable, and continues with the next member.
+/// All keys that were read are known keys, so there is no separate list of keys.
 class Object {
  public:
   /// Throws Mistakes if the node is not an object.
@@ -35,14 +35,14 @@ class Object {
     if (!member) complain_missing(key);
     return member && take(*member, into, reader);
   }
-  /// As read(), for an optional key. If the key is absent, leaves the variable unchanged and returns false.
+  /// Like read(), for an optional key. If the key is absent, leaves the variable unchanged and returns false.
   template <typename T, typename Reader>
   bool read_if(std::string_view key, T& into, const Reader& reader) {
     known_.emplace_back(key);
     const auto member = node_.find(key);
     return member && take(*member, into, reader);
   }
-  /// As read(), for a reader that returns nothing and stores the values itself.
+  /// Like read(), for a reader that stores the values itself.
   template <typename Reader>
   bool visit(std::string_view key, const Reader& reader) {
     bool done = false;
@@ -55,7 +55,7 @@ class Object {
   bool visit_if(std::string_view key, const Reader& reader) {
     return node_.has(key) ? visit(key, reader) : (known_.emplace_back(key), false);
   }
-  /// Permits keys that other code reads, or that only people read.
+  /// Permits keys that other code reads, or that are comments.
   void allow(std::initializer_list<std::string_view> keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
   /// Permits an optional text for people or for editors.
   void comment(std::string_view key);

@@ -22,7 +22,7 @@ struct EnumerationItem {
   std::string_view name;
 };
 
-/// The offset of a variable without a field, because it is computed when it is read.
+/// The offset of a variable without a field. Such a variable is computed when it is read.
 inline constexpr std::size_t kNoField = static_cast<std::size_t>(-1);
 
 /// Marks a variable whose number of elements is fixed.

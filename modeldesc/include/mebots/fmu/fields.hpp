@@ -39,7 +39,7 @@ class NumberField {
   void* at_;
 };
 
-/// Returns null if the FMU has no such variable with this causality, or if it has no field.
+/// Returns null if the FMU has no such variable with this causality, or if the variable has no field.
 inline const Variable* find_variable(Causality causality, std::string_view name) {
   for (const auto& variable : kDefinition.variables) {
     if (variable.name == name && variable.causality == causality && variable.offset != kNoField) return &variable;

@@ -41,8 +41,8 @@ class ArchiveReader {
   const std::vector<Entry>& entries() const { return entries_; }
   /// Returns the number of entries whose names contain backslashes.
   std::size_t backslashes() const { return backslashes_; }
-  /// Passes the entry's bytes to `take`, part by part. Throws mebots::Error if they are damaged, or if their number
-  /// differs from the declared size. Never passes more than the declared size.
+  /// Passes the entry's bytes to `take`, part by part. Throws mebots::Error if the bytes are damaged, or if their
+  /// number differs from the declared size. Never passes more than the declared size.
   void read(const Entry& entry, const std::function<void(std::string_view)>& take) const;
 
  private:

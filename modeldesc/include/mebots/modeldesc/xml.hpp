@@ -19,7 +19,7 @@ namespace mebots::modeldesc {
 /// value.
 ModelDescription read_xml(const std::filesystem::path& file);
 
-/// Does the same as read_xml() for a text. `source` is its name in messages.
+/// Reads a text like read_xml(). `source` is its name in messages.
 ModelDescription read_xml_text(std::string_view text, std::string_view source);
 
 /// Returns the text of a modelDescription.xml. Equal descriptions give equal bytes.

@@ -10,7 +10,7 @@
 namespace mebots::state {
 
 /// Computes a hash (64-bit FNV-1a) of names, types, sizes and order of all visited values; the values do not count. If
-/// it is equal in two builds, their states can be exchanged.
+/// two builds have the same hash, their states can be exchanged.
 class Layout final : public Visitor {
  public:
   Layout() : Visitor(Purpose::layout) {}

@@ -102,7 +102,7 @@ class Visitor {
   bool restores() const { return purpose_ == Purpose::restore; }
 
   /// Visits a plain value, an object with visit(), or an array, vector, text, optional or variant of these. Names are
-  /// those of the members without the underscore. They need to be valid only during the call.
+  /// those of the members without the underscore. The names must be valid only during the call.
   template <typename T>
   void operator()(std::string_view name, T& value) {
     if constexpr (Visited<T>) {
