@@ -10,7 +10,7 @@ namespace mebots::motors {
 double steady_speed_rad_per_s(const RotorData& rotor, double thrust_coefficient, double voltage_v);
 
 /// Conductance [S] and counter current [A] of one motor for its supply: from a supply of V volts it draws conductance V
-/// - counter current, averaged over the PWM's period. Both are 0 if `supply_v` drives no current.
+/// - counter current, averaged over the PWM's period. Both are 0 if the motor draws no current at `supply_v`.
 struct SupplyLoad {
   double conductance_s = 0;
   double counter_current_a = 0;

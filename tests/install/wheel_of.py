@@ -34,7 +34,7 @@ def installed_tree(build, work):
 
 
 def write_metadata(sources, tree):
-    """Adds the folder of metadata, without RECORD, and returns it."""
+    """Adds the wheel's folder of metadata, without the file RECORD, and returns the folder."""
     project = tomllib.loads((sources / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     version = re.search(r"(?i)project\(mebots VERSION ([0-9.]+)", (sources / "CMakeLists.txt").read_text(encoding="utf-8"))[1]
     info = tree / f"mebots-{version}.dist-info"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes calls of the C library on files of one folder fail. LD_PRELOAD loads it; tests/support/io_faults.py builds and
-// controls it. A fault is a kind of call, the number of the call, and an error; "sticky" calls fail from that one on.
+// controls it. A fault has a kind of call, the number of the call, and an error. A "sticky" fault also applies to all
+// later calls.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

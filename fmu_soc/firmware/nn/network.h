@@ -51,7 +51,7 @@ nn_layer_t nn_layer(int index);
 uint32_t nn_checksum(const void* bytes, int count, uint32_t hash);
 #define NN_CHECKSUM_START 2166136261U
 
-// The outputs of all convolutions; that of the first one is pooled.
+// Outputs of all convolutions; the output of the first convolution is pooled.
 typedef struct {
   uint8_t pooled[NN_POOLED_EDGE * NN_POOLED_EDGE * NN_CHANNELS_FIRST];
   uint8_t second[21 * 21 * NN_CHANNELS_SECOND];

@@ -143,7 +143,7 @@ void Connection::refuse_others() {
     const auto answer = "+" + framed(kBusy);
     ::send(caller.descriptor(), answer.data(), answer.size(), MSG_NOSIGNAL);
     ::shutdown(caller.descriptor(), SHUT_WR);
-    // Reads the rest first: if the connection is closed with unread data, the reply may be lost.
+    // Reads all remaining data first. If the connection were closed with unread data, the reply might be lost.
     while (is_readable(caller, kRefusalMs) && ::recv(caller.descriptor(), ignored, sizeof ignored, 0) > 0) continue;
   }
 }

@@ -26,7 +26,7 @@ std::size_t History::bytes() const {
   return std::accumulate(snapshots_.begin(), snapshots_.end(), start_.state.size(), add);
 }
 
-/// Drops every second state, but not the newest, and doubles the distance of later ones.
+/// Drops every second saved state except the newest, and doubles the distance between later states.
 void History::thin() {
   std::vector<Snapshot> kept;
   for (std::size_t i = 0; i < snapshots_.size(); ++i) {

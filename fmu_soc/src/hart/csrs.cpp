@@ -120,7 +120,7 @@ struct Csrs::Rows {
   }
 
   static const std::array<Row, csr::kPlaces.size()> kAll;
-  /// Index of the row + 1 by core and number; 0 if there is none.
+  /// For each core and register number, the index of the row plus 1; 0 if there is no row.
   static const std::array<std::array<std::uint8_t, kNumbers>, kCores> kRowOf;
   static const Row* find(const Csrs& csrs, unsigned number);
 };

@@ -39,8 +39,8 @@ class Banks {
 
   unsigned count() const { return count_; }
 
-  /// Returns the ticks from `tick` to the first free cycle of the bank. A tick before the start counts as the start.
-  /// From kReach after the start on, all cycles are free.
+  /// Returns the ticks from `tick` to the first free cycle of the bank. A tick before the start of the table counts as
+  /// the start. All cycles from kReach after the start are free.
   std::uint32_t wait(std::uint64_t tick, std::uint32_t address) const {
     const auto end = start_ + kReach;
     if (tick >= end) return 0;

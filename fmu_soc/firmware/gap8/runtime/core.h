@@ -19,7 +19,7 @@ uint32_t core_clock_hz(void);
 // no interrupt, so the clock then stays until the next sleep.
 void core_clock_set(uint32_t hz);
 
-// Enables interrupt `number`: it ends a sleep, and is taken if interrupts are on.
+// Enables interrupt `number`. An enabled interrupt ends a sleep, and is taken if interrupts are on.
 static inline void core_enable_interrupt(unsigned number) {
   const uint32_t bit = UINT32_C(1) << number;
   store(EU_BASE + EU_MASK_OR_OFFSET, bit);

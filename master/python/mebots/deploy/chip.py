@@ -136,7 +136,7 @@ class Build:
         return out
 
     def chip(self) -> pathlib.Path:
-        """Builds the program that checks and measures."""
+        """Builds the program that checks and measures a deployed network."""
         gcc = compiler()
         self._make_header()
         return self._link(gcc, self._own(), [*self._runtime(), *self._shared()], "check.elf")

@@ -57,8 +57,9 @@ HIGHEST_CELL_V = 4.4
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """The number of samples of a signal that a rule found. ``first_s`` is the time of the first, ``total`` the
-    number of the signal's samples in the file."""
+    """The number of samples of a signal that a rule found. ``first_s`` is the time of the first such sample, ``total``
+    the number of the signal's samples in the file.
+    """
 
     signal: str
     rule: str

@@ -20,7 +20,8 @@ namespace {
 
 using namespace ssp;
 
-/// True if the output can have the source value of an entry in a map. Other entries are ignored (SSP 2.0, 4.5.2.3).
+/// True if the output can have this source value of a map. Entries of a map with other source values are ignored (SSP
+/// 2.0, 4.5.2.3).
 bool may_give(const Port& port, const std::string& source) {
   if (port.variable == nullptr || port.variable->type == modeldesc::Type::boolean) return true;
   std::int32_t number = 0;

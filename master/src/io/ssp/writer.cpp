@@ -222,7 +222,7 @@ class SspWriter {
   }
 
   void write_annotations(pugi::xml_node annotations) {
-    // Sections that SSP cannot express.
+    // Sections of a config for which SSP has no elements.
     Json rest = Json::object();
     for (const auto& [key, value] : config_.items()) {
       if (key != "$schema" && key != "instances" && key != "connections" && key != "start_time" && key != "stop_time") {

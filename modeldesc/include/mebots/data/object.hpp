@@ -108,7 +108,7 @@ double read_quantity(const Node& node, std::string_view unit, const Limits& limi
 inline auto quantity(std::string_view unit, const Limits& limits = {}) {
   return [=](const Node& node) { return read_quantity(node, unit, limits); };
 }
-/// Reads the members `unit`, which must equal the argument, and `source`, which must not be empty.
+/// Reads the members `unit` and `source`. `unit` must be equal to the argument, and `source` must not be empty.
 void read_unit(Object& object, std::string_view unit);
 void read_source(Object& object);
 
