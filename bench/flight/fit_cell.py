@@ -55,8 +55,9 @@ def main():
         return (flown.errors(cell_of(x[:COMMON]), np.exp(x[COMMON:])) * weight)[known]
 
     def slopes(x):
-        """Returns numerical derivatives. A flight's factor affects only its own errors, so that one run serves all
-        of them."""
+        """Returns numerical derivatives. The factor of a flight affects only the errors of this flight, so one run
+        gives the derivatives for all factors.
+        """
         ground, step = errors(x), 1e-4
         matrix = np.zeros((ground.size, x.size))
         for i in range(COMMON):

@@ -32,7 +32,7 @@ def spread(values):
 
 
 def before(flights, judged):
-    """Returns for each judged flight the earlier one that provides its factor, or None."""
+    """Returns for each judged flight the earlier flight that provides its factor, or None."""
     found = []
     for flight in judged:
         earlier = [f for f in flights if f.start_s < flight.start_s]

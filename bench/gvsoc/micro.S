@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Runs the micro programs of tests/soc/rtl on core 0 of the cluster, and leaves what they note of themselves in "result".
+# Runs the micro programs of tests/soc/rtl on core 0 of the cluster, and writes their recorded counts to the file "result".
     .option norvc
     .option norelax
     .equ kStarted, 1               # cores of the cluster

@@ -32,7 +32,7 @@
     sw x0, 4 * 18(x17)
     addi x17, x17, 128
 .endm
-# What a watched instruction gets.
+# Operands of a watched instruction.
 .macro log_watched word, rd, rs1, rs2
     li x18, kWatched
     sw x18, 0(x17)

@@ -90,7 +90,7 @@ constexpr std::size_t kMostLines = 10;
 constexpr std::size_t kWidest = 110;
 constexpr auto kCut = ", ...";
 
-/// A list of values that is truncated when it becomes too wide.
+/// A list of values. It is truncated if its text becomes too wide.
 class ValueLine {
  public:
   explicit ValueLine(std::string head) : text_(std::move(head)) {}

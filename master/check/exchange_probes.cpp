@@ -22,7 +22,7 @@ constexpr int kEulerSteps = 20;
 constexpr int kEulerHalf = kEulerSteps / 2;
 constexpr double kEulerStep_s = 0.01;
 constexpr int kMostUpdates = 1000;
-/// Beyond it, the states are a fault of explicit Euler, not of the FMU.
+/// If states exceed this limit, the cause is the method (explicit Euler), not the FMU.
 constexpr double kDiverged = 1e100;
 
 /// A function of both versions, for reports of crashes.

@@ -127,7 +127,7 @@ const Form& find_form(std::string_view name) {
       {"causality1", is_one_of<fmi::kCausalityWords1>, either(fmi::kCausalityWords1)},
       {"variability1", is_one_of<fmi::kVariabilityWords1>, either(fmi::kVariabilityWords1)},
       {"alias1", is_one_of<fmi::kAliasWords1>, either(fmi::kAliasWords1)},
-      // Forms of FMI 3.0.
+      // Forms of values that only FMI 3.0 has.
       {"fmi3", is_fmi3_version, "3.0, or a later 3.x"},
       {"causality3", is_one_of<kCausality3Words>, either(kCausality3Words)},
       {"interval", is_one_of<kIntervalWords>, either(kIntervalWords)},

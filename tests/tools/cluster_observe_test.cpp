@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the cluster's cores in profile and trace: each core has its own, and their sum is that of the chip.
+// Tests the cluster's cores in profile and trace: each core has its own profile, and their sum is that of the chip.
 #include "board_system.hpp"
 #include "observe/profile.hpp"
 #include "observe/session.hpp"

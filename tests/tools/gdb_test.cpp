@@ -475,7 +475,7 @@ TEST_F(Gdb, AWriteThatChangesNothingKeepsTheHistory) {
   EXPECT_EQ(run.exit_code, 2) << run.gdb << run.err;
 }
 
-/// `seen` belongs to core 3 there. Behind its store, another core has its turn.
+/// `seen` belongs to core 3 at this place. After its store, another core has its turn.
 TEST_F(Gdb, ReverseContinueStopsTheCoreOfTheClusterThatStored) {
   const Debugged run(
       "watch *((int*)&seen + 3)\ncontinue\ndelete\nstepi 2\nwatch *((int*)&seen + 3)\nthread 1\nreverse-continue\n"

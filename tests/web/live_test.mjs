@@ -97,7 +97,7 @@ const overHttp = {
         known = `?rows=${rows}&pictures=0&log=${log}`; // like the page's request for new data
         ++looks;
       } catch {
-        // The run has ended in the meantime. Its exit code shows how.
+        // The run has ended in the meantime. Its exit code shows the reason.
       }
     }
     const code = await ended;

@@ -25,7 +25,7 @@ typedef navigator_output_t navigator_t(const uint8_t* frame, int width, int heig
 navigator_t finder_navigate;
 // The neural network. It only sets the yaw, with full confidence. For a picture below 168 x 168, confidence is 0.
 navigator_t network_navigate;
-// The same network on the chip's cluster, for pictures up to 324 x 324.
+// Evaluates a picture of up to 324 x 324 pixels with the network on the chip's cluster.
 navigator_t cluster_navigate;
 
 #ifdef __cplusplus

@@ -92,9 +92,10 @@ typedef struct {
   uint32_t in, other, out;  // offsets in the network's memory
   uint32_t blocks;          // offset of layer_block_t in the weights
   uint32_t l1_in[2], l1_other[2], l1_data[2], l1_out[2], l1_unpooled;
-  // Convolution: runs of bytes that are contiguous in a patch, in words; the last word of each may exceed it, and has
-  // zeros as weights. Steps are bytes from the end of a run to the start of the next one.
-  // Depthwise: runs are places of the kernel, run_words the fours of them; steps are in rows and columns of the input.
+  // Convolution: a run is a range of contiguous bytes in a patch; run_words is its length in words. The last word may
+  // exceed the run; its weights are then zero. Steps are bytes from the end of a run to the start of the next one.
+  // Depthwise: runs are places of the kernel; run_words is their number divided by four. Steps are in rows and columns
+  // of the input.
   int32_t runs_y, runs_x, run_words;
   int32_t step_x, step_y;
   int32_t group_bytes;

@@ -23,8 +23,8 @@ static inline bool nn_cluster_takes(int width, int height) {
 // be on; the content of L1 does not matter.
 nn_output_t nn_cluster_infer(const uint8_t* frame, int width, int height, unsigned cores);
 
-// Does the same for a picture that is already reduced to 168 x 168 (grey level minus 128), for comparison with golden
-// vectors.
+// Computes the network like the function above, for a picture that is already reduced to 168 x 168 (grey level minus
+// 128). Used for comparison with golden vectors.
 nn_output_t nn_cluster_infer_shrunk(const int8_t picture[NN_PICTURE_BYTES], unsigned cores);
 
 // Returns the hash of the output of layer 0 to 6 of the last inference, while the cluster is on.

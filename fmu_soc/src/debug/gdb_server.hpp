@@ -42,7 +42,7 @@ class GdbServer {
   /// Restores an earlier state if gdb wants to go back; at a fault, waits for gdb first.
   bool rewind();
 
-  /// Reports the end of the program to gdb. After a fault, gdb can inspect the chip first.
+  /// Reports the end of the program to gdb. If the end is a fault, gdb can inspect the chip before the run ends.
   void finish(int exit_code);
 
  private:

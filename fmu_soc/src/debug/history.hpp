@@ -14,8 +14,8 @@ namespace mebots::soc::debug {
 /// The past of a debugged run: saved states, from which a replay reaches any earlier instruction.
 ///
 /// A position is the number of instructions that all harts have begun since the start, counted by calls of
-/// Observer::before(). A replay from a saved state calls it in the same order, because the run is cut into the same
-/// pieces. The output of the program is not repeated. Its input is read again from a log, at the same calls.
+/// Observer::before(). A replay from a saved state makes these calls in the same order, because the run is divided into
+/// the same pieces. The output of the program is not repeated. Its input is read again from a log, at the same calls.
 class History {
  public:
   struct Snapshot {

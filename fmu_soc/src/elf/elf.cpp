@@ -250,7 +250,8 @@ std::string read_architecture(const ElfBytes& file, std::span<const SectionHeade
   return architecture_in(file.part(section->offset, section->size, "the attributes"));
 }
 
-/// Line numbers are only for messages. If their sections are damaged or compressed, the program has none.
+/// Line numbers are only for messages. If the sections with line numbers are damaged or compressed, the program counts
+/// as one without line numbers.
 std::shared_ptr<const LineSections> read_lines(const ElfBytes& file, const FileHeader& header,
                                                std::span<const SectionHeader> sections) {
   auto lines = std::make_shared<LineSections>();

@@ -162,8 +162,8 @@ class BlockCache {
   }
   /// Sets the listener for invalid blocks; null removes it.
   void set_listener(BlockListener* listener) { listener_ = listener; }
-  /// Sets the most wait cycles of one bus access of the core. Bounds keep the largest value ever set, so that a memory
-  /// whose supply is switched needs no new decoding.
+  /// Sets the maximum number of wait cycles of one bus access of the core. Time bounds of blocks use the largest value
+  /// that was ever set. So no code is decoded again when the supply of a memory is switched.
   void set_longest_wait(std::uint32_t cycles);
   /// Returns the instruction cache; null if there is none.
   const InstructionCache* fetched() const { return cached_lines_; }

@@ -410,7 +410,7 @@ std::uint64_t Csrs::event_count(unsigned counter) const {
   return counter == 1 ? execution_.counters.instructions : execution_.events[counter];
 }
 
-/// Uses the same base as the standard counters: see read_counter().
+/// The event counters have a base like the standard counters: see read_counter().
 std::uint32_t Csrs::event_counter(unsigned counter) const {
   if (counter >= state_.pccr_base.size()) return 0;  // there are no other events
   const auto base = state_.pccr_base[counter];

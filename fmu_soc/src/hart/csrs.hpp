@@ -58,7 +58,8 @@ class Csrs {
   /// True if U mode must not execute wfi (mstatus.TW).
   bool wait_traps() const { return state_.mode == Mode::user && state_.wait_traps; }
   const Pmp& pmp() const { return pmp_; }
-  /// True if an access or a fetch may be forbidden: then each is checked, and no code is translated.
+  /// True if the privilege mode may forbid an access or a fetch. Then each access is checked, and no code is
+  /// translated.
   bool is_guarded() const { return guarded_; }
   /// True if an event other than cycles and instructions is counted: then each instruction is accounted for.
   bool counts_events() const { return counts_events_; }

@@ -44,7 +44,7 @@ constexpr std::uint8_t third_register(const Instruction& instruction) {
 /// Returns the handler of an operation with a second operand of this kind.
 Handler handler_of(Op op, Operand operand = Operand::reg);
 
-/// Computes rd from rs1 and the second operand. compute_of() returns null if the operation does more than that.
+/// Computes rd from rs1 and the second operand. compute_of() returns null if the operation has other effects, too.
 using Compute = std::uint32_t (*)(std::uint32_t a, std::uint32_t b);
 Compute compute_of(Op op);
 /// The condition under which a branch is taken; null for other operations.

@@ -492,8 +492,8 @@ constexpr Word half(Word a) {
   if (traits_of(kOp).high) return shift_right<kOp>(a, 16);
   return traits_of(kOp).sign ? static_cast<Word>(static_cast<std::int16_t>(a)) : a & 0xffffU;
 }
-/// Returns the sum plus the product of halves, shifted right. If the traits say so, the value is rounded before the
-/// shift.
+/// Returns the sum plus the product of halves, shifted right. If the operation's traits require rounding, the value is
+/// rounded before the shift.
 template <Op kOp>
 constexpr Word execute_accumulate_halves(Word sum, Word a, Word b, Word shift) {
   sum += half<kOp>(a) * half<kOp>(b);

@@ -116,7 +116,7 @@ class Session {
   void listen(StateListener& listener);
   /// Called after the chip was restored to an earlier state.
   void restored();
-  /// Call both for GdbServer::checkpoint() and GdbServer::rewind().
+  /// These two functions call GdbServer::checkpoint() and GdbServer::rewind().
   void checkpoint();
   bool rewind();
   /// Ends a step of the caller.

@@ -35,7 +35,7 @@ void FlowLog::report(const ObservedRun& observed) {
   e.host.flow = steps_.get();
   if (observed.observer() == nullptr) return;
   make_absolute(steps);
-  // During the call, the hart's counters are those after the last step.
+  // During the call, the hart's counters have their values after the last step.
   const auto at_end = e.counters;
   const auto& last = steps.back();
   e.counters.instructions = last.instructions;

@@ -36,7 +36,7 @@ struct CaseResult {
   std::size_t variables = 0;
   double wall_s = 0;
 
-  /// Returns a line with the reason why the case did not pass, or with what was compared.
+  /// Returns a line of text: the reason for which the case did not pass, or the number of comparisons.
   std::string text() const;
 };
 

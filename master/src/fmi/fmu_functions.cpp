@@ -30,7 +30,7 @@ struct Expected {
   bool may_continue = false;  ///< the returned text may be longer: "3.0.2"
 };
 
-/// Throws InputError if the function returns a different text.
+/// Throws InputError if the FMU's function returns another text than the expected one.
 template <typename Function>
 void require_text(const LibraryOwner& owner, const Expected& expected, Function* function) {
   const char* const answer = call_library(owner.archive, expected.doing, function);

@@ -42,7 +42,8 @@ std::map<std::string, std::string> environment_for(const std::filesystem::path& 
   return variables;
 }
 
-/// Ends this process as Linux ends one that does the same, see rt_sigqueueinfo(2): a process may send itself any code.
+/// Ends this process with the signal that Linux sends for the same fault. See rt_sigqueueinfo(2): a process may send
+/// itself a signal with any code.
 [[noreturn]] void end_by_fault(int signal, std::uint64_t address) {
   siginfo_t info{};
   info.si_signo = signal;

@@ -106,7 +106,7 @@ Json pictures_json(const SystemDescription& description) {
   return pictures;
 }
 
-/// Returns the groups of the summary: the variables of like things, by name.
+/// Returns the groups of the summary: for each group, the variables of its members, by name.
 Json groups_json(const SystemDescription& description) {
   auto groups = Json::array();
   for (const auto& entry : description.summary) {

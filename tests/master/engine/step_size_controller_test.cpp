@@ -32,7 +32,8 @@ std::int64_t settled(const StepControlDescription& description, double wanted, i
 }
 
 TEST(StepSizeController, SettlesWhereTheIntegralPartIsOne) {
-  // safety * e^-(kI + kP) * e^kP = 1, so e = safety^(1 / kI); e is the square of the length over the wanted one.
+  // safety * e^-(kI + kP) * e^kP = 1, so e = safety^(1 / kI). e is the square of the ratio of the length to the wanted
+  // length.
   const double error = std::pow(0.8, 1 / 0.15);
   for (const int order : {1, 2, 3, 4, 6}) {
     EXPECT_NEAR(static_cast<double>(settled(description(), 100'000, order)), 100'000 * std::sqrt(error), 2) << order;

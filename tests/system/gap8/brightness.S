@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# A program for board gap8 that sees and tells: it sets up the camera by I2C, takes one picture after the other, and
-# sends the sums of its left and its right half, each over 512, to whoever listens at SPI master 1.
+# A program for board gap8. It sets up the camera by I2C and takes one picture after the other. For each picture, it sends the sums of the left and of the right half, each divided by 512, through SPI master 1.
     .equ kUdma, 0x1A102000
     .equ kEventUnit, 0x00204000
     .equ kEvents, 0x00200800

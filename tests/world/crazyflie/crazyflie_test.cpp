@@ -165,7 +165,7 @@ TEST(CrazyflieKalman, FollowsTheGyroscopeThroughAWholeTurn) {
   EXPECT_NEAR(filter.attitude().angularDistance(Eigen::Quaterniond::Identity()), 0.0, 1e-6);
 }
 
-/// The configuration of a Crazyflie: its own controller on its own estimate, with the noise of its IMU.
+/// The configuration of a real Crazyflie: the firmware's controller uses the estimate, with the noise of the IMU.
 test::RigParameters own() {
   test::RigParameters p = FlightRig::small_camera();
   p.stabiliser_controller = FlightController::crazyflie;

@@ -156,7 +156,7 @@ TEST(Link, ASetpointArrivesAfterItsLatencyAndInOrder) {
 }
 
 TEST(Link, LatencyShiftsAFlightInTime) {
-  // The same take-off a tenth of a second later has the same bits.
+  // A take-off that starts a tenth of a second later has the same bits.
   test::RigParameters late = FlightRig::small_camera();
   late.setpoint_latency_s = 0.1;
   FlightRig delayed(shipped_scene("empty"), late);

@@ -101,7 +101,7 @@ TEST_P(StepResponse, WindIsHeldAgainst) {
   EXPECT_LT(fastest, 0.5);
   EXPECT_LT(rig_.outputs.drone_speed_m_per_s, 0.01);
   EXPECT_NEAR(rig_.altitude_m(), 1.0, 0.01);
-  // It leans into the wind: the angle is drag over weight.
+  // The drone leans into the wind: the angle is the ratio of drag to weight.
   const double lean = std::atan(0.0147 * 2.0 / (0.04 * 9.80665));
   EXPECT_NEAR(rig_.outputs.drone_roll_rad, lean, 0.002);
 }

@@ -12,7 +12,7 @@
 namespace mebots::soc {
 
 KindLibrary::KindLibrary(const std::filesystem::path& path) : path_(path) {
-  // An absolute path, because the loader would search the system's folders for a bare name.
+  // The path is absolute, because the loader would search a name without folder in the system's folders.
   const auto file = std::filesystem::absolute(path);
   handle_ = open_library(file);
   using Function = const DeviceLibrary* (*)();

@@ -32,7 +32,8 @@ struct UdmaTransfer {
   }
 };
 
-/// A peripheral on channels of the uDMA, with its connected parts of the board. Offsets are those of the uDMA.
+/// A peripheral on channels of the uDMA, with its connected parts of the board. Offsets of registers are relative to
+/// the uDMA's base address.
 class UdmaPeripheral {
  public:
   UdmaPeripheral() = default;

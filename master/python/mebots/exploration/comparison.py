@@ -129,7 +129,7 @@ class Evidence:
         return [_known(one) for one in self._measures[design][replicate * width : (replicate + 1) * width]]
 
     def columns(self, design: int, begin: int, end: int) -> list[array.array[float]]:
-        """Returns each measure of the replicates from ``begin`` to ``end``; NaN if a mission has none."""
+        """Returns the measures of the replicates from ``begin`` to ``end``; NaN for missions without a measure."""
         width = len(self.index)
         return [self._measures[design][begin * width + at : end * width : width] for at in range(width)]
 

@@ -50,8 +50,9 @@ def factors_of(names: Sequence[str], designs: Sequence[Values], units: Units) ->
 
 
 def short_names(names: Sequence[str]) -> list[str]:
-    """Returns the last part of each name, with the preceding parts that make it unique. A last part such as "name"
-    always gets the part before it."""
+    """Returns the last part of each name, with the preceding parts that make it unique. For general words such as
+    "name", the part before is always added.
+    """
 
     def ending(name: str, parts: int) -> str:
         return name.removeprefix("/") if name.startswith("/") else ".".join(name.split(".")[-parts:])

@@ -51,7 +51,7 @@ class Search:
         return Flights(range(first, len(self._designs)), 0, self._study.replicates)
 
     def ahead(self) -> Flights:
-        """Returns no missions, because the next designs depend on this round."""
+        """Returns an empty list, because the next designs depend on the results of this round."""
         return Flights([], 0, 0)
 
     def most_left(self) -> int:

@@ -27,7 +27,7 @@ WIDTH, HEIGHT = 1280, 720
 PATIENCE_S = 120  # until the page is drawn
 ABOVE = 10  # file descriptors from here on are free: Chromium uses 3 and 4
 
-# A moment is visible after two animation frames were drawn.
+# Waits for two animation frames, after which the page shows the new time.
 SHOW = """new Promise((done) => {
   globalThis.mebots.clock.set(%r);
   requestAnimationFrame(() => requestAnimationFrame(() => done()));

@@ -267,7 +267,7 @@ def _fit_thrust(
 
 def _fit_mass(base: Airframe, flown: Sequence[_Flown], source: str, new: dict[str, Any], result: Identified) -> None:
     balance = _balance(flown)
-    # In F - c v = m (g + a), needed - c v is the right-hand side with the base's mass.
+    # In the equation F - c v = m (g + a), `needed` - c v is the right-hand side with the mass of the base airframe.
     fit = _ratio(balance.needed_n - balance.drag_n, balance.model_n - balance.drag_n, balance.clusters)
     factor = float(fit.values[0])
     low, high = _widened(*fit.interval(0), factor, base.data("rotor")["thrust_coefficient"])

@@ -130,7 +130,8 @@ class EnvironmentVariables {
 /// Such a change alters what the other FMUs and the master compute or write. Not for use by two threads at once.
 class ProcessState {
  public:
-  /// Reads the parts that can change according to `reach`. For the open descriptors see DescriptorState.
+  /// Reads the parts of the state that an FMU with this `reach` can change. DescriptorState describes the open
+  /// descriptors.
   explicit ProcessState(const OpenFiles& files = open_files(), ProcessReach reach = ProcessReach::everything);
 
   /// Undoes changes where possible. Returns a text per difference: "the mask of file modes became 000 (put back to

@@ -85,7 +85,7 @@ LONG WINAPI report_exception(EXCEPTION_POINTERS* pointers) {
   return EXCEPTION_EXECUTE_HANDLER;
 }
 
-/// Again after each load, because the library may have set its own filter.
+/// Sets the filter again after each load, because the library may have replaced it.
 void catch_exceptions() {
   constexpr ULONG kStackForFilter = 1 << 16;
   ULONG stack = kStackForFilter;

@@ -397,7 +397,8 @@ class Expansion {
     return result;
   }
 
-  /// Calls `put` with the entry without `repeat`, and with `outer` and the values of each copy.
+  /// Calls `put` once for each copy. The arguments are the entry without `repeat`, and the values of the copy together
+  /// with `outer`.
   template <typename Put>
   void each_copy(const Node& node, const Json& entry, const Values& outer, const Put& put) {
     const auto repeat = node.find(kRepeat);

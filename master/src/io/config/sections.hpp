@@ -94,8 +94,8 @@ ConditionDescription read_lasting_condition(const Node& node, const SystemDescri
 
 }  // namespace mebots::master::config
 
-/// Entries that a config describes once for many copies: {"motors[{i}]": {"repeat": {"i": [1, 16]}, "fmu": ...}}. They
-/// are replaced by their copies before the sections are read. `groups` names what several entries repeat.
+/// Entries that a config describes once for many copies: {"motors[{i}]": {"repeat": {"i": [1, 16]}, "fmu": ...}}. The
+/// copies replace the entry before the sections are read. `groups` gives names to indexes that several entries use.
 namespace mebots::master::config {
 
 inline constexpr const char* kRepeat = "repeat";

@@ -22,7 +22,7 @@ enum class EventHandler : std::uint8_t {
 /// A co-simulation instance of FMI 3.0 in this process. If the FMU has an event mode, it is used.
 class Fmi3Slave final : public Fmi3Instance, public EventInstance {
  public:
-  /// The other arguments are those of Fmi3Instance.
+  /// The constructor of Fmi3Instance explains the other arguments.
   Fmi3Slave(std::string name, std::shared_ptr<Fmu> fmu, std::shared_ptr<const modeldesc::ModelDescription> model,
             const modeldesc::StructuralValues& structural, std::vector<std::string> log_categories,
             MessageSink& messages, const TimeGrid& grid = {}, EventHandler handler = EventHandler::slave);

@@ -74,7 +74,7 @@ IsolatedSlave::IsolatedSlave(const ResolvedInstance& instance, MessageSink& mess
   open(grid);
 }
 
-/// Returns the name of the host's current or last call.
+/// Returns the name of the call that the host process executes or executed last.
 const char* IsolatedSlave::call_name() const {
   return name_of(control_->call.load(), instance_->model->fmi_version);
 }
