@@ -77,7 +77,7 @@ void Instance::enter_initialization() {
 }
 
 void Instance::exit_initialization() {
-  MEBOTS_ASSERT(state_ == State::initialization, "the table of legal calls lets nobody else in");
+  MEBOTS_ASSERT(state_ == State::initialization, "the table of legal calls excludes all other states");
   try {
     bring_model_up_to_date();
     deliver_held_messages();
