@@ -243,7 +243,7 @@ convolution:
     bnez s5, 1b
     meet
 
-# Down a column: four words of four pixels, one word of fifth pixels, and one fifth pixel more.
+# Runs down a column. A patch has four words of four pixels each, one word of fifth pixels, and one further fifth pixel.
     .balign 16
 convolution_vector:
     share kOut
@@ -472,7 +472,7 @@ master: la s11, begin_signature
 12: p.elw t0, 0x21c, s0            # for ever: it is alone at the barrier
     j 12b
 
-# The job of the row at s10: noise everywhere, an output of zeros.
+# Prepares the job of the row at s10: fills the inputs with noise, and the output with zeros.
 prepare:
     fill_noise kMem, kMemBytes
     lw t0, 12(s10)

@@ -70,8 +70,8 @@ class Sequences(unittest.TestCase):
                     successes += chance.random() < share
                     if count < 10:
                         continue
-                    # This uses the evidence in place of the interval's limits. The test is equivalent and needs no
-                    # search.
+                    # Compares the evidence (the martingale's value) with its bound, instead of the interval's limits.
+                    # Both tests are equivalent, but this one needs no search.
                     if interval is share_sequence:
                         if answers.share_evidence(successes, count, share) >= -math.log(0.05):
                             return True

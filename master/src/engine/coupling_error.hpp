@@ -44,7 +44,7 @@ class CoupledInput {
   /// Returns the order of the error: the power of the step with which the deviation decreases.
   int order() const { return 1 + static_cast<int>(input_.derivatives.size()); }
 
-  /// Starts a step of the source at its present output.
+  /// Called when a step of the source starts: stores its present output.
   void advance(std::int64_t time_ns, const TimeGrid& grid);
   std::optional<std::int64_t> start_ns() const { return start_ns_; }
   /// Returns the output itself, from the start of the source's step to the present.
