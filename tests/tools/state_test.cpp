@@ -94,6 +94,7 @@ TEST_F(StateFiles, AreRefusedForAnotherProgramBoardOrMemory) {
   };
   refuses(load(program_, "--core ri5cy"), "--core");
   refuses(load(program_, "--ram 0x80000000:64K"), "--ram");
+  refuses(load(program_, "--board " MEBOTS_SOURCE_DIR "/configs/boards/virt.json"), "--board");
   const Folder other;
   refuses(load(other.program(loop(1001))), "program");
 }
@@ -107,11 +108,15 @@ TEST_F(StateFiles, AreRefusedIfDamaged) {
     EXPECT_THAT(run.err, HasSubstr("--load-state " + state_)) << length;
   }
   write_file(state_, bytes + "x");
-  EXPECT_THAT(load(program_).err, HasSubstr("longer"));
+  EXPECT_THAT(load(program_).err, HasSubstr("is damaged"));
+  auto flipped = bytes;
+  flipped[bytes.size() / 2] ^= 1;
+  write_file(state_, flipped);
+  EXPECT_THAT(load(program_).err, HasSubstr("is damaged"));
   write_file(state_,
              "\x7f"
              "ELF");
-  EXPECT_THAT(load(program_).err, HasSubstr("is not a state"));
+  EXPECT_THAT(load(program_).err, HasSubstr("does not begin with"));
 }
 
 TEST_F(StateFiles, GiveAnErrorIfTheLimitLiesBefore) {

@@ -57,7 +57,7 @@ std::optional<GdbServer::Resume> GdbServer::travel(std::string_view command) {
   if (command == "reset") {
     names_.clear();
     replay_ = Replay{.phase = Replay::Phase::restarting, .place = {.position = 1}};
-    answer_ = to_hex(fmt::format("at the start of the program; {}", kHint));
+    answer_ = to_hex(fmt::format("at the start of the run; {}", kHint));
     return Resume::rewind;
   }
   if (!command.starts_with(kRestore)) return std::nullopt;

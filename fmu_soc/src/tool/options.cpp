@@ -23,7 +23,7 @@ constexpr auto kFooter =
     "Exit codes:\n"
     "  what the program stored to tohost, shifted right by one, or passed to EXIT (low 8 bits)\n"
     "  101 a fault, a limit, kill in gdb, a sleep that nothing ends, an endless loop of a program without limit\n"
-    "  102 bad input: command line, files, program, board; nothing ran\n"
+    "  102 bad input: command line, files, program, board; nothing ran. Also: --save-state found nothing to save\n"
     "Examples:\n"
     "  mebots-soc run gate.elf --board ai_deck --max-instructions 3000000 --profile gate.json\n"
     "  mebots-soc run hello.elf --host-files .\n"

@@ -362,7 +362,8 @@ void load_state(const std::string& path, const StateFile& file, Soc& soc, const 
                             *limits.instructions, path, instructions));
   }
   if (limits.time && soc.now() > *limits.time) {
-    throw Error(fmt::format("--max-time: the state of --load-state {} is later, at {} s", path,
+    throw Error(fmt::format("--max-time {} s: the state of --load-state {} is later, at {} s",
+                            static_cast<double>(*limits.time) / kPsPerS, path,
                             static_cast<double>(soc.now()) / kPsPerS));
   }
 }
@@ -406,6 +407,9 @@ int run(const Options& options) {
   Soc soc(board, chip, settings, program,
           options.control ? listeners_of(controlled) : listeners_of(console, page, history, options));
   if (const auto tohost = program.symbol("tohost")) soc.program_host().watch(*tohost);
+  std::optional<StateFile> state_file;
+  if (options.load_state || options.save_state) state_file.emplace(options, soc);
+  if (options.load_state) load_state(*options.load_state, *state_file, soc, limits);
   HostFiles files(options.host_files, options.control ? static_cast<Console&>(controlled) : console);
   HostServices services(soc, files, options.program);
   soc.program_host().serve(&services, options.user);
@@ -416,9 +420,6 @@ int run(const Options& options) {
   if (options.json) json.emplace("--json", *options.json);
   std::optional<observe::TextFile> long_report;
   if (options.report) long_report.emplace("--report", *options.report);
-  std::optional<StateFile> state_file;
-  if (options.load_state || options.save_state) state_file.emplace(options, soc);
-  if (options.load_state) load_state(*options.load_state, *state_file, soc, limits);
   std::optional<observe::TextFile> saved_state;
   if (options.save_state) saved_state.emplace("--save-state", *options.save_state);
   if (history) requests.history = &*history;

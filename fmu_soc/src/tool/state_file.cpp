@@ -15,29 +15,39 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <system_error>
 
 namespace mebots::soc::tool {
 namespace {
 
 constexpr std::string_view kFormat = "mebots-soc state 1";
+constexpr auto kNone = "none";
 
 std::string checksum_of(std::string_view bytes) {
   return fmt::format("{:08x}", libdeflate_crc32(0, bytes.data(), bytes.size()));
 }
 
 std::string checksum_of_file(const std::optional<std::string>& path) {
-  return path ? checksum_of(text_of(*path)) : "none";
+  return path ? checksum_of(text_of(*path)) : kNone;
 }
 
-/// Returns a checksum of the names and contents of a folder's files.
-std::string checksum_of_folder(const std::optional<std::string>& path) {
-  if (!path) return "none";
+/// Returns a checksum of the names and contents of a folder's files whose names end with `ending`.
+std::string checksum_of_folder(const std::filesystem::path& folder, std::string_view ending) {
   std::set<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(*path)) {
-    if (entry.is_regular_file()) files.insert(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.is_regular_file() && entry.path().string().ends_with(ending)) files.insert(entry.path());
   }
   std::string all;
   for (const auto& file : files) all += fmt::format("{} {}\n", file.filename().string(), checksum_of(text_of(file)));
+  return checksum_of(all);
+}
+
+/// Returns a checksum of the libraries of devices, which are in the folders of --devices or beside the board file.
+std::string checksum_of_libraries(const Options& options, const std::optional<std::string>& board) {
+  auto folders = options.device_folders;
+  if (folders.empty() && board) folders.push_back(std::filesystem::absolute(*board).parent_path().string());
+  std::string all;
+  for (const auto& folder : folders) all += checksum_of_folder(folder, ".so");
   return checksum_of(all);
 }
 
@@ -55,18 +65,21 @@ StateFile::StateFile(const Options& options, const Soc& soc) {
   const auto board = options.board ? std::optional(board_file(*options.board).string()) : std::nullopt;
   lines_ = {{"program", checksum_of_file(options.program)},
             {"--board", checksum_of_file(board)},
-            {"--core", options.core.value_or("none")},
+            {"--devices", checksum_of_libraries(options, board)},
+            {"--core", options.core.value_or(kNone)},
             {"--ram", fmt::format("{}", fmt::join(options.ram, " "))},
             {"--flash", checksum_of_file(options.flash)},
-            {"--pictures", checksum_of_folder(options.pictures)},
-            {"build", fmt::format("{:016x}", state::layout_of(soc))}};
+            {"--pictures", options.pictures ? checksum_of_folder(*options.pictures, "") : kNone},
+            {"mebots-soc", checksum_of_file("/proc/self/exe")},
+            {"layout", fmt::format("{:016x}", state::layout_of(soc))}};
 }
 
 void StateFile::load(const std::string& path, Soc& soc) const {
   const auto bytes = text_of(path);
   std::string_view rest = bytes;
   if (take_line(rest) != kFormat) {
-    throw Error(fmt::format("--load-state {}: this is not a state that --save-state of this version wrote", path));
+    throw Error(fmt::format(
+        "--load-state {}: this file does not begin with \"{}\"; give a file that --save-state wrote", path, kFormat));
   }
   for (const auto& [name, value] : lines_) {
     if (take_line(rest) == fmt::format("{} {}", name, value)) continue;
@@ -75,25 +88,30 @@ void StateFile::load(const std::string& path, Soc& soc) const {
                     "inputs to the same build of mebots-soc, or save the state again",
                     path, name));
   }
-  try {
-    state::restore(soc, std::as_bytes(std::span(rest)));
-  } catch (const Error& error) {
-    throw Error(error.code(), fmt::format("--load-state {}: {}", path, error.what()));
+  if (const auto checksum = take_line(rest); checksum != checksum_of(rest)) {
+    throw Error(ErrorCode::state_damaged,
+                fmt::format("--load-state {}: the file is damaged; save the state again", path));
   }
+  state::restore(soc, std::as_bytes(std::span(rest)));
 }
 
 void StateFile::save(observe::TextFile& file, const Soc& soc) const {
   if (!soc.running()) {
-    std::filesystem::remove(file.path());
+    file.close();
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(file.path(), ignored)) std::filesystem::remove(file.path(), ignored);
     const auto* reason = soc.end() == End::stopped
-                             ? "the run was stopped within a step of the cluster; end it with --max-time"
+                             ? "the run was stopped at one core, in gdb or within a step of the cluster; end it with "
+                               "--max-time"
                              : "the program has ended; end the run before, for example with --max-time";
     throw Error(fmt::format("--save-state {}: no state is saved, because {}", file.path(), reason));
   }
   file.print("{}\n", kFormat);
   for (const auto& [name, value] : lines_) file.print("{} {}\n", name, value);
   const auto state = state::save(soc);
-  file.put({reinterpret_cast<const char*>(state.data()), state.size()});
+  const std::string_view bytes(reinterpret_cast<const char*>(state.data()), state.size());
+  file.print("{}\n", checksum_of(bytes));
+  file.put(bytes);
   file.close();
 }
 
